@@ -1,0 +1,26 @@
+# Every outside thing that the build needs, with a clear message when it is missing. `./dev` installs them all.
+set(THREADS_PREFER_PTHREAD_FLAG ON)
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+
+find_package(Boost 1.81 QUIET)
+if(NOT Boost_FOUND)
+  message(FATAL_ERROR "Boost >= 1.81 is needed (libboost1.81-dev on Debian 12, libboost-dev on 13): run ./dev, which installs it.")
+endif()
+find_package(glm REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(GTest REQUIRED)
+find_package(Vulkan REQUIRED)
+find_package(prometheus-cpp CONFIG REQUIRED)
+find_package(SDL2 REQUIRED)
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
+pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
+pkg_check_modules(SPIRV_CROSS REQUIRED IMPORTED_TARGET spirv-cross-c-shared)
+
+find_program(FLATC flatc REQUIRED)
+find_program(GLSLANG glslangValidator REQUIRED)
+
+add_library(brume_asio INTERFACE)
+target_link_libraries(brume_asio INTERFACE Boost::boost Threads::Threads)
+target_compile_definitions(brume_asio INTERFACE BOOST_ASIO_NO_DEPRECATED)

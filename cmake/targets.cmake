@@ -1,0 +1,36 @@
+# Flags that every target of ours has, and the two kinds of target: a library per folder, a program.
+add_library(brume_flags INTERFACE)
+target_include_directories(brume_flags INTERFACE ${PROJECT_SOURCE_DIR})
+# No contraction: the simulation gives the same bits whatever the compiler.
+target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror -ffp-contract=off)
+target_compile_definitions(brume_flags INTERFACE BRUME_VERSION="${PROJECT_VERSION}")
+if(BRUME_SANITIZE)
+  target_compile_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE})
+endif()
+
+# brume_library(NAME SOURCES ... LINKS ...)
+function(brume_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC brume_flags ${ARG_LINKS})
+endfunction()
+
+# brume_program(NAME SOURCES ... LINKS ...)
+function(brume_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE brume_flags ${ARG_LINKS})
+endfunction()
+
+# brume_test(NAME LABEL unit|gpu|net SOURCES ... LINKS ...): one ctest entry per program, so that a device is made once.
+function(brume_test name)
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINKS" ${ARGN})
+  brume_program(${name} SOURCES ${ARG_SOURCES} LINKS ${ARG_LINKS} GTest::gtest GTest::gtest_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+endfunction()

@@ -1,0 +1,133 @@
+// A scene as loaded from TOML: plain numbers, already checked. Metres, seconds, radians, linear Rec.709.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace brume {
+
+struct Range {
+    float lo = 0, hi = 0;
+};
+
+enum class Layout { cube, tubes, cumulus, emitter, file };
+
+// Births per second from a disc; every particle rises, grows, thins (its optical mass is conserved) and dies at its life's end.
+struct Emitter {
+    glm::vec3 position{0};
+    float radius = 0.5f;         // m, of the disc that births fall on
+    float rate = 500;            // 1/s
+    float life = 8;              // s
+    glm::vec3 velocity{0, 2, 0}; // m/s at birth
+    float spread = 0.3f;         // m/s, random part of the velocity at birth
+    float growth = 0.3f;         // m/s, d(scale)/dt
+    float buoyancy = 0.5f;       // m/s^2 along +Y, fading over the life
+    glm::vec3 wind{0};           // m/s that velocities relax to
+    float turbulence = 0.8f;     // m/s, RMS of the divergence-free noise velocity
+    float eddy = 3;              // m, size of the largest eddies
+};
+
+struct Medium {
+    Layout layout = Layout::cube;
+    uint32_t count = 500;       // 1 ... 1,000,000; an emitter's pool size
+    glm::vec3 centre{0};        // m, of the layout
+    float extent = 10;          // m, side of the cube, length of a tube, width of the cumulus
+    Range scale{6, 6};          // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
+    float falloff = 1.6f;       // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
+    float extinction = 15;      // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
+    Range multiplier{5, 10};    // per particle, uniform
+    glm::vec3 albedo{0.9f};     // rho, in [0, 1]
+    float anisotropy = 0;       // a in [0, 1]: p = (1-a)/4pi + a HG(g)
+    float asymmetry = 0;        // g in (-1, 1)
+    uint64_t seed = 1;
+    Emitter emitter;            // layout emitter only
+    std::filesystem::path file; // layout file only, resolved against the scene's folder
+};
+
+struct SimulationSettings {
+    float spring = 4;           // 1/s^2, acceleration toward the target per metre
+    float viscosity = 1.5f;     // 1/s
+    float impulse_radius = 2;   // m around the cursor's ray
+    float impulse_strength = 8; // m/s at the ray
+    glm::vec3 volume_velocity{0}; // m/s, the volume drifts
+    float volume_swing = 0;     // m, amplitude along x of a slow sway
+    float volume_period = 10;   // s, of that sway
+    bool paused = false;
+};
+
+// One directional light today; the scene holds a list so that more kinds fit.
+struct Light {
+    glm::vec3 to_light{0.4f, 0.8f, 0.45f}; // unit after loading
+    glm::vec3 irradiance{10};              // E, W/m^2 per channel, perpendicular to the light
+    float rotate = 0;                      // rad/s about +Y
+};
+
+struct Plane { // horizontal ground, seen from above
+    float height = 0;
+    glm::vec3 albedo{0.5f};
+};
+struct Box {
+    glm::vec3 centre{0}, size{1}; // m, full edge lengths
+    float yaw = 0;                // rad about +Y
+    glm::vec3 albedo{0.5f};
+};
+struct Sphere {
+    glm::vec3 centre{0};
+    float radius = 1;
+    glm::vec3 albedo{0.5f};
+};
+
+struct Sky {
+    glm::vec3 zenith{0.18f, 0.32f, 0.62f};  // radiance straight up; blends to the horizon's
+    glm::vec3 horizon{0.55f, 0.66f, 0.78f};
+    glm::vec3 ambient{0};                   // uniform radiance that the medium scatters in without shadowing; exact: rho * ambient * (1 - T)
+};
+
+struct SceneCamera {
+    glm::vec3 position{0, 2, 26}, target{0};
+    float fov_y = 0.8f;
+};
+
+// What the renderer is asked for; changed by commands while the server runs.
+struct RenderSettings {
+    std::string method = "sphere";         // a name of server/render/methods.cpp
+    std::string quadrature = "simpson";    // isv: simpson | transmittance | analytic
+    uint32_t steps = 2;                    // simpson 1...10, transmittance 1...3
+    float exposure = 1;
+    std::string tone_map = "filmic";       // filmic | linear
+    uint32_t shadow_size = 256;            // texels a side, 16...1024
+    uint32_t shadow_slices = 16;           // planes, 2...128
+    uint32_t opaque_shadow_size = 1024;    // texels a side
+    float cutoff = 1e-3f;                  // optical depth: bound on the SUM that proxies leave out on any ray
+};
+
+struct Scene {
+    std::string name;
+    Medium medium;
+    SimulationSettings simulation;
+    std::vector<Light> lights; // exactly one today
+    std::vector<Plane> planes;
+    std::vector<Box> boxes;
+    std::vector<Sphere> spheres;
+    Sky sky;
+    SceneCamera camera;
+    RenderSettings render;
+};
+
+// What is wrong with a scene: "file:line: key: what, and what is allowed".
+struct SceneError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// Strict: an unknown key, a wrong type or a value out of range throws SceneError. Missing keys take the defaults above.
+Scene loadScene(const std::filesystem::path& file);
+
+// A name ("plume") is looked up in `scene_dir`; anything with a slash or ".toml" is a path.
+std::filesystem::path findScene(const std::string& name_or_path, const std::filesystem::path& scene_dir);
+
+} // namespace brume

@@ -1,0 +1,72 @@
+// What viewers may ask of the shared scene. Commands are taken in order at a tick and stamped with it.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace brume {
+
+struct Impulse { // pushes particles near the ray away from it and along it
+    glm::vec3 origin{0}, direction{0, 0, -1}; // direction is unit
+    glm::vec3 push{0};                        // m/s per unit of strength; zero means: away from the ray
+    float strength = 1;                       // times the scene's impulse_strength, in [-10, 10]
+};
+struct MoveVolume {
+    glm::vec3 offset{0}; // m, added to the volume's place
+};
+struct SetLight {
+    std::optional<glm::vec3> to_light, irradiance;
+    std::optional<float> rotate;
+};
+struct SetMedium {
+    std::optional<float> extinction, falloff, anisotropy, asymmetry;
+    std::optional<glm::vec3> albedo;
+};
+struct SetRender {
+    std::optional<std::string> method, quadrature;
+    std::optional<uint32_t> steps;
+    std::optional<float> exposure;
+};
+struct SetSimulation {
+    std::optional<bool> paused;
+};
+struct Restart {};
+
+using CommandBody = std::variant<Impulse, MoveVolume, SetLight, SetMedium, SetRender, SetSimulation, Restart>;
+
+struct Command {
+    uint32_t viewer = 0; // who asked
+    uint32_t seq = 0;    // the viewer's own number
+    CommandBody body;
+};
+
+// Many writers, one reader. Bounded: a full queue refuses, so that the writer can answer its viewer; nothing is dropped silently.
+class CommandQueue {
+public:
+    explicit CommandQueue(size_t capacity = 4096) : capacity_(capacity) { pending_.reserve(capacity); }
+    [[nodiscard]] bool push(Command command) {
+        const std::scoped_lock lock(mutex_);
+        if (pending_.size() >= capacity_) return false;
+        pending_.push_back(std::move(command));
+        return true;
+    }
+    // Swaps the pending commands into `out`, which is cleared first; the two buffers keep their capacity.
+    void drain(std::vector<Command>& out) {
+        out.clear();
+        const std::scoped_lock lock(mutex_);
+        std::swap(out, pending_);
+    }
+
+private:
+    std::mutex mutex_;
+    size_t capacity_;
+    std::vector<Command> pending_;
+};
+
+} // namespace brume

@@ -1,0 +1,55 @@
+// The shared simulation: deterministic, fixed step, on the CPU. Seed 000 section 3.14, plus an emitter.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "common/scene.h"
+#include "server/sim/command.h"
+#include "shaders/shared/types.h"
+
+namespace brume {
+
+inline constexpr double kTickSeconds = 1.0 / 60.0;
+
+struct Bounds {
+    glm::vec3 lo{0}, hi{0}; // of the particles' centres, m
+    float max_scale = 0;    // the largest particle's scale, m
+    float max_sigma_t = 0;  // the largest peak extinction, 1/m
+};
+
+// Everything a frame needs to know about the scene that commands and time may change.
+struct SceneNow {
+    Medium medium;
+    Light light;
+    RenderSettings render;
+    bool paused = false;
+};
+
+class Simulation {
+public:
+    // Throws SceneError when the scene's particle file is bad.
+    explicit Simulation(const Scene& scene);
+    ~Simulation();
+    Simulation(Simulation&&) noexcept;
+
+    // One tick of 1/60 s: applies the commands in order, then moves the particles (not when paused). Allocates nothing.
+    void step(std::span<const Command> commands);
+
+    uint64_t tick() const;
+    // 64-bit hash of the whole state after the last step; equal seeds and commands give equal hashes.
+    uint64_t stateHash() const;
+    uint32_t liveCount() const;
+    uint32_t capacity() const; // the most particles that there can ever be
+    const Bounds& bounds() const;
+    const SceneNow& now() const;
+    // Writes the live particles, in a stable order. Precondition: out.size() >= liveCount().
+    void write(std::span<gpu::Particle> out) const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace brume

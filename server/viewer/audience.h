@@ -1,0 +1,69 @@
+// All viewers of the one scene, and what every one of them is told. Thread-safe.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/scene.h"
+#include "server/sim/command.h"
+#include "server/viewer/viewer.h"
+
+namespace brume {
+
+// The scene as viewers are told of it; immutable once published.
+struct SceneReport {
+    uint64_t tick = 0, state_hash = 0;
+    uint32_t particles = 0;
+    bool paused = false;
+    Light light;
+    Medium medium; // extinction, falloff, anisotropy, asymmetry, albedo are current
+    RenderSettings render;
+    std::vector<PassTime> passes;
+};
+
+// What does not change while the server runs.
+struct SceneFacts {
+    std::string scene, device;
+    SceneCamera camera;
+    std::vector<std::string> methods, quadratures;
+};
+
+class Audience {
+public:
+    Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight);
+
+    const SceneFacts& facts() const { return facts_; }
+
+    // Null when the house is full.
+    std::shared_ptr<Viewer> join(std::function<void()> notify);
+    void leave(const std::shared_ptr<Viewer>& viewer);
+    uint32_t size() const;
+    // The viewers in order of joining. Reuses `out`.
+    void list(std::vector<std::shared_ptr<Viewer>>& out) const;
+
+    CommandQueue& commands() { return commands_; }
+
+    void publish(std::shared_ptr<const SceneReport> report);
+    std::shared_ptr<const SceneReport> report() const; // never null
+    // Grows when a report is published that a viewer should see at once (a setting changed, a viewer came or went).
+    uint64_t revision() const;
+
+    // The frame loop runs and frames can be had: /readyz.
+    std::atomic<bool> ready{false};
+
+private:
+    SceneFacts facts_;
+    uint32_t max_viewers_, max_in_flight_;
+    CommandQueue commands_;
+    mutable std::mutex mutex_;
+    std::vector<std::shared_ptr<Viewer>> viewers_;
+    uint32_t next_id_ = 1;
+    std::shared_ptr<const SceneReport> report_;
+    uint64_t revision_ = 0;
+};
+
+} // namespace brume

@@ -1,0 +1,43 @@
+// What travels between the frame loop and a viewer's connection: the pose that is wanted, the frame that answers it.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/camera.h"
+
+namespace brume {
+
+using Clock = std::chrono::steady_clock;
+
+struct PoseRequest {
+    uint32_t seq = 0;
+    uint64_t client_time_us = 0;
+    Pose pose;
+    uint16_t width = 640, height = 360; // of one eye
+    uint8_t views = 1;                  // 1 or 2
+    uint8_t quality = 80;               // JPEG, 1...100
+    Clock::time_point received{};
+};
+
+// One encoded answer to one pose; immutable once delivered. JPEG bytes stay in `jpeg` until the socket has sent them.
+struct EncodedFrame {
+    uint32_t id = 0; // grows by one per viewer
+    uint64_t tick = 0, state_hash = 0;
+    PoseRequest request;
+    float wait_ms = 0, render_ms = 0, encode_ms = 0, gpu_ms = 0;
+    Clock::time_point encoded{};
+    std::array<std::vector<uint8_t>, 2> jpeg; // [request.views]
+};
+using FramePtr = std::shared_ptr<const EncodedFrame>;
+
+struct PassTime {
+    std::string name;
+    float ms = 0; // smoothed
+};
+
+} // namespace brume
