@@ -1,0 +1,308 @@
+#include "tests/unit/protocol_examples.h"
+
+#include <boost/json/src.hpp>
+
+namespace brume::wire {
+namespace json = boost::json;
+namespace {
+
+using Builder = flatbuffers::FlatBufferBuilder;
+
+template <class Build>
+Example example(const char* name, Build&& build, std::span<const uint8_t> after = {}) {
+    const Packed packed = pack(build);
+    Example made{name, {packed.data(), packed.data() + packed.size()}};
+    made.bytes.insert(made.bytes.end(), after.begin(), after.end());
+    return made;
+}
+
+template <class Build>
+Example input(const char* name, uint32_t seq, Build&& build) {
+    return example(name, [&](Builder& b) {
+        const auto command = build(b);
+        using Table = typename std::remove_pointer_t<decltype(flatbuffers::GetTemporaryPointer(b, command))>;
+        return CreateInput(b, seq, 1'234'567 + seq, CommandTraits<std::remove_const_t<Table>>::enum_value, command.Union());
+    });
+}
+
+json::value number(uint64_t value) { return json::value(std::to_string(value)); }
+json::value text(const flatbuffers::String* value) { return value ? json::value(value->c_str()) : json::value(nullptr); }
+json::value vec(const Vec3* v) { return v ? json::value{v->x(), v->y(), v->z()} : json::value(nullptr); }
+json::value quat(const Quat* q) { return q ? json::value{q->x(), q->y(), q->z(), q->w()} : json::value(nullptr); }
+template <class T>
+json::value maybe(flatbuffers::Optional<T> value) {
+    return value ? json::value(*value) : json::value(nullptr);
+}
+
+json::value names(const flatbuffers::Vector<flatbuffers::Offset<flatbuffers::String>>* list) {
+    if (!list) return nullptr;
+    json::array out;
+    for (const auto* name : *list) out.emplace_back(name->c_str());
+    return out;
+}
+
+json::value hex(std::span<const uint8_t> bytes) {
+    json::string out;
+    for (const uint8_t byte : bytes) {
+        out += "0123456789abcdef"[byte >> 4];
+        out += "0123456789abcdef"[byte & 15];
+    }
+    return out;
+}
+
+json::object of(const Hello& m) {
+    return {{"client", text(m.client())},
+            {"width", m.width()},
+            {"height", m.height()},
+            {"views", m.views()},
+            {"quality", m.quality()}};
+}
+
+json::object of(const Pose& m) {
+    return {{"seq", m.seq()},
+            {"client_time_us", number(m.client_time_us())},
+            {"position", vec(m.position())},
+            {"orientation", quat(m.orientation())},
+            {"fov_y", m.fov_y()},
+            {"eye_separation", m.eye_separation()},
+            {"width", m.width()},
+            {"height", m.height()}};
+}
+
+json::object of(const Impulse& c) {
+    return {{"origin", vec(c.origin())}, {"direction", vec(c.direction())}, {"push", vec(c.push())}, {"strength", c.strength()}};
+}
+json::object of(const MoveVolume& c) { return {{"offset", vec(c.offset())}}; }
+json::object of(const SetLight& c) {
+    return {{"to_light", vec(c.to_light())}, {"irradiance", vec(c.irradiance())}, {"rotate", maybe(c.rotate())}};
+}
+json::object of(const SetMedium& c) {
+    return {{"extinction", maybe(c.extinction())},
+            {"falloff", maybe(c.falloff())},
+            {"anisotropy", maybe(c.anisotropy())},
+            {"asymmetry", maybe(c.asymmetry())},
+            {"albedo", vec(c.albedo())}};
+}
+json::object of(const SetRender& c) {
+    return {{"method", text(c.method())},
+            {"quadrature", text(c.quadrature())},
+            {"steps", maybe(c.steps())},
+            {"exposure", maybe(c.exposure())}};
+}
+json::object of(const SetSimulation& c) { return {{"paused", maybe(c.paused())}}; }
+json::object of(const Restart&) { return {}; }
+
+json::object of(const Input& m) {
+    json::object command;
+    switch (m.command_type()) {
+    case Command::Impulse:
+        command = of(*m.command_as_Impulse());
+        break;
+    case Command::MoveVolume:
+        command = of(*m.command_as_MoveVolume());
+        break;
+    case Command::SetLight:
+        command = of(*m.command_as_SetLight());
+        break;
+    case Command::SetMedium:
+        command = of(*m.command_as_SetMedium());
+        break;
+    case Command::SetRender:
+        command = of(*m.command_as_SetRender());
+        break;
+    case Command::SetSimulation:
+        command = of(*m.command_as_SetSimulation());
+        break;
+    case Command::Restart:
+        command = of(*m.command_as_Restart());
+        break;
+    case Command::NONE:
+        break;
+    }
+    return {{"seq", m.seq()},
+            {"client_time_us", number(m.client_time_us())},
+            {"command_type", EnumNameCommand(m.command_type())},
+            {"command", std::move(command)}};
+}
+
+json::object of(const Ack& m) { return {{"frame", m.frame()}}; }
+json::object of(const Ping& m) { return {{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}; }
+json::object of(const Pong& m) { return {{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}; }
+json::object of(const Goodbye& m) { return {{"reason", text(m.reason())}, {"retry_after_s", m.retry_after_s()}}; }
+
+json::object of(const Welcome& m) {
+    return {{"viewer", m.viewer()},
+            {"server", text(m.server())},
+            {"scene", text(m.scene())},
+            {"device", text(m.device())},
+            {"width", m.width()},
+            {"height", m.height()},
+            {"views", m.views()},
+            {"tick_hz", m.tick_hz()},
+            {"max_in_flight", m.max_in_flight()},
+            {"camera",
+             {{"position", vec(m.camera()->position())}, {"target", vec(m.camera()->target())}, {"fov_y", m.camera()->fov_y()}}},
+            {"methods", names(m.methods())},
+            {"quadratures", names(m.quadratures())}};
+}
+
+json::object of(const SceneState& m) {
+    json::array passes;
+    if (m.passes())
+        for (const auto* pass : *m.passes()) passes.push_back({{"name", text(pass->name())}, {"ms", pass->ms()}});
+    return {{"tick", number(m.tick())},
+            {"state_hash", number(m.state_hash())},
+            {"viewers", m.viewers()},
+            {"particles", m.particles()},
+            {"paused", m.paused()},
+            {"to_light", vec(m.to_light())},
+            {"irradiance", vec(m.irradiance())},
+            {"rotate", m.rotate()},
+            {"extinction", m.extinction()},
+            {"falloff", m.falloff()},
+            {"anisotropy", m.anisotropy()},
+            {"asymmetry", m.asymmetry()},
+            {"albedo", vec(m.albedo())},
+            {"method", text(m.method())},
+            {"quadrature", text(m.quadrature())},
+            {"steps", m.steps()},
+            {"exposure", m.exposure()},
+            {"passes", std::move(passes)}};
+}
+
+json::object of(const Frame& m) {
+    const Stages& s = *m.stages();
+    json::array lengths;
+    for (const uint32_t length : *m.jpeg_bytes()) lengths.emplace_back(length);
+    return {
+        {"id", m.id()},
+        {"tick", number(m.tick())},
+        {"state_hash", number(m.state_hash())},
+        {"pose_seq", m.pose_seq()},
+        {"client_time_us", number(m.client_time_us())},
+        {"position", vec(m.position())},
+        {"orientation", quat(m.orientation())},
+        {"fov_y", m.fov_y()},
+        {"width", m.width()},
+        {"height", m.height()},
+        {"quality", m.quality()},
+        {"stages", {{"wait", s.wait()}, {"render", s.render()}, {"encode", s.encode()}, {"queue", s.queue()}, {"gpu", s.gpu()}}},
+        {"jpeg_bytes", std::move(lengths)}};
+}
+
+json::object of(const Error& m) {
+    return {{"code", EnumNameErrorCode(m.code())}, {"text", text(m.text())}, {"input_seq", m.input_seq()}};
+}
+
+Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const uint8_t> jpeg) {
+    const Vec3 position(1.5f, -2.25f, 26);
+    const Quat orientation(0, 0.6f, 0, 0.8f);
+    const Stages stages(3.5f, 12.25f, 0.75f, 0.125f, 9.5f);
+    return example(
+        name,
+        [&](Builder& b) {
+            return CreateFrameDirect(b, 41, 123'456'789'012, 0xfedc'ba98'7654'3210, 4'294'967'295, 9'007'199'254'740'993,
+                                     &position, &orientation, 0.75f, 1280, 720, 85, &stages, &lengths);
+        },
+        jpeg);
+}
+
+} // namespace
+
+std::vector<Example> makeExamples() {
+    // Not pictures: a viewer's codec must hand these bytes on as they are.
+    const std::vector<uint8_t> jpeg{0xff, 0xd8, 0x01, 0x02, 0x03, 0xff, 0xd9, 0xff, 0xd8, 0x0a, 0x0b, 0xff, 0xd9};
+    const Vec3 v(1.5f, -2.25f, 26), to_light(0.5f, 0.75f, 0.25f), irradiance(10, 9.5f, 8), albedo(0.5f, 0.75f, 1);
+    const Quat turned(0, 0.6f, 0, 0.8f);
+
+    std::vector<Example> all;
+    all.push_back(
+        example("hello", [](Builder& b) { return CreateHelloDirect(b, "example 1.0 \xe2\x98\x81", 1280, 720, 2, 85); }));
+    all.push_back(example("hello_defaults", [](Builder& b) { return CreateHello(b); }));
+    all.push_back(example("pose", [&](Builder& b) {
+        return CreatePose(b, 4'294'967'295, 9'007'199'254'740'993, &v, &turned, 0.75f, 0.0625f, 640, 360);
+    }));
+    all.push_back(input("input_impulse", 1, [&](Builder& b) {
+        const Vec3 direction(0, 0, -1), push(0, 4, 0);
+        return CreateImpulse(b, &v, &direction, &push, -2.5f);
+    }));
+    all.push_back(input("input_move_volume", 2, [&](Builder& b) { return CreateMoveVolume(b, &v); }));
+    all.push_back(input("input_set_light", 3, [&](Builder& b) { return CreateSetLight(b, &to_light, nullptr, 0.25f); }));
+    all.push_back(input("input_set_medium", 4, [&](Builder& b) { return CreateSetMedium(b, 15, {}, 0.5f, {}, &albedo); }));
+    all.push_back(input("input_set_render", 5, [](Builder& b) { return CreateSetRenderDirect(b, "isv", "analytic", 3, {}); }));
+    all.push_back(input("input_set_simulation", 6, [](Builder& b) { return CreateSetSimulation(b, true); }));
+    all.push_back(input("input_restart", 7, [](Builder& b) { return CreateRestart(b); }));
+    all.push_back(example("ack", [](Builder& b) { return CreateAck(b, 41); }));
+    all.push_back(example("ping", [](Builder& b) { return CreatePing(b, 7, 9'007'199'254'740'993); }));
+    all.push_back(example("pong", [](Builder& b) { return CreatePong(b, 7, 9'007'199'254'740'993); }));
+    all.push_back(example("goodbye", [](Builder& b) { return CreateGoodbyeDirect(b, "the server stops", 2.5f); }));
+    all.push_back(example("welcome", [&](Builder& b) {
+        const std::vector<flatbuffers::Offset<flatbuffers::String>> methods{b.CreateString("sphere"), b.CreateString("isv")};
+        const std::vector<flatbuffers::Offset<flatbuffers::String>> quadratures{b.CreateString("simpson")};
+        const Vec3 position(0, 2, 26), target(0, 0.5f, 0);
+        const auto camera = CreateCamera(b, &position, &target, 0.75f);
+        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "plume", "llvmpipe", 1280, 720, 2, 60, 2, camera, &methods, &quadratures);
+    }));
+    all.push_back(example("scene_state", [&](Builder& b) {
+        const std::vector<flatbuffers::Offset<PassTime>> passes{CreatePassTimeDirect(b, "sort", 0.5f),
+                                                                CreatePassTimeDirect(b, "medium", 7.25f)};
+        return CreateSceneStateDirect(b, 123'456'789'012, 0xfedc'ba98'7654'3210, 3, 65'535, true, &to_light, &irradiance, 0.25f,
+                                      15, 1.5f, 0.5f, -0.25f, &albedo, "sphere", "simpson", 2, 1.25f, &passes);
+    }));
+    all.push_back(frame("frame", {13}, jpeg));
+    all.push_back(frame("frame_stereo", {7, 6}, jpeg));
+    all.push_back(
+        example("error", [](Builder& b) { return CreateErrorDirect(b, ErrorCode::unknown_name, "no method \"tetra\"", 5); }));
+    return all;
+}
+
+json::object describe(const Parsed& message) {
+    json::object body;
+    json::object out{{"type", EnumNameBody(message.type())}};
+    switch (message.type()) {
+    case Body::Hello:
+        body = of(*message.as<Hello>());
+        break;
+    case Body::Pose:
+        body = of(*message.as<Pose>());
+        break;
+    case Body::Input:
+        body = of(*message.as<Input>());
+        break;
+    case Body::Ack:
+        body = of(*message.as<Ack>());
+        break;
+    case Body::Ping:
+        body = of(*message.as<Ping>());
+        break;
+    case Body::Pong:
+        body = of(*message.as<Pong>());
+        break;
+    case Body::Goodbye:
+        body = of(*message.as<Goodbye>());
+        break;
+    case Body::Welcome:
+        body = of(*message.as<Welcome>());
+        break;
+    case Body::SceneState:
+        body = of(*message.as<SceneState>());
+        break;
+    case Body::Frame:
+        body = of(*message.as<Frame>());
+        break;
+    case Body::Error:
+        body = of(*message.as<Error>());
+        break;
+    case Body::NONE:
+        break;
+    }
+    out["body"] = std::move(body);
+    if (const Frame* frame = message.as<Frame>()) {
+        json::array views;
+        for (uint32_t view = 0; view < frame->jpeg_bytes()->size(); ++view) views.push_back(hex(message.view(view)));
+        out["jpeg"] = std::move(views);
+    }
+    return out;
+}
+
+} // namespace brume::wire
