@@ -1,0 +1,152 @@
+#include "server/gpu/commands.h"
+
+namespace brume::gpu {
+
+Commands::Commands(const Device& device, const char* name) : device_(device), stamps_(2 * kMaxPasses) {
+    passes_.reserve(kMaxPasses);
+    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool.queueFamilyIndex = device.queueFamily();
+    check(vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), name);
+    VkCommandBufferAllocateInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    buffer.commandPool = pool_;
+    buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    buffer.commandBufferCount = 1;
+    check(vkAllocateCommandBuffers(device.handle(), &buffer, &cmd_), name);
+    VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    queries.queryCount = 2 * kMaxPasses;
+    check(vkCreateQueryPool(device.handle(), &queries, nullptr, &queries_), name);
+    VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
+    type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+    VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type, 0};
+    check(vkCreateSemaphore(device.handle(), &semaphore, nullptr, &timeline_), name);
+}
+
+Commands::~Commands() {
+    if (value_) { // never destroy what the device still uses
+        const VkSemaphoreWaitInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO, nullptr, 0, 1, &timeline_, &value_};
+        vkWaitSemaphores(device_.handle(), &info, 10'000'000'000);
+    }
+    vkDestroySemaphore(device_.handle(), timeline_, nullptr);
+    vkDestroyQueryPool(device_.handle(), queries_, nullptr);
+    vkDestroyCommandPool(device_.handle(), pool_, nullptr);
+}
+
+VkCommandBuffer Commands::begin() {
+    check(vkResetCommandPool(device_.handle(), pool_, 0), "vkResetCommandPool");
+    VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vkBeginCommandBuffer(cmd_, &info), "vkBeginCommandBuffer");
+    vkCmdResetQueryPool(cmd_, queries_, 0, 2 * kMaxPasses);
+    passes_.clear();
+    return cmd_;
+}
+
+void Commands::submit() {
+    check(vkEndCommandBuffer(cmd_), "vkEndCommandBuffer");
+    VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+    buffer.commandBuffer = cmd_;
+    VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+    signal.semaphore = timeline_;
+    signal.value = ++value_;
+    signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+    submit.commandBufferInfoCount = 1;
+    submit.pCommandBufferInfos = &buffer;
+    submit.signalSemaphoreInfoCount = 1;
+    submit.pSignalSemaphoreInfos = &signal;
+    check(vkQueueSubmit2(device_.queue(), 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit2");
+}
+
+bool Commands::wait(uint64_t timeout_ns) const {
+    const VkSemaphoreWaitInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO, nullptr, 0, 1, &timeline_, &value_};
+    const VkResult result = vkWaitSemaphores(device_.handle(), &info, timeout_ns);
+    check(result, "vkWaitSemaphores");
+    return result == VK_SUCCESS;
+}
+
+std::span<const PassSample> Commands::readTimes() {
+    if (passes_.empty()) return {};
+    const uint32_t count = uint32_t(2 * passes_.size());
+    check(vkGetQueryPoolResults(device_.handle(), queries_, 0, count, count * sizeof(uint64_t), stamps_.data(), sizeof(uint64_t),
+                                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+          "vkGetQueryPoolResults");
+    const double ms_per_unit = double(device_.properties().limits.timestampPeriod) * 1e-6;
+    for (size_t i = 0; i < passes_.size(); ++i) passes_[i].ms = float(double(stamps_[2 * i + 1] - stamps_[2 * i]) * ms_per_unit);
+    return passes_;
+}
+
+Commands::Pass::Pass(Commands& commands, const char* name, uint32_t view) : commands_(commands) {
+    if (commands.passes_.size() == kMaxPasses) throw Error("too many passes in one submission");
+    query_ = uint32_t(2 * commands.passes_.size());
+    commands.passes_.push_back({name, view, 0});
+    if (commands.device_.beginLabel) {
+        VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT};
+        label.pLabelName = name;
+        commands.device_.beginLabel(commands.cmd_, &label);
+    }
+    vkCmdWriteTimestamp2(commands.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.queries_, query_);
+}
+
+Commands::Pass::~Pass() {
+    vkCmdWriteTimestamp2(commands_.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.queries_, query_ + 1);
+    if (commands_.device_.endLabel) commands_.device_.endLabel(commands_.cmd_);
+}
+
+namespace {
+
+void barrier(VkCommandBuffer cmd, VkPipelineStageFlags2 from, VkAccessFlags2 written, VkPipelineStageFlags2 to, VkAccessFlags2 used) {
+    VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2, nullptr, from, written, to, used};
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &memory;
+    vkCmdPipelineBarrier2(cmd, &info);
+}
+
+constexpr VkPipelineStageFlags2 kCompute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+constexpr VkPipelineStageFlags2 kCopy = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+constexpr VkPipelineStageFlags2 kDraw =
+    VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT | VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+constexpr VkAccessFlags2 kShaderRead = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT;
+constexpr VkAccessFlags2 kShaderWrite = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+constexpr VkAccessFlags2 kTarget = VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+
+} // namespace
+
+void computeToCompute(VkCommandBuffer cmd) { barrier(cmd, kCompute, kShaderWrite, kCompute, kShaderRead | kShaderWrite); }
+void computeToDraw(VkCommandBuffer cmd) {
+    barrier(cmd, kCompute, kShaderWrite, kDraw, kShaderRead | kTarget | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
+}
+void drawToCompute(VkCommandBuffer cmd) {
+    barrier(cmd, kDraw, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, kCompute, kShaderRead | kShaderWrite);
+}
+void transferToCompute(VkCommandBuffer cmd) {
+    barrier(cmd, kCopy, VK_ACCESS_2_TRANSFER_WRITE_BIT, kCompute, kShaderRead | kShaderWrite);
+}
+void computeToTransfer(VkCommandBuffer cmd) {
+    barrier(cmd, kCompute, kShaderWrite, kCopy, VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+}
+void transferToHost(VkCommandBuffer cmd) {
+    barrier(cmd, kCopy, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+}
+void everythingBefore(VkCommandBuffer cmd) {
+    barrier(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+            VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
+}
+
+void toGeneral(VkCommandBuffer cmd, const Image& image) {
+    VkImageMemoryBarrier2 change{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    change.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    change.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    change.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    change.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    change.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+    change.image = image.handle();
+    change.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &change;
+    vkCmdPipelineBarrier2(cmd, &info);
+}
+
+} // namespace brume::gpu

@@ -1,0 +1,86 @@
+// The Vulkan device: instance, one physical device, one queue for graphics, compute and transfer. Owns them; no globals.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <vulkan/vulkan.h>
+
+namespace brume::gpu {
+
+// Start-up and what cannot go on. The text is one line and says what to do.
+struct Error : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+// The device stopped answering (VK_ERROR_DEVICE_LOST): the process must be started again.
+struct DeviceLost : Error {
+    using Error::Error;
+};
+
+// Throws Error (or DeviceLost) naming `what` unless `result` is a success code.
+void check(VkResult result, const char* what);
+std::string resultName(VkResult result);
+
+struct DeviceOptions {
+    bool validation = false;    // Khronos layer with synchronization checks; messages are logged and counted
+    std::string name;           // part of the wanted device's name; empty: a real GPU first, then a CPU driver
+    bool mesh_shaders = true;   // use them where the device has them
+};
+
+class Device {
+public:
+    explicit Device(const DeviceOptions& options);
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    VkDevice handle() const { return device_; }
+    VkPhysicalDevice physical() const { return physical_; }
+    VkQueue queue() const { return queue_; }
+    uint32_t queueFamily() const { return queue_family_; }
+    const VkPhysicalDeviceProperties& properties() const { return properties_; }
+    std::string name() const { return properties_.deviceName; }
+    bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+    bool hasMeshShaders() const { return mesh_shaders_; }
+
+    // Index of a memory type out of `type_bits` that has `wanted`, and `preferred` too when there is one. Throws Error.
+    uint32_t memoryType(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const;
+
+    // Warnings and errors of the validation layer so far. Tests demand zero.
+    uint32_t validationMessages() const { return validation_messages_.load(); }
+
+    // Extension functions; null where the device lacks the extension.
+    PFN_vkCmdPushDescriptorSetKHR pushDescriptorSet = nullptr;
+    PFN_vkCmdDrawMeshTasksIndirectEXT drawMeshTasksIndirect = nullptr;
+    PFN_vkCmdBeginDebugUtilsLabelEXT beginLabel = nullptr;
+    PFN_vkCmdEndDebugUtilsLabelEXT endLabel = nullptr;
+    PFN_vkSetDebugUtilsObjectNameEXT setName = nullptr;
+
+    // Names an object for validation messages and debuggers.
+    void nameObject(VkObjectType type, uint64_t handle, const char* name) const;
+
+private:
+    void destroy();
+    void createInstance(const DeviceOptions& options);
+    void pickPhysicalDevice(const std::string& wanted);
+    void createDevice(const DeviceOptions& options);
+    static VkBool32 VKAPI_PTR onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                        const VkDebugUtilsMessengerCallbackDataEXT*, void*);
+
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    VkPhysicalDeviceProperties properties_{};
+    VkPhysicalDeviceMemoryProperties memory_{};
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    uint32_t queue_family_ = 0;
+    bool mesh_shaders_ = false;
+    bool labels_ = false;
+    std::atomic<uint32_t> validation_messages_{0};
+};
+
+} // namespace brume::gpu

@@ -1,0 +1,257 @@
+#include "server/gpu/program.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <spirv_cross_c.h>
+
+namespace brume::gpu {
+namespace {
+
+constexpr size_t kMaxBindings = 24;
+
+struct ShaderModule {
+    VkDevice device;
+    VkShaderModule handle = VK_NULL_HANDLE;
+    ShaderModule(VkDevice owner, const ShaderCode& code) : device(owner) {
+        VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+        info.codeSize = code.words.size_bytes();
+        info.pCode = code.words.data();
+        check(vkCreateShaderModule(device, &info, nullptr, &handle), code.name);
+    }
+    ~ShaderModule() { vkDestroyShaderModule(device, handle, nullptr); }
+    ShaderModule(const ShaderModule&) = delete;
+    ShaderModule& operator=(const ShaderModule&) = delete;
+};
+
+struct Specialization {
+    std::vector<VkSpecializationMapEntry> entries;
+    std::vector<uint32_t> values;
+    VkSpecializationInfo info{};
+
+    explicit Specialization(std::span<const SpecConstant> constants) {
+        for (const SpecConstant& c : constants) {
+            entries.push_back({c.id, uint32_t(values.size() * sizeof(uint32_t)), sizeof(uint32_t)});
+            values.push_back(c.value);
+        }
+        info = {uint32_t(entries.size()), entries.data(), values.size() * sizeof(uint32_t), values.data()};
+    }
+};
+
+const char* typeName(VkDescriptorType type) {
+    switch (type) {
+    case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER: return "storage buffer";
+    case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER: return "uniform buffer";
+    case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE: return "storage image";
+    default: return "sampled image";
+    }
+}
+
+} // namespace
+
+Resource storageBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size) {
+    return {binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, {buffer.handle(), offset, size}, {}};
+}
+Resource uniformBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size) {
+    return {binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, {buffer.handle(), offset, size}, {}};
+}
+Resource storageImage(uint32_t binding, const Image& image) {
+    return {binding, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, {}, {VK_NULL_HANDLE, image.view(), VK_IMAGE_LAYOUT_GENERAL}};
+}
+Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampler) {
+    return {binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, {}, {sampler.handle(), image.view(), VK_IMAGE_LAYOUT_GENERAL}};
+}
+
+Program::Program(const Device& device, std::span<const ShaderCode> shaders, VkPipelineBindPoint bind_point)
+    : device_(&device), bind_point_(bind_point), name_(shaders.front().name) {
+    for (const ShaderCode& shader : shaders) reflect(shader);
+    createLayout();
+}
+
+Program::~Program() {
+    if (!device_) return;
+    vkDestroyPipeline(device_->handle(), pipeline_, nullptr);
+    vkDestroyPipelineLayout(device_->handle(), layout_, nullptr);
+    vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
+}
+
+void Program::swap(Program& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(bind_point_, other.bind_point_);
+    std::swap(set_layout_, other.set_layout_);
+    std::swap(layout_, other.layout_);
+    std::swap(pipeline_, other.pipeline_);
+    std::swap(stages_, other.stages_);
+    std::swap(push_bytes_, other.push_bytes_);
+    std::swap(expected_, other.expected_);
+    std::swap(name_, other.name_);
+}
+
+void Program::reflect(const ShaderCode& shader) {
+    stages_ |= shader.stage;
+    spvc_context context = nullptr;
+    if (spvc_context_create(&context) != SPVC_SUCCESS) throw Error("SPIRV-Cross cannot start");
+    struct Guard {
+        spvc_context context;
+        ~Guard() { spvc_context_destroy(context); }
+    } guard{context};
+    const auto need = [&](spvc_result result) {
+        if (result != SPVC_SUCCESS)
+            throw Error(std::string(shader.name) + ": the SPIR-V cannot be read: " + spvc_context_get_last_error_string(context));
+    };
+    spvc_parsed_ir ir = nullptr;
+    need(spvc_context_parse_spirv(context, shader.words.data(), shader.words.size(), &ir));
+    spvc_compiler compiler = nullptr;
+    need(spvc_context_create_compiler(context, SPVC_BACKEND_NONE, ir, SPVC_CAPTURE_MODE_TAKE_OWNERSHIP, &compiler));
+    spvc_set active = nullptr;
+    need(spvc_compiler_get_active_interface_variables(compiler, &active));
+    spvc_resources resources = nullptr;
+    need(spvc_compiler_create_shader_resources_for_active_variables(compiler, &resources, active));
+
+    constexpr std::pair<spvc_resource_type, VkDescriptorType> kKinds[] = {
+        {SPVC_RESOURCE_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
+        {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
+        {SPVC_RESOURCE_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
+        {SPVC_RESOURCE_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
+    };
+    const spvc_reflected_resource* list = nullptr;
+    size_t count = 0;
+    for (const auto& [kind, type] : kKinds) {
+        need(spvc_resources_get_resource_list_for_type(resources, kind, &list, &count));
+        for (size_t i = 0; i < count; ++i) {
+            const uint32_t binding = spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding);
+            const auto known = std::find_if(expected_.begin(), expected_.end(), [&](const auto& e) { return e.binding == binding; });
+            if (known == expected_.end())
+                expected_.push_back({binding, type, list[i].name});
+            else if (known->type != type)
+                throw Error(std::string(shader.name) + ": binding " + std::to_string(binding) + " is used as two kinds");
+        }
+    }
+    need(spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &list, &count));
+    for (size_t i = 0; i < count; ++i) {
+        size_t bytes = 0;
+        need(spvc_compiler_get_declared_struct_size(compiler, spvc_compiler_get_type_handle(compiler, list[i].base_type_id), &bytes));
+        if (push_bytes_ && push_bytes_ != bytes) throw Error(std::string(shader.name) + ": stages disagree on the push constants");
+        push_bytes_ = uint32_t(bytes);
+    }
+    if (expected_.size() > kMaxBindings) throw Error(std::string(shader.name) + ": too many bindings");
+}
+
+void Program::createLayout() {
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    for (const Expected& e : expected_) bindings.push_back({e.binding, e.type, 1, stages_, nullptr});
+    VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    set.bindingCount = uint32_t(bindings.size());
+    set.pBindings = bindings.data();
+    check(vkCreateDescriptorSetLayout(device_->handle(), &set, nullptr, &set_layout_), name_.c_str());
+
+    const VkPushConstantRange range{stages_, 0, push_bytes_};
+    VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    info.setLayoutCount = 1;
+    info.pSetLayouts = &set_layout_;
+    info.pushConstantRangeCount = push_bytes_ ? 1 : 0;
+    info.pPushConstantRanges = &range;
+    check(vkCreatePipelineLayout(device_->handle(), &info, nullptr, &layout_), name_.c_str());
+}
+
+void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std::span<const std::byte> push) const {
+    std::array<VkWriteDescriptorSet, kMaxBindings> writes;
+    uint32_t count = 0;
+    for (const Expected& e : expected_) {
+        const auto given = std::find_if(resources.begin(), resources.end(), [&](const auto& r) { return r.binding == e.binding; });
+        if (given == resources.end() || given->type != e.type)
+            throw Error(name_ + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" + e.name + "'");
+        VkWriteDescriptorSet& write = writes[count++];
+        write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+        write.dstBinding = e.binding;
+        write.descriptorCount = 1;
+        write.descriptorType = e.type;
+        write.pBufferInfo = &given->buffer;
+        write.pImageInfo = &given->image;
+    }
+    if (push.size() != push_bytes_)
+        throw Error(name_ + ": push constants of " + std::to_string(push.size()) + " bytes, the shader has " +
+                    std::to_string(push_bytes_));
+    vkCmdBindPipeline(cmd, bind_point_, pipeline_);
+    if (count) device_->pushDescriptorSet(cmd, bind_point_, layout_, 0, count, writes.data());
+    if (push_bytes_) vkCmdPushConstants(cmd, layout_, stages_, 0, push_bytes_, push.data());
+}
+
+ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader, std::initializer_list<SpecConstant> constants)
+    : Program(device, std::span(&shader, 1), VK_PIPELINE_BIND_POINT_COMPUTE) {
+    const ShaderModule module(device.handle(), shader);
+    const Specialization special(std::span(constants.begin(), constants.size()));
+    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+    info.stage.stage = shader.stage;
+    info.stage.module = module.handle;
+    info.stage.pName = "main";
+    info.stage.pSpecializationInfo = &special.info;
+    info.layout = layout_;
+    check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), shader.name);
+}
+
+GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCode> shaders, const GraphicsInfo& what,
+                                 std::span<const SpecConstant> constants)
+    : Program(device, shaders, VK_PIPELINE_BIND_POINT_GRAPHICS) {
+    const Specialization special(constants);
+    std::vector<std::unique_ptr<ShaderModule>> modules;
+    std::vector<VkPipelineShaderStageCreateInfo> stages;
+    for (const ShaderCode& shader : shaders) {
+        modules.push_back(std::make_unique<ShaderModule>(device.handle(), shader));
+        VkPipelineShaderStageCreateInfo stage{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+        stage.stage = shader.stage;
+        stage.module = modules.back()->handle;
+        stage.pName = "main";
+        stage.pSpecializationInfo = &special.info;
+        stages.push_back(stage);
+    }
+    VkPipelineVertexInputStateCreateInfo vertices{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+    assembly.topology = what.topology;
+    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+    viewport.viewportCount = 1;
+    viewport.scissorCount = 1;
+    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+    raster.cullMode = VK_CULL_MODE_NONE;
+    raster.lineWidth = 1;
+    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+    VkPipelineColorBlendAttachmentState over{};
+    over.blendEnable = VK_TRUE;
+    over.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
+    over.dstColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
+    over.colorBlendOp = VK_BLEND_OP_ADD;
+    over.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;
+    over.dstAlphaBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
+    over.alphaBlendOp = VK_BLEND_OP_ADD;
+    over.colorWriteMask = 0xF;
+    VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+    blend.attachmentCount = 1;
+    blend.pAttachments = &over;
+    const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+    dynamic.dynamicStateCount = 2;
+    dynamic.pDynamicStates = dynamic_states;
+    VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
+    rendering.colorAttachmentCount = 1;
+    rendering.pColorAttachmentFormats = &what.format;
+
+    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+    info.pNext = &rendering;
+    info.stageCount = uint32_t(stages.size());
+    info.pStages = stages.data();
+    const bool mesh = (stages_ & VK_SHADER_STAGE_MESH_BIT_EXT) != 0;
+    info.pVertexInputState = mesh ? nullptr : &vertices;
+    info.pInputAssemblyState = mesh ? nullptr : &assembly;
+    info.pViewportState = &viewport;
+    info.pRasterizationState = &raster;
+    info.pMultisampleState = &samples;
+    info.pColorBlendState = &blend;
+    info.pDynamicState = &dynamic;
+    info.layout = layout_;
+    check(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), shaders.front().name);
+}
+
+} // namespace brume::gpu

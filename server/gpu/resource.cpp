@@ -1,0 +1,154 @@
+#include "server/gpu/resource.h"
+
+#include <string>
+
+namespace brume::gpu {
+namespace {
+
+VkMemoryPropertyFlags wantedFlags(Memory memory) {
+    switch (memory) {
+    case Memory::device: return 0;
+    case Memory::upload: return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    case Memory::readback: return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+    }
+    return 0;
+}
+
+VkMemoryPropertyFlags preferredFlags(Memory memory) {
+    switch (memory) {
+    case Memory::device: return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    case Memory::upload: return 0;
+    case Memory::readback: return VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    }
+    return 0;
+}
+
+VkDeviceMemory allocate(const Device& device, const VkMemoryRequirements& needs, Memory memory, const char* name) {
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.allocationSize = needs.size;
+    info.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, wantedFlags(memory), preferredFlags(memory));
+    VkDeviceMemory handle = VK_NULL_HANDLE;
+    check(vkAllocateMemory(device.handle(), &info, nullptr, &handle),
+          (std::string(name) + ", " + std::to_string(needs.size >> 20) + " MiB").c_str());
+    return handle;
+}
+
+} // namespace
+
+Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage, Memory memory, const char* name)
+    : device_(device.handle()), size_(size) {
+    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+    info.size = size;
+    info.usage = usage;
+    check(vkCreateBuffer(device_, &info, nullptr, &buffer_), name);
+    device.nameObject(VK_OBJECT_TYPE_BUFFER, uint64_t(buffer_), name);
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(device_, buffer_, &needs);
+    try {
+        memory_ = allocate(device, needs, memory, name);
+        check(vkBindBufferMemory(device_, buffer_, memory_, 0), name);
+        if (memory != Memory::device) {
+            void* pointer = nullptr;
+            check(vkMapMemory(device_, memory_, 0, VK_WHOLE_SIZE, 0, &pointer), name);
+            mapped_ = static_cast<std::byte*>(pointer);
+        }
+    } catch (...) {
+        vkDestroyBuffer(device_, buffer_, nullptr);
+        vkFreeMemory(device_, memory_, nullptr);
+        throw;
+    }
+}
+
+Buffer::~Buffer() {
+    if (!device_) return;
+    vkDestroyBuffer(device_, buffer_, nullptr);
+    vkFreeMemory(device_, memory_, nullptr);
+}
+
+void Buffer::swap(Buffer& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(buffer_, other.buffer_);
+    std::swap(memory_, other.memory_);
+    std::swap(size_, other.size_);
+    std::swap(mapped_, other.mapped_);
+}
+
+void Buffer::checkRange(VkDeviceSize offset, VkDeviceSize bytes) const {
+    if (!mapped_ || offset > size_ || bytes > size_ - offset)
+        throw Error("access to bytes " + std::to_string(offset) + " + " + std::to_string(bytes) + " of a mapped buffer of " +
+                    std::to_string(size_));
+}
+
+void Buffer::invalidate() const {
+    VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
+    check(vkInvalidateMappedMemoryRanges(device_, 1, &range), "vkInvalidateMappedMemoryRanges");
+}
+
+void Buffer::flush() const {
+    VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
+    check(vkFlushMappedMemoryRanges(device_, 1, &range), "vkFlushMappedMemoryRanges");
+}
+
+Image::Image(const Device& device, const ImageInfo& image_info, const char* name) : device_(device.handle()), info_(image_info) {
+    const bool volume = info_.volume || info_.extent.depth > 1;
+    VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+    info.imageType = volume ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D;
+    info.format = info_.format;
+    info.extent = info_.extent;
+    info.mipLevels = 1;
+    info.arrayLayers = 1;
+    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.tiling = VK_IMAGE_TILING_OPTIMAL;
+    info.usage = info_.usage;
+    check(vkCreateImage(device_, &info, nullptr, &image_), name);
+    device.nameObject(VK_OBJECT_TYPE_IMAGE, uint64_t(image_), name);
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(device_, image_, &needs);
+    try {
+        memory_ = allocate(device, needs, Memory::device, name);
+        check(vkBindImageMemory(device_, image_, memory_, 0), name);
+        VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+        view.image = image_;
+        view.viewType = volume ? VK_IMAGE_VIEW_TYPE_3D : VK_IMAGE_VIEW_TYPE_2D;
+        view.format = info_.format;
+        view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+        check(vkCreateImageView(device_, &view, nullptr, &view_), name);
+    } catch (...) {
+        vkDestroyImage(device_, image_, nullptr);
+        vkFreeMemory(device_, memory_, nullptr);
+        throw;
+    }
+}
+
+Image::~Image() {
+    if (!device_) return;
+    vkDestroyImageView(device_, view_, nullptr);
+    vkDestroyImage(device_, image_, nullptr);
+    vkFreeMemory(device_, memory_, nullptr);
+}
+
+void Image::swap(Image& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(image_, other.image_);
+    std::swap(view_, other.view_);
+    std::swap(memory_, other.memory_);
+    std::swap(info_, other.info_);
+}
+
+Sampler::Sampler(const Device& device, VkFilter filter) : device_(device.handle()) {
+    VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+    info.magFilter = filter;
+    info.minFilter = filter;
+    info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
+    info.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+    info.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+    info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    info.borderColor = VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK;
+    check(vkCreateSampler(device_, &info, nullptr, &sampler_), "vkCreateSampler");
+}
+
+Sampler::~Sampler() {
+    if (device_) vkDestroySampler(device_, sampler_, nullptr);
+}
+
+} // namespace brume::gpu

@@ -1,0 +1,111 @@
+// Buffers, images and samplers that own themselves. Sizes are bytes; every use is checked against them.
+#pragma once
+
+#include <span>
+#include <utility>
+
+#include "server/gpu/device.h"
+
+namespace brume::gpu {
+
+enum class Memory {
+    device,   // fast for the device; the CPU does not see it
+    upload,   // written by the CPU, read by the device
+    readback, // written by the device, read by the CPU: cached
+};
+
+// Movable handle of something that `Device` makes and destroys.
+class Buffer {
+public:
+    Buffer() = default;
+    Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage, Memory memory, const char* name);
+    ~Buffer();
+    Buffer(Buffer&& other) noexcept { swap(other); }
+    Buffer& operator=(Buffer&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+
+    VkBuffer handle() const { return buffer_; }
+    VkDeviceSize size() const { return size_; }
+    explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
+
+    // The mapped memory of an upload or readback buffer as `count` elements from byte `offset`. Throws Error outside the buffer.
+    template <class T>
+    std::span<T> mapped(size_t count, VkDeviceSize offset = 0) const {
+        checkRange(offset, count * sizeof(T));
+        return {reinterpret_cast<T*>(mapped_ + offset), count};
+    }
+    // Makes the device's writes visible to the CPU (readback) where memory is not coherent.
+    void invalidate() const;
+    // Makes the CPU's writes visible to the device (upload) where memory is not coherent.
+    void flush() const;
+
+private:
+    void swap(Buffer& other) noexcept;
+    void checkRange(VkDeviceSize offset, VkDeviceSize bytes) const;
+
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkBuffer buffer_ = VK_NULL_HANDLE;
+    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    VkDeviceSize size_ = 0;
+    std::byte* mapped_ = nullptr;
+};
+
+struct ImageInfo {
+    VkFormat format = VK_FORMAT_R32_SFLOAT;
+    VkExtent3D extent{1, 1, 1}; // depth > 1: a 3D image
+    VkImageUsageFlags usage = 0;
+    bool volume = false;        // 3D even when depth is 1
+};
+
+class Image {
+public:
+    Image() = default;
+    Image(const Device& device, const ImageInfo& info, const char* name);
+    ~Image();
+    Image(Image&& other) noexcept { swap(other); }
+    Image& operator=(Image&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+
+    VkImage handle() const { return image_; }
+    VkImageView view() const { return view_; }
+    VkExtent3D extent() const { return info_.extent; }
+    VkFormat format() const { return info_.format; }
+    explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
+
+private:
+    void swap(Image& other) noexcept;
+
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkImage image_ = VK_NULL_HANDLE;
+    VkImageView view_ = VK_NULL_HANDLE;
+    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    ImageInfo info_;
+};
+
+class Sampler {
+public:
+    Sampler() = default;
+    // Linear or nearest; coordinates beyond the image read zero in x and y, the edge in z.
+    Sampler(const Device& device, VkFilter filter);
+    ~Sampler();
+    Sampler(Sampler&& other) noexcept { swap(other); }
+    Sampler& operator=(Sampler&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+    VkSampler handle() const { return sampler_; }
+
+private:
+    void swap(Sampler& other) noexcept {
+        std::swap(device_, other.device_);
+        std::swap(sampler_, other.sampler_);
+    }
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkSampler sampler_ = VK_NULL_HANDLE;
+};
+
+} // namespace brume::gpu
