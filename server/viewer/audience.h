@@ -38,8 +38,11 @@ public:
 
     const SceneFacts& facts() const { return facts_; }
 
-    // Null when the house is full.
-    std::shared_ptr<Viewer> join(std::function<void()> notify);
+    uint32_t maxInFlight() const { return max_in_flight_; }
+
+    // Null when the house is full. A viewer may ask for a smaller window than the house's; 0 takes that.
+    std::shared_ptr<Viewer> join(std::function<void()> notify, uint32_t max_in_flight = 0);
+    // Also closes the viewer. Not from its own notify.
     void leave(const std::shared_ptr<Viewer>& viewer);
     uint32_t size() const;
     // The viewers in order of joining. Reuses `out`.
@@ -49,7 +52,7 @@ public:
 
     void publish(std::shared_ptr<const SceneReport> report);
     std::shared_ptr<const SceneReport> report() const; // never null
-    // Grows when a report is published that a viewer should see at once (a setting changed, a viewer came or went).
+    // Grows when there is something that viewers should see at once: a setting changed, a viewer came or went.
     uint64_t revision() const;
 
     // The frame loop runs and frames can be had: /readyz.

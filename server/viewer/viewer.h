@@ -4,6 +4,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "server/viewer/frame.h"
 
@@ -12,7 +13,8 @@ namespace brume {
 // Thread-safe: one connection and the frame loop hold the same object.
 class Viewer {
 public:
-    // `notify` is called, from any thread and without a lock held, when takeFrame() would return a frame.
+    // `notify` is called from the thread that delivers when takeFrame() would return a frame. It may call takeFrame() but not
+    // close(), and runs once at a time.
     Viewer(uint32_t id, uint32_t max_in_flight, std::function<void()> notify);
 
     uint32_t id() const { return id_; }
@@ -22,9 +24,9 @@ public:
     void setPose(const PoseRequest& request);
     // Newest frame out; null when there is none. A frame that was replaced before it was taken counts as superseded.
     FramePtr takeFrame();
-    // The viewer has presented frame `id` and, since frames are ordered, every one before it. False for an id never sent.
+    // The viewer has presented frame `id` and, since frames are ordered, every one before it. False for an id not yet sent.
     bool acknowledge(uint32_t frame_id);
-    // The connection is gone: nothing is rendered for it and nothing is notified any more (after close() returns).
+    // The connection is gone: nothing is rendered for it and nothing is notified any more. Waits for a running notify.
     void close();
 
     // --- the frame loop's side ---
@@ -34,6 +36,7 @@ public:
         PoseRequest request;
     };
     std::optional<Due> takeDue();
+    // A due frame, ready. One that a newer frame has overtaken is dropped; either way superseded frames free their place.
     void deliver(FramePtr frame);
     // A due frame that could not be rendered: gives its place in the window back.
     void abandon(uint32_t frame_id);
@@ -52,7 +55,8 @@ private:
     std::function<void()> notify_;
     std::optional<PoseRequest> pose_;
     FramePtr frame_;
-    uint32_t issued_ = 0, settled_ = 0; // frame ids: the last handed out, the last acknowledged or given up
+    uint32_t issued_ = 0, sent_ = 0;  // frame ids: the last handed out, the last taken by the connection
+    std::vector<uint32_t> in_flight_; // ids handed out and not yet acknowledged, superseded or abandoned
     Counts counts_;
     bool closed_ = false;
 };
