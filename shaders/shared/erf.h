@@ -1,0 +1,78 @@
+// The error function and what Gaussians on rays need of it, safe in float: finite for every finite or infinite argument.
+// Branches are selects over cheap expressions, because SIMD lanes pay for both sides anyway.
+#ifndef BRUME_SHARED_ERF_H
+#define BRUME_SHARED_ERF_H
+
+#include "real.h"
+
+BRUME_PHYSICS_BEGIN
+
+// e^(x^2) erfc(x) for x >= 0: a polynomial in t = 1 / (1 + 0.4 x), minimax in relative error (1.3e-7 by itself).
+BRUME_FN real erfcx(real x) {
+    const real t = real(1) / (real(1) + real(0.4) * x);
+    real p = real(0.0502638765971);
+    p = p * t + real(-0.182908137358);
+    p = p * t + real(0.169095692631);
+    p = p * t + real(-0.00561569941082);
+    p = p * t + real(0.141435005051);
+    p = p * t + real(0.168541136399);
+    p = p * t + real(0.207842795162);
+    p = p * t + real(0.225669594094);
+    p = p * t + real(0.225675861942);
+    return p * t;
+}
+
+// erfc(|x|), relative error growing as x^2 epsilon; 0 beyond about 9.2 in float.
+BRUME_FN real erfcAbs(real x) { return exp(-min(x * x, real(1e18))) * erfcx(min(abs(x), real(1e9))); }
+
+BRUME_FN real erfc(real x) {
+    const real tail = erfcAbs(x);
+    return x < real(0) ? real(2) - tail : tail;
+}
+
+BRUME_FN real erf(real x) {
+    const real tail = real(1) - erfcAbs(x);
+    const real y = min(x * x, real(1));
+    const real series =
+        real(1) -
+        y * (real(1.0 / 3.0) - y * (real(0.1) - y * (real(1.0 / 42.0) - y * (real(1.0 / 216.0) - y * real(1.0 / 1320.0)))));
+    return y < real(0.25) ? real(1.1283791670955126) * x * series : (x < real(0) ? -tail : tail);
+}
+
+// erf(c) - erf(a) for a <= c from their tails erfcAbs(a), erfcAbs(c): never the difference of two erf of like sign. The error is
+// relative to the larger tail, so where c - a is small use erfDifference.
+BRUME_FN real erfBetween(real a, real tail_a, real c, real tail_c) {
+    const real straddle = real(2) - tail_a - tail_c;
+    return max(a < real(0) && c > real(0) ? straddle : abs(tail_a - tail_c), real(0));
+}
+
+// The same for any h = c - a >= 0; m = a + h/2. Where h and m h are small: Taylor series about the middle.
+BRUME_FN real erfDifference(real a, real h, real tail_a, real tail_c) {
+    const real m = a + real(0.5) * h;
+    const real h2 = h * h;
+    const real s = (m * h) * (m * h);
+    const real second = (real(2) * s - h2) / real(12);
+    const real fourth = (s * (real(4) * s - real(12) * h2) + real(3) * h2 * h2) / real(480);
+    const real series = real(1.1283791670955126) * h * exp(-m * m) * (real(1) + second + fourth);
+    const real wide = erfBetween(a, tail_a, a + h, tail_c);
+    return h < real(0.5) && s < real(0.5) ? series : wide;
+}
+
+BRUME_FN real erfDifference(real a, real h) {
+    const real near = clamp(a, real(-1e9), real(1e9));
+    const real length = clamp(h, real(0), real(2e9));
+    return erfDifference(near, length, erfcAbs(near), erfcAbs(near + length));
+}
+
+// q >= 0 with erfc(q) = y, for y in [0, 1]; y below 1e-37 counts as 1e-37 (q = 9.1). Absolute error 3e-7 and rounding.
+BRUME_FN real erfcInverse(real y) {
+    const real t = sqrt(-log(real(0.5) * max(y, real(1e-37))));
+    const real p = real(-2.19187404458) +
+                   t * (real(-5.86487963478) + t * (real(4.61009052695) + t * (real(6.02925898287) + t * real(0.832248362454))));
+    const real q = real(1) + t * (real(6.42974035556) + t * (real(6.04842249221) + t * real(0.83199420457)));
+    return max(p / q, real(0));
+}
+
+BRUME_PHYSICS_END
+
+#endif

@@ -1,0 +1,96 @@
+// Light scattered toward the eye by one particle on one interval: C = rho p E * integral of S T_V sigma dz, where S = T_L *
+// visibility is the caller's. Each quadrature is a sum over nodes, C = rho p E * sum of node.weight * S(node.z), with finite
+// weights for all inputs.
+#ifndef BRUME_SHARED_SCATTER_H
+#define BRUME_SHARED_SCATTER_H
+
+#include "transmittance.h"
+
+BRUME_PHYSICS_BEGIN
+
+// C / (rho p E) where light depth is linear in view depth; depth = that of the interval, light_in and light_out = light depth at
+// its entry and exit. Exact for a homogeneous interval.
+BRUME_FN real scatterAnalytic(real depth, real light_in, real light_out) {
+    const real t = min(depth, real(1e18));
+    const real in_depth = min(light_in, real(1e18));
+    const real out_depth = t + min(light_out, real(1e18));
+    return t * exp(-min(in_depth, out_depth)) * phi(abs(out_depth - in_depth));
+}
+
+BRUME_STRUCT ScatterNode {
+    real weight; // of S at this node
+    real z;      // m along the ray, from the segment's entry (Hermite: from the closest approach)
+};
+
+// Composite Simpson: node j of 0 ... 2n for n >= 1 steps. T_V counts from the segment's entry.
+BRUME_FN BRUME_OF(ScatterNode) simpsonNode(BRUME_OF(GaussianSegment) segment, int j, int n) {
+    const real along = real(j) / real(2 * n);
+    const real c = segment.a + segment.h * along;
+    const real gaussian = exp(-c * c);
+    const real tail = gaussian * erfcx(abs(c));
+    const real depth = real(0.5) * segment.line * erfBetween(segment.a, segment.tail_a, c, tail);
+    const real length = segment.h / segment.k;
+    const real rule = (j == 0 || j == 2 * n) ? real(1) : ((j & 1) == 1 ? real(4) : real(2));
+    BRUME_OF(ScatterNode) node;
+    node.weight = rule / real(6 * n) * min(length * segment.peak * gaussian, real(1e30)) * exp(-depth);
+    node.z = length * along;
+    return node;
+}
+
+// Gauss-Legendre on (0, 1): node i of n in 1 ... 3 (more count as 3).
+BRUME_FN real legendreNode(int i, int n) {
+    const real reach = n <= 1 ? real(0) : (n == 2 ? real(0.28867513459481287) : real(0.3872983346207417));
+    const real side = n == 2 ? real(2 * i - 1) : real(i - 1);
+    return real(0.5) + reach * side;
+}
+
+BRUME_FN real legendreWeight(int i, int n) {
+    const real three = i == 1 ? real(4.0 / 9.0) : real(5.0 / 18.0);
+    return n <= 1 ? real(1) : (n == 2 ? real(0.5) : three);
+}
+
+// Part of an interval's optical depth at which its opacity reaches the part xi of the whole: in [0, 1] for xi in (0, 1).
+BRUME_FN real depthPart(real depth, real xi) {
+    const real series = xi * (real(1) - depth * (real(1) - xi) * (real(0.5) - depth * (real(1) - real(2) * xi) / real(6)));
+    const real full = -log(max((real(1) - xi) + xi * exp(-depth), real(1e-37))) / max(depth, real(0.05));
+    return depth < real(0.05) ? series : full;
+}
+
+// Where along the segment the part s of its optical depth is reached: q in [a, a + h], units of 1/k.
+BRUME_FN real segmentQuantile(BRUME_OF(GaussianSegment) segment, real s) {
+    const real c = segment.a + segment.h;
+    const real above_a = segment.a < real(0) ? real(2) - segment.tail_a : segment.tail_a;
+    const real above_c = c < real(0) ? real(2) - segment.tail_c : segment.tail_c;
+    const real below_a = segment.a < real(0) ? segment.tail_a : real(2) - segment.tail_a;
+    const real below_c = c < real(0) ? segment.tail_c : real(2) - segment.tail_c;
+    // erfc(q) and erfc(-q), each a mean of positive numbers; the smaller one is inverted.
+    const real above = above_a * (real(1) - s) + above_c * s;
+    const real below = below_a * (real(1) - s) + below_c * s;
+    const real q = erfcInverse(min(above, below));
+    return clamp(above < below ? q : -q, segment.a, c);
+}
+
+// Transmittance space: node i of n in 1 ... 3, where the light that reaches the eye is scattered. The weights sum to 1 - T
+// exactly.
+BRUME_FN BRUME_OF(ScatterNode) transmittanceNode(BRUME_OF(GaussianSegment) segment, int i, int n) {
+    const real s = depthPart(segment.depth, BRUME_OF(legendreNode)(i, n));
+    BRUME_OF(ScatterNode) node;
+    node.weight = BRUME_OF(legendreWeight)(i, n) * opacity(segment.depth);
+    node.z = (segmentQuantile(segment, s) - segment.a) / segment.k;
+    return node;
+}
+
+// Gauss-Hermite with 2 nodes for the whole line: node 0 before, 1 behind the closest approach; z counts from there. The
+// weights are those of T_V at the nodes, normalised so that they sum to 1 - T exactly.
+BRUME_FN BRUME_OF(ScatterNode) hermiteNode(real line, real k, int i) {
+    // T_V(far) / T_V(near) = exp(-line * erf(1/sqrt 2))
+    const real ratio = exp(real(-0.6826894921370859) * line);
+    BRUME_OF(ScatterNode) node;
+    node.weight = (i == 0 ? real(1) : ratio) / (real(1) + ratio) * opacity(line);
+    node.z = (i == 0 ? real(-0.7071067811865476) : real(0.7071067811865476)) / max(k, real(1e-20));
+    return node;
+}
+
+BRUME_PHYSICS_END
+
+#endif
