@@ -1,0 +1,35 @@
+// Cameras that move by themselves, and the ray under a cursor.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "common/camera.h"
+
+namespace brume::client {
+
+enum class PathKind {
+    still,
+    orbit, // around the target, once in 20 s, at the start's height
+    fly,   // a figure eight through the target, once in 40 s, looking ahead
+};
+
+struct CameraPath {
+    PathKind kind = PathKind::still;
+    glm::vec3 position{0, 2, 26}, target{0}; // m; where it starts and what it is about; the two differ
+    float fov_y = 0.8f;
+
+    // A pure function of the time since the start, in seconds.
+    Pose at(double seconds) const;
+};
+
+std::optional<PathKind> pathNamed(std::string_view name);
+
+struct Ray {
+    glm::vec3 origin{0}, direction{0, 0, -1}; // direction is unit
+};
+
+// The ray through a point of the picture; x and y in [0, 1], from the left and the top. Aspect = width / height.
+Ray cursorRay(const Pose& pose, float x, float y, float aspect);
+
+} // namespace brume::client

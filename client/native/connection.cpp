@@ -1,0 +1,204 @@
+// The only file of the client that sees Beast, which is slow to compile.
+#include "client/native/connection.h"
+
+#include <deque>
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "protocol/message.h"
+
+namespace brume::client {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr auto kNoThrow = asio::as_tuple(asio::use_awaitable);
+// Silence for this long, the server's answers to keep-alive pings included, means that it is gone.
+constexpr std::chrono::seconds kIdleTimeout{20};
+
+std::string reasonOf(error_code error) {
+    if (error == beast::error::timeout) return "no answer in time";
+    return error.message();
+}
+
+} // namespace
+
+struct Connection::Socket {
+    Endpoint endpoint;
+    std::chrono::milliseconds timeout;
+    asio::io_context io{1};
+    tcp::resolver resolver{io};
+    websocket::stream<beast::tcp_stream> stream{io};
+    std::deque<Bytes> inbox, outbox;
+    State state = State::connecting;
+    std::string closed_because;
+
+    Socket(Endpoint where, std::chrono::milliseconds time) : endpoint(std::move(where)), timeout(time) {
+        asio::co_spawn(io, run(), asio::detached);
+    }
+
+    void closedNow(std::string why) {
+        if (state == State::closed) return;
+        state = State::closed;
+        closed_because = std::move(why);
+        beast::get_lowest_layer(stream).close();
+    }
+
+    asio::awaitable<void> run() {
+        if (co_await connect()) {
+            state = State::open;
+            co_await read();
+        }
+    }
+
+    asio::awaitable<bool> connect() {
+        auto& tcp_stream = beast::get_lowest_layer(stream);
+        const std::string cannot = "cannot connect to " + endpoint.url() + ": ";
+
+        const auto [resolve_error, addresses] =
+            co_await resolver.async_resolve(endpoint.host, std::to_string(endpoint.port), kNoThrow);
+        if (resolve_error) {
+            closedNow(cannot + resolve_error.message() + " (is the host's name right?)");
+            co_return false;
+        }
+
+        tcp_stream.expires_after(timeout);
+        const auto [connect_error, address] = co_await tcp_stream.async_connect(addresses, kNoThrow);
+        if (connect_error) {
+            closedNow(cannot + reasonOf(connect_error) + " (is the server running there?)");
+            co_return false;
+        }
+        error_code ignored; // a socket that cannot do it still works, only later
+        tcp_stream.socket().set_option(tcp::no_delay(true), ignored);
+        tcp_stream.expires_never();
+
+        stream.set_option(websocket::stream_base::timeout{timeout, kIdleTimeout, true});
+        stream.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
+            request.set(beast::http::field::sec_websocket_protocol, wire::kSubprotocol);
+            request.set(beast::http::field::user_agent, "brume-client/" BRUME_VERSION);
+        }));
+        stream.read_message_max(kMaxMessageBytes);
+        stream.binary(true);
+        websocket::response_type response;
+        const auto [handshake_error] = co_await stream.async_handshake(
+            response, endpoint.host + ":" + std::to_string(endpoint.port), endpoint.path, kNoThrow);
+        if (handshake_error == websocket::error::upgrade_declined) {
+            closedNow(cannot + "it answers HTTP " + std::to_string(response.result_int()) + " " + std::string(response.reason()) +
+                      " (is it a brume server, and not full?)");
+            co_return false;
+        }
+        if (handshake_error) {
+            closedNow(cannot + reasonOf(handshake_error) + " (is it a brume server?)");
+            co_return false;
+        }
+        if (response[beast::http::field::sec_websocket_protocol] != wire::kSubprotocol) {
+            closedNow(cannot + "it does not speak " + wire::kSubprotocol + " (client and server must be of one version)");
+            co_return false;
+        }
+        co_return true;
+    }
+
+    asio::awaitable<void> read() {
+        for (;;) {
+            Bytes message;
+            auto buffer = asio::dynamic_buffer(message);
+            const auto [error, size] = co_await stream.async_read(buffer, kNoThrow);
+            if (error == websocket::error::closed) {
+                const auto& reason = stream.reason().reason;
+                closedNow("the server closed the connection" + (reason.empty() ? "" : ": " + std::string(reason.c_str())));
+                co_return;
+            }
+            if (error) {
+                closedNow("the connection to " + endpoint.url() + " was lost: " + reasonOf(error));
+                co_return;
+            }
+            inbox.push_back(std::move(message));
+        }
+    }
+
+    asio::awaitable<void> write() {
+        while (!outbox.empty()) {
+            const auto [error, size] = co_await stream.async_write(asio::buffer(outbox.front()), kNoThrow);
+            if (error) co_return; // the reader meets the same error, and tells it
+            outbox.pop_front();
+        }
+    }
+
+    // Works until `done` or the time is over.
+    template <class Done>
+    void work(std::chrono::milliseconds time, Done done) {
+        const auto deadline = std::chrono::steady_clock::now() + time;
+        io.poll_one(); // a deadline of now still makes progress
+        while (!done() && !io.stopped() && io.run_one_until(deadline) > 0) {
+        }
+    }
+};
+
+Connection::Connection(Endpoint endpoint, std::chrono::milliseconds timeout)
+    : socket_(std::make_unique<Socket>(std::move(endpoint), timeout)) {}
+Connection::~Connection() = default;
+Connection::Connection(Connection&&) noexcept = default;
+Connection& Connection::operator=(Connection&&) noexcept = default;
+
+const Endpoint& Connection::endpoint() const { return socket_->endpoint; }
+Connection::State Connection::state() const { return socket_->state; }
+const std::string& Connection::closedBecause() const { return socket_->closed_because; }
+size_t Connection::unsent() const { return socket_->outbox.size(); }
+
+std::optional<Bytes> Connection::receive(std::chrono::milliseconds timeout) {
+    Socket& socket = *socket_;
+    const State before = socket.state;
+    if (socket.inbox.empty() && before != State::closed)
+        socket.work(timeout, [&] { return !socket.inbox.empty() || socket.state != before; });
+    if (socket.inbox.empty()) return {};
+    Bytes message = std::move(socket.inbox.front());
+    socket.inbox.pop_front();
+    return message;
+}
+
+void Connection::send(std::span<const uint8_t> message) {
+    Socket& socket = *socket_;
+    if (socket.state != State::open) return;
+    if (socket.outbox.size() >= kMaxUnsent) return socket.closedNow("the server does not read what it is sent");
+    socket.outbox.emplace_back(message.begin(), message.end());
+    if (socket.outbox.size() == 1) asio::co_spawn(socket.io, socket.write(), asio::detached);
+}
+
+void Connection::close(std::chrono::milliseconds deadline) {
+    Socket& socket = *socket_;
+    if (socket.state == State::open) {
+        const auto start = std::chrono::steady_clock::now();
+        socket.work(deadline, [&] { return socket.outbox.empty() || socket.state == State::closed; });
+        const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
+        // Frames that are on their way are read and dropped until the server's half of the handshake comes.
+        if (socket.state == State::open) {
+            bool answered = false;
+            socket.stream.async_close(websocket::close_code::normal, [&](error_code) { answered = true; });
+            socket.work(deadline - spent, [&] { return answered; });
+        }
+    }
+    socket.closedNow("closed by this client");
+    socket.work(std::chrono::milliseconds(0), [] { return false; });
+}
+
+void Connection::vanish() {
+    error_code ignored; // the socket may be gone already
+    auto& tcp_socket = beast::get_lowest_layer(socket_->stream).socket();
+    tcp_socket.set_option(asio::socket_base::linger(true, 0), ignored);
+    socket_->closedNow("dropped by this client");
+    socket_->work(std::chrono::milliseconds(0), [] { return false; });
+}
+
+} // namespace brume::client

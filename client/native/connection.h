@@ -1,0 +1,54 @@
+// One WebSocket to a server: whole binary messages in and out, nothing known of what they mean. One thread, no callbacks.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client/native/endpoint.h"
+
+namespace brume::client {
+
+using Bytes = std::vector<uint8_t>;
+
+class Connection {
+public:
+    enum class State { connecting, open, closed };
+
+    // Starts to connect; receive() drives it. Resolving, connecting and the handshake get `timeout` each.
+    Connection(Endpoint endpoint, std::chrono::milliseconds timeout);
+    ~Connection(); // drops the socket: close() first to part politely
+    Connection(Connection&&) noexcept;
+    Connection& operator=(Connection&&) noexcept;
+
+    const Endpoint& endpoint() const;
+    State state() const;
+    // Why it is closed, in one line; empty before.
+    const std::string& closedBecause() const;
+
+    // Works on the socket until a message is there, the state changes or the time is over.
+    std::optional<Bytes> receive(std::chrono::milliseconds timeout);
+
+    // Queues a message; ignored unless open. A server that reads nothing closes the connection after kMaxUnsent messages.
+    void send(std::span<const uint8_t> message);
+    // Messages that the socket has not taken yet.
+    size_t unsent() const;
+
+    // Sends what is queued and the closing handshake, waiting for the server's at most `deadline`.
+    void close(std::chrono::milliseconds deadline);
+    // Resets the TCP connection without a goodbye, as a machine does that loses power.
+    void vanish();
+
+    static constexpr size_t kMaxUnsent = 4096;
+    static constexpr size_t kMaxMessageBytes = 64u << 20; // two views of 8192 x 8192 at a high quality fit
+
+private:
+    struct Socket;
+    std::unique_ptr<Socket> socket_;
+};
+
+} // namespace brume::client

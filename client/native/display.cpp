@@ -1,0 +1,91 @@
+#include "client/native/display.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <SDL2/SDL.h>
+
+namespace brume::client {
+
+Display::Library::Library() {
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+    SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "linear");
+    SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+    if (SDL_Init(SDL_INIT_VIDEO) != 0)
+        throw std::runtime_error("there is no display to open a window on (" + std::string(SDL_GetError()) + "): use --headless");
+}
+Display::Library::~Library() { SDL_Quit(); }
+
+void Display::Destroy::operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
+void Display::Destroy::operator()(SDL_Renderer* renderer) const { SDL_DestroyRenderer(renderer); }
+void Display::Destroy::operator()(SDL_Texture* texture) const { SDL_DestroyTexture(texture); }
+
+Display::Display(const std::string& title, int width, int height) {
+    window_.reset(
+        SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE));
+    if (!window_) throw std::runtime_error("cannot open a window (" + std::string(SDL_GetError()) + "): use --headless");
+    renderer_.reset(SDL_CreateRenderer(window_.get(), -1, SDL_RENDERER_PRESENTVSYNC));
+    if (!renderer_) throw std::runtime_error("cannot draw in a window (" + std::string(SDL_GetError()) + "): use --headless");
+    present();
+}
+Display::~Display() = default;
+
+void Display::setTitle(const std::string& title) { SDL_SetWindowTitle(window_.get(), title.c_str()); }
+
+int Display::width() const {
+    int width = 0;
+    SDL_GetRendererOutputSize(renderer_.get(), &width, nullptr);
+    return width;
+}
+
+int Display::height() const {
+    int height = 0;
+    SDL_GetRendererOutputSize(renderer_.get(), nullptr, &height);
+    return height;
+}
+
+bool Display::update(int width, int height, const std::function<bool(uint8_t*, int)>& fill) {
+    if (!texture_ || width != texture_width_ || height != texture_height_) {
+        texture_.reset(SDL_CreateTexture(renderer_.get(), SDL_PIXELFORMAT_RGB888, SDL_TEXTUREACCESS_STREAMING, width, height));
+        if (!texture_) throw std::runtime_error("cannot show pictures of this size: " + std::string(SDL_GetError()));
+        texture_width_ = width;
+        texture_height_ = height;
+        has_picture_ = false;
+    }
+    void* pixels = nullptr;
+    int pitch = 0;
+    if (SDL_LockTexture(texture_.get(), nullptr, &pixels, &pitch) != 0)
+        throw std::runtime_error("cannot show pictures: " + std::string(SDL_GetError()));
+    const bool filled = fill(static_cast<uint8_t*>(pixels), pitch);
+    SDL_UnlockTexture(texture_.get());
+    has_picture_ = has_picture_ || filled;
+    return filled;
+}
+
+Display::Place Display::place() const {
+    const int w = width(), h = height();
+    if (!texture_ || w <= 0 || h <= 0) return {0, 0, std::max(w, 1), std::max(h, 1)};
+    const double scale = std::min(double(w) / texture_width_, double(h) / texture_height_);
+    const int picture_w = std::max(1, int(texture_width_ * scale + 0.5)),
+              picture_h = std::max(1, int(texture_height_ * scale + 0.5));
+    return {(w - picture_w) / 2, (h - picture_h) / 2, picture_w, picture_h};
+}
+
+void Display::present() {
+    SDL_SetRenderDrawColor(renderer_.get(), 24, 26, 30, 255);
+    SDL_RenderClear(renderer_.get());
+    if (has_picture_) {
+        const Place at = place();
+        const SDL_Rect rect{at.x, at.y, at.w, at.h};
+        SDL_RenderCopy(renderer_.get(), texture_.get(), nullptr, &rect);
+    }
+    SDL_RenderPresent(renderer_.get());
+}
+
+std::pair<float, float> Display::inPicture(int x, int y) const {
+    const Place at = place();
+    return {std::clamp((float(x - at.x) + 0.5f) / float(at.w), 0.0f, 1.0f),
+            std::clamp((float(y - at.y) + 0.5f) / float(at.h), 0.0f, 1.0f)};
+}
+
+} // namespace brume::client

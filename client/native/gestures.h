@@ -1,0 +1,42 @@
+// What a user does with mouse and keyboard in the window, turned into camera moves and pushes.
+#pragma once
+
+#include <optional>
+
+#include "client/native/camera_path.h"
+#include "client/native/controls.h"
+#include "client/native/display.h"
+#include "client/native/session.h"
+
+union SDL_Event;
+
+namespace brume::client {
+
+class Gestures {
+public:
+    Gestures(const CameraPath& camera, uint8_t views) : controls_(camera.position, camera.target, camera.fov_y), views_(views) {}
+
+    void handle(const SDL_Event& event, const Display& display);
+    // Moves by the keys that are down.
+    void passTime(float seconds);
+
+    bool touched() const { return touched_; } // from the first camera move on: a path given at the start ends
+    bool pauseToggled();                      // true once for each Space
+    Pose pose() const { return controls_.pose(); }
+    void standAt(const Pose& pose) { controls_.standAt(pose); } // where a path has come to
+
+    // The push that the last Ctrl+drag asks for, taken once. `seen` is the pose of the picture that the user pushes in.
+    std::optional<Push> takePush(const Pose& seen);
+
+private:
+    Controls controls_;
+    uint8_t views_;
+    bool touched_ = false, pause_toggled_ = false, pushing_ = false;
+    struct Cursor {
+        float x, y, aspect; // in the picture of one eye
+        float dx, dy;       // pixels since the last push was taken
+    };
+    std::optional<Cursor> cursor_;
+};
+
+} // namespace brume::client

@@ -1,0 +1,39 @@
+// JPEG to pixels, with libjpeg-turbo.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace brume::client {
+
+struct Picture { // tightly packed rows of RGB, top first
+    int width = 0, height = 0;
+    std::vector<uint8_t> rgb;
+};
+
+class JpegDecoder {
+public:
+    JpegDecoder();
+    ~JpegDecoder();
+    JpegDecoder(JpegDecoder&&) noexcept;
+
+    // False when the bytes are not one whole JPEG of exactly this size; error() says why.
+    // Writes `height` rows of `width` pixels of 4 bytes (B, G, R, 255), `pitch` bytes apart.
+    bool decodeBgra(std::span<const uint8_t> jpeg, int width, int height, uint8_t* pixels, int pitch);
+    bool decode(std::span<const uint8_t> jpeg, int width, int height, Picture& out);
+    const std::string& error() const { return error_; }
+
+private:
+    bool decodeAs(std::span<const uint8_t> jpeg, int width, int height, uint8_t* pixels, int pitch, int format);
+
+    struct Free {
+        void operator()(void* handle) const;
+    };
+    std::unique_ptr<void, Free> handle_;
+    std::string error_;
+};
+
+} // namespace brume::client

@@ -1,0 +1,131 @@
+#include "client/native/options.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+
+namespace brume::client {
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& allowed) {
+    throw CLI::ValidationError(option, "'" + text + "' is not " + allowed);
+}
+
+// Exactly N finite numbers of at most 1e6 in magnitude, separated by commas.
+template <size_t N>
+std::array<float, N> numbers(const std::string& option, std::string_view text, const std::string& allowed) {
+    std::array<float, N> values{};
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (size_t i = 0; i < N; ++i) {
+        const auto [next, error] = std::from_chars(at, end, values[i]);
+        const bool separated = i + 1 < N ? next != end && *next == ',' : next == end;
+        if (error != std::errc{} || !separated || !std::isfinite(values[i]) || std::abs(values[i]) > 1e6f)
+            refuse(option, std::string(text), allowed);
+        at = next + (i + 1 < N ? 1 : 0);
+    }
+    return values;
+}
+
+void parseSize(const std::string& text, Wishes& wishes) {
+    const std::string allowed = "a size: WIDTHxHEIGHT in pixels of one eye, each from 16 to 8192, such as 640x360";
+    const size_t cross = text.find('x');
+    if (cross == text.npos) refuse("--size", text, allowed);
+    const auto side = [&](std::string_view digits) {
+        uint32_t value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        if (error != std::errc{} || end != digits.data() + digits.size() || value < 16 || value > 8192)
+            refuse("--size", text, allowed);
+        return static_cast<uint16_t>(value);
+    };
+    wishes.width = side(std::string_view(text).substr(0, cross));
+    wishes.height = side(std::string_view(text).substr(cross + 1));
+}
+
+CameraPath parseCamera(const std::string& text) {
+    const std::string allowed = "a camera: x,y,z,tx,ty,tz in metres, standing at x,y,z and looking at another point tx,ty,tz";
+    const auto n = numbers<6>("--camera", text, allowed);
+    CameraPath camera;
+    camera.position = {n[0], n[1], n[2]};
+    camera.target = {n[3], n[4], n[5]};
+    if (!(glm::length(camera.position - camera.target) > 1e-3f)) refuse("--camera", text, allowed);
+    return camera;
+}
+
+TimedPush parsePush(const std::string& text) {
+    const std::string allowed = "a push: T:ox,oy,oz,dx,dy,dz,strength with T in seconds from 0, a ray from o along d (not zero)";
+    const size_t colon = text.find(':');
+    if (colon == text.npos) refuse("--impulse", text, allowed);
+    const float seconds = numbers<1>("--impulse", std::string_view(text).substr(0, colon), allowed)[0];
+    const auto n = numbers<7>("--impulse", std::string_view(text).substr(colon + 1), allowed);
+    const glm::vec3 direction(n[3], n[4], n[5]);
+    if (seconds < 0 || !(glm::length(direction) > 1e-6f)) refuse("--impulse", text, allowed);
+    return {seconds, Push{{n[0], n[1], n[2]}, glm::normalize(direction), glm::vec3(0), n[6]}};
+}
+
+} // namespace
+
+std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code) {
+    Options options;
+    std::string url = "ws://127.0.0.1:8080", size = "640x360", camera, path = "still", out;
+    std::vector<std::string> pushes;
+    bool stereo = false, no_save = false;
+
+    CLI::App app("Shows one viewer's picture of a brume server's shared cloud, in a window or without one.", "brume-client");
+    app.set_version_flag("--version", "brume-client " BRUME_VERSION);
+    app.add_option("--url", url, "The server: ws://host:port")->capture_default_str();
+    app.add_option("--size", size, "Pixels of one eye: WIDTHxHEIGHT")->capture_default_str();
+    app.add_flag("--stereo", stereo, "Left and right eye side by side, 64 mm apart");
+    app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's")
+        ->check(CLI::Range(0, 100));
+    app.add_option("--camera", camera,
+                   "Where to stand and where to look: x,y,z,tx,ty,tz in metres; the server's own if not given");
+    app.add_option("--path", path, "How the camera moves by itself: still, orbit or fly")->capture_default_str();
+    app.add_option("--impulse", pushes,
+                   "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
+    app.add_flag("--headless", options.headless, "No window");
+    app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on")->check(CLI::Range(0, 10'000'000));
+    app.add_option("--seconds", options.seconds, "Stop so long after the first frame; 0 = go on")->check(CLI::Range(0.0, 1e7));
+    app.add_option("--out", out, "Write the frames (frame-00001.jpg ...) and stats.json to this folder");
+    app.add_flag("--no-save", no_save, "With --out: only stats.json, no pictures");
+    app.add_option("--timeout", options.timeout, "Give up after so many seconds without a frame")
+        ->capture_default_str()
+        ->check(CLI::Range(0.1, 3600.0));
+    app.footer(
+        "In the window: drag to turn, wheel to come nearer, W A S D Q E to move, F to fly or orbit, Ctrl+drag to push the\n"
+        "cloud, Space to pause it for everyone, Escape to leave.");
+
+    try {
+        app.parse(argc, argv);
+        options.endpoint = parseUrl(url);
+        parseSize(size, options.wishes);
+        options.wishes.views = stereo ? 2 : 1;
+        const auto kind = pathNamed(path);
+        if (!kind) refuse("--path", path, "still, orbit or fly");
+        options.path = *kind;
+        if (!camera.empty()) options.camera = parseCamera(camera);
+        if (options.camera) options.camera->kind = options.path;
+        for (const auto& text : pushes) options.pushes.push_back(parsePush(text));
+        std::stable_sort(options.pushes.begin(), options.pushes.end(),
+                         [](const TimedPush& a, const TimedPush& b) { return a.seconds < b.seconds; });
+        options.out = out;
+        options.save = !no_save;
+        if (!out.empty() && options.save && options.frames == 0 && options.seconds == 0)
+            throw CLI::ValidationError("--out", "needs --frames or --seconds, so that the disk does not fill up (or --no-save)");
+    } catch (const CLI::Success& success) { // --help, --version
+        exit_code = app.exit(success);
+        return {};
+    } catch (const std::exception& error) {
+        std::cerr << "brume-client: " << error.what() << "; --help lists what there is\n";
+        exit_code = 2;
+        return {};
+    }
+    return options;
+}
+
+} // namespace brume::client

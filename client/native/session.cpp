@@ -1,0 +1,131 @@
+#include "client/native/session.h"
+
+#include <algorithm>
+
+namespace brume::client {
+namespace {
+
+wire::Vec3 toWire(glm::vec3 v) { return {v.x, v.y, v.z}; }
+glm::vec3 fromWire(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+std::string textOf(const flatbuffers::String* text) { return text ? text->str() : std::string(); }
+
+// What a server says goes to a terminal: one line, no control characters.
+std::string oneLine(std::string text) {
+    text.resize(std::min<size_t>(text.size(), 300));
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
+    return text;
+}
+
+} // namespace
+
+uint64_t nowUs() {
+    using namespace std::chrono;
+    return static_cast<uint64_t>(duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count());
+}
+
+Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout)
+    : connection_(std::move(endpoint), timeout), wishes_(wishes) {}
+
+std::optional<Received> Session::next(std::chrono::milliseconds timeout) {
+    const auto deadline = std::chrono::steady_clock::now() + timeout;
+    for (;;) {
+        using std::chrono::milliseconds;
+        const auto left = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
+        std::optional<Bytes> bytes = connection_.receive(std::max(left, milliseconds(0)));
+        if (!greeted_ && connection_.state() == Connection::State::open) sayHello();
+        if (!bytes) {
+            if (closed() || std::chrono::steady_clock::now() >= deadline) return {};
+            continue;
+        }
+        const auto parsed = wire::parse(*bytes);
+        if (!parsed) {
+            refusal_ = "the server sent something that is not " + std::string(wire::kSubprotocol);
+            connection_.close(milliseconds(200));
+            return {};
+        }
+        Received message(std::move(*bytes), *parsed, nowUs());
+        takeNote(message);
+        if (message.type() != wire::Body::Ping && message.type() != wire::Body::Pong) return message;
+    }
+}
+
+void Session::sayHello() {
+    greeted_ = true;
+    sendMessage([&](flatbuffers::FlatBufferBuilder& b) {
+        const auto client = b.CreateString("brume-client " BRUME_VERSION);
+        return wire::CreateHello(b, client, wishes_.width, wishes_.height, wishes_.views, wishes_.quality);
+    });
+}
+
+void Session::takeNote(const Received& message) {
+    if (const auto* ping = message.as<wire::Ping>()) {
+        sendMessage([&](auto& b) { return wire::CreatePong(b, ping->nonce(), ping->time_us()); });
+    } else if (const auto* pong = message.as<wire::Pong>()) {
+        if (pong->nonce() == ping_) round_trip_ms_ = static_cast<float>(message.receivedUs() - pong->time_us()) * 1e-3f;
+    } else if (const auto* welcome = message.as<wire::Welcome>()) {
+        const auto& camera = *welcome->camera();
+        const glm::vec3 position = fromWire(*camera.position());
+        glm::vec3 target = fromWire(*camera.target());
+        if (!(glm::length(position - target) > 1e-3f)) target = position - glm::vec3(0, 0, 1); // any direction will do
+        granted_ = Granted{welcome->viewer(),
+                           textOf(welcome->server()),
+                           textOf(welcome->scene()),
+                           textOf(welcome->device()),
+                           welcome->width(),
+                           welcome->height(),
+                           welcome->views(),
+                           welcome->max_in_flight(),
+                           welcome->tick_hz(),
+                           position,
+                           target,
+                           camera.fov_y()};
+    } else if (const auto* error = message.as<wire::Error>()) {
+        if (!welcomed()) refusal_ = "the server refuses: " + oneLine(textOf(error->text()));
+    } else if (const auto* goodbye = message.as<wire::Goodbye>()) {
+        if (refusal_.empty()) refusal_ = "the server says goodbye: " + oneLine(textOf(goodbye->reason()));
+        const float wait_s = goodbye->retry_after_s();
+        retry_after_s_ = wait_s > 0 ? std::min(wait_s, 3600.0f) : 0; // NaN is 0
+        connection_.close(std::chrono::milliseconds(200));
+    }
+}
+
+std::string Session::closedBecause() const { return refusal_.empty() ? connection_.closedBecause() : refusal_; }
+
+std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint16_t height) {
+    constexpr size_t enough_unsent = 4; // more would only grow old
+    if (connection_.unsent() >= enough_unsent) return {};
+    const uint32_t seq = ++pose_seq_;
+    const wire::Vec3 position = toWire(pose.position);
+    const glm::quat& q = pose.orientation;
+    const wire::Quat orientation(q.x, q.y, q.z, q.w);
+    sendMessage([&](auto& b) {
+        return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width, height);
+    });
+    return seq;
+}
+
+uint32_t Session::sendPush(const Push& push) {
+    const wire::Vec3 origin = toWire(push.origin), direction = toWire(push.direction), along = toWire(push.push);
+    return sendCommand<wire::Impulse>(
+        [&](auto& b) { return wire::CreateImpulse(b, &origin, &direction, &along, push.strength); });
+}
+
+uint32_t Session::sendPaused(bool paused) {
+    return sendCommand<wire::SetSimulation>([&](auto& b) { return wire::CreateSetSimulation(b, paused); });
+}
+
+void Session::acknowledge(uint32_t frame) {
+    sendMessage([&](auto& b) { return wire::CreateAck(b, frame); });
+}
+
+void Session::sendPing() {
+    sendMessage([&](auto& b) { return wire::CreatePing(b, ++ping_, nowUs()); });
+}
+
+void Session::leave(const std::string& reason, std::chrono::milliseconds deadline) {
+    if (greeted_) sendMessage([&](auto& b) { return wire::CreateGoodbye(b, b.CreateString(reason)); });
+    connection_.close(deadline);
+}
+
+} // namespace brume::client

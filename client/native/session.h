@@ -1,0 +1,129 @@
+// A viewer's conversation with a server: hello and welcome, poses and inputs out, verified messages in. One thread.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "client/native/connection.h"
+#include "common/camera.h"
+#include "protocol/message.h"
+
+namespace brume::client {
+
+// Microseconds of this client's own monotonic clock: the client_time_us of every message.
+uint64_t nowUs();
+
+// A verified message together with the bytes that it points into.
+class Received {
+public:
+    Received(Bytes bytes, wire::Parsed parsed, uint64_t received_us)
+        : bytes_(std::move(bytes)), parsed_(parsed), received_us_(received_us) {}
+    Received(Received&&) noexcept = default; // a moved vector keeps its memory, so `parsed_` stays right
+    Received& operator=(Received&&) noexcept = default;
+
+    wire::Body type() const { return parsed_.type(); }
+    // Null when the message is of another type.
+    template <class T>
+    const T* as() const {
+        return parsed_.as<T>();
+    }
+    const wire::Parsed& parsed() const { return parsed_; }
+    size_t size() const { return bytes_.size(); }
+    uint64_t receivedUs() const { return received_us_; }
+
+private:
+    Bytes bytes_;
+    wire::Parsed parsed_;
+    uint64_t received_us_;
+};
+
+struct Wishes {
+    uint16_t width = 640, height = 360; // of one eye
+    uint8_t views = 1;                  // 2 for left and right eye
+    uint8_t quality = 0;                // JPEG, 0 = the server's
+};
+
+// What a welcome grants.
+struct Granted {
+    uint32_t viewer = 0;
+    std::string server, scene, device;
+    uint16_t width = 0, height = 0;
+    uint8_t views = 1, max_in_flight = 1;
+    float tick_hz = 0;
+    glm::vec3 position{0}, target{0}; // the scene's own camera
+    float fov_y = 0.8f;
+};
+
+// A push along a ray; `push` of zero means away from the ray.
+struct Push {
+    glm::vec3 origin{0}, direction{0, 0, -1}, push{0};
+    float strength = 1;
+};
+
+class Session {
+public:
+    Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout);
+
+    // The next message for the caller, if one comes in time. Says hello, answers pings and takes note of welcome and goodbye
+    // by itself; these are returned too, pings and pongs are not.
+    std::optional<Received> next(std::chrono::milliseconds timeout);
+
+    bool welcomed() const { return granted_.has_value(); }
+    // Precondition: welcomed().
+    const Granted& granted() const { return *granted_; }
+
+    bool closed() const { return connection_.state() == Connection::State::closed; }
+    // One line; the server's goodbye or its refusal when there was one, else what the socket met.
+    std::string closedBecause() const;
+    // What a goodbye asked for; 0 without one.
+    float retryAfterSeconds() const { return retry_after_s_; }
+
+    // Poses are the newest-wins kind: one is left out while the socket has not taken the ones before. Returns the pose's
+    // number, or nothing when it was left out. A size of 0 means as before.
+    std::optional<uint32_t> sendPose(const Pose& pose, uint16_t width = 0, uint16_t height = 0);
+    // Inputs are numbered and never left out. `build` returns the offset of the command's table. Returns the input's number.
+    template <class Command, class Build>
+    uint32_t sendCommand(Build&& build) {
+        const uint32_t seq = ++input_seq_;
+        sendMessage([&](flatbuffers::FlatBufferBuilder& b) {
+            const flatbuffers::Offset<Command> command = build(b);
+            return wire::CreateInput(b, seq, nowUs(), wire::CommandTraits<Command>::enum_value, command.Union());
+        });
+        return seq;
+    }
+    uint32_t sendPush(const Push& push);
+    uint32_t sendPaused(bool paused);
+    // The frame was presented, or dropped: the server may send another.
+    void acknowledge(uint32_t frame);
+    void sendPing();
+    // Round trip of the newest ping that was answered; nothing before.
+    std::optional<float> roundTripMs() const { return round_trip_ms_; }
+
+    // Goodbye and the closing handshake, waiting at most `deadline`.
+    void leave(const std::string& reason, std::chrono::milliseconds deadline = std::chrono::milliseconds(500));
+
+    Connection& connection() { return connection_; }
+
+private:
+    template <class Build>
+    void sendMessage(Build&& build) {
+        connection_.send(wire::bytesOf(wire::pack(build)));
+    }
+    void sayHello();
+    void takeNote(const Received& message);
+
+    Connection connection_;
+    Wishes wishes_;
+    bool greeted_ = false;
+    std::optional<Granted> granted_;
+    std::string refusal_; // from a goodbye or an error before the welcome
+    float retry_after_s_ = 0;
+    uint32_t pose_seq_ = 0, input_seq_ = 0, ping_ = 0;
+    std::optional<float> round_trip_ms_;
+};
+
+} // namespace brume::client

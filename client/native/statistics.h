@@ -1,0 +1,87 @@
+// What a viewer measured: rates, latency by stage, and which ticks and states its pictures showed.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "client/native/session.h"
+
+namespace brume::client {
+
+// One frame that was presented. Times in milliseconds, on this client's clock where they are not the server's own durations.
+struct FrameRecord {
+    uint32_t id = 0, pose_seq = 0;
+    uint64_t tick = 0, state_hash = 0;
+    uint64_t presented_us = 0;
+    std::optional<float> total_ms; // the pose's client time -> presented; nothing when the server's echo makes no sense
+    float wait_ms = 0, render_ms = 0, encode_ms = 0, queue_ms = 0, gpu_ms = 0; // wire::Stages
+    float decode_ms = 0;
+    uint32_t bytes = 0; // message and JPEG
+    uint16_t width = 0, height = 0;
+    uint8_t quality = 0, views = 1;
+    glm::vec3 position{0};
+    glm::quat orientation{1, 0, 0, 0};
+    float fov_y = 0;
+
+    // What the server and the decoder do not explain: both ways of the network, and waiting in this client.
+    std::optional<float> networkMs() const;
+};
+
+// Precondition: `message` is a frame.
+FrameRecord recordOf(const Received& message, float decode_ms, uint64_t presented_us);
+
+// The smallest value that at least `fraction` of the values do not exceed (nearest rank); nothing for no values.
+std::optional<float> percentile(std::vector<float> values, double fraction);
+
+class Statistics {
+public:
+    explicit Statistics(std::string url) : url_(std::move(url)) {}
+
+    void welcome(const Granted& granted);
+    void frame(const FrameRecord& record);
+    void dropped() { ++dropped_; } // a newer frame was there before this one was shown
+    void error(const wire::Error& error);
+    void roundTrip(std::optional<float> ms) { round_trip_ms_ = ms; }
+    void inputSent() { ++inputs_; }
+    void ended(std::string why) { ended_ = std::move(why); }
+
+    uint64_t frames() const { return frames_; }
+    std::string lastError() const { return error_records_.empty() ? "" : error_records_.back().text; }
+    double secondsShown() const; // first frame -> last
+    double frameRate() const;    // over that time; 0 for fewer than two frames
+    // Over the frames presented since `since_us`.
+    double recentRate(uint64_t since_us) const;
+    std::optional<float> recentLatencyMs(uint64_t since_us) const; // median
+
+    // Everything, as written to stats.json.
+    nlohmann::json json() const;
+    // For a person, one to three lines.
+    std::string summary() const;
+
+private:
+    std::vector<float> stage(std::optional<float> (*of)(const FrameRecord&)) const;
+
+    // Ten minutes at 60 Hz: percentiles and the list of frames are of the last ones, so that a day's watching stays small.
+    static constexpr size_t kMaxRecords = 36'000, kMaxErrors = 100;
+
+    std::string url_, ended_;
+    Granted granted_;
+    uint32_t welcomes_ = 0;
+    uint64_t frames_ = 0, dropped_ = 0, bytes_ = 0, inputs_ = 0, errors_ = 0, first_us_ = 0;
+    std::deque<FrameRecord> records_;
+    struct ErrorRecord {
+        wire::ErrorCode code;
+        uint32_t input_seq;
+        std::string text;
+    };
+    std::vector<ErrorRecord> error_records_;
+    std::optional<float> round_trip_ms_;
+};
+
+} // namespace brume::client

@@ -1,0 +1,259 @@
+#include "client/native/window.h"
+
+#include <algorithm>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+
+#include <SDL2/SDL.h>
+#include <fmt/format.h>
+
+#include "client/native/display.h"
+#include "client/native/gestures.h"
+#include "client/native/jpeg.h"
+#include "client/native/recorder.h"
+
+namespace brume::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr uint64_t kPoseEveryUs = 16'667; // 60 Hz, sent while nothing moves too: each measures the latency anew
+constexpr uint64_t kPushEveryUs = 33'333; // a drag is many events
+constexpr uint64_t kSecondUs = 1'000'000;
+constexpr uint64_t kTitleEveryUs = 500'000;
+constexpr uint64_t kResizeAfterUs = 150'000; // a size is asked for when the hand rests
+constexpr double kFirstRetryS = 0.5, kLastRetryS = 10;
+// The socket is waited for, the window is asked in between: the most that a key stroke waits.
+constexpr milliseconds kLoopWait{4};
+
+class WindowedViewer {
+public:
+    WindowedViewer(const Options& options, Interrupt& interrupt)
+        : options_(options), interrupt_(interrupt), recorder_(options.out, options.save), statistics_(options.endpoint.url()),
+          display_("brume: connecting to " + options.endpoint.url(), options.wishes.width * options.wishes.views,
+                   options.wishes.height),
+          wishes_(options.wishes) {}
+
+    void run() {
+        std::string failure;
+        try {
+            watch();
+        } catch (const std::exception& error) {
+            failure = error.what();
+        }
+        statistics_.ended(failure.empty() ? "as asked" : failure);
+        if (session_) session_->leave("the window was closed");
+        std::cout << statistics_.summary() << std::endl;
+        recorder_.statistics(statistics_);
+        if (!failure.empty()) throw std::runtime_error(failure);
+    }
+
+private:
+    void watch() {
+        uint64_t last_us = nowUs();
+        while (!interrupt_.asked() && !quit_ && !done()) {
+            const uint64_t now = nowUs();
+            handleEvents(now);
+            if (gestures_) steer(now, static_cast<float>(now - last_us) * 1e-6f);
+            last_us = now;
+            if (session_)
+                converse(now);
+            else if (now >= retry_at_us_)
+                connect(now);
+            else
+                SDL_Delay(kLoopWait.count());
+            if (now >= next_title_us_) showTitle(now);
+        }
+    }
+
+    void connect(uint64_t now) {
+        session_.emplace(options_.endpoint, wishes_, milliseconds(static_cast<int64_t>(options_.timeout * 1000)));
+        heard_us_ = now;
+    }
+
+    bool done() const {
+        if (options_.frames > 0 && statistics_.frames() >= options_.frames) return true;
+        return options_.seconds > 0 && first_us_ > 0 && static_cast<double>(nowUs() - first_us_) >= options_.seconds * 1e6;
+    }
+
+    void handleEvents(uint64_t now) {
+        SDL_Event event;
+        while (SDL_PollEvent(&event) != 0) {
+            if (event.type == SDL_QUIT || (event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_ESCAPE)) quit_ = true;
+            if (event.type == SDL_WINDOWEVENT) {
+                if (event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED) resized_us_ = now;
+                display_.present(); // exposed, restored, resized: draw again
+            }
+            if (gestures_) gestures_->handle(event, display_);
+        }
+        if (resized_us_ > 0 && now - resized_us_ > kResizeAfterUs) {
+            resized_us_ = 0;
+            wishes_.width = static_cast<uint16_t>(std::clamp(display_.width() / wishes_.views, 16, 8192));
+            wishes_.height = static_cast<uint16_t>(std::clamp(display_.height(), 16, 8192));
+        }
+    }
+
+    // The camera: along its path until the user takes it.
+    void steer(uint64_t now, float seconds) {
+        gestures_->passTime(std::min(seconds, 0.1f));
+        if (camera_.kind != PathKind::still && !gestures_->touched())
+            gestures_->standAt(camera_.at(static_cast<double>(now - start_us_) * 1e-6));
+    }
+
+    void converse(uint64_t now) {
+        if (session_->welcomed()) talk(now);
+        std::optional<Received> newest;
+        for (auto message = session_->next(kLoopWait); message; message = session_->next(milliseconds(0))) {
+            if (const auto* error = message->as<wire::Error>()) {
+                statistics_.error(*error);
+                // Most likely a size that is not granted: stay with the one that is.
+                if (error->code() == wire::ErrorCode::out_of_range && shown_width_ > 0) {
+                    wishes_.width = shown_width_;
+                    wishes_.height = shown_height_;
+                }
+            } else if (const auto* state = message->as<wire::SceneState>()) {
+                paused_ = state->paused();
+                viewers_ = state->viewers();
+            } else if (message->as<wire::Welcome>()) {
+                welcome();
+            } else if (message->as<wire::Frame>()) {
+                if (newest) statistics_.dropped();
+                newest = std::move(message);
+            }
+        }
+        if (newest) show(*newest);
+        if (session_->closed())
+            reconnectLater(now, session_->closedBecause());
+        else if (static_cast<double>(nowUs() - heard_us_) > options_.timeout * 1e6)
+            reconnectLater(now, fmt::format("no frame from {} in {:g} s", options_.endpoint.url(), options_.timeout));
+    }
+
+    void welcome() {
+        const Granted& granted = session_->granted();
+        statistics_.welcome(granted);
+        retry_s_ = kFirstRetryS;
+        next_ping_us_ = 0;
+        if (gestures_) return; // again: the camera stays where the user left it
+        camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
+        camera_.fov_y = granted.fov_y;
+        gestures_.emplace(camera_, options_.wishes.views);
+        seen_ = gestures_->pose();
+        start_us_ = nowUs();
+    }
+
+    // Poses, pushes and pings that are due.
+    void talk(uint64_t now) {
+        if (now >= next_pose_us_) {
+            Pose pose = gestures_->pose();
+            if (wishes_.views == 2) pose.eye_separation = kEyeSeparation;
+            session_->sendPose(pose, wishes_.width, wishes_.height);
+            next_pose_us_ = now + kPoseEveryUs;
+        }
+        if (now >= next_ping_us_) {
+            session_->sendPing();
+            statistics_.roundTrip(session_->roundTripMs());
+            next_ping_us_ = now + kSecondUs;
+        }
+        while (first_us_ > 0 && pushed_ < options_.pushes.size() &&
+               static_cast<double>(now - first_us_) >= options_.pushes[pushed_].seconds * 1e6)
+            send(options_.pushes[pushed_++].push);
+        if (now >= next_push_us_) {
+            if (const auto push = gestures_->takePush(seen_)) {
+                send(*push);
+                next_push_us_ = now + kPushEveryUs;
+            }
+        }
+        if (gestures_->pauseToggled()) {
+            session_->sendPaused(!paused_);
+            statistics_.inputSent();
+        }
+    }
+
+    void send(const Push& push) {
+        session_->sendPush(push);
+        statistics_.inputSent();
+    }
+
+    void show(const Received& message) {
+        const auto& frame = *message.as<wire::Frame>();
+        const int views = static_cast<int>(frame.jpeg_bytes()->size());
+        const int width = frame.width(), height = frame.height();
+        const uint64_t decode_start = nowUs();
+        uint64_t decoded = decode_start;
+        const bool whole = display_.update(width * views, height, [&](uint8_t* pixels, int pitch) {
+            bool good = true;
+            for (int view = 0; view < views; ++view)
+                good = good && decoder_.decodeBgra(message.parsed().view(static_cast<uint32_t>(view)), width, height,
+                                                   pixels + 4 * width * view, pitch);
+            decoded = nowUs();
+            return good;
+        });
+        if (!whole) throw std::runtime_error("a picture from the server is broken: " + decoder_.error());
+        display_.present();
+        const uint64_t presented = nowUs();
+        session_->acknowledge(frame.id());
+
+        const FrameRecord record = recordOf(message, static_cast<float>(decoded - decode_start) * 1e-3f, presented);
+        statistics_.frame(record);
+        recorder_.frame(message);
+        if (first_us_ == 0) first_us_ = presented;
+        heard_us_ = presented;
+        tick_ = record.tick;
+        shown_width_ = record.width;
+        shown_height_ = record.height;
+        seen_.position = record.position;
+        seen_.orientation = record.orientation;
+        seen_.fov_y = record.fov_y;
+    }
+
+    // A server that let us in once may come back; one that never did is the user's to look at.
+    void reconnectLater(uint64_t now, const std::string& why) {
+        const double asked_s = session_->retryAfterSeconds();
+        if (!gestures_) throw std::runtime_error(asked_s > 0 ? fmt::format("{} (try again in {:g} s)", why, asked_s) : why);
+        const double wait_s = std::max(retry_s_, asked_s);
+        std::cerr << fmt::format("brume-client: {}; trying again in {:g} s\n", why, wait_s);
+        session_.reset();
+        retry_at_us_ = now + static_cast<uint64_t>(wait_s * 1e6);
+        retry_s_ = std::min(2 * retry_s_, kLastRetryS);
+        next_title_us_ = 0;
+    }
+
+    void showTitle(uint64_t now) {
+        next_title_us_ = now + kTitleEveryUs;
+        if (!gestures_) return; // "connecting", from the start
+        if (!session_ || !session_->welcomed()) return display_.setTitle("brume: reconnecting to " + options_.endpoint.url());
+        const uint64_t since = now > kSecondUs ? now - kSecondUs : 0;
+        std::string title = fmt::format("brume: {}, {:.0f} fps", session_->granted().scene, statistics_.recentRate(since));
+        if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
+        title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s", paused_ ? ", paused" : "");
+        display_.setTitle(title);
+    }
+
+    const Options& options_;
+    Interrupt& interrupt_;
+    Recorder recorder_; // first, so that a folder that cannot be written is told before a window opens
+    Statistics statistics_;
+    Display display_;
+    Wishes wishes_; // the size follows the window
+    std::optional<Session> session_;
+    JpegDecoder decoder_;
+    CameraPath camera_;
+    std::optional<Gestures> gestures_; // from the first welcome on
+    Pose seen_;                        // of the picture that is shown
+    bool quit_ = false, paused_ = false;
+    uint32_t viewers_ = 0;
+    uint64_t tick_ = 0;
+    uint16_t shown_width_ = 0, shown_height_ = 0;
+    uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
+    uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, retry_at_us_ = 0;
+    uint64_t heard_us_ = 0; // the newest frame, or the start of this connection
+    double retry_s_ = kFirstRetryS;
+    size_t pushed_ = 0;
+};
+
+} // namespace
+
+void runWindow(const Options& options, Interrupt& interrupt) { WindowedViewer(options, interrupt).run(); }
+
+} // namespace brume::client
