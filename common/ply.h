@@ -1,0 +1,25 @@
+// Point clouds from PLY files: ASCII and binary little-endian, version 1.0.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace brume {
+
+// The optional lists are empty, or as long as `position`.
+struct PointCloud {
+    std::vector<glm::vec3> position; // m
+    std::vector<float> scale;        // m, centre to vertex of a particle's tetrahedron
+    std::vector<float> sigma_t;      // 1/m, extinction at a particle's centre
+    std::vector<glm::vec3> albedo;   // linear, in [0, 1]; a uchar is divided by 255
+    size_t dropped = 0;              // points left out: a number that is not finite or out of range
+};
+
+// Reads element `vertex` with x y z and, where there, scale, sigma_t, red green blue; everything else is skipped.
+// Throws SceneError for a file that cannot be read, is not such a PLY, ends early, or has no usable point; logs how many points
+// were dropped.
+PointCloud loadPly(const std::filesystem::path& file);
+
+} // namespace brume

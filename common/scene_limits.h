@@ -1,0 +1,42 @@
+// The range of every number in a scene, ends included. One list: the loader refuses what is outside, commands are clamped to it.
+#pragma once
+
+#include <algorithm>
+
+namespace brume {
+
+struct Limits {
+    double lo, hi;
+    constexpr bool holds(double value) const { return value >= lo && value <= hi; } // false for NaN
+    float clamp(float value) const { return static_cast<float>(std::clamp(static_cast<double>(value), lo, hi)); }
+};
+
+namespace limits {
+
+// Any place or length: float32 still resolves 4 mm at 50 km, far below the smallest useful particle there.
+inline constexpr Limits kPlace{-5e4, 5e4}, kLength{1e-3, 1e4};
+inline constexpr Limits kColour{0, 1}, kRadiance{0, 1e4}, kSpeed{-100, 100};
+
+inline constexpr Limits kCount{1, 1'000'000};
+inline constexpr Limits kScale{1e-3, 1e3};
+inline constexpr Limits kFalloff{0.1, 10};   // 000's slider ends at 10; at 0 a particle has no extent
+inline constexpr Limits kExtinction{0, 1e5}; // 000's slider ends at 100, which is thin for particles of centimetres
+inline constexpr Limits kMultiplier{0, 1e3};
+inline constexpr Limits kSigmaT{0, 1e4}; // 1/m, a point's own
+inline constexpr Limits kAnisotropy{0, 1};
+inline constexpr Limits kAsymmetry{-0.99, 0.99};
+inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0}; // 2^53: every double between is a whole number
+
+inline constexpr Limits kRate{1e-3, 1e6}, kLife{0.1, 120}, kGrowth{0, 100}, kAcceleration{-100, 100}, kTurbulence{0, 100};
+
+inline constexpr Limits kSpring{0, 1000}; // 1/s^2: far below the 4 / dt^2 = 14400 where the 60 Hz step turns unstable
+inline constexpr Limits kViscosity{0, 100};
+inline constexpr Limits kImpulseStrength{-100, 100}, kStrength{-10, 10};
+inline constexpr Limits kPeriod{0.1, 1e4}, kRotate{-10, 10}, kAngle{-1e3, 1e3};
+
+inline constexpr Limits kFovY{0.05, 3.0};
+inline constexpr Limits kExposure{1e-4, 1e4}, kSteps{1, 10}, kTransmittanceSteps{1, 3};
+inline constexpr Limits kShadowSize{16, 1024}, kShadowSlices{2, 128}, kOpaqueShadowSize{16, 8192}, kCutoff{0, 0.1};
+
+} // namespace limits
+} // namespace brume

@@ -1,0 +1,126 @@
+#include "common/scene_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace brume {
+
+namespace {
+
+std::string plain(double value) {
+    std::ostringstream out;
+    out.precision(10);
+    out << value;
+    return out.str();
+}
+
+std::string bounds(Limits allowed) { return "from " + plain(allowed.lo) + " to " + plain(allowed.hi); }
+
+} // namespace
+
+const toml::node* TableReader::find(std::string_view key) {
+    known_.emplace_back(key);
+    return table_.get(key);
+}
+
+void TableReader::fail(std::string_view key, const std::string& problem, const std::string& allowed) const {
+    const toml::node* node = key.empty() ? nullptr : table_.get(key);
+    const auto line = (node ? node->source() : table_.source()).begin.line;
+    const std::string name = key.empty() ? path_ : joined(key);
+    throw SceneError(file_ + ':' + std::to_string(std::max<unsigned>(line, 1)) + ": " + name + ": " + problem +
+                     "; allowed: " + allowed);
+}
+
+std::string TableReader::shown(const toml::node& node) {
+    std::string value;
+    if (const auto text = node.value_exact<std::string>()) value = '"' + text->substr(0, 60) + '"';
+    if (const auto number = node.value<double>(); number && node.is_number()) value = plain(*number);
+    if (const auto flag = node.value_exact<bool>()) value = *flag ? "true" : "false";
+    if (node.is_array()) value = "an array of " + std::to_string(node.as_array()->size());
+    if (node.is_table()) value = "a table";
+    return (value.empty() ? "a date or time" : value) + " is not allowed here";
+}
+
+double TableReader::checked(std::string_view key, const toml::node& node, Limits allowed, bool whole,
+                            const std::string& form) const {
+    const bool right_type = whole ? node.is_integer() : node.is_number();
+    const double value = right_type ? *node.value<double>() : 0;
+    if (!right_type || !allowed.holds(value)) fail(key, shown(node), form + ' ' + bounds(allowed));
+    return value;
+}
+
+void TableReader::number(std::string_view key, float& out, Limits allowed) {
+    if (const toml::node* node = find(key)) out = static_cast<float>(checked(key, *node, allowed, false, "a number"));
+}
+
+void TableReader::integer(std::string_view key, uint32_t& out, Limits allowed) {
+    if (const toml::node* node = find(key)) out = static_cast<uint32_t>(checked(key, *node, allowed, true, "a whole number"));
+}
+
+void TableReader::integer(std::string_view key, uint64_t& out, Limits allowed) {
+    if (const toml::node* node = find(key)) out = static_cast<uint64_t>(checked(key, *node, allowed, true, "a whole number"));
+}
+
+void TableReader::vector(std::string_view key, glm::vec3& out, Limits allowed) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    const std::string form = "[x, y, z], each a number";
+    const toml::array* array = node->as_array();
+    if (!array || array->size() != 3) fail(key, shown(*node), form + ' ' + bounds(allowed));
+    for (int i = 0; i < 3; ++i)
+        out[i] = static_cast<float>(checked(key, *array->get(static_cast<size_t>(i)), allowed, false, form));
+}
+
+void TableReader::range(std::string_view key, Range& out, Limits allowed) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    const std::string form = "a number, or [lowest, highest], each";
+    if (const toml::array* array = node->as_array()) {
+        if (array->size() != 2) fail(key, shown(*node), form + ' ' + bounds(allowed));
+        out.lo = static_cast<float>(checked(key, *array->get(0), allowed, false, form));
+        out.hi = static_cast<float>(checked(key, *array->get(1), allowed, false, form));
+        if (out.lo > out.hi) fail(key, '[' + plain(out.lo) + ", " + plain(out.hi) + "] is upside down", "the lowest first");
+    } else {
+        out.lo = out.hi = static_cast<float>(checked(key, *node, allowed, false, form));
+    }
+}
+
+void TableReader::boolean(std::string_view key, bool& out) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    if (!node->is_boolean()) fail(key, shown(*node), "true or false");
+    out = **node->as_boolean();
+}
+
+void TableReader::text(std::string_view key, std::string& out, size_t longest) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    const auto value = node->value_exact<std::string>();
+    if (!value || value->empty() || value->size() > longest)
+        fail(key, shown(*node), "text of 1 to " + std::to_string(longest) + " bytes");
+    out = *value;
+}
+
+const toml::array* TableReader::listOfTables(std::string_view key, Limits how_many) {
+    const toml::node* node = find(key);
+    if (!node) return nullptr;
+    const toml::array* array = node->as_array();
+    const std::string number = how_many.lo == how_many.hi ? plain(how_many.lo) : bounds(how_many);
+    if (!array || !how_many.holds(static_cast<double>(array->size())))
+        fail(key, shown(*node), "[[" + joined(key) + "]], " + number + " of them");
+    return array;
+}
+
+void TableReader::finish() const {
+    for (const auto& [key, node] : table_) {
+        if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
+        std::vector<std::string> names = known_;
+        std::sort(names.begin(), names.end());
+        std::string allowed;
+        for (const std::string& name : names) allowed += (allowed.empty() ? "" : ", ") + name;
+        fail(key.str(), "unknown key", allowed);
+    }
+}
+
+} // namespace brume

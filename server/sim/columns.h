@@ -1,0 +1,50 @@
+// The particles' numbers, one column each (structure of arrays), so that the step's loops vectorise.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace brume {
+
+enum class Column : uint32_t {
+    x,
+    y,
+    z, // m, world
+    vx,
+    vy,
+    vz,     // m/s
+    scale,  // m, centre to vertex
+    weight, // extinction's multiplier * 1e-4; unused where points bring their own sigma_t
+    sigma,  // 1/m, now
+    home_x, // m, target relative to the volume; an emitter's particles have none and keep
+    home_y, //    age (s) and
+    home_z, //    scale at birth (m) there
+    count,
+    age = home_x,
+    birth_scale = home_y,
+};
+
+// Rows [begin, end) of every column.
+struct Rows {
+    uint32_t begin = 0, end = 0;
+};
+
+class Columns {
+public:
+    explicit Columns(uint32_t rows)
+        : stride_((size_t{rows} + kPage - 1) / kPage * kPage + kSkew), data_(stride_ * static_cast<size_t>(Column::count)) {}
+
+    float* operator[](Column c) { return data_.data() + stride_ * static_cast<size_t>(c); }
+    const float* operator[](Column c) const { return data_.data() + stride_ * static_cast<size_t>(c); }
+    // Precondition: as many rows. Allocates nothing.
+    void copyFrom(const Columns& other) { std::copy(other.data_.begin(), other.data_.end(), data_.begin()); }
+
+private:
+    // Rows of all columns are read together: without the skew they would all fall into the same sets of the first-level cache.
+    static constexpr size_t kPage = 1024, kSkew = 80; // floats: 4 KiB, and 5 cache lines
+    size_t stride_;
+    std::vector<float> data_;
+};
+
+} // namespace brume

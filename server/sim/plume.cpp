@@ -1,0 +1,60 @@
+#include "server/sim/plume.h"
+
+#include <algorithm>
+
+#include "server/sim/random.h"
+
+namespace brume {
+
+Plume::Plume(const Medium& medium, float viscosity)
+    : emitter_(medium.emitter), scale_(medium.scale), multiplier_(medium.multiplier), seed_(medium.seed), pool_(medium.count),
+      viscosity_(viscosity), turbulence_(medium.seed, emitter_.turbulence, emitter_.eddy, emitter_.wind) {}
+
+std::array<Rows, 2> Plume::living() const {
+    if (oldest_ == born_) return {};
+    const auto first = static_cast<uint32_t>(oldest_ % pool_), end = static_cast<uint32_t>((born_ - 1) % pool_ + 1);
+    if (first < end) return {{{first, end}, {}}};
+    return {{{first, pool_}, {0, end}}};
+}
+
+void Plume::step(Columns& columns, uint64_t steps, glm::vec3 volume) {
+    const double now = static_cast<double>(steps) * kTickSeconds;
+    const PlumeStep s{.dt = static_cast<float>(kTickSeconds),
+                      .viscosity = viscosity_,
+                      .wind = emitter_.wind,
+                      .buoyancy = emitter_.buoyancy,
+                      .life = emitter_.life};
+    for (const Rows rows : living()) plumeStep(columns, rows, s, turbulence_.at(now));
+    while (oldest_ < born_ && columns[Column::age][oldest_ % pool_] >= emitter_.life) ++oldest_;
+    // From the number of steps, not from a running sum: rounding cannot pile up.
+    const auto due = static_cast<uint64_t>(static_cast<double>(emitter_.rate) * now);
+    while (born_ < due) bear(columns, now, volume);
+}
+
+void Plume::ageTo(Columns& columns, float extinction) const {
+    for (const Rows rows : living())
+        age(columns, rows, {.life = emitter_.life, .growth = emitter_.growth, .extinction = extinction});
+}
+
+// What birth number n is like depends on the seed and n alone; where it is now, on how long ago within this step it came.
+void Plume::bear(Columns& columns, double now, glm::vec3 volume) {
+    if (born_ - oldest_ == pool_) ++oldest_;
+    const size_t row = born_ % pool_;
+    Random random(seed_, born_);
+    const auto age = static_cast<float>(std::max(0.0, now - static_cast<double>(born_ + 1) / static_cast<double>(emitter_.rate)));
+    const glm::vec2 on_disc = random.inDisc() * emitter_.radius;
+    const glm::vec3 velocity = emitter_.velocity + random.inBall() * emitter_.spread;
+    const glm::vec3 place = emitter_.position + volume + glm::vec3(on_disc.x, 0, on_disc.y) + velocity * age;
+    columns[Column::x][row] = place.x;
+    columns[Column::y][row] = place.y;
+    columns[Column::z][row] = place.z;
+    columns[Column::vx][row] = velocity.x;
+    columns[Column::vy][row] = velocity.y;
+    columns[Column::vz][row] = velocity.z;
+    columns[Column::age][row] = age;
+    columns[Column::birth_scale][row] = random.uniform(scale_.lo, scale_.hi);
+    columns[Column::weight][row] = random.uniform(multiplier_.lo, multiplier_.hi) * 1e-4f;
+    ++born_;
+}
+
+} // namespace brume

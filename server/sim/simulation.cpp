@@ -1,0 +1,272 @@
+#include "server/sim/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "common/scene_limits.h"
+#include "server/sim/kernels.h"
+#include "server/sim/layout.h"
+#include "server/sim/plume.h"
+#include "server/sim/sine.h"
+#include "server/sim/state_hash.h"
+
+namespace brume {
+
+namespace {
+
+constexpr float kDt = static_cast<float>(kTickSeconds);
+constexpr uint32_t kMostImpulses = 64; // in a tick, each a pass over all particles; later ones have no effect
+constexpr size_t kLongestName = 64;    // of a method or quadrature; room for it is made at the start
+
+bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+glm::vec3 clamped(glm::vec3 v, Limits to) { return {to.clamp(v.x), to.clamp(v.y), to.clamp(v.z)}; }
+
+// A wish that is absent or not finite changes nothing; any other is brought into its limits.
+void take(const std::optional<float>& wish, float& value, Limits to) {
+    if (wish && std::isfinite(*wish)) value = to.clamp(*wish);
+}
+void take(const std::optional<glm::vec3>& wish, glm::vec3& value, Limits to) {
+    if (wish && finite(*wish)) value = clamped(*wish, to);
+}
+void take(const std::optional<std::string>& wish, std::string& value) {
+    if (wish && !wish->empty() && wish->size() <= kLongestName) value = *wish;
+}
+
+// About +Y by a small angle; the series are exact in float32 for the at most 10/60 rad of a step.
+glm::vec3 turned(glm::vec3 v, float angle) {
+    const float a2 = angle * angle, sine = angle * (1 - a2 / 6 * (1 - a2 / 20)),
+                cosine = 1 - a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30));
+    return glm::normalize(glm::vec3(v.x * cosine + v.z * sine, v.y, v.z * cosine - v.x * sine));
+}
+
+} // namespace
+
+struct Simulation::State {
+    explicit State(const Scene& scene);
+
+    void apply(const Impulse& c);
+    void apply(const MoveVolume& c);
+    void apply(const SetLight& c);
+    void apply(const SetMedium& c);
+    void apply(const SetRender& c);
+    void apply(const SetSimulation& c);
+    void apply(const Restart&);
+
+    void advance(); // one step of the particles, the volume and the light
+    void settle();  // what follows from the rest: sigma, bounds, hash
+    glm::vec3 volume() const;
+    std::array<Rows, 2> living() const { return plume ? plume->living() : std::array<Rows, 2>{Rows{0, rows}, Rows{}}; }
+    uint64_t hashed() const;
+
+    SimulationSettings settings;
+    uint32_t rows = 0;
+    bool own_sigma = false;         // sigma came with the points: no extinction applies
+    std::vector<glm::vec3> albedos; // came with the points, or empty
+    std::optional<Columns> columns;
+    std::optional<Plume> plume;         // an emitter's; other particles have homes that they are drawn to
+    uint64_t steps = 0, first_step = 0; // simulated so far; and when tick 0 was, after an emitter's run-up
+    glm::vec3 moved{0};                 // m, the volume, by commands
+    SceneNow now;
+
+    std::optional<Columns> first_columns; // as after loading, for Restart
+    std::optional<Plume> first_plume;
+    SceneNow first_now;
+
+    uint64_t tick = 0, hash = 0;
+    uint32_t impulses = 0; // in this tick
+    Bounds bounds;
+};
+
+Simulation::State::State(const Scene& scene) : settings(scene.simulation) {
+    now = {scene.medium, scene.lights.at(0), scene.render, scene.simulation.paused};
+    if (scene.medium.layout == Layout::emitter) {
+        rows = scene.medium.count;
+        columns.emplace(rows);
+        plume.emplace(scene.medium, settings.viscosity);
+        // A full column from the first picture on.
+        first_step = static_cast<uint64_t>(std::ceil(static_cast<double>(scene.medium.emitter.life) / kTickSeconds)) + 1;
+        while (steps < first_step) advance();
+        now.light = scene.lights.at(0); // which the run-up has turned
+    } else {
+        Placement placed = place(scene.medium);
+        rows = now.medium.count = static_cast<uint32_t>(placed.position.size());
+        columns.emplace(rows);
+        Columns& c = *columns;
+        for (uint32_t i = 0; i < rows; ++i) {
+            c[Column::home_x][i] = c[Column::x][i] = placed.position[i].x;
+            c[Column::home_y][i] = c[Column::y][i] = placed.position[i].y;
+            c[Column::home_z][i] = c[Column::z][i] = placed.position[i].z;
+        }
+        std::copy(placed.scale.begin(), placed.scale.end(), c[Column::scale]);
+        std::transform(placed.multiplier.begin(), placed.multiplier.end(), c[Column::weight], [](float m) { return m * 1e-4f; });
+        own_sigma = !placed.sigma_t.empty();
+        std::copy(placed.sigma_t.begin(), placed.sigma_t.end(), c[Column::sigma]);
+        albedos = std::move(placed.albedo);
+    }
+    now.render.method.reserve(kLongestName);
+    now.render.quadrature.reserve(kLongestName);
+    settle();
+    first_columns = columns;
+    first_plume = plume;
+    first_now = now;
+}
+
+void Simulation::State::apply(const Impulse& c) {
+    const float length = glm::length(c.direction);
+    if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-3f && length < 1e3f)) return;
+    if (impulses++ >= kMostImpulses) return;
+    const float strength = limits::kStrength.clamp(c.strength);
+    Push p{.origin = clamped(c.origin, limits::kPlace), .direction = c.direction / length, .radius = settings.impulse_radius};
+    if (c.push == glm::vec3(0)) {
+        p.away = strength * settings.impulse_strength;
+        p.along = p.direction * (0.5f * p.away); // mostly outward, and away from who pushes
+    } else {
+        p.along = clamped(c.push, limits::kSpeed) * strength;
+    }
+    for (const Rows run : living()) push(*columns, run, p);
+}
+
+void Simulation::State::apply(const MoveVolume& c) {
+    if (finite(c.offset)) moved = clamped(moved + clamped(c.offset, limits::kPlace), limits::kPlace);
+}
+
+void Simulation::State::apply(const SetLight& c) {
+    glm::vec3 to_light{0};
+    take(c.to_light, to_light, limits::kPlace);
+    if (const float length = glm::length(to_light); length > 1e-6f) now.light.to_light = to_light / length;
+    take(c.irradiance, now.light.irradiance, limits::kRadiance);
+    take(c.rotate, now.light.rotate, limits::kRotate);
+}
+
+void Simulation::State::apply(const SetMedium& c) {
+    take(c.extinction, now.medium.extinction, limits::kExtinction);
+    take(c.falloff, now.medium.falloff, limits::kFalloff);
+    take(c.anisotropy, now.medium.anisotropy, limits::kAnisotropy);
+    take(c.asymmetry, now.medium.asymmetry, limits::kAsymmetry);
+    take(c.albedo, now.medium.albedo, limits::kColour);
+}
+
+void Simulation::State::apply(const SetRender& c) {
+    take(c.method, now.render.method);
+    take(c.quadrature, now.render.quadrature);
+    take(c.exposure, now.render.exposure, limits::kExposure);
+    const Limits steps_allowed = now.render.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps;
+    now.render.steps =
+        static_cast<uint32_t>(std::clamp<double>(c.steps.value_or(now.render.steps), steps_allowed.lo, steps_allowed.hi));
+}
+
+void Simulation::State::apply(const SetSimulation& c) {
+    if (c.paused) now.paused = *c.paused;
+}
+
+// Everything as after loading, only the tick goes on. Names one by one: copying a medium's path could allocate.
+void Simulation::State::apply(const Restart&) {
+    columns->copyFrom(*first_columns);
+    plume = first_plume;
+    steps = first_step;
+    moved = glm::vec3(0);
+    apply(SetMedium{.extinction = first_now.medium.extinction,
+                    .falloff = first_now.medium.falloff,
+                    .anisotropy = first_now.medium.anisotropy,
+                    .asymmetry = first_now.medium.asymmetry,
+                    .albedo = first_now.medium.albedo});
+    now.light = first_now.light;
+    now.render = first_now.render;
+    now.paused = first_now.paused;
+}
+
+// Moved by commands, adrift and asway; a closed form of the number of steps, so that no rounding piles up.
+glm::vec3 Simulation::State::volume() const {
+    const double seconds = (static_cast<double>(steps) - static_cast<double>(first_step)) * kTickSeconds;
+    const double turns = seconds / static_cast<double>(settings.volume_period);
+    const float sway = settings.volume_swing * sineOfTurns(static_cast<float>(turns - std::floor(turns)));
+    return clamped(moved + settings.volume_velocity * static_cast<float>(seconds) + glm::vec3(sway, 0, 0), limits::kPlace);
+}
+
+void Simulation::State::advance() {
+    ++steps;
+    if (plume)
+        plume->step(*columns, steps, volume());
+    else
+        springStep(*columns, {0, rows},
+                   {.dt = kDt, .spring = settings.spring, .viscosity = settings.viscosity, .volume = volume()});
+    if (now.light.rotate != 0) now.light.to_light = turned(now.light.to_light, now.light.rotate * kDt);
+}
+
+void Simulation::State::settle() {
+    if (plume)
+        plume->ageTo(*columns, now.medium.extinction);
+    else if (!own_sigma)
+        setSigma(*columns, {0, rows}, now.medium.extinction);
+
+    constexpr float kFar = std::numeric_limits<float>::max();
+    bounds = {glm::vec3(kFar), glm::vec3(-kFar), 0, 0};
+    for (const Rows run : living()) widen(bounds, *columns, run);
+    if (plume && plume->liveCount() == 0)
+        bounds = {now.medium.emitter.position + volume(), now.medium.emitter.position + volume(), 0, 0};
+    hash = hashed();
+}
+
+uint64_t Simulation::State::hashed() const {
+    StateHash out;
+    for (const Rows run : living())
+        for (uint32_t c = 0; c <= static_cast<uint32_t>(Column::sigma); ++c)
+            out.add({(*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin});
+    const auto vec = [&](glm::vec3 v) { out.add(std::array{v.x, v.y, v.z}); };
+    const auto text = [&](const std::string& s) {
+        for (const char c : s) out.addWord(static_cast<unsigned char>(c));
+        out.addWord(s.size());
+    };
+    out.addWord(steps);
+    out.addWord(plume ? plume->born() : 0);
+    vec(moved);
+    vec(now.light.to_light);
+    vec(now.light.irradiance);
+    vec(now.medium.albedo);
+    out.add(std::array{now.light.rotate, now.medium.extinction, now.medium.falloff, now.medium.anisotropy, now.medium.asymmetry,
+                       now.render.exposure});
+    text(now.render.method);
+    text(now.render.quadrature);
+    out.addWord(now.render.steps);
+    out.addWord(now.paused);
+    return out.value();
+}
+
+Simulation::Simulation(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+
+void Simulation::step(std::span<const Command> commands) {
+    State& s = *state_;
+    ++s.tick;
+    s.impulses = 0;
+    for (const Command& command : commands) std::visit([&](const auto& body) { s.apply(body); }, command.body);
+    if (!s.now.paused) s.advance();
+    s.settle();
+}
+
+uint64_t Simulation::tick() const { return state_->tick; }
+uint64_t Simulation::stateHash() const { return state_->hash; }
+uint32_t Simulation::liveCount() const { return state_->plume ? state_->plume->liveCount() : state_->rows; }
+uint32_t Simulation::capacity() const { return state_->rows; }
+const Bounds& Simulation::bounds() const { return state_->bounds; }
+const SceneNow& Simulation::now() const { return state_->now; }
+
+void Simulation::write(std::span<gpu::Particle> out) const {
+    const State& s = *state_;
+    const Columns& c = *s.columns;
+    size_t to = 0;
+    for (const Rows run : s.living())
+        for (uint32_t i = run.begin; i < run.end; ++i)
+            out[to++] = {{c[Column::x][i], c[Column::y][i], c[Column::z][i]},
+                         c[Column::scale][i],
+                         s.albedos.empty() ? s.now.medium.albedo : s.albedos[i],
+                         c[Column::sigma][i]};
+}
+
+} // namespace brume
