@@ -1,9 +1,8 @@
 #include "tests/unit/protocol_examples.h"
 
-#include <boost/json/src.hpp>
+#include <nlohmann/json.hpp>
 
 namespace brume::wire {
-namespace json = boost::json;
 namespace {
 
 using Builder = flatbuffers::FlatBufferBuilder;
@@ -25,24 +24,24 @@ Example input(const char* name, uint32_t seq, Build&& build) {
     });
 }
 
-json::value number(uint64_t value) { return json::value(std::to_string(value)); }
-json::value text(const flatbuffers::String* value) { return value ? json::value(value->c_str()) : json::value(nullptr); }
-json::value vec(const Vec3* v) { return v ? json::value{v->x(), v->y(), v->z()} : json::value(nullptr); }
-json::value quat(const Quat* q) { return q ? json::value{q->x(), q->y(), q->z(), q->w()} : json::value(nullptr); }
+Json number(uint64_t value) { return Json(std::to_string(value)); }
+Json text(const flatbuffers::String* value) { return value ? Json(value->c_str()) : Json(nullptr); }
+Json vec(const Vec3* v) { return v ? Json{v->x(), v->y(), v->z()} : Json(nullptr); }
+Json quat(const Quat* q) { return q ? Json{q->x(), q->y(), q->z(), q->w()} : Json(nullptr); }
 template <class T>
-json::value maybe(flatbuffers::Optional<T> value) {
-    return value ? json::value(*value) : json::value(nullptr);
+Json maybe(flatbuffers::Optional<T> value) {
+    return value ? Json(*value) : Json(nullptr);
 }
 
-json::value names(const flatbuffers::Vector<flatbuffers::Offset<flatbuffers::String>>* list) {
+Json names(const flatbuffers::Vector<flatbuffers::Offset<flatbuffers::String>>* list) {
     if (!list) return nullptr;
-    json::array out;
-    for (const auto* name : *list) out.emplace_back(name->c_str());
+    Json out = Json::array();
+    for (const auto* name : *list) out.push_back(name->c_str());
     return out;
 }
 
-json::value hex(std::span<const uint8_t> bytes) {
-    json::string out;
+Json hex(std::span<const uint8_t> bytes) {
+    std::string out;
     for (const uint8_t byte : bytes) {
         out += "0123456789abcdef"[byte >> 4];
         out += "0123456789abcdef"[byte & 15];
@@ -50,50 +49,51 @@ json::value hex(std::span<const uint8_t> bytes) {
     return out;
 }
 
-json::object of(const Hello& m) {
-    return {{"client", text(m.client())},
-            {"width", m.width()},
-            {"height", m.height()},
-            {"views", m.views()},
-            {"quality", m.quality()}};
+Json of(const Hello& m) {
+    return Json::object({{"client", text(m.client())},
+                         {"width", m.width()},
+                         {"height", m.height()},
+                         {"views", m.views()},
+                         {"quality", m.quality()}});
 }
 
-json::object of(const Pose& m) {
-    return {{"seq", m.seq()},
-            {"client_time_us", number(m.client_time_us())},
-            {"position", vec(m.position())},
-            {"orientation", quat(m.orientation())},
-            {"fov_y", m.fov_y()},
-            {"eye_separation", m.eye_separation()},
-            {"width", m.width()},
-            {"height", m.height()}};
+Json of(const Pose& m) {
+    return Json::object({{"seq", m.seq()},
+                         {"client_time_us", number(m.client_time_us())},
+                         {"position", vec(m.position())},
+                         {"orientation", quat(m.orientation())},
+                         {"fov_y", m.fov_y()},
+                         {"eye_separation", m.eye_separation()},
+                         {"width", m.width()},
+                         {"height", m.height()}});
 }
 
-json::object of(const Impulse& c) {
-    return {{"origin", vec(c.origin())}, {"direction", vec(c.direction())}, {"push", vec(c.push())}, {"strength", c.strength()}};
+Json of(const Impulse& c) {
+    return Json::object(
+        {{"origin", vec(c.origin())}, {"direction", vec(c.direction())}, {"push", vec(c.push())}, {"strength", c.strength()}});
 }
-json::object of(const MoveVolume& c) { return {{"offset", vec(c.offset())}}; }
-json::object of(const SetLight& c) {
-    return {{"to_light", vec(c.to_light())}, {"irradiance", vec(c.irradiance())}, {"rotate", maybe(c.rotate())}};
+Json of(const MoveVolume& c) { return Json::object({{"offset", vec(c.offset())}}); }
+Json of(const SetLight& c) {
+    return Json::object({{"to_light", vec(c.to_light())}, {"irradiance", vec(c.irradiance())}, {"rotate", maybe(c.rotate())}});
 }
-json::object of(const SetMedium& c) {
-    return {{"extinction", maybe(c.extinction())},
-            {"falloff", maybe(c.falloff())},
-            {"anisotropy", maybe(c.anisotropy())},
-            {"asymmetry", maybe(c.asymmetry())},
-            {"albedo", vec(c.albedo())}};
+Json of(const SetMedium& c) {
+    return Json::object({{"extinction", maybe(c.extinction())},
+                         {"falloff", maybe(c.falloff())},
+                         {"anisotropy", maybe(c.anisotropy())},
+                         {"asymmetry", maybe(c.asymmetry())},
+                         {"albedo", vec(c.albedo())}});
 }
-json::object of(const SetRender& c) {
-    return {{"method", text(c.method())},
-            {"quadrature", text(c.quadrature())},
-            {"steps", maybe(c.steps())},
-            {"exposure", maybe(c.exposure())}};
+Json of(const SetRender& c) {
+    return Json::object({{"method", text(c.method())},
+                         {"quadrature", text(c.quadrature())},
+                         {"steps", maybe(c.steps())},
+                         {"exposure", maybe(c.exposure())}});
 }
-json::object of(const SetSimulation& c) { return {{"paused", maybe(c.paused())}}; }
-json::object of(const Restart&) { return {}; }
+Json of(const SetSimulation& c) { return Json::object({{"paused", maybe(c.paused())}}); }
+Json of(const Restart&) { return Json::object(); }
 
-json::object of(const Input& m) {
-    json::object command;
+Json of(const Input& m) {
+    Json command = Json::object();
     switch (m.command_type()) {
     case Command::Impulse:
         command = of(*m.command_as_Impulse());
@@ -119,61 +119,62 @@ json::object of(const Input& m) {
     case Command::NONE:
         break;
     }
-    return {{"seq", m.seq()},
-            {"client_time_us", number(m.client_time_us())},
-            {"command_type", EnumNameCommand(m.command_type())},
-            {"command", std::move(command)}};
+    return Json::object({{"seq", m.seq()},
+                         {"client_time_us", number(m.client_time_us())},
+                         {"command_type", EnumNameCommand(m.command_type())},
+                         {"command", std::move(command)}});
 }
 
-json::object of(const Ack& m) { return {{"frame", m.frame()}}; }
-json::object of(const Ping& m) { return {{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}; }
-json::object of(const Pong& m) { return {{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}; }
-json::object of(const Goodbye& m) { return {{"reason", text(m.reason())}, {"retry_after_s", m.retry_after_s()}}; }
+Json of(const Ack& m) { return Json::object({{"frame", m.frame()}}); }
+Json of(const Ping& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}); }
+Json of(const Pong& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}); }
+Json of(const Goodbye& m) { return Json::object({{"reason", text(m.reason())}, {"retry_after_s", m.retry_after_s()}}); }
 
-json::object of(const Welcome& m) {
-    return {{"viewer", m.viewer()},
-            {"server", text(m.server())},
-            {"scene", text(m.scene())},
-            {"device", text(m.device())},
-            {"width", m.width()},
-            {"height", m.height()},
-            {"views", m.views()},
-            {"tick_hz", m.tick_hz()},
-            {"max_in_flight", m.max_in_flight()},
-            {"camera",
-             {{"position", vec(m.camera()->position())}, {"target", vec(m.camera()->target())}, {"fov_y", m.camera()->fov_y()}}},
-            {"methods", names(m.methods())},
-            {"quadratures", names(m.quadratures())}};
+Json of(const Welcome& m) {
+    return Json::object(
+        {{"viewer", m.viewer()},
+         {"server", text(m.server())},
+         {"scene", text(m.scene())},
+         {"device", text(m.device())},
+         {"width", m.width()},
+         {"height", m.height()},
+         {"views", m.views()},
+         {"tick_hz", m.tick_hz()},
+         {"max_in_flight", m.max_in_flight()},
+         {"camera",
+          {{"position", vec(m.camera()->position())}, {"target", vec(m.camera()->target())}, {"fov_y", m.camera()->fov_y()}}},
+         {"methods", names(m.methods())},
+         {"quadratures", names(m.quadratures())}});
 }
 
-json::object of(const SceneState& m) {
-    json::array passes;
+Json of(const SceneState& m) {
+    Json passes = Json::array();
     if (m.passes())
         for (const auto* pass : *m.passes()) passes.push_back({{"name", text(pass->name())}, {"ms", pass->ms()}});
-    return {{"tick", number(m.tick())},
-            {"state_hash", number(m.state_hash())},
-            {"viewers", m.viewers()},
-            {"particles", m.particles()},
-            {"paused", m.paused()},
-            {"to_light", vec(m.to_light())},
-            {"irradiance", vec(m.irradiance())},
-            {"rotate", m.rotate()},
-            {"extinction", m.extinction()},
-            {"falloff", m.falloff()},
-            {"anisotropy", m.anisotropy()},
-            {"asymmetry", m.asymmetry()},
-            {"albedo", vec(m.albedo())},
-            {"method", text(m.method())},
-            {"quadrature", text(m.quadrature())},
-            {"steps", m.steps()},
-            {"exposure", m.exposure()},
-            {"passes", std::move(passes)}};
+    return Json::object({{"tick", number(m.tick())},
+                         {"state_hash", number(m.state_hash())},
+                         {"viewers", m.viewers()},
+                         {"particles", m.particles()},
+                         {"paused", m.paused()},
+                         {"to_light", vec(m.to_light())},
+                         {"irradiance", vec(m.irradiance())},
+                         {"rotate", m.rotate()},
+                         {"extinction", m.extinction()},
+                         {"falloff", m.falloff()},
+                         {"anisotropy", m.anisotropy()},
+                         {"asymmetry", m.asymmetry()},
+                         {"albedo", vec(m.albedo())},
+                         {"method", text(m.method())},
+                         {"quadrature", text(m.quadrature())},
+                         {"steps", m.steps()},
+                         {"exposure", m.exposure()},
+                         {"passes", std::move(passes)}});
 }
 
-json::object of(const Frame& m) {
+Json of(const Frame& m) {
     const Stages& s = *m.stages();
-    json::array lengths;
-    for (const uint32_t length : *m.jpeg_bytes()) lengths.emplace_back(length);
+    Json lengths = Json::array();
+    for (const uint32_t length : *m.jpeg_bytes()) lengths.push_back(length);
     return {
         {"id", m.id()},
         {"tick", number(m.tick())},
@@ -190,8 +191,8 @@ json::object of(const Frame& m) {
         {"jpeg_bytes", std::move(lengths)}};
 }
 
-json::object of(const Error& m) {
-    return {{"code", EnumNameErrorCode(m.code())}, {"text", text(m.text())}, {"input_seq", m.input_seq()}};
+Json of(const Error& m) {
+    return Json::object({{"code", EnumNameErrorCode(m.code())}, {"text", text(m.text())}, {"input_seq", m.input_seq()}});
 }
 
 Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const uint8_t> jpeg) {
@@ -256,9 +257,9 @@ std::vector<Example> makeExamples() {
     return all;
 }
 
-json::object describe(const Parsed& message) {
-    json::object body;
-    json::object out{{"type", EnumNameBody(message.type())}};
+Json describe(const Parsed& message) {
+    Json body = Json::object();
+    Json out = Json::object({{"type", EnumNameBody(message.type())}});
     switch (message.type()) {
     case Body::Hello:
         body = of(*message.as<Hello>());
@@ -298,7 +299,7 @@ json::object describe(const Parsed& message) {
     }
     out["body"] = std::move(body);
     if (const Frame* frame = message.as<Frame>()) {
-        json::array views;
+        Json views = Json::array();
         for (uint32_t view = 0; view < frame->jpeg_bytes()->size(); ++view) views.push_back(hex(message.view(view)));
         out["jpeg"] = std::move(views);
     }

@@ -4,11 +4,13 @@
 #include <string>
 #include <vector>
 
-#include <boost/json/object.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "protocol/message.h"
 
 namespace brume::wire {
+
+using Json = nlohmann::ordered_json;
 
 struct Example {
     std::string name; // of its file, without ".bin"
@@ -19,6 +21,6 @@ std::vector<Example> makeExamples();
 
 // {"type": "Ack", "body": {"frame": 41}}; field names as in the schema, 64-bit integers as decimal strings, absent fields null,
 // a frame's JPEG bytes in hexadecimal, view after view, under "jpeg".
-boost::json::object describe(const Parsed& message);
+Json describe(const Parsed& message);
 
 } // namespace brume::wire

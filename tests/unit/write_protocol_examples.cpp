@@ -2,7 +2,7 @@
 #include <fstream>
 #include <iostream>
 
-#include <boost/json/serialize.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/unit/protocol_examples.h"
 
@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
             std::cerr << "cannot write " << example.name << '\n';
             return 1;
         }
-        expected << separator << "  \"" << example.name << "\": " << boost::json::serialize(describe(*parsed));
+        expected << separator << "  \"" << example.name << "\": " << describe(*parsed).dump();
         separator = ",\n";
     }
     expected << "\n}\n";

@@ -1,0 +1,274 @@
+// The window, the mailbox and the audience, without sockets or devices.
+#include <atomic>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "server/viewer/audience.h"
+
+namespace brume {
+namespace {
+
+PoseRequest poseWithSeq(uint32_t seq) {
+    PoseRequest request;
+    request.seq = seq;
+    return request;
+}
+
+FramePtr frameFor(const Viewer::Due& due) {
+    auto frame = std::make_shared<EncodedFrame>();
+    frame->id = due.frame_id;
+    frame->request = due.request;
+    return frame;
+}
+
+TEST(Viewer, NothingIsDueBeforeAPose) {
+    Viewer viewer(1, 2, nullptr);
+    EXPECT_FALSE(viewer.takeDue());
+    EXPECT_EQ(viewer.takeFrame(), nullptr);
+}
+
+TEST(Viewer, RendersAgainForTheSamePoseUntilTheWindowIsFull) {
+    Viewer viewer(1, 2, nullptr);
+    viewer.setPose(poseWithSeq(5));
+    const auto first = viewer.takeDue(), second = viewer.takeDue();
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(first->frame_id, 1u);
+    EXPECT_EQ(second->frame_id, 2u);
+    EXPECT_EQ(second->request.seq, 5u);
+    EXPECT_FALSE(viewer.takeDue());
+    EXPECT_EQ(viewer.counts().in_flight, 2u);
+}
+
+TEST(Viewer, NewestPoseWinsAndSequenceWrapsAround) {
+    Viewer viewer(1, 8, nullptr);
+    viewer.setPose(poseWithSeq(0xfffffffe));
+    viewer.setPose(poseWithSeq(0xfffffffd)); // older
+    EXPECT_EQ(viewer.takeDue()->request.seq, 0xfffffffeu);
+    viewer.setPose(poseWithSeq(1)); // three later, across the wrap
+    EXPECT_EQ(viewer.takeDue()->request.seq, 1u);
+    viewer.setPose(poseWithSeq(0xffffffff)); // late
+    EXPECT_EQ(viewer.takeDue()->request.seq, 1u);
+    auto repeated = poseWithSeq(1);
+    repeated.width = 99;
+    viewer.setPose(repeated); // equal is not newer
+    EXPECT_NE(viewer.takeDue()->request.width, 99);
+}
+
+TEST(Viewer, AcknowledgingFreesThatFrameAndAllBefore) {
+    Viewer viewer(1, 3, nullptr);
+    viewer.setPose(poseWithSeq(1));
+    for (int i = 0; i < 3; ++i) {
+        viewer.deliver(frameFor(*viewer.takeDue()));
+        ASSERT_NE(viewer.takeFrame(), nullptr);
+    }
+    EXPECT_FALSE(viewer.takeDue());
+    EXPECT_TRUE(viewer.acknowledge(2));
+    EXPECT_EQ(viewer.counts().in_flight, 1u);
+    EXPECT_EQ(viewer.counts().acknowledged, 2u);
+    EXPECT_TRUE(viewer.acknowledge(2)); // again: harmless
+    EXPECT_EQ(viewer.counts().acknowledged, 2u);
+    EXPECT_TRUE(viewer.takeDue());
+}
+
+TEST(Viewer, AcknowledgingWhatWasNeverSentIsRefused) {
+    Viewer viewer(1, 2, nullptr);
+    EXPECT_FALSE(viewer.acknowledge(0));
+    EXPECT_FALSE(viewer.acknowledge(1));
+    viewer.setPose(poseWithSeq(1));
+    const auto due = viewer.takeDue();
+    EXPECT_FALSE(viewer.acknowledge(1)); // handed out, not sent
+    viewer.deliver(frameFor(*due));
+    EXPECT_FALSE(viewer.acknowledge(1)); // ready, not sent
+    viewer.takeFrame();
+    EXPECT_FALSE(viewer.acknowledge(2));
+    EXPECT_FALSE(viewer.acknowledge(0));
+    EXPECT_TRUE(viewer.acknowledge(1));
+    EXPECT_EQ(viewer.counts().in_flight, 0u);
+}
+
+TEST(Viewer, AFrameReplacedBeforeItWasTakenGivesItsPlaceBack) {
+    Viewer viewer(1, 2, nullptr);
+    viewer.setPose(poseWithSeq(1));
+    viewer.deliver(frameFor(*viewer.takeDue()));
+    viewer.deliver(frameFor(*viewer.takeDue()));
+    EXPECT_EQ(viewer.counts().superseded, 1u);
+    EXPECT_EQ(viewer.counts().in_flight, 1u);
+    EXPECT_EQ(viewer.takeFrame()->id, 2u);
+    EXPECT_EQ(viewer.takeFrame(), nullptr);
+}
+
+TEST(Viewer, AnOvertakenFrameIsDropped) {
+    Viewer viewer(1, 3, nullptr);
+    viewer.setPose(poseWithSeq(1));
+    const auto first = viewer.takeDue(), second = viewer.takeDue(), third = viewer.takeDue();
+    viewer.deliver(frameFor(*second));
+    viewer.deliver(frameFor(*first)); // out of order, the newer one still waits
+    EXPECT_EQ(viewer.takeFrame()->id, 2u);
+    EXPECT_EQ(viewer.counts().in_flight, 2u);
+    viewer.deliver(frameFor(*third));
+    EXPECT_EQ(viewer.takeFrame()->id, 3u);
+    viewer.deliver(frameFor(*second)); // twice, after newer ones went
+    EXPECT_EQ(viewer.takeFrame(), nullptr);
+    EXPECT_TRUE(viewer.acknowledge(3));
+    EXPECT_EQ(viewer.counts().in_flight, 0u);
+    EXPECT_EQ(viewer.counts().superseded, 2u);
+}
+
+TEST(Viewer, AbandoningGivesThePlaceBack) {
+    Viewer viewer(1, 1, nullptr);
+    viewer.setPose(poseWithSeq(1));
+    const auto due = viewer.takeDue();
+    EXPECT_FALSE(viewer.takeDue());
+    viewer.abandon(due->frame_id);
+    EXPECT_TRUE(viewer.takeDue());
+}
+
+TEST(Viewer, TellsOfEveryFrameAndMayBeAskedFromTheNotice) {
+    Viewer* self = nullptr;
+    int told = 0, taken = 0;
+    Viewer viewer(1, 1, [&] {
+        ++told;
+        if (self->takeFrame()) ++taken;
+    });
+    self = &viewer;
+    viewer.setPose(poseWithSeq(1));
+    viewer.deliver(frameFor(*viewer.takeDue()));
+    viewer.acknowledge(1);
+    viewer.deliver(frameFor(*viewer.takeDue()));
+    EXPECT_EQ(told, 2);
+    EXPECT_EQ(taken, 2);
+}
+
+TEST(Viewer, ClosedMeansNoWorkAndNoNotice) {
+    int told = 0;
+    Viewer viewer(1, 2, [&] { ++told; });
+    viewer.setPose(poseWithSeq(1));
+    const auto due = viewer.takeDue();
+    viewer.close();
+    viewer.deliver(frameFor(*due));
+    EXPECT_EQ(told, 0);
+    EXPECT_EQ(viewer.takeFrame(), nullptr);
+    EXPECT_FALSE(viewer.takeDue());
+    viewer.setPose(poseWithSeq(2));
+    EXPECT_FALSE(viewer.takeDue());
+}
+
+TEST(Viewer, CloseWaitsForARunningNotice) {
+    std::atomic<bool> inside{false}, release{false}, closed{false};
+    Viewer viewer(1, 1, [&] {
+        inside = true;
+        while (!release) std::this_thread::yield();
+        EXPECT_FALSE(closed.load());
+    });
+    viewer.setPose(poseWithSeq(1));
+    const auto due = viewer.takeDue();
+    std::thread loop([&] { viewer.deliver(frameFor(*due)); });
+    while (!inside) std::this_thread::yield();
+    std::thread closer([&] {
+        viewer.close();
+        closed = true;
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20)); // room for a close that does not wait to be seen
+    release = true;
+    loop.join();
+    closer.join();
+    EXPECT_TRUE(closed.load());
+}
+
+TEST(Viewer, TwoThreadsNeverExceedTheWindow) {
+    Viewer viewer(1, 2, nullptr);
+    viewer.setPose(poseWithSeq(1));
+    std::atomic<bool> done{false};
+    std::thread connection([&] {
+        uint32_t last = 0;
+        while (!done) {
+            const FramePtr frame = viewer.takeFrame();
+            if (!frame) continue;
+            EXPECT_GT(frame->id, last);
+            last = frame->id;
+            EXPECT_TRUE(viewer.acknowledge(frame->id));
+        }
+    });
+    for (int rendered = 0; rendered < 20000;) {
+        EXPECT_LE(viewer.counts().in_flight, 2u);
+        const auto due = viewer.takeDue();
+        if (!due) continue;
+        viewer.deliver(frameFor(*due));
+        ++rendered;
+    }
+    done = true;
+    connection.join();
+    const auto counts = viewer.counts();
+    EXPECT_EQ(counts.rendered, 20000u);
+    EXPECT_EQ(counts.sent + counts.superseded + (viewer.takeFrame() ? 1 : 0), 20000u);
+}
+
+TEST(Audience, TheHouseHasAsManyPlacesAsItSays) {
+    Audience audience({}, 2, 2);
+    const auto first = audience.join(nullptr), second = audience.join(nullptr);
+    ASSERT_TRUE(first && second);
+    EXPECT_NE(first->id(), second->id());
+    EXPECT_EQ(audience.join(nullptr), nullptr);
+    audience.leave(first);
+    EXPECT_EQ(audience.size(), 1u);
+    const auto third = audience.join(nullptr);
+    ASSERT_TRUE(third);
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    audience.list(viewers);
+    EXPECT_EQ(viewers, (std::vector<std::shared_ptr<Viewer>>{second, third}));
+}
+
+TEST(Audience, LeavingClosesTheViewer) {
+    Audience audience({}, 2, 2);
+    const auto viewer = audience.join(nullptr);
+    viewer->setPose(poseWithSeq(1));
+    audience.leave(viewer);
+    EXPECT_FALSE(viewer->takeDue());
+    audience.leave(viewer); // again: harmless
+    EXPECT_EQ(audience.size(), 0u);
+}
+
+TEST(Audience, AViewerMayAskForASmallerWindowNotALarger) {
+    Audience audience({}, 3, 2);
+    const auto dueOf = [&](uint32_t window) {
+        const auto viewer = audience.join(nullptr, window);
+        viewer->setPose(poseWithSeq(1));
+        int due = 0;
+        while (due < 100 && viewer->takeDue()) ++due;
+        return due;
+    };
+    EXPECT_EQ(dueOf(0), 2);
+    EXPECT_EQ(dueOf(1), 1);
+    EXPECT_EQ(dueOf(50), 2);
+}
+
+TEST(Audience, RevisionGrowsWithSettingsAndVisitorsNotWithTime) {
+    Audience audience({}, 2, 2);
+    ASSERT_NE(audience.report(), nullptr);
+    SceneReport report;
+    audience.publish(std::make_shared<SceneReport>(report));
+    uint64_t before = audience.revision();
+
+    report.tick = 7, report.state_hash = 8, report.particles = 9;
+    audience.publish(std::make_shared<SceneReport>(report));
+    EXPECT_EQ(audience.revision(), before);
+    EXPECT_EQ(audience.report()->tick, 7u);
+
+    const auto grows = [&](auto&& change) {
+        before = audience.revision();
+        change();
+        return audience.revision() > before;
+    };
+    EXPECT_TRUE(grows([&] { report.paused = true, audience.publish(std::make_shared<SceneReport>(report)); }));
+    EXPECT_TRUE(grows([&] { report.render.method = "other", audience.publish(std::make_shared<SceneReport>(report)); }));
+    EXPECT_TRUE(grows([&] { report.light.rotate = 1, audience.publish(std::make_shared<SceneReport>(report)); }));
+    // A light that turns by itself is no news.
+    EXPECT_FALSE(grows([&] { report.light.to_light.x += 0.1f, audience.publish(std::make_shared<SceneReport>(report)); }));
+    std::shared_ptr<Viewer> viewer;
+    EXPECT_TRUE(grows([&] { viewer = audience.join(nullptr); }));
+    EXPECT_TRUE(grows([&] { audience.leave(viewer); }));
+}
+
+} // namespace
+} // namespace brume
