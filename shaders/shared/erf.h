@@ -7,23 +7,26 @@
 
 BRUME_PHYSICS_BEGIN
 
-// e^(x^2) erfc(x) for x >= 0: a polynomial in t = 1 / (1 + 0.4 x), minimax in relative error (1.3e-7 by itself).
+// e^(x^2) erfc(x) for x >= 0: a polynomial in s = (x - 2.5) / (x + 2.5), minimax in relative error: 1.3e-7 by itself,
+// 4.3e-7 measured in float. x above 1e30 counts as 1e30.
 BRUME_FN real erfcx(real x) {
-    const real t = real(1) / (real(1) + real(0.4) * x);
-    real p = real(0.0502638765971);
-    p = p * t + real(-0.182908137358);
-    p = p * t + real(0.169095692631);
-    p = p * t + real(-0.00561569941082);
-    p = p * t + real(0.141435005051);
-    p = p * t + real(0.168541136399);
-    p = p * t + real(0.207842795162);
-    p = p * t + real(0.225669594094);
-    p = p * t + real(0.225675861942);
+    const real y = min(x, real(1e30));
+    const real t = real(1) / (y + real(2.5));
+    const real s = (y - real(2.5)) * t;
+    real p = real(0.000490858169894);
+    p = p * s + real(-0.000354440801375);
+    p = p * s + real(-0.004657642654);
+    p = p * s + real(0.00833978175528);
+    p = p * s + real(0.0283103067283);
+    p = p * s + real(-0.171237925977);
+    p = p * s + real(0.453919734866);
+    p = p * s + real(-0.804652743934);
+    p = p * s + real(1.0540317267);
     return p * t;
 }
 
 // erfc(|x|), relative error growing as x^2 epsilon; 0 beyond about 9.2 in float.
-BRUME_FN real erfcAbs(real x) { return exp(-min(x * x, real(1e18))) * erfcx(min(abs(x), real(1e9))); }
+BRUME_FN real erfcAbs(real x) { return exp(-x * x) * erfcx(abs(x)); }
 
 BRUME_FN real erfc(real x) {
     const real tail = erfcAbs(x);
