@@ -1,4 +1,5 @@
 // Structs that the CPU writes and shaders read: one text, compiled as C++ and as GLSL (scalar layout).
+// Metres, world space unless a name says otherwise. "Light space" of a point x: (light_x . x, light_y . x, to_light . x).
 #ifndef BRUME_SHARED_TYPES_H
 #define BRUME_SHARED_TYPES_H
 
@@ -8,25 +9,95 @@
 #include <glm/glm.hpp>
 namespace brume::gpu {
 using uint = uint32_t;
-using glm::ivec2;
-using glm::mat3;
-using glm::mat4;
 using glm::uvec2;
-using glm::uvec4;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 #endif
 
 struct Particle {
-    vec3 centre;   // m, world
-    float scale;   // m, centre to vertex of its tetrahedron; u = scale * falloff
+    vec3 centre;
+    float scale;   // centre to vertex of its tetrahedron; u = scale * falloff
     vec3 albedo;   // rho
     float sigma_t; // 1/m, extinction at the centre
 };
 
+// What all viewers share in one tick.
+struct Tick {
+    vec3 to_light;
+    float falloff;    // f
+    vec3 light_x;     // with light_y and to_light a right-handed orthonormal basis
+    float anisotropy; // a
+    vec3 light_y;
+    float asymmetry; // g
+    vec3 irradiance; // E
+    float cut;       // optical depth that one particle's proxy may leave out: the setting's total / particle_count
+    vec3 ambient;    // uniform radiance scattered in without shadowing
+    uint particle_count;
+    vec3 shadow_lo;   // light space bounds of the volumetric shadow map
+    uint shadow_size; // texels a side
+    vec3 shadow_hi;
+    uint shadow_slices; // planes; the first at shadow_hi.z, the last at shadow_lo.z
+    vec2 opaque_lo;     // light space bounds of the opaque shadow map
+    vec2 opaque_hi;
+    uint opaque_size;  // texels a side
+    uint opaque_count; // objects
+    vec3 sky_zenith;
+    vec3 sky_horizon;
+};
+
+// One eye of one viewer.
+struct Eye {
+    vec3 position;
+    float near_depth; // view depth in front of which nothing is drawn
+    vec3 right;
+    float tan_x; // tangent of half the horizontal angle of view
+    vec3 up;
+    float tan_y;
+    vec3 back;
+    float exposure;
+    uvec2 size;  // pixels
+    uint filmic; // 1: filmic tone map, 0: linear
+};
+
+const uint kPlane = 0u;
+const uint kBox = 1u;
+const uint kSphere = 2u;
+
+struct Opaque {
+    vec3 centre; // of a plane: only y counts
+    uint kind;
+    vec3 half_size; // of a sphere: x is the radius
+    float yaw_cos;
+    vec3 albedo;
+    float yaw_sin;
+};
+
+// Light space data of one particle for the volumetric shadow map.
+struct LightParticle {
+    vec2 centre;  // light space x and y
+    float k;      // sqrt(50) / u
+    float radius; // beyond it the particle's column depth is below Tick::cut; negative when it never exceeds it
+};
+
+// Indirect arguments, written by the cull pass: of vkCmdDraw and of vkCmdDrawMeshTasksEXT.
+struct DrawArguments {
+    uint vertex_count;
+    uint instance_count; // visible particles
+    uint first_vertex;
+    uint first_instance;
+    uint groups_x;
+    uint groups_y;
+    uint groups_z;
+};
+
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
+static_assert(sizeof(Tick) == 160 && offsetof(Tick, shadow_lo) == 80 && offsetof(Tick, opaque_lo) == 112 &&
+              offsetof(Tick, sky_zenith) == 136);
+static_assert(sizeof(Eye) == 76 && offsetof(Eye, size) == 64);
+static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
+static_assert(sizeof(LightParticle) == 16 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif
 

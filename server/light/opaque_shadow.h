@@ -1,0 +1,26 @@
+// Opaque shadow map: how high along to_light the topmost box or sphere is, seen from the light.
+#pragma once
+
+#include "server/gpu/commands.h"
+#include "server/gpu/program.h"
+#include "shaders/shared/types.h"
+
+namespace brume {
+
+class OpaqueShadow {
+public:
+    explicit OpaqueShadow(const gpu::Device& device);
+
+    // Records the map unless light and size are those of the last time; objects do not move. As ShadowVolume::record otherwise.
+    void record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick, const gpu::Buffer& objects);
+
+    const gpu::Image& image() const { return image_; }
+
+private:
+    const gpu::Device& device_;
+    gpu::ComputeProgram program_;
+    gpu::Image image_;
+    gpu::Tick last_{};
+};
+
+} // namespace brume

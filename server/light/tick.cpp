@@ -1,0 +1,83 @@
+#include "server/light/tick.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "shaders/shared/support.h"
+
+namespace brume {
+namespace {
+
+struct LightBounds {
+    glm::vec3 lo{std::numeric_limits<float>::max()}, hi{std::numeric_limits<float>::lowest()};
+    void add(glm::vec3 point, float radius) {
+        lo = glm::min(lo, point - radius);
+        hi = glm::max(hi, point + radius);
+    }
+    void fallback() { // nothing inside, or no extent to divide by
+        if (!(lo.x <= hi.x)) lo = glm::vec3(-1), hi = glm::vec3(1);
+        hi = glm::max(hi, lo + 1e-3f);
+    }
+};
+
+} // namespace
+
+std::vector<gpu::Opaque> opaqueObjects(const Scene& scene) {
+    std::vector<gpu::Opaque> objects;
+    for (const Plane& p : scene.planes) objects.push_back({{0, p.height, 0}, gpu::kPlane, {0, 0, 0}, 1, p.albedo, 0});
+    for (const Box& b : scene.boxes)
+        objects.push_back({b.centre, gpu::kBox, b.size * 0.5f, std::cos(b.yaw), b.albedo, std::sin(b.yaw)});
+    for (const Sphere& s : scene.spheres) objects.push_back({s.centre, gpu::kSphere, glm::vec3(s.radius), 1, s.albedo, 0});
+    return objects;
+}
+
+gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
+                   std::span<const gpu::Opaque> objects) {
+    gpu::Tick tick{};
+    tick.to_light = now.light.to_light;
+    const glm::vec3 helper = std::abs(tick.to_light.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0); // also for light along Y
+    tick.light_x = glm::normalize(glm::cross(helper, tick.to_light));
+    tick.light_y = glm::cross(tick.to_light, tick.light_x);
+    tick.falloff = now.medium.falloff;
+    tick.anisotropy = now.medium.anisotropy;
+    tick.asymmetry = now.medium.asymmetry;
+    tick.irradiance = now.light.irradiance;
+    if (tick.to_light.y <= 0 && !scene.planes.empty()) tick.irradiance = glm::vec3(0); // the light is below the ground
+    tick.particle_count = uint32_t(particles.size());
+    tick.cut = now.render.cutoff / float(std::max<size_t>(particles.size(), 1));
+    tick.ambient = scene.sky.ambient;
+    tick.sky_zenith = scene.sky.zenith;
+    tick.sky_horizon = scene.sky.horizon;
+
+    const auto inLightSpace = [&](glm::vec3 x) {
+        return glm::vec3(glm::dot(tick.light_x, x), glm::dot(tick.light_y, x), glm::dot(tick.to_light, x));
+    };
+    LightBounds medium;
+    for (const gpu::Particle& p : particles)
+        medium.add(inLightSpace(p.centre), std::max(physics::supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut), 0.0f));
+    medium.fallback();
+    tick.shadow_lo = medium.lo;
+    tick.shadow_hi = medium.hi;
+    tick.shadow_size = now.render.shadow_size;
+    tick.shadow_slices = now.render.shadow_slices;
+
+    LightBounds casters;
+    for (const gpu::Opaque& o : objects) {
+        if (o.kind == gpu::kSphere) casters.add(inLightSpace(o.centre), o.half_size.x);
+        if (o.kind != gpu::kBox) continue;
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::vec3 h = o.half_size * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+            casters.add(inLightSpace(o.centre + glm::vec3(o.yaw_cos * h.x + o.yaw_sin * h.z, h.y, -o.yaw_sin * h.x + o.yaw_cos * h.z)), 0);
+        }
+    }
+    casters.fallback();
+    const glm::vec2 margin = 2.0f / float(now.render.opaque_shadow_size) * (glm::vec2(casters.hi) - glm::vec2(casters.lo));
+    tick.opaque_lo = glm::vec2(casters.lo) - margin; // a rim of empty texels, so that filtering meets no edge
+    tick.opaque_hi = glm::vec2(casters.hi) + margin;
+    tick.opaque_size = now.render.opaque_shadow_size;
+    tick.opaque_count = uint32_t(objects.size());
+    return tick;
+}
+
+} // namespace brume

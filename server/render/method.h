@@ -1,0 +1,71 @@
+// The interface of a medium method: how the particles of a tick become radiance in one eye's picture.
+// A new method is one file in methods/, its shaders and one line in methods.cpp.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "common/scene.h"
+#include "server/gpu/commands.h"
+#include "server/gpu/program.h"
+#include "shaders/shared/types.h"
+
+namespace brume {
+
+// What a method may read for one eye, and the target that holds the background and receives the medium.
+struct EyeInputs {
+    uint32_t view = 0;                 // its number in the submission, for the pass names
+    VkExtent2D size{};                 // pixels; the images may be larger
+    uint32_t particle_count = 0;       // live ones
+    gpu::Resource tick, eye;           // uniform blocks, bindings 0 and 1
+    const gpu::Buffer* particles = nullptr;   // gpu::Particle[particle_count]
+    const gpu::Image* shadow_volume = nullptr; // light depth
+    const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
+    const gpu::Image* view_depth = nullptr;    // of the nearest opaque surface
+    const gpu::Image* radiance = nullptr;      // RGBA32F: radiance, transmittance of the medium in front
+    const gpu::Sampler* linear = nullptr;
+    const gpu::Sampler* nearest = nullptr;
+};
+
+// What is compiled out of a method's shaders when the scene has none of it.
+struct SceneFeatures {
+    bool opaque = false, casters = false, lobe = false, ambient = false;
+    bool operator==(const SceneFeatures&) const = default;
+};
+
+class DepthOrder; // far-to-near order of what an eye can see
+
+class Method {
+public:
+    virtual ~Method() = default;
+    // Records the medium over the background. The target and the depth have been written by compute passes; afterwards the
+    // target's writes are draw or compute writes (the caller's barrier covers both).
+    virtual void record(gpu::Commands& commands, const EyeInputs& inputs) = 0;
+};
+
+struct MethodContext {
+    const gpu::Device& device;
+    DepthOrder& depth_order;
+    RenderSettings settings;
+    SceneFeatures features;
+};
+
+struct MethodInfo {
+    const char* name;
+    const char* about; // one line: what it is, which support it renders
+    std::unique_ptr<Method> (*make)(const MethodContext&);
+};
+
+// All methods there are, and the quadratures of those that can choose.
+std::span<const MethodInfo> methods();
+std::span<const char* const> quadratures();
+
+// Null text when the settings are usable; else what is wrong and what is allowed, in one line.
+std::string checkSettings(const RenderSettings& settings);
+
+// Precondition: checkSettings() is content.
+std::unique_ptr<Method> makeMethod(const MethodContext& context);
+
+} // namespace brume

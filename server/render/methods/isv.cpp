@@ -1,0 +1,29 @@
+#include "server/render/methods/isv.h"
+
+#include "server/render/raster.h"
+#include "shaders/isv_frag.h"
+#include "shaders/isv_mesh.h"
+#include "shaders/isv_vert.h"
+
+namespace brume {
+
+std::unique_ptr<Method> makeIsv(const MethodContext& context) {
+    RasterInfo info;
+    info.support = DepthOrder::Support::tetrahedron;
+    if (context.device.hasMeshShaders())
+        info.shaders = {{VK_SHADER_STAGE_MESH_BIT_EXT, isv_mesh, "isv_mesh"}};
+    else
+        info.shaders = {{VK_SHADER_STAGE_VERTEX_BIT, isv_vert, "isv_vert"}};
+    info.shaders.push_back({VK_SHADER_STAGE_FRAGMENT_BIT, isv_frag, "isv_frag"});
+    info.vertices = 12;
+    info.particles_per_group = 32; // as in isv.mesh
+    uint32_t quadrature = 0;
+    for (const char* name : quadratures()) {
+        if (context.settings.quadrature == name) break;
+        ++quadrature;
+    }
+    info.constants = {{10, quadrature}, {11, context.settings.steps}};
+    return makeRaster(context, std::move(info));
+}
+
+} // namespace brume

@@ -1,0 +1,24 @@
+// A finished picture as JPEG wants it: planes of full-range BT.601 Y, Cb, Cr bytes with 4:2:0 chroma.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace brume {
+
+struct PlaneLayout {
+    uint32_t width = 0, height = 0;
+    uint32_t lumaStride() const { return (width + 7) / 8 * 8; } // bytes
+    uint32_t chromaStride() const { return lumaStride() / 2; }
+    uint32_t chromaHeight() const { return (height + 1) / 2; }
+    size_t lumaBytes() const { return size_t(lumaStride()) * height; }
+    size_t chromaBytes() const { return size_t(chromaStride()) * chromaHeight(); }
+    size_t bytes() const { return lumaBytes() + 2 * chromaBytes(); }
+};
+
+struct PictureView {
+    PlaneLayout layout;
+    const uint8_t* bytes = nullptr; // layout.bytes() of them: Y, Cb, Cr
+};
+
+} // namespace brume

@@ -1,0 +1,65 @@
+#include "server/render/raster.h"
+
+#include <utility>
+
+namespace brume {
+namespace {
+
+class Raster : public Method {
+public:
+    Raster(const MethodContext& context, RasterInfo info)
+        : device_(context.device), order_(context.depth_order), info_(std::move(info)) {
+        const SceneFeatures& f = context.features; // ids as in shaders/lib/medium_shading.glsl
+        std::vector<gpu::SpecConstant> constants{{0, f.opaque}, {1, f.casters}, {2, f.lobe}, {3, f.ambient}};
+        constants.insert(constants.end(), info_.constants.begin(), info_.constants.end());
+        gpu::GraphicsInfo graphics;
+        graphics.topology = info_.topology;
+        program_ = gpu::GraphicsProgram(device_, info_.shaders, graphics, constants);
+        mesh_ = info_.shaders.front().stage == VK_SHADER_STAGE_MESH_BIT_EXT;
+    }
+
+    void record(gpu::Commands& commands, const EyeInputs& in) override {
+        const VkCommandBuffer cmd = commands.handle();
+        order_.record(commands, in, info_.support, info_.vertices, info_.particles_per_group);
+
+        const gpu::Commands::Pass pass(commands, "medium", in.view);
+        VkRenderingAttachmentInfo target{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+        target.imageView = in.radiance->view();
+        target.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+        target.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+        target.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+        VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+        rendering.renderArea = {{0, 0}, in.size};
+        rendering.layerCount = 1;
+        rendering.colorAttachmentCount = 1;
+        rendering.pColorAttachments = &target;
+        vkCmdBeginRendering(cmd, &rendering);
+        const VkViewport viewport{0, 0, float(in.size.width), float(in.size.height), 0, 1};
+        const VkRect2D scissor{{0, 0}, in.size};
+        vkCmdSetViewport(cmd, 0, 1, &viewport);
+        vkCmdSetScissor(cmd, 0, 1, &scissor);
+        program_.bind(cmd, {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(4, order_.order()),
+                            gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
+                            gpu::sampledImage(7, *in.opaque_shadow, *in.nearest), gpu::sampledImage(8, *in.view_depth, *in.nearest)});
+        if (mesh_)
+            device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1, 0);
+        else
+            vkCmdDrawIndirect(cmd, order_.arguments().handle(), 0, 1, 0);
+        vkCmdEndRendering(cmd);
+    }
+
+private:
+    const gpu::Device& device_;
+    DepthOrder& order_;
+    RasterInfo info_;
+    gpu::GraphicsProgram program_;
+    bool mesh_ = false;
+};
+
+} // namespace
+
+std::unique_ptr<Method> makeRaster(const MethodContext& context, RasterInfo info) {
+    return std::make_unique<Raster>(context, std::move(info));
+}
+
+} // namespace brume

@@ -1,0 +1,214 @@
+#include "server/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "server/light/tick.h"
+#include "shaders/compose_comp.h"
+#include "shaders/opaque_comp.h"
+
+namespace brume {
+
+using gpu::storageBuffer;
+
+namespace {
+
+constexpr float kNearDepth = 0.05f; // m
+// Offset of a uniform block; 256 is the largest alignment that Vulkan lets a device ask for.
+constexpr VkDeviceSize kBlockBytes = 256;
+static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::Eye) <= kBlockBytes);
+
+constexpr VkDeviceSize eyeOffset(uint32_t eye) { return (eye + 1) * kBlockBytes; }
+
+gpu::Eye eyeBlock(const EyeRequest& request, const RenderSettings& settings) {
+    const glm::mat3 axes = glm::mat3_cast(glm::normalize(request.pose.orientation));
+    gpu::Eye eye{};
+    eye.position = request.pose.position;
+    eye.near_depth = kNearDepth;
+    eye.right = axes[0];
+    eye.up = axes[1];
+    eye.back = axes[2];
+    eye.tan_y = std::tan(0.5f * request.pose.fov_y);
+    eye.tan_x = eye.tan_y * float(request.width) / float(request.height);
+    eye.exposure = settings.exposure;
+    eye.size = {request.width, request.height};
+    eye.filmic = settings.tone_map == "filmic";
+    return eye;
+}
+
+// Makes `buffer` hold at least `bytes`; what it held is lost.
+void grow(gpu::Buffer& buffer, const gpu::Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, gpu::Memory memory,
+          const char* name) {
+    if (buffer && buffer.size() >= bytes) return;
+    buffer = gpu::Buffer(device, std::max<VkDeviceSize>(bytes, 256), usage, memory, name);
+}
+
+} // namespace
+
+struct Renderer::Passes {
+    gpu::ComputeProgram opaque, compose;
+    explicit Passes(const gpu::Device& device)
+        : opaque(device, {VK_SHADER_STAGE_COMPUTE_BIT, opaque_comp, "opaque"}),
+          compose(device, {VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"}) {}
+};
+
+std::span<const PictureView> Submission::pictures() {
+    planes_.invalidate();
+    return pictures_;
+}
+
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity)
+    : device_(device), scene_(scene), capacity_(capacity), objects_(opaqueObjects(scene)), passes_(std::make_unique<Passes>(device)),
+      shadow_volume_(device, capacity), opaque_shadow_(device), depth_order_(device, capacity), linear_(device, VK_FILTER_LINEAR),
+      nearest_(device, VK_FILTER_NEAREST) {
+    particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
+                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, "particles");
+    const size_t count = std::max<size_t>(objects_.size(), 1);
+    objects_buffer_ = gpu::Buffer(device, count * sizeof(gpu::Opaque), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "objects");
+    std::copy(objects_.begin(), objects_.end(), objects_buffer_.mapped<gpu::Opaque>(count).begin());
+    objects_buffer_.flush();
+}
+
+Renderer::~Renderer() = default;
+
+void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes) {
+    VkDeviceSize planes = 0;
+    s.pictures_.clear();
+    for (const EyeRequest& eye : eyes) {
+        s.pictures_.push_back({{eye.width, eye.height}, nullptr});
+        planes += s.pictures_.back().layout.bytes();
+    }
+    grow(s.particles_, device_, capacity_ * sizeof(gpu::Particle), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::upload, "particle upload");
+    grow(s.uniforms_, device_, eyeOffset(uint32_t(eyes.size())), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
+    grow(s.planes_, device_, planes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "planes readback");
+    grow(planes_, device_, planes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "planes");
+    VkDeviceSize at = 0;
+    for (PictureView& picture : s.pictures_) {
+        picture.bytes = s.planes_.mapped<uint8_t>(picture.layout.bytes(), at).data();
+        at += picture.layout.bytes();
+    }
+    const std::span particles = s.particles_.mapped<gpu::Particle>(simulation.liveCount());
+    simulation.write(particles);
+    s.particles_.flush();
+    tick_ = makeTick(scene_, simulation.now(), particles, objects_);
+    s.uniforms_.mapped<gpu::Tick>(1)[0] = tick_;
+    for (uint32_t i = 0; i < eyes.size(); ++i)
+        s.uniforms_.mapped<gpu::Eye>(1, eyeOffset(i))[0] = eyeBlock(eyes[i], simulation.now().render);
+    s.uniforms_.flush();
+}
+
+void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes) {
+    VkExtent3D extent = radiance_ ? radiance_.extent() : VkExtent3D{1, 1, 1};
+    for (const EyeRequest& eye : eyes)
+        extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height), 1};
+    if (radiance_ && extent.width == radiance_.extent().width && extent.height == radiance_.extent().height) return;
+    const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+    radiance_ = gpu::Image(device_,
+                           {VK_FORMAT_R32G32B32A32_SFLOAT, extent,
+                            usage | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
+                           "radiance");
+    view_depth_ = gpu::Image(device_, {VK_FORMAT_R32_SFLOAT, extent, usage}, "view depth");
+    gpu::toGeneral(cmd, radiance_);
+    gpu::toGeneral(cmd, view_depth_);
+}
+
+Method& Renderer::method(const SceneNow& now) {
+    SceneFeatures features;
+    features.opaque = !objects_.empty();
+    features.casters = !scene_.boxes.empty() || !scene_.spheres.empty();
+    features.lobe = now.medium.anisotropy > 0;
+    features.ambient = scene_.sky.ambient != glm::vec3(0);
+    const std::string key = now.render.method + ' ' + now.render.quadrature + ' ' + std::to_string(now.render.steps) + (features.lobe ? " lobe" : "");
+    std::unique_ptr<Method>& made = methods_[key];
+    if (!made) made = makeMethod({device_, depth_order_, now.render, features});
+    return *made;
+}
+
+void Renderer::submit(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes) {
+    fitBuffers(s, simulation, eyes);
+    Method& chosen = method(simulation.now());
+
+    const VkCommandBuffer cmd = s.commands.begin();
+    fitTargets(cmd, eyes);
+    if (tick_.particle_count > 0) {
+        const gpu::Commands::Pass pass(s.commands, "upload");
+        gpu::everythingBefore(cmd);
+        const VkBufferCopy copy{0, 0, tick_.particle_count * sizeof(gpu::Particle)};
+        vkCmdCopyBuffer(cmd, s.particles_.handle(), particles_.handle(), 1, &copy);
+        gpu::transferToCompute(cmd);
+    }
+    const gpu::Resource tick_block = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
+    opaque_shadow_.record(s.commands, tick_block, tick_, objects_buffer_);
+    shadow_volume_.record(s.commands, tick_block, tick_, particles_);
+
+    VkDeviceSize planes_at = 0;
+    for (uint32_t i = 0; i < eyes.size(); ++i) {
+        recordEye(s, i, eyes[i], planes_at, chosen);
+        planes_at += s.pictures_[i].layout.bytes();
+    }
+    {
+        const gpu::Commands::Pass pass(s.commands, "read back");
+        gpu::computeToTransfer(cmd);
+        const VkBufferCopy copy{0, 0, planes_at};
+        vkCmdCopyBuffer(cmd, planes_.handle(), s.planes_.handle(), 1, &copy);
+        gpu::transferToHost(cmd);
+    }
+    s.commands.submit();
+}
+
+void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, VkDeviceSize planes_at, Method& chosen) {
+    const VkCommandBuffer cmd = s.commands.handle();
+    EyeInputs in;
+    in.view = index;
+    in.size = {eye.width, eye.height};
+    in.particle_count = tick_.particle_count;
+    in.tick = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
+    in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(index), sizeof(gpu::Eye));
+    in.particles = &particles_;
+    in.shadow_volume = &shadow_volume_.image();
+    in.opaque_shadow = &opaque_shadow_.image();
+    in.view_depth = &view_depth_;
+    in.radiance = &radiance_;
+    in.linear = &linear_;
+    in.nearest = &nearest_;
+    last_size_ = in.size;
+    const uint32_t groups_x = gpu::groups(eye.width, 8), groups_y = gpu::groups(eye.height, 8);
+    {
+        const gpu::Commands::Pass pass(s.commands, "opaque", index);
+        gpu::everythingBefore(cmd); // the eye before has used the same targets
+        passes_->opaque.bind(cmd, {in.tick, in.eye, storageBuffer(2, objects_buffer_), gpu::sampledImage(3, shadow_volume_.image(), linear_),
+                                   gpu::sampledImage(4, opaque_shadow_.image(), nearest_), gpu::storageImage(5, radiance_),
+                                   gpu::storageImage(6, view_depth_)});
+        vkCmdDispatch(cmd, groups_x, groups_y, 1);
+        gpu::computeToDraw(cmd);
+    }
+    if (in.particle_count > 0) chosen.record(s.commands, in);
+    const gpu::Commands::Pass pass(s.commands, "compose", index);
+    gpu::drawToCompute(cmd);
+    gpu::computeToCompute(cmd);
+    const PlaneLayout& layout = s.pictures_[index].layout;
+    const uint32_t push[] = {layout.lumaStride() / 4, uint32_t(planes_at / 4)};
+    passes_->compose.bind(cmd, {in.eye, gpu::storageImage(2, radiance_), storageBuffer(3, planes_)}, push);
+    vkCmdDispatch(cmd, gpu::groups(layout.lumaStride() / 8, 8), gpu::groups(layout.chromaHeight(), 8), 1);
+}
+
+std::vector<glm::vec4> Renderer::readRadiance() {
+    const size_t count = size_t(last_size_.width) * last_size_.height;
+    gpu::Buffer pixels(device_, count * sizeof(glm::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "radiance readback");
+    gpu::Commands commands(device_, "read radiance");
+    const VkCommandBuffer cmd = commands.begin();
+    gpu::everythingBefore(cmd);
+    VkBufferImageCopy copy{};
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    copy.imageExtent = {last_size_.width, last_size_.height, 1};
+    vkCmdCopyImageToBuffer(cmd, radiance_.handle(), VK_IMAGE_LAYOUT_GENERAL, pixels.handle(), 1, &copy);
+    gpu::transferToHost(cmd);
+    commands.submit();
+    commands.wait(~0ull);
+    pixels.invalidate();
+    const std::span<glm::vec4> mapped = pixels.mapped<glm::vec4>(count);
+    return {mapped.begin(), mapped.end()};
+}
+
+} // namespace brume

@@ -1,0 +1,76 @@
+// One submission: the light of a tick once, then every eye's picture. Owns the passes and the scratch that they share.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/camera.h"
+#include "server/light/opaque_shadow.h"
+#include "server/light/shadow_volume.h"
+#include "server/render/depth_order.h"
+#include "server/render/method.h"
+#include "server/render/picture.h"
+#include "server/sim/simulation.h"
+
+namespace brume {
+
+struct EyeRequest {
+    Pose pose;
+    uint32_t width = 0, height = 0;
+};
+
+// What one submission writes and reads on the CPU's side. Several may be alive: one on the device, others being encoded.
+class Submission {
+public:
+    Submission(const gpu::Device& device, const char* name) : commands(device, name) {}
+
+    // The pictures, one per eye in the order asked for. Precondition: commands.wait() was true.
+    std::span<const PictureView> pictures();
+
+    gpu::Commands commands;
+
+private:
+    friend class Renderer;
+    gpu::Buffer particles_, uniforms_, planes_;
+    std::vector<PictureView> pictures_;
+};
+
+class Renderer {
+public:
+    // For at most `capacity` particles. Throws gpu::Error.
+    Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity);
+    ~Renderer();
+
+    // Records and submits everything for `eyes` at the simulation's present state.
+    // Precondition: no other submission of this renderer is on the device.
+    void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
+
+    // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly.
+    std::vector<glm::vec4> readRadiance();
+
+private:
+    struct Passes;
+    void fitBuffers(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
+    void fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes);
+    Method& method(const SceneNow& now);
+    void recordEye(Submission& submission, uint32_t index, const EyeRequest& eye, VkDeviceSize planes_at, Method& method);
+
+    const gpu::Device& device_;
+    const Scene scene_;
+    const uint32_t capacity_;
+    const std::vector<gpu::Opaque> objects_;
+    std::unique_ptr<Passes> passes_;
+    ShadowVolume shadow_volume_;
+    OpaqueShadow opaque_shadow_;
+    DepthOrder depth_order_;
+    gpu::Sampler linear_, nearest_;
+    gpu::Buffer particles_, objects_buffer_, planes_;
+    gpu::Image radiance_, view_depth_;
+    std::map<std::string, std::unique_ptr<Method>> methods_; // by their settings
+    VkExtent2D last_size_{};
+    gpu::Tick tick_{};
+};
+
+} // namespace brume

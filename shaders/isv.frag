@@ -1,0 +1,71 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Interval shading: the interval from the two interpolated depths, the light depth linear between its ends (seed 000 eq. 8).
+#include "shaders/shared/types.h"
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+
+layout(location = 0) flat in vec4 centre_scale;
+layout(location = 1) flat in vec4 albedo_sigma;
+layout(location = 2) noperspective in vec2 inverse_depth;
+layout(location = 3) flat in uint clipped;
+
+layout(location = 0) out vec4 radiance_transmittance;
+
+layout(constant_id = 10) const uint kQuadrature = 0; // 0 Simpson, 1 transmittance space, 2 analytic
+layout(constant_id = 11) const int kSteps = 2;
+
+#include "shaders/lib/medium_shading.glsl"
+
+// The part of the ray inside the tetrahedron, from its four face planes in particle-centred coordinates.
+vec2 intervalFromPlanes(vec3 w, vec3 centre, float scale) {
+    const vec3 normal[4] = vec3[](vec3(-0.57735026919), vec3(-0.57735026919, 0.57735026919, 0.57735026919),
+                                  vec3(0.57735026919, -0.57735026919, 0.57735026919), vec3(0.57735026919, 0.57735026919, -0.57735026919));
+    vec2 interval = vec2(-1e30, 1e30);
+    for (int i = 0; i < 4; ++i) {
+        const float away = dot(normal[i], w);
+        const float t = (scale / 3 + dot(normal[i], centre)) / (abs(away) < 1e-12 ? 1e-12 : away);
+        if (away < 0) interval.x = max(interval.x, t);
+        else interval.y = min(interval.y, t);
+    }
+    return interval;
+}
+
+void main() {
+    const vec3 centre = centre_scale.xyz;
+    const float scale = centre_scale.w;
+    const RayParticle ray = rayParticle(centre);
+    const float per_depth = ray.begin / eye.near_depth;
+    vec2 interval = clipped != 0 ? intervalFromPlanes(ray.w, centre, scale) : per_depth / inverse_depth;
+    interval = vec2(max(interval.x, ray.begin), min(interval.y, ray.end));
+    if (!(interval.y > interval.x)) discard;
+
+    const float k = gaussianK(scale, tick.falloff);
+    const GaussianSegment segment = gaussianSegment(albedo_sigma.w, k, ray.b2, k * (interval.x - ray.closest), k * (interval.y - interval.x));
+    if (segment.depth < tick.cut) discard; // seed 000 section 3.11; the cut bounds the sum over all particles
+
+    float scattered = 0;
+    if (kQuadrature == 1) {
+        for (int i = 0; i < kSteps; ++i) {
+            const ScatterNode node = transmittanceNode(segment, i, kSteps);
+            scattered += node.weight * lightArriving(ray, interval.x + node.z);
+        }
+    } else {
+        const float light_in = lightDepth(lightSpaceAt(ray, interval.x)), light_out = lightDepth(lightSpaceAt(ray, interval.y));
+        if (kQuadrature == 2) {
+            scattered = scatterAnalytic(segment.depth, light_in, light_out);
+            if (kHasCasters) scattered *= 0.5 * (visibility(lightSpaceAt(ray, interval.x)) + visibility(lightSpaceAt(ray, interval.y)));
+        } else {
+            const float length = interval.y - interval.x;
+            for (int j = 0; j <= 2 * kSteps; ++j) {
+                const ScatterNode node = simpsonNode(segment, j, kSteps);
+                float light = exp(-mix(light_in, light_out, node.z / length));
+                if (kHasCasters) light *= visibility(lightSpaceAt(ray, interval.x + node.z));
+                scattered += node.weight * light;
+            }
+        }
+    }
+    radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, segment.depth);
+}

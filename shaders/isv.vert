@@ -1,0 +1,30 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Interval shading for devices without mesh shaders: an instance is a particle, its 12 vertices are 4 triangles of the fan.
+#include "shaders/shared/types.h"
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
+layout(scalar, binding = 4) readonly buffer Order { uint order[]; };
+
+#include "shaders/lib/interval_proxy.glsl"
+
+layout(location = 0) flat out vec4 centre_scale;
+layout(location = 1) flat out vec4 albedo_sigma;
+layout(location = 2) noperspective out vec2 inverse_depth;
+layout(location = 3) flat out uint clipped;
+
+void main() {
+    const Particle p = particles[order[gl_InstanceIndex]];
+    const vec3 c = p.centre - eye.position;
+    const IntervalProxy proxy = intervalProxy(c, p.scale);
+    const uint triangle = gl_VertexIndex / 3;
+    const uint i = triangle < proxy.ring ? fanVertex(triangle, gl_VertexIndex % 3, proxy.ring) : 0;
+    gl_Position = vec4(proxy.ndc[i], 0, 1);
+    centre_scale = vec4(c, p.scale);
+    albedo_sigma = vec4(p.albedo, p.sigma_t);
+    inverse_depth = proxy.inverse_depth[i];
+    clipped = uint(proxy.clipped);
+}

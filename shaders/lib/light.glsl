@@ -1,0 +1,29 @@
+// What arrives from the light at a point; include after the tick, `shadow_volume` and `opaque_shadow` are declared.
+
+vec3 toLightSpace(vec3 x) { return vec3(dot(tick.light_x, x), dot(tick.light_y, x), dot(tick.to_light, x)); }
+
+// Optical depth of the medium between the light-space point and the light: trilinear between texels and slice planes.
+float lightDepth(vec3 at) {
+    const vec2 lateral = (at.xy - tick.shadow_lo.xy) / (tick.shadow_hi.xy - tick.shadow_lo.xy);
+    const float slice = clamp((tick.shadow_hi.z - at.z) / (tick.shadow_hi.z - tick.shadow_lo.z), 0, 1) * float(tick.shadow_slices - 1);
+    return textureLod(shadow_volume, vec3(lateral, (slice + 0.5) / float(tick.shadow_slices)), 0).r;
+}
+
+// 1 where the light-space point sees the light past the opaque objects, 0 where not: one texel, no filter.
+float visibility(vec3 at) {
+    const vec2 texel = (at.xy - tick.opaque_lo) / (tick.opaque_hi - tick.opaque_lo) * float(tick.opaque_size);
+    if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.opaque_size)))) return 1;
+    return at.z >= texelFetch(opaque_shadow, ivec2(texel), 0).r ? 1 : 0;
+}
+
+// The same, filtered over the four nearest texels, for surfaces; `bias` (m) lifts the point toward the light.
+float visibilityFiltered(vec3 at, float bias) {
+    const vec2 texel = (at.xy - tick.opaque_lo) / (tick.opaque_hi - tick.opaque_lo) * float(tick.opaque_size) - 0.5;
+    if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.opaque_size - 1)))) return 1;
+    const ivec2 t = ivec2(texel);
+    const vec2 f = texel - vec2(t);
+    const float s = at.z + bias;
+    const vec4 lit = vec4(s >= texelFetch(opaque_shadow, t, 0).r, s >= texelFetch(opaque_shadow, t + ivec2(1, 0), 0).r,
+                          s >= texelFetch(opaque_shadow, t + ivec2(0, 1), 0).r, s >= texelFetch(opaque_shadow, t + ivec2(1, 1), 0).r);
+    return mix(mix(lit.x, lit.y, f.x), mix(lit.z, lit.w, f.x), f.y);
+}

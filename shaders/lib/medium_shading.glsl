@@ -1,0 +1,58 @@
+// What one particle's interval adds to a pixel: shared by every raster method. Declares the bindings of the light, the opaque depth
+// and the target; include after the tick's and the eye's blocks.
+#include "shaders/shared/phase.h"
+#include "shaders/shared/scatter.h"
+#include "shaders/lib/eye.glsl"
+
+layout(binding = 6) uniform sampler3D shadow_volume;
+layout(binding = 7) uniform sampler2D opaque_shadow;
+layout(binding = 8) uniform sampler2D view_depth;
+
+// What a scene does not have is compiled out.
+layout(constant_id = 0) const bool kHasOpaque = true;  // objects that hide and shadow
+layout(constant_id = 1) const bool kHasCasters = true; // of them, some that cast shadows on the medium
+layout(constant_id = 2) const bool kHasLobe = true;    // anisotropy > 0
+layout(constant_id = 3) const bool kHasAmbient = true;
+
+#include "shaders/lib/light.glsl"
+
+// A particle as the pixel's ray sees it.
+struct RayParticle {
+    vec3 w;          // unit direction of the ray
+    float closest;   // m along the ray, of the closest approach to the centre
+    float b2;        // m^2, squared distance there
+    float begin, end; // m along the ray: near plane and opaque surface
+};
+
+RayParticle rayParticle(vec3 centre) {
+    RayParticle ray;
+    const vec3 dir = rayDirection(gl_FragCoord.xy);
+    const float per_depth = length(dir);
+    ray.w = dir / per_depth;
+    ray.closest = dot(centre, ray.w);
+    const vec3 off = centre - ray.closest * ray.w; // never |c|^2 - closest^2
+    ray.b2 = dot(off, off);
+    ray.begin = eye.near_depth * per_depth;
+    ray.end = kHasOpaque ? texelFetch(view_depth, ivec2(gl_FragCoord.xy), 0).r * per_depth : 1e30;
+    return ray;
+}
+
+vec3 lightSpaceAt(RayParticle ray, float t) { return toLightSpace(eye.position + t * ray.w); }
+
+// T_L * Vis at `t` m along the ray.
+float lightArriving(RayParticle ray, float t) {
+    const vec3 at = lightSpaceAt(ray, t);
+    float light = exp(-lightDepth(at));
+    if (kHasCasters) light *= visibility(at);
+    return light;
+}
+
+// The pixel's premultiplied radiance and transmittance: `scattered` = integral of T_L T_V Vis sigma dz, `depth` = optical depth.
+vec4 composed(RayParticle ray, vec3 albedo, float scattered, float depth) {
+    const float opaque_part = opacity(depth);
+    float phase = 0.07957747154594767;
+    if (kHasLobe) phase = phaseMixture(-tick.to_light, -ray.w, tick.anisotropy, tick.asymmetry);
+    vec3 radiance = albedo * tick.irradiance * (phase * scattered);
+    if (kHasAmbient) radiance += albedo * tick.ambient * opaque_part;
+    return vec4(radiance, 1 - opaque_part);
+}

@@ -1,0 +1,43 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Sphere proxies: the whole Gaussian by 2-point Gauss-Hermite; where the near plane or a wall cuts it, two points in transmittance
+// space on what is left. The light depth is looked up at the nodes.
+#include "shaders/shared/types.h"
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+
+layout(location = 0) flat in vec4 centre_radius;
+layout(location = 1) flat in vec4 albedo_sigma;
+layout(location = 2) flat in float k;
+
+layout(location = 0) out vec4 radiance_transmittance;
+
+#include "shaders/lib/medium_shading.glsl"
+
+void main() {
+    const RayParticle ray = rayParticle(centre_radius.xyz);
+    const float half2 = centre_radius.w * centre_radius.w - ray.b2;
+    if (half2 <= 0) discard;
+    const float half_length = sqrt(half2);
+    const float begin = max(ray.closest - half_length, ray.begin), end = min(ray.closest + half_length, ray.end);
+    if (!(end > begin)) discard;
+
+    float depth, scattered = 0;
+    if (end - begin > 1.999 * half_length) { // not cut
+        depth = lineDepth(albedo_sigma.w, k, gaussianAcross(k, ray.b2));
+        for (int i = 0; i < 2; ++i) {
+            const ScatterNode node = hermiteNode(depth, k, i);
+            scattered += node.weight * lightArriving(ray, ray.closest + node.z);
+        }
+    } else {
+        const GaussianSegment segment = gaussianSegment(albedo_sigma.w, k, ray.b2, k * (begin - ray.closest), k * (end - begin));
+        depth = segment.depth;
+        for (int i = 0; i < 2; ++i) {
+            const ScatterNode node = transmittanceNode(segment, i, 2);
+            scattered += node.weight * lightArriving(ray, begin + node.z);
+        }
+    }
+    radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, depth);
+}
