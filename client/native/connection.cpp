@@ -3,12 +3,8 @@
 
 #include <deque>
 
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -24,7 +20,6 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr auto kNoThrow = asio::as_tuple(asio::use_awaitable);
 // Silence for this long, the server's answers to keep-alive pings included, means that it is gone.
 constexpr std::chrono::seconds kIdleTimeout{20};
 
@@ -41,13 +36,13 @@ struct Connection::Socket {
     asio::io_context io{1};
     tcp::resolver resolver{io};
     websocket::stream<beast::tcp_stream> stream{io};
+    websocket::response_type response;
+    beast::flat_buffer incoming;
     std::deque<Bytes> inbox, outbox;
     State state = State::connecting;
     std::string closed_because;
 
-    Socket(Endpoint where, std::chrono::milliseconds time) : endpoint(std::move(where)), timeout(time) {
-        asio::co_spawn(io, run(), asio::detached);
-    }
+    Socket(Endpoint where, std::chrono::milliseconds time) : endpoint(std::move(where)), timeout(time) { resolve(); }
 
     void closedNow(std::string why) {
         if (state == State::closed) return;
@@ -56,34 +51,32 @@ struct Connection::Socket {
         beast::get_lowest_layer(stream).close();
     }
 
-    asio::awaitable<void> run() {
-        if (co_await connect()) {
-            state = State::open;
-            co_await read();
-        }
+    void cannotConnect(const std::string& why, const std::string& question) {
+        closedNow("cannot connect to " + endpoint.url() + ": " + why + " (" + question + ")");
     }
 
-    asio::awaitable<bool> connect() {
+    // Resolve, connect, shake hands, then read for ever: each step starts the next.
+    void resolve() {
+        resolver.async_resolve(endpoint.host, std::to_string(endpoint.port),
+                               [this](error_code error, const tcp::resolver::results_type& addresses) {
+                                   if (error) return cannotConnect(error.message(), "is the host's name right?");
+                                   connect(addresses);
+                               });
+    }
+
+    void connect(const tcp::resolver::results_type& addresses) {
         auto& tcp_stream = beast::get_lowest_layer(stream);
-        const std::string cannot = "cannot connect to " + endpoint.url() + ": ";
-
-        const auto [resolve_error, addresses] =
-            co_await resolver.async_resolve(endpoint.host, std::to_string(endpoint.port), kNoThrow);
-        if (resolve_error) {
-            closedNow(cannot + resolve_error.message() + " (is the host's name right?)");
-            co_return false;
-        }
-
         tcp_stream.expires_after(timeout);
-        const auto [connect_error, address] = co_await tcp_stream.async_connect(addresses, kNoThrow);
-        if (connect_error) {
-            closedNow(cannot + reasonOf(connect_error) + " (is the server running there?)");
-            co_return false;
-        }
-        error_code ignored; // a socket that cannot do it still works, only later
-        tcp_stream.socket().set_option(tcp::no_delay(true), ignored);
-        tcp_stream.expires_never();
+        tcp_stream.async_connect(addresses, [this, &tcp_stream](error_code error, const tcp::endpoint&) {
+            if (error) return cannotConnect(reasonOf(error), "is the server running there?");
+            error_code ignored; // a socket that cannot do it still works, only later
+            tcp_stream.socket().set_option(tcp::no_delay(true), ignored);
+            tcp_stream.expires_never();
+            shakeHands();
+        });
+    }
 
+    void shakeHands() {
         stream.set_option(websocket::stream_base::timeout{timeout, kIdleTimeout, true});
         stream.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
             request.set(beast::http::field::sec_websocket_protocol, wire::kSubprotocol);
@@ -91,49 +84,42 @@ struct Connection::Socket {
         }));
         stream.read_message_max(kMaxMessageBytes);
         stream.binary(true);
-        websocket::response_type response;
-        const auto [handshake_error] = co_await stream.async_handshake(
-            response, endpoint.host + ":" + std::to_string(endpoint.port), endpoint.path, kNoThrow);
-        if (handshake_error == websocket::error::upgrade_declined) {
-            closedNow(cannot + "it answers HTTP " + std::to_string(response.result_int()) + " " + std::string(response.reason()) +
-                      " (is it a brume server, and not full?)");
-            co_return false;
-        }
-        if (handshake_error) {
-            closedNow(cannot + reasonOf(handshake_error) + " (is it a brume server?)");
-            co_return false;
-        }
-        if (response[beast::http::field::sec_websocket_protocol] != wire::kSubprotocol) {
-            closedNow(cannot + "it does not speak " + wire::kSubprotocol + " (client and server must be of one version)");
-            co_return false;
-        }
-        co_return true;
+        const std::string host = endpoint.host + ":" + std::to_string(endpoint.port);
+        stream.async_handshake(response, host, endpoint.path, [this](error_code error) {
+            if (error == websocket::error::upgrade_declined)
+                return cannotConnect("it answers HTTP " + std::to_string(response.result_int()) + " " +
+                                         std::string(response.reason()),
+                                     "is it a brume server, and not full?");
+            if (error) return cannotConnect(reasonOf(error), "is it a brume server?");
+            if (response[beast::http::field::sec_websocket_protocol] != wire::kSubprotocol)
+                return cannotConnect("it does not speak " + std::string(wire::kSubprotocol),
+                                     "are client and server of one version?");
+            state = State::open;
+            read();
+        });
     }
 
-    asio::awaitable<void> read() {
-        for (;;) {
-            Bytes message;
-            auto buffer = asio::dynamic_buffer(message);
-            const auto [error, size] = co_await stream.async_read(buffer, kNoThrow);
+    void read() {
+        stream.async_read(incoming, [this](error_code error, size_t) {
             if (error == websocket::error::closed) {
                 const auto& reason = stream.reason().reason;
-                closedNow("the server closed the connection" + (reason.empty() ? "" : ": " + std::string(reason.c_str())));
-                co_return;
+                return closedNow("the server closed the connection" + (reason.empty() ? "" : ": " + std::string(reason.c_str())));
             }
-            if (error) {
-                closedNow("the connection to " + endpoint.url() + " was lost: " + reasonOf(error));
-                co_return;
-            }
-            inbox.push_back(std::move(message));
-        }
+            if (error) return closedNow("the connection to " + endpoint.url() + " was lost: " + reasonOf(error));
+            const auto bytes = incoming.cdata();
+            const auto* const begin = static_cast<const uint8_t*>(bytes.data());
+            inbox.emplace_back(begin, begin + bytes.size());
+            incoming.consume(bytes.size());
+            read();
+        });
     }
 
-    asio::awaitable<void> write() {
-        while (!outbox.empty()) {
-            const auto [error, size] = co_await stream.async_write(asio::buffer(outbox.front()), kNoThrow);
-            if (error) co_return; // the reader meets the same error, and tells it
+    void write() {
+        stream.async_write(asio::buffer(outbox.front()), [this](error_code error, size_t) {
+            if (error) return; // the reader meets the same error, and tells it
             outbox.pop_front();
-        }
+            if (!outbox.empty()) write();
+        });
     }
 
     // Works until `done` or the time is over.
@@ -173,7 +159,7 @@ void Connection::send(std::span<const uint8_t> message) {
     if (socket.state != State::open) return;
     if (socket.outbox.size() >= kMaxUnsent) return socket.closedNow("the server does not read what it is sent");
     socket.outbox.emplace_back(message.begin(), message.end());
-    if (socket.outbox.size() == 1) asio::co_spawn(socket.io, socket.write(), asio::detached);
+    if (socket.outbox.size() == 1) socket.write();
 }
 
 void Connection::close(std::chrono::milliseconds deadline) {

@@ -1,6 +1,7 @@
 #include "client/native/display.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <stdexcept>
 
 #include <SDL2/SDL.h>
@@ -8,6 +9,15 @@
 namespace brume::client {
 
 Display::Library::Library() {
+    // Left alone, SDL would go on to its off-screen driver, where nobody sees anything; SDL_VIDEODRIVER still asks for that, or
+    // for a console.
+    const bool wayland = std::getenv("WAYLAND_DISPLAY") != nullptr;
+    if (!std::getenv("SDL_VIDEODRIVER")) {
+        if (!wayland && !std::getenv("DISPLAY"))
+            throw std::runtime_error(
+                "there is no display to open a window on (neither DISPLAY nor WAYLAND_DISPLAY is set): use --headless");
+        SDL_SetHint(SDL_HINT_VIDEODRIVER, wayland ? "wayland,x11" : "x11");
+    }
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "linear");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");

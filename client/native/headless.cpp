@@ -27,7 +27,7 @@ public:
         statistics_.roundTrip(session_.roundTripMs());
         statistics_.ended(failure.empty() ? "as asked" : failure);
         session_.leave("done");
-        std::cout << statistics_.summary() << std::endl;
+        if (statistics_.frames() > 0) std::cout << statistics_.summary() << std::endl;
         recorder_.statistics(statistics_);
         if (!failure.empty()) throw std::runtime_error(failure);
     }

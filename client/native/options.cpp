@@ -16,17 +16,16 @@ namespace {
     throw CLI::ValidationError(option, "'" + text + "' is not " + allowed);
 }
 
-// Exactly N finite numbers of at most 1e6 in magnitude, separated by commas.
+// Exactly N finite numbers of at most 1e6 in magnitude, separated by commas; nothing otherwise.
 template <size_t N>
-std::array<float, N> numbers(const std::string& option, std::string_view text, const std::string& allowed) {
+std::optional<std::array<float, N>> numbers(std::string_view text) {
     std::array<float, N> values{};
     const char* at = text.data();
     const char* const end = at + text.size();
     for (size_t i = 0; i < N; ++i) {
         const auto [next, error] = std::from_chars(at, end, values[i]);
         const bool separated = i + 1 < N ? next != end && *next == ',' : next == end;
-        if (error != std::errc{} || !separated || !std::isfinite(values[i]) || std::abs(values[i]) > 1e6f)
-            refuse(option, std::string(text), allowed);
+        if (error != std::errc{} || !separated || !(std::abs(values[i]) <= 1e6f)) return {};
         at = next + (i + 1 < N ? 1 : 0);
     }
     return values;
@@ -49,7 +48,9 @@ void parseSize(const std::string& text, Wishes& wishes) {
 
 CameraPath parseCamera(const std::string& text) {
     const std::string allowed = "a camera: x,y,z,tx,ty,tz in metres, standing at x,y,z and looking at another point tx,ty,tz";
-    const auto n = numbers<6>("--camera", text, allowed);
+    const auto given = numbers<6>(text);
+    if (!given) refuse("--camera", text, allowed);
+    const auto& n = *given;
     CameraPath camera;
     camera.position = {n[0], n[1], n[2]};
     camera.target = {n[3], n[4], n[5]};
@@ -59,13 +60,14 @@ CameraPath parseCamera(const std::string& text) {
 
 TimedPush parsePush(const std::string& text) {
     const std::string allowed = "a push: T:ox,oy,oz,dx,dy,dz,strength with T in seconds from 0, a ray from o along d (not zero)";
-    const size_t colon = text.find(':');
-    if (colon == text.npos) refuse("--impulse", text, allowed);
-    const float seconds = numbers<1>("--impulse", std::string_view(text).substr(0, colon), allowed)[0];
-    const auto n = numbers<7>("--impulse", std::string_view(text).substr(colon + 1), allowed);
+    const size_t colon = std::min(text.find(':'), text.size());
+    const auto seconds = numbers<1>(std::string_view(text).substr(0, colon));
+    const auto given = numbers<7>(std::string_view(text).substr(std::min(colon + 1, text.size())));
+    if (!seconds || !given || (*seconds)[0] < 0) refuse("--impulse", text, allowed);
+    const auto& n = *given;
     const glm::vec3 direction(n[3], n[4], n[5]);
-    if (seconds < 0 || !(glm::length(direction) > 1e-6f)) refuse("--impulse", text, allowed);
-    return {seconds, Push{{n[0], n[1], n[2]}, glm::normalize(direction), glm::vec3(0), n[6]}};
+    if (!(glm::length(direction) > 1e-6f)) refuse("--impulse", text, allowed);
+    return {(*seconds)[0], Push{{n[0], n[1], n[2]}, glm::normalize(direction), glm::vec3(0), n[6]}};
 }
 
 } // namespace

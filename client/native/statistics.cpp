@@ -28,7 +28,8 @@ constexpr Stage kStages[] = {
     {"decode", [](const FrameRecord& r) { return std::optional(r.decode_ms); }},
 };
 
-Json orNull(std::optional<float> value) { return value ? Json(*value) : Json(nullptr); }
+// Milliseconds to the microsecond.
+Json orNull(std::optional<float> value) { return value ? Json(std::round(double(*value) * 1e3) * 1e-3) : Json(nullptr); }
 
 // 64 bits do not fit a JSON number that JavaScript reads.
 std::string hex(uint64_t value) { return fmt::format("{:#018x}", value); }
@@ -177,7 +178,6 @@ Json Statistics::json() const {
 }
 
 std::string Statistics::summary() const {
-    if (frames_ == 0) return "no frames";
     std::string text = fmt::format("{} frames in {:.2f} s ({:.1f} a second), {:.1f} kB a frame, ticks {} to {}", frames_,
                                    secondsShown(), frameRate(), static_cast<double>(bytes_) / static_cast<double>(frames_) * 1e-3,
                                    records_.front().tick, records_.back().tick);

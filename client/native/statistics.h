@@ -61,7 +61,7 @@ public:
 
     // Everything, as written to stats.json.
     nlohmann::json json() const;
-    // For a person, one to three lines.
+    // For a person, two or three lines. Precondition: frames() > 0.
     std::string summary() const;
 
 private:

@@ -44,7 +44,7 @@ public:
         }
         statistics_.ended(failure.empty() ? "as asked" : failure);
         if (session_) session_->leave("the window was closed");
-        std::cout << statistics_.summary() << std::endl;
+        if (statistics_.frames() > 0) std::cout << statistics_.summary() << std::endl;
         recorder_.statistics(statistics_);
         if (!failure.empty()) throw std::runtime_error(failure);
     }
