@@ -77,8 +77,8 @@ struct Simulation::State {
     std::optional<Plume> first_plume;
     SceneNow first_now;
 
-    uint64_t tick = 0, hash = 0;
-    uint32_t impulses = 0; // in this tick
+    uint64_t tick = 0, hash = 0, origin = 0; // origin: a hash of the seed and all columns at the start
+    uint32_t impulses = 0;                   // in this tick
     Bounds bounds;
 };
 
@@ -108,6 +108,11 @@ Simulation::State::State(const Scene& scene) : settings(scene.simulation) {
         std::copy(placed.sigma_t.begin(), placed.sigma_t.end(), c[Column::sigma]);
         albedos = std::move(placed.albedo);
     }
+    StateHash all;
+    all.add(scene.medium.seed);
+    for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c)
+        for (const Rows run : living()) all.add(std::span((*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin));
+    origin = all.value();
     now.render.method.reserve(kLongestName);
     now.render.quadrature.reserve(kLongestName);
     settle();
@@ -212,28 +217,20 @@ void Simulation::State::settle() {
     hash = hashed();
 }
 
+// What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for.
 uint64_t Simulation::State::hashed() const {
     StateHash out;
+    out.add(origin);
     for (const Rows run : living())
-        for (uint32_t c = 0; c <= static_cast<uint32_t>(Column::sigma); ++c)
-            out.add({(*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin});
-    const auto vec = [&](glm::vec3 v) { out.add(std::array{v.x, v.y, v.z}); };
-    const auto text = [&](const std::string& s) {
-        for (const char c : s) out.addWord(static_cast<unsigned char>(c));
-        out.addWord(s.size());
-    };
-    out.addWord(steps);
-    out.addWord(plume ? plume->born() : 0);
-    vec(moved);
-    vec(now.light.to_light);
-    vec(now.light.irradiance);
-    vec(now.medium.albedo);
+        for (const Column c : {Column::x, Column::y, Column::z, Column::vx, Column::vy, Column::vz})
+            out.add(std::span((*columns)[c] + run.begin, run.end - run.begin));
+    for (const glm::vec3 v : {moved, now.light.to_light, now.light.irradiance, now.medium.albedo}) out.add(std::span(&v.x, 3));
     out.add(std::array{now.light.rotate, now.medium.extinction, now.medium.falloff, now.medium.anisotropy, now.medium.asymmetry,
                        now.render.exposure});
-    text(now.render.method);
-    text(now.render.quadrature);
-    out.addWord(now.render.steps);
-    out.addWord(now.paused);
+    out.add(now.render.method);
+    out.add(now.render.quadrature);
+    for (const uint64_t word : {steps, plume ? plume->born() : 0, uint64_t{now.render.steps}, uint64_t{now.paused}})
+        out.add(word);
     return out.value();
 }
 
