@@ -1,0 +1,243 @@
+// Mouse, touch and keyboard to camera movements and pushes. Listens to the canvas and, for keys, to the window.
+import { add, axes, look, metresPerPixel, move, orbit, rayThrough, scale, zoom } from './camera';
+import type { Camera, Ray } from './camera';
+import type { Vec3 } from './protocol';
+import type { Pusher } from './pusher';
+
+export type Mode = 'orbit' | 'fly';
+
+export interface ControlsHost {
+  camera: Camera;
+  readonly fovY: number;
+  mode: Mode;
+  readonly pushing: boolean; // the push button is on
+  touched(): void; // the first movement of any kind
+  pushed(active: boolean, x: number, y: number): void; // where the pushing cursor is, in CSS pixels
+}
+
+type Gesture = 'turn' | 'pan' | 'push';
+interface Pointer {
+  x: number;
+  y: number;
+  startX: number;
+  startY: number;
+  gesture: Gesture;
+  timer: number | undefined; // of a long press
+}
+
+const TURN_PER_PIXEL = 0.005; // rad
+const TURN_PER_SECOND = 1.4; // rad, by key
+const ZOOM_PER_PIXEL = 0.0012;
+const LONG_PRESS_MS = 380;
+const LONG_PRESS_SLACK = 8; // px
+const FLY_SECONDS = 3; // to cross the distance to the pivot
+const FLY_FAST = 4;
+const FLY_SETTLE_S = 0.1; // time constant of starting and stopping
+const MOVES: Record<string, Vec3> = {
+  KeyD: [1, 0, 0],
+  KeyA: [-1, 0, 0],
+  KeyE: [0, 1, 0],
+  KeyQ: [0, -1, 0],
+  KeyW: [0, 0, 1],
+  KeyS: [0, 0, -1],
+};
+const TURNS: Record<string, readonly [yaw: number, pitch: number]> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1],
+};
+
+export class Controls {
+  private readonly pointers = new Map<number, Pointer>();
+  private readonly keys = new Set<string>();
+  private velocity: Vec3 = [0, 0, 0]; // in pivot distances a second, along the camera's axes
+  private fast = false;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly host: ControlsHost,
+    private readonly pusher: Pusher,
+  ) {
+    canvas.addEventListener('pointerdown', (event) => this.down(event));
+    canvas.addEventListener('pointermove', (event) => this.moved(event));
+    canvas.addEventListener('pointerup', (event) => this.up(event, false));
+    canvas.addEventListener('pointercancel', (event) => this.up(event, true));
+    canvas.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
+    canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+    window.addEventListener('keydown', (event) => this.key(event, true));
+    window.addEventListener('keyup', (event) => this.key(event, false));
+    window.addEventListener('blur', () => this.keys.clear());
+  }
+
+  // Call once per animation frame; `dt` in seconds.
+  update(now: number, dt: number): void {
+    this.pusher.update(now);
+    let yaw = 0;
+    let pitch = 0;
+    let goal: Vec3 = [0, 0, 0];
+    for (const code of this.keys) {
+      const turn = TURNS[code];
+      if (turn) [yaw, pitch] = [yaw + turn[0], pitch + turn[1]];
+      const step = MOVES[code];
+      if (step) goal = add(goal, step);
+    }
+    if (yaw !== 0 || pitch !== 0) {
+      const angle = TURN_PER_SECOND * dt;
+      // Arrows move the camera around the cloud, or turn its head: to the right either way.
+      this.host.camera =
+        this.host.mode === 'orbit'
+          ? orbit(this.host.camera, yaw * angle, -pitch * angle)
+          : look(this.host.camera, -yaw * angle, pitch * angle);
+    }
+    const speed = (this.fast ? FLY_FAST : 1) / FLY_SECONDS;
+    const blend = 1 - Math.exp(-dt / FLY_SETTLE_S);
+    this.velocity = add(scale(this.velocity, 1 - blend), scale(goal, speed * blend));
+    if (Math.hypot(...this.velocity) < 1e-3) {
+      this.velocity = [0, 0, 0];
+      return;
+    }
+    const reach = this.host.camera.distance * dt;
+    this.host.camera = move(
+      this.host.camera,
+      this.velocity[0] * reach,
+      this.velocity[1] * reach,
+      this.velocity[2] * reach,
+    );
+  }
+
+  private down(event: PointerEvent): void {
+    event.preventDefault();
+    this.canvas.focus({ preventScroll: true });
+    this.canvas.setPointerCapture(event.pointerId);
+    this.host.touched();
+    const { clientX: x, clientY: y } = event;
+    const pointer: Pointer = { x, y, startX: x, startY: y, gesture: this.gestureOf(event), timer: undefined };
+    this.pointers.set(event.pointerId, pointer);
+    if (this.pointers.size > 1) {
+      // A second finger makes it a pinch.
+      for (const other of this.pointers.values()) {
+        window.clearTimeout(other.timer);
+        if (other.gesture === 'push') this.stopPush(other, true);
+        other.gesture = 'pan';
+      }
+    } else if (pointer.gesture === 'push') {
+      this.startPush(event.timeStamp, pointer);
+    } else if (event.pointerType !== 'mouse') {
+      pointer.timer = window.setTimeout(() => {
+        pointer.gesture = 'push';
+        navigator.vibrate?.(12);
+        this.startPush(performance.now(), pointer);
+      }, LONG_PRESS_MS);
+    }
+  }
+
+  private gestureOf(event: PointerEvent): Gesture {
+    if (event.button !== 0) return 'pan';
+    if (event.altKey || event.ctrlKey || event.metaKey) return 'push';
+    if (event.shiftKey) return 'pan';
+    return this.host.pushing ? 'push' : 'turn';
+  }
+
+  private moved(event: PointerEvent): void {
+    const pointer = this.pointers.get(event.pointerId);
+    if (!pointer) return;
+    const dx = event.clientX - pointer.x;
+    const dy = event.clientY - pointer.y;
+    const before = this.pointers.size === 2 ? this.span() : 0;
+    pointer.x = event.clientX;
+    pointer.y = event.clientY;
+    if (Math.hypot(pointer.x - pointer.startX, pointer.y - pointer.startY) > LONG_PRESS_SLACK) {
+      window.clearTimeout(pointer.timer);
+    }
+    if (this.pointers.size === 2) {
+      // Each finger carries half of the pan; their distance zooms.
+      this.pan(dx / 2, dy / 2);
+      const after = this.span();
+      if (before > 0 && after > 0) this.host.camera = zoom(this.host.camera, before / after);
+    } else if (pointer.gesture === 'push') {
+      this.dragPush(event.timeStamp, pointer, dx, dy);
+    } else if (pointer.gesture === 'pan') {
+      this.pan(dx, dy);
+    } else {
+      const turn = this.host.mode === 'orbit' ? orbit : look;
+      this.host.camera = turn(this.host.camera, -dx * TURN_PER_PIXEL, -dy * TURN_PER_PIXEL);
+    }
+  }
+
+  private up(event: PointerEvent, cancelled: boolean): void {
+    const pointer = this.pointers.get(event.pointerId);
+    if (!pointer) return;
+    window.clearTimeout(pointer.timer);
+    if (pointer.gesture === 'push') this.stopPush(pointer, cancelled);
+    this.pointers.delete(event.pointerId);
+    // The finger that stays after a pinch turns again.
+    for (const other of this.pointers.values()) other.gesture = 'turn';
+  }
+
+  private wheel(event: WheelEvent): void {
+    event.preventDefault();
+    this.host.touched();
+    const lines =
+      event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 24 : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 400 : 1;
+    // A pinch on a touchpad arrives as small steps with the control key.
+    const pixels = event.deltaY * lines * (event.ctrlKey ? 8 : 1);
+    const factor = Math.exp(Math.max(-400, Math.min(400, pixels)) * ZOOM_PER_PIXEL);
+    const camera = this.host.camera;
+    this.host.camera =
+      this.host.mode === 'orbit' ? zoom(camera, factor) : move(camera, 0, 0, camera.distance * (1 - factor) * 0.5);
+  }
+
+  private key(event: KeyboardEvent, pressed: boolean): void {
+    this.fast = event.shiftKey;
+    if (!(event.code in MOVES) && !(event.code in TURNS)) return;
+    if (!pressed) {
+      this.keys.delete(event.code);
+      return;
+    }
+    if (event.ctrlKey || event.altKey || event.metaKey || isField(event.target)) return;
+    this.host.touched();
+    this.keys.add(event.code);
+    event.preventDefault();
+  }
+
+  private pan(dx: number, dy: number): void {
+    const metres = metresPerPixel(this.host.camera, this.host.fovY, this.canvas.clientHeight);
+    this.host.camera = move(this.host.camera, -dx * metres, dy * metres, 0);
+  }
+
+  private span(): number {
+    const [a, b] = [...this.pointers.values()];
+    return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
+  }
+
+  private rayAt(pointer: Pointer): Ray {
+    const box = this.canvas.getBoundingClientRect();
+    const x = ((pointer.x - box.left) / box.width) * 2 - 1;
+    const y = 1 - ((pointer.y - box.top) / box.height) * 2;
+    return rayThrough(this.host.camera, this.host.fovY, box.width / box.height, x, y);
+  }
+
+  private startPush(now: number, pointer: Pointer): void {
+    this.host.pushed(true, pointer.x, pointer.y);
+    this.pusher.begin(now, this.rayAt(pointer));
+  }
+
+  private dragPush(now: number, pointer: Pointer, dx: number, dy: number): void {
+    this.host.pushed(true, pointer.x, pointer.y);
+    const { right, up } = axes(this.host.camera);
+    const half = Math.max(1, this.canvas.clientHeight / 2);
+    this.pusher.drag(now, this.rayAt(pointer), add(scale(right, dx / half), scale(up, -dy / half)));
+  }
+
+  private stopPush(pointer: Pointer, cancelled: boolean): void {
+    this.host.pushed(false, pointer.x, pointer.y);
+    if (cancelled) this.pusher.cancel();
+    else this.pusher.end(performance.now());
+  }
+}
+
+// Keys typed into a field belong to the field.
+export function isField(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && target.matches('input, select, textarea');
+}

@@ -1,0 +1,129 @@
+// What the viewer is told about the connection: a curtain before the first picture and when refused, a line in the corner
+// always, a countdown, and short notes.
+import type { LinkState } from './connection';
+import { el, find, setText } from './dom';
+
+const NOTE_MS = 4500;
+const MOST_NOTES = 3;
+// An interruption shorter than this (a changed picture quality) is not worth a word.
+const PATIENCE_MS = 500;
+
+const REFUSALS = {
+  full: { title: 'All places are taken', text: 'Everyone who fits is already watching.', status: 'Full' },
+  version: {
+    title: 'A newer page is needed',
+    text: 'This page and the server speak different versions. Loading the page again should help.',
+    status: 'Other version',
+  },
+  goodbye: { title: 'The server said goodbye', text: 'It asked to come back later.', status: 'Closed' },
+} as const;
+
+export class Notices {
+  private readonly curtain = find('curtain');
+  private readonly title = find('curtain-title');
+  private readonly text = find('curtain-text');
+  private readonly wait = find('curtain-wait');
+  private readonly retry = find<HTMLButtonElement>('curtain-retry');
+  private readonly status = find('status-text');
+  private readonly statusWait = find('status-wait');
+  private readonly toasts = find('toasts');
+  private retryAt: number | undefined;
+  private shown: LinkState = { name: 'connecting' };
+  private pending: number | undefined;
+  private seen = false; // a picture of this visit
+
+  constructor(retry: () => void) {
+    this.retry.addEventListener('click', () => {
+      if (this.shown.name === 'refused' && this.shown.refusal === 'version') location.reload();
+      else retry();
+    });
+    window.setInterval(() => this.count(), 250);
+  }
+
+  // The first picture of a connection is on the screen.
+  picture(): void {
+    this.seen = true;
+    if (this.shown.name === 'connected') this.show('live', 'Live');
+  }
+
+  link(state: LinkState): void {
+    window.clearTimeout(this.pending);
+    const brief = state.name === 'reconnecting' && this.shown.name === 'connected' && this.seen;
+    this.shown = state;
+    if (brief) this.pending = window.setTimeout(() => this.apply(), PATIENCE_MS);
+    else this.apply();
+  }
+
+  note(text: string, kind: 'info' | 'error' = 'info'): void {
+    const same = [...this.toasts.children].find((child) => child.textContent === text);
+    same?.remove();
+    while (this.toasts.children.length >= MOST_NOTES) this.toasts.firstElementChild?.remove();
+    const note = el('p', { class: `note ${kind}` }, text);
+    this.toasts.append(note);
+    window.setTimeout(() => note.remove(), NOTE_MS);
+  }
+
+  private apply(): void {
+    const state = this.shown;
+    this.retryAt = undefined;
+    switch (state.name) {
+      case 'connecting':
+        this.show('connecting', 'Connecting');
+        this.draw('Brume', 'Connecting…', undefined);
+        break;
+      case 'connected':
+        // The curtain opens with the first picture, not with the handshake.
+        if (this.seen) this.show('live', 'Live');
+        else {
+          this.show('connecting', 'Connected');
+          this.draw('Brume', 'Waiting for the first picture…', undefined);
+        }
+        break;
+      case 'reconnecting':
+        this.retryAt = state.retryAt;
+        this.show('reconnecting', 'Reconnecting');
+        if (!this.seen) this.draw('Brume', state.text || 'The connection was lost.', 'Try now');
+        break;
+      case 'refused': {
+        const refusal = REFUSALS[state.refusal];
+        this.retryAt = state.retryAt;
+        this.show('refused', refusal.status);
+        const own = state.refusal === 'goodbye' && state.text ? sentence(state.text) : refusal.text;
+        this.draw(refusal.title, own, state.refusal === 'version' ? 'Load again' : 'Try now');
+        break;
+      }
+    }
+    this.count();
+  }
+
+  private show(state: string, status: string): void {
+    const behind = (state === 'live' || state === 'reconnecting') && this.seen;
+    document.body.dataset['state'] = state;
+    document.body.classList.toggle('curtained', !behind);
+    this.curtain.setAttribute('aria-hidden', String(behind));
+    this.curtain.inert = behind;
+    setText(this.status, status);
+  }
+
+  private draw(title: string, text: string, retry: string | undefined): void {
+    setText(this.title, title);
+    setText(this.text, text);
+    this.retry.hidden = retry === undefined;
+    if (retry) setText(this.retry, retry);
+  }
+
+  private count(): void {
+    const left = this.retryAt === undefined ? undefined : Math.ceil((this.retryAt - performance.now()) / 1000);
+    const trying = this.shown.name === 'reconnecting' || this.shown.name === 'refused';
+    const line = left !== undefined && left > 0 ? `Trying again in ${left} s` : trying ? 'Trying again…' : '';
+    setText(this.wait, line);
+    this.wait.hidden = line === '';
+    setText(this.statusWait, left !== undefined && left > 1 ? `in ${left} s` : '');
+  }
+}
+
+// A server's line as a sentence of its own.
+export function sentence(text: string): string {
+  const first = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?…]$/.test(first) ? first : `${first}.`;
+}

@@ -1,0 +1,155 @@
+// What is going on, in numbers: frame rate, where the latency goes, the scene, the device's passes.
+import { el, setText } from './dom';
+import { STAGES } from './latency';
+import type { Latency, Stage } from './latency';
+import type { Frame, SceneState, Welcome } from './protocol';
+
+export interface OverlayData {
+  fps: number;
+  bytesPerSecond: number;
+  roundTripMs: number | undefined;
+  latency: Readonly<Latency> | undefined;
+  frame: Frame | undefined;
+  scene: SceneState | undefined;
+  welcome: Welcome | undefined;
+}
+
+const STAGE_HINTS: Record<Stage, string> = {
+  wait: 'The server had the pose and waited for its next tick',
+  render: 'The device drew the picture',
+  encode: 'JPEG',
+  queue: 'The picture waited for the socket',
+  network: 'What remains: the way there and back',
+  decode: 'The browser decoded the JPEG',
+  present: 'The browser brought it to the screen',
+};
+// Samples in the latency curve, one a frame.
+const HISTORY = 120;
+const CURVE = { width: 132, height: 34 };
+
+const ms = (value: number): string => (value < 99.95 ? value.toFixed(1) : value.toFixed(0));
+
+export function formatBytes(bytesPerSecond: number): string {
+  if (bytesPerSecond < 1e3) return `${bytesPerSecond.toFixed(0)} B/s`;
+  if (bytesPerSecond < 1e6) return `${(bytesPerSecond / 1e3).toFixed(0)} kB/s`;
+  return `${(bytesPerSecond / 1e6).toFixed(2)} MB/s`;
+}
+
+export class Overlay {
+  private readonly fps = el('b');
+  private readonly total = el('b');
+  private readonly curve = el('canvas', { 'aria-hidden': 'true' });
+  private readonly bar = el('div', { class: 'stack', 'aria-hidden': 'true' });
+  private readonly stages = new Map<Stage, { part: HTMLElement; value: HTMLElement }>();
+  private readonly facts = new Map<string, HTMLElement>();
+  private readonly passes = el('dl', { class: 'passes' });
+  private readonly passesTitle = el('h3', {}, 'GPU passes');
+  private readonly gpu = el('dd');
+  private readonly history: number[] = [];
+
+  constructor(private readonly root: HTMLElement) {
+    this.curve.width = CURVE.width * 2;
+    this.curve.height = CURVE.height * 2;
+    const legend = el('dl', { class: 'legend' });
+    for (const stage of STAGES) {
+      const part = el('i', { class: `stage-${stage}` });
+      const value = el('dd');
+      legend.append(el('div', { title: STAGE_HINTS[stage] }, el('dt', { class: `stage-${stage}` }, stage), value));
+      this.bar.append(part);
+      this.stages.set(stage, { part, value });
+    }
+    legend.append(el('div', { title: 'The device’s own time, part of render' }, el('dt', {}, 'gpu alone'), this.gpu));
+    const facts = el('dl', { class: 'facts' });
+    for (const name of ['tick', 'viewers', 'particles', 'method', 'picture', 'stream', 'round trip', 'device']) {
+      const value = el('dd');
+      facts.append(el('div', {}, el('dt', {}, name), value));
+      this.facts.set(name, value);
+    }
+    root.append(
+      el(
+        'div',
+        { class: 'heads' },
+        el('p', {}, this.fps, el('span', {}, 'frames/s')),
+        el('p', {}, this.total, el('span', {}, 'ms input to picture')),
+        this.curve,
+      ),
+      this.bar,
+      legend,
+      facts,
+      this.passesTitle,
+      this.passes,
+    );
+  }
+
+  sample(latency: Latency): void {
+    this.history.push(latency.total);
+    if (this.history.length > HISTORY) this.history.shift();
+  }
+
+  // Cheap enough to call a few times a second; does nothing while hidden.
+  update(data: OverlayData): void {
+    if (this.root.hidden) return;
+    setText(this.fps, data.fps.toFixed(0));
+    setText(this.total, data.latency ? data.latency.total.toFixed(0) : '–');
+    for (const [stage, { part, value }] of this.stages) {
+      const amount = data.latency?.[stage];
+      setText(value, amount === undefined ? '–' : ms(amount));
+      part.style.flexGrow = String(amount ?? 0);
+    }
+    const { scene, frame, welcome } = data;
+    setText(this.gpu, frame ? ms(frame.stages.gpu) : '–');
+    this.fact('tick', scene && (frame ?? scene).tick.toLocaleString('en'));
+    this.fact('viewers', scene && String(scene.viewers));
+    this.fact('particles', scene && scene.particles.toLocaleString('en'));
+    const quadrature =
+      scene && scene.quadrature && scene.method === 'isv' ? ` · ${scene.quadrature} ${scene.steps}` : '';
+    this.fact('method', scene && `${scene.method}${quadrature}`);
+    this.fact('picture', frame && `${frame.width}×${frame.height} q${frame.quality}`);
+    this.fact('stream', formatBytes(data.bytesPerSecond));
+    this.fact('round trip', data.roundTripMs === undefined ? undefined : `${ms(data.roundTripMs)} ms`);
+    this.fact('device', welcome?.device);
+    this.drawPasses(scene?.passes ?? []);
+    this.drawCurve();
+  }
+
+  private fact(name: string, text: string | undefined): void {
+    const value = this.facts.get(name);
+    if (!value) return;
+    setText(value, text ?? '–');
+    value.title = text ?? '';
+  }
+
+  private drawPasses(passes: SceneState['passes']): void {
+    this.passesTitle.hidden = passes.length === 0;
+    while (this.passes.children.length > passes.length) this.passes.lastElementChild?.remove();
+    while (this.passes.children.length < passes.length) this.passes.append(el('div', {}, el('dt'), el('dd')));
+    const most = Math.max(1e-3, ...passes.map((pass) => pass.ms));
+    passes.forEach((pass, index) => {
+      const line = this.passes.children[index] as HTMLElement;
+      if (line.children[0]) setText(line.children[0], pass.name);
+      if (line.children[1]) setText(line.children[1], pass.ms.toFixed(2));
+      line.style.setProperty('--part', `${((100 * pass.ms) / most).toFixed(1)}%`);
+    });
+  }
+
+  private drawCurve(): void {
+    const context = this.curve.getContext('2d');
+    if (!context) return;
+    const { width, height } = this.curve;
+    context.clearRect(0, 0, width, height);
+    if (this.history.length < 2) return;
+    const most = Math.max(20, ...this.history) * 1.1;
+    const x = (i: number): number => width - 3 - ((this.history.length - 1 - i) * (width - 6)) / (HISTORY - 1);
+    const y = (value: number): number => height - 3 - (value / most) * (height - 6);
+    context.beginPath();
+    this.history.forEach((value, i) => context.lineTo(x(i), y(value)));
+    context.strokeStyle = '#9cc4ee';
+    context.lineWidth = 2.5;
+    context.lineJoin = 'round';
+    context.stroke();
+    context.lineTo(x(this.history.length - 1), height);
+    context.lineTo(x(0), height);
+    context.fillStyle = 'rgb(156 196 238 / 14%)';
+    context.fill();
+  }
+}

@@ -1,0 +1,197 @@
+import { describe, expect, test } from 'vitest';
+import { Backoff } from '../src/backoff';
+import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex, toLinear, toSrgb } from '../src/colour';
+import { LatencyAverage, Rate, STAGES, splitLatency } from '../src/latency';
+import type { Command, Vec3 } from '../src/protocol';
+import { Pusher } from '../src/pusher';
+import { SIZE_CAPS, requestedSize } from '../src/size';
+
+describe('back-off', () => {
+  test('doubles from a quarter of a second to five seconds, and starts again', () => {
+    const longest = new Backoff(() => 1);
+    const waits = Array.from({ length: 7 }, () => longest.next());
+    expect(waits).toEqual([0.25, 0.5, 1, 2, 4, 5, 5]);
+    longest.reset();
+    expect(longest.next()).toBe(0.25);
+  });
+
+  test('jitter takes off up to half', () => {
+    expect(new Backoff(() => 0).next()).toBe(0.125);
+    expect(new Backoff(() => 0.5).next()).toBe(0.1875);
+  });
+
+  test('never comes earlier than the server asked', () => {
+    for (const dice of [0, 0.5, 1]) {
+      const wait = new Backoff(() => dice).next(20);
+      expect(wait).toBeGreaterThanOrEqual(20);
+      expect(wait).toBeLessThan(21);
+    }
+    expect(new Backoff(() => 0).next(1e9)).toBeLessThan(301);
+  });
+});
+
+describe('latency', () => {
+  const frame = { clientTimeUs: 1_000_000n, stages: { wait: 4, render: 10, encode: 1, queue: 0.5, gpu: 8 } };
+
+  test('its stages add up to input to present', () => {
+    const split = splitLatency(frame, { received: 1030, decoded: 1033, presented: 1050 });
+    expect(split).toEqual({
+      ...{ wait: 4, render: 10, encode: 1, queue: 0.5, decode: 3, present: 17 },
+      ...{ network: 14.5, total: 50 },
+    });
+    expect(STAGES.reduce((sum, stage) => sum + split[stage], 0)).toBeCloseTo(split.total, 9);
+  });
+
+  test('the network takes no less than nothing', () => {
+    const split = splitLatency(frame, { received: 1001, decoded: 1002, presented: 1003 });
+    expect(split.network).toBe(0);
+  });
+
+  test('the average moves toward its samples', () => {
+    const average = new LatencyAverage(0.5);
+    expect(average.get()).toBeUndefined();
+    const split = splitLatency(frame, { received: 1030, decoded: 1033, presented: 1050 });
+    average.add(split);
+    average.add({ ...split, total: 100 });
+    expect(average.get()?.total).toBe(75);
+    expect(split.total).toBe(50); // samples stay as they were
+  });
+
+  test('rates count the last second only', () => {
+    const rate = new Rate(1000);
+    for (let at = 0; at < 3000; at += 20) rate.add(at, 10);
+    expect(rate.perSecond(2980)).toBe(500);
+    expect(rate.perSecond(3480)).toBe(250);
+    expect(rate.perSecond(9000)).toBe(0);
+  });
+});
+
+describe('picture size', () => {
+  const cap = { width: 960, height: 540 };
+
+  test('is the canvas’s own when that is small, in device pixels', () => {
+    expect(requestedSize(640, 360, 1, cap)).toEqual({ width: 640, height: 360 });
+    expect(requestedSize(320, 180, 2, cap)).toEqual({ width: 640, height: 360 });
+  });
+
+  test('keeps the shape, the area within the cap, and both sides even', () => {
+    expect(requestedSize(1920, 1080, 2, cap)).toEqual(cap);
+    expect(requestedSize(1080, 1920, 1, cap)).toEqual({ width: 540, height: 960 });
+    for (const [w, h] of [
+      [1711, 953],
+      [390, 844],
+      [2560, 1080],
+    ] as const) {
+      const size = requestedSize(w, h, 3, cap);
+      expect(size.width % 2).toBe(0);
+      expect(size.height % 2).toBe(0);
+      expect(size.width / size.height / (w / h)).toBeCloseTo(1, 2);
+      expect(size.width * size.height).toBeLessThanOrEqual(cap.width * cap.height * 1.01);
+    }
+  });
+
+  test('survives a canvas that has no size', () => {
+    const size = requestedSize(0, 0, 1, cap);
+    expect(size).toEqual({ width: 64, height: 64 });
+    for (const { width, height } of SIZE_CAPS) expect((width % 2) + (height % 2)).toBe(0);
+  });
+});
+
+describe('colour and light', () => {
+  test('sRGB and back', () => {
+    expect(toSrgb(0)).toBe(0);
+    expect(toSrgb(1)).toBeCloseTo(1, 12);
+    expect(toSrgb(0.18)).toBeCloseTo(0.4614, 4);
+    for (const x of [0.001, 0.04, 0.5, 0.9]) expect(toLinear(toSrgb(x))).toBeCloseTo(x, 12);
+    expect(toHex([1, 0, 0.5])).toBe('#ff00bc');
+    expect(toHex(fromHex('#12ab9f'))).toBe('#12ab9f');
+    expect(toHex(fromHex('nonsense'))).toBe('#ffffff');
+  });
+
+  test('irradiance is a colour times an intensity', () => {
+    expect(splitIrradiance([10, 5, 2.5])).toEqual({ colour: [1, 0.5, 0.25], intensity: 10 });
+    expect(joinIrradiance([1, 0.5, 0.25], 10)).toEqual([10, 5, 2.5]);
+    expect(joinIrradiance([0.5, 0.25, 0], 4)).toEqual([4, 2, 0]);
+    expect(splitIrradiance([0, 0, 0]).intensity).toBe(0);
+    expect(joinIrradiance([0, 0, 0], 4)).toEqual([0, 0, 0]);
+  });
+
+  test('angles and back', () => {
+    for (const [azimuth, elevation] of [
+      [0, 0],
+      [42, 53],
+      [359, -80],
+      [180, 89],
+    ] as const) {
+      const found = toAngles(fromAngles(azimuth, elevation));
+      expect(found.azimuth).toBeCloseTo(azimuth, 9);
+      expect(found.elevation).toBeCloseTo(elevation, 9);
+    }
+    const up = fromAngles(0, 90);
+    expect(up[1]).toBe(1);
+    expect(Math.hypot(...fromAngles(77, 13))).toBeCloseTo(1, 12);
+  });
+});
+
+describe('pushing', () => {
+  const ray = { origin: [0, 0, 10] as Vec3, direction: [0, 0, -1] as Vec3 };
+  const right: Vec3 = [1, 0, 0];
+
+  function pushed(): { sent: Command[]; pusher: Pusher } {
+    const sent: Command[] = [];
+    return { sent, pusher: new Pusher((command) => sent.push(command)) };
+  }
+
+  test('a fast drag sends thirty impulses a second at most, along the drag', () => {
+    const { sent, pusher } = pushed();
+    pusher.begin(0, ray);
+    for (let now = 4; now <= 1000; now += 4) {
+      pusher.drag(now, ray, [0.02, 0, 0]);
+      pusher.update(now);
+    }
+    pusher.end(1000);
+    expect(sent.length).toBeGreaterThan(24);
+    expect(sent.length).toBeLessThanOrEqual(30);
+    for (const command of sent) {
+      const push = [expect.closeTo(1, 12), 0, 0];
+      expect(command).toEqual({ kind: 'impulse', ...ray, push, strength: 1 });
+    }
+  });
+
+  test('a slow drag pushes less', () => {
+    const { sent, pusher } = pushed();
+    pusher.begin(0, ray);
+    pusher.drag(40, ray, [0.02, 0, 0]);
+    pusher.update(40);
+    expect(sent).toEqual([{ kind: 'impulse', ...ray, push: right, strength: 0.25 }]);
+  });
+
+  test('a click pushes once, away from the ray', () => {
+    const { sent, pusher } = pushed();
+    pusher.begin(0, ray);
+    pusher.update(16);
+    pusher.end(80);
+    expect(sent).toEqual([{ kind: 'impulse', ...ray, strength: 1 }]);
+  });
+
+  test('a resting cursor keeps blowing, gently', () => {
+    const { sent, pusher } = pushed();
+    pusher.begin(0, ray);
+    for (let now = 0; now <= 1000; now += 10) pusher.update(now);
+    pusher.end(1000);
+    expect(sent.length).toBeGreaterThan(10);
+    expect(sent.length).toBeLessThanOrEqual(23);
+    for (const command of sent) expect(command).toEqual({ kind: 'impulse', ...ray, strength: 0.3 });
+  });
+
+  test('nothing is sent before a press, after the end or when cancelled', () => {
+    const { sent, pusher } = pushed();
+    pusher.update(100);
+    pusher.drag(100, ray, right);
+    pusher.begin(200, ray);
+    pusher.cancel();
+    pusher.update(900);
+    pusher.end(901);
+    expect(sent).toEqual([]);
+  });
+});
