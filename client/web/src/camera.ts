@@ -18,8 +18,8 @@ export interface Ray {
 export const MAX_PITCH = Math.PI / 2 - 0.01;
 export const MIN_DISTANCE = 0.05;
 export const MAX_DISTANCE = 10_000;
-// The server refuses positions beyond its own, much larger, limit.
-const MAX_COORDINATE = 100_000;
+// The server refuses positions further out.
+const MAX_COORDINATE = 50_000;
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const subtract = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];

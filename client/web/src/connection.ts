@@ -258,5 +258,5 @@ export class Connection {
 
 const versionRefusal = (): { refusal: Refusal; text: string } => ({
   refusal: 'version',
-  text: 'This page and the server speak different versions.',
+  text: 'The server turned this page away.',
 });

@@ -226,8 +226,8 @@ export class Controls {
   private dragPush(now: number, pointer: Pointer, dx: number, dy: number): void {
     this.host.pushed(true, pointer.x, pointer.y);
     const { right, up } = axes(this.host.camera);
-    const half = Math.max(1, this.canvas.clientHeight / 2);
-    this.pusher.drag(now, this.rayAt(pointer), add(scale(right, dx / half), scale(up, -dy / half)));
+    const metres = metresPerPixel(this.host.camera, this.host.fovY, this.canvas.clientHeight);
+    this.pusher.drag(now, this.rayAt(pointer), add(scale(right, dx * metres), scale(up, -dy * metres)));
   }
 
   private stopPush(pointer: Pointer, cancelled: boolean): void {

@@ -11,8 +11,8 @@ const PATIENCE_MS = 500;
 const REFUSALS = {
   full: { title: 'All places are taken', text: 'Everyone who fits is already watching.', status: 'Full' },
   version: {
-    title: 'A newer page is needed',
-    text: 'This page and the server speak different versions. Loading the page again should help.',
+    title: 'The server turned this page away',
+    text: 'They may be of different versions: loading the page again should help.',
     status: 'Other version',
   },
   goodbye: { title: 'The server said goodbye', text: 'It asked to come back later.', status: 'Closed' },

@@ -7,8 +7,10 @@ const INTERVAL_MS = 1000 / 30;
 // A cursor that rests this long blows particles away from its ray.
 const REST_MS = 250;
 const REST_STRENGTH = 0.3;
-// Cursor speed, in half pictures a second, at which a push reaches its full strength.
-const FULL_SPEED = 2;
+// What a push adds, per impulse, of the cursor's own speed: particles that a ray of some metres passes over end up about as
+// fast as a click would make them.
+const DRAG_STRENGTH = 0.15;
+const MAX_SPEED = 60; // m/s, the server takes up to 100 on each axis
 
 export class Pusher {
   private active = false;
@@ -29,7 +31,7 @@ export class Pusher {
     this.sentAt = now;
   }
 
-  // `step` is the cursor's movement since the last call, in the world, 1 for half the picture's height.
+  // `step` is the cursor's movement since the last call, in metres on the plane that the camera turns about.
   drag(now: number, ray: Ray, step: Vec3): void {
     if (!this.active) return;
     this.ray = ray;
@@ -40,11 +42,10 @@ export class Pusher {
   // Call once per animation frame.
   update(now: number): void {
     if (!this.active || !this.ray || now - this.sentAt < INTERVAL_MS) return;
-    const distance = length(this.moved);
-    if (distance > 0) {
-      const speed = distance / ((now - this.sentAt) / 1000);
-      const strength = Math.min(1, speed / FULL_SPEED);
-      this.impulse(now, scale(this.moved, 1 / distance), strength);
+    const speed = length(this.moved) / ((now - this.sentAt) / 1000);
+    if (speed > 0) {
+      const push = scale(this.moved, Math.min(speed, MAX_SPEED) / length(this.moved));
+      this.impulse(now, push, DRAG_STRENGTH);
     } else if (now - this.movedAt >= REST_MS) {
       this.impulse(now, undefined, REST_STRENGTH);
     }

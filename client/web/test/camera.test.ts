@@ -102,7 +102,7 @@ describe('camera', () => {
     const camera = lookAt([0, 0, 10], [0, 0, 0]);
     close(move(camera, 1, 2, 3).position, [1, 2, 7]);
     close(pivot(move(camera, 1, 0, 0)), [1, 0, 0]);
-    for (const x of move(camera, 1e30, 0, 0).position) expect(Math.abs(x)).toBeLessThanOrEqual(1e5);
+    for (const x of move(camera, 1e30, 0, 0).position) expect(Math.abs(x)).toBeLessThanOrEqual(5e4);
   });
 
   test('rays go through their pixels', () => {
