@@ -7,21 +7,21 @@
 
 BRUME_PHYSICS_BEGIN
 
-// e^(x^2) erfc(x) for x >= 0: a polynomial in s = (x - 2.5) / (x + 2.5), minimax in relative error: 1.3e-7 by itself,
+// e^(x^2) erfc(x) for x >= 0: a polynomial in s = (x - 2.5) / (x + 2.5), relative error 1.8e-7 by itself,
 // 4.3e-7 measured in float. x above 1e30 counts as 1e30.
 BRUME_FN real erfcx(real x) {
     const real y = min(x, real(1e30));
     const real t = real(1) / (y + real(2.5));
     const real s = (y - real(2.5)) * t;
-    real p = real(0.000490858169894);
-    p = p * s + real(-0.000354440801375);
-    p = p * s + real(-0.004657642654);
-    p = p * s + real(0.00833978175528);
-    p = p * s + real(0.0283103067283);
-    p = p * s + real(-0.171237925977);
-    p = p * s + real(0.453919734866);
-    p = p * s + real(-0.804652743934);
-    p = p * s + real(1.0540317267);
+    real p = real(0.000490755483);
+    p = p * s + real(-0.000354440795);
+    p = p * s + real(-0.0046576825);
+    p = p * s + real(0.0083398493);
+    p = p * s + real(0.0283104237);
+    p = p * s + real(-0.171237946);
+    p = p * s + real(0.453919739);
+    p = p * s + real(-0.80465275);
+    p = p * s + real(1.05403173);
     return p * t;
 }
 
@@ -49,14 +49,16 @@ BRUME_FN real erfBetween(real a, real tail_a, real c, real tail_c) {
     return max(a < real(0) && c > real(0) ? straddle : abs(tail_a - tail_c), real(0));
 }
 
-// The same for any h = c - a >= 0; m = a + h/2. Where h and m h are small: Taylor series about the middle.
+// The same for any h = c - a >= 0; m = a + h/2. Where h and m h are small: Taylor series about the middle, whose terms in
+// s = (m h)^2 and h^2 stay finite for any m.
 BRUME_FN real erfDifference(real a, real h, real tail_a, real tail_c) {
     const real m = a + real(0.5) * h;
-    const real h2 = h * h;
     const real s = (m * h) * (m * h);
-    const real second = (real(2) * s - h2) / real(12);
-    const real fourth = (s * (real(4) * s - real(12) * h2) + real(3) * h2 * h2) / real(480);
-    const real series = real(1.1283791670955126) * h * exp(-m * m) * (real(1) + second + fourth);
+    const real r = h * h;
+    const real second = (real(2) * s - r) * real(1.0 / 12.0);
+    const real fourth = (s * (real(4) * s - real(12) * r) + real(3) * r * r) * real(1.0 / 480.0);
+    const real sixth = (s * (s * (s - real(7.5) * r) + real(11.25) * r * r) - real(1.875) * r * r * r) * real(1.0 / 5040.0);
+    const real series = real(1.1283791670955126) * h * exp(-m * m) * (real(1) + (second + (fourth + sixth)));
     const real wide = erfBetween(a, tail_a, a + h, tail_c);
     return h < real(0.5) && s < real(0.5) ? series : wide;
 }

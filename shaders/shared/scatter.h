@@ -32,7 +32,7 @@ BRUME_FN BRUME_OF(ScatterNode) simpsonNode(BRUME_OF(GaussianSegment) segment, in
     const real length = segment.h / segment.k;
     const real rule = (j == 0 || j == 2 * n) ? real(1) : ((j & 1) == 1 ? real(4) : real(2));
     BRUME_OF(ScatterNode) node;
-    node.weight = rule / real(6 * n) * min(length * segment.peak * gaussian, real(1e30)) * exp(-depth);
+    node.weight = rule / real(6 * n) * min(length * (segment.peak * gaussian), real(1e30)) * exp(-depth);
     node.z = length * along;
     return node;
 }
@@ -76,7 +76,7 @@ BRUME_FN BRUME_OF(ScatterNode) transmittanceNode(BRUME_OF(GaussianSegment) segme
     const real s = depthPart(segment.depth, BRUME_OF(legendreNode)(i, n));
     BRUME_OF(ScatterNode) node;
     node.weight = BRUME_OF(legendreWeight)(i, n) * opacity(segment.depth);
-    node.z = (segmentQuantile(segment, s) - segment.a) / segment.k;
+    node.z = min(segmentQuantile(segment, s) - segment.a, segment.h) / segment.k;
     return node;
 }
 

@@ -1,0 +1,30 @@
+// Every closed form once, so that the build proves that the shared headers are GLSL as well as C++.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/shared/phase.h"
+#include "shaders/shared/scatter.h"
+
+layout(local_size_x = 8) in;
+layout(std430, set = 0, binding = 0) buffer Values { float x[]; };
+
+void main() {
+    const uint i = gl_GlobalInvocationID.x * 8;
+    const GaussianSegment segment = gaussianSegment(x[i], x[i + 1], x[i + 2], x[i + 3], x[i + 4]);
+    float sum = scatterAnalytic(segment.depth, x[i + 5], x[i + 6]);
+    for (int j = 0; j <= 4; ++j) {
+        const ScatterNode node = simpsonNode(segment, j, 2);
+        sum += node.weight * node.z;
+    }
+    for (int j = 0; j < 3; ++j) {
+        const ScatterNode node = transmittanceNode(segment, j, 3);
+        sum += node.weight * node.z;
+    }
+    for (int j = 0; j < 2; ++j) {
+        const ScatterNode node = hermiteNode(segment.line, segment.k, j);
+        sum += node.weight * node.z;
+    }
+    const float k = gaussianK(x[i], x[i + 1]);
+    sum += lightDepth(x[i], k, gaussianAcross(k, x[i + 2]), x[i + 3]) + segmentDepth(x[i], k, x[i + 2], x[i + 3], x[i + 4]);
+    sum += phaseMixture(vec3(x[i]), vec3(x[i + 1]), x[i + 2], x[i + 3]) + erf(x[i + 6]) + depthOfOpacity(x[i + 7]);
+    x[i] = sum;
+}
