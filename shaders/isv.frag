@@ -53,16 +53,16 @@ void main() {
             scattered += node.weight * lightArriving(ray, interval.x + node.z);
         }
     } else {
-        const float light_in = lightDepth(lightSpaceAt(ray, interval.x)), light_out = lightDepth(lightSpaceAt(ray, interval.y));
+        const float light_in = lightDepthAt(ray, interval.x), light_out = lightDepthAt(ray, interval.y);
         if (kQuadrature == 2) {
             scattered = scatterAnalytic(segment.depth, light_in, light_out);
-            if (kHasCasters) scattered *= 0.5 * (visibility(lightSpaceAt(ray, interval.x)) + visibility(lightSpaceAt(ray, interval.y)));
+            if (kHasCasters) scattered *= 0.5 * (visibilityAt(ray, interval.x) + visibilityAt(ray, interval.y));
         } else {
             const float length = interval.y - interval.x;
             for (int j = 0; j <= 2 * kSteps; ++j) {
                 const ScatterNode node = simpsonNode(segment, j, kSteps);
                 float light = exp(-mix(light_in, light_out, node.z / length));
-                if (kHasCasters) light *= visibility(lightSpaceAt(ray, interval.x + node.z));
+                if (kHasCasters) light *= visibilityAt(ray, interval.x + node.z);
                 scattered += node.weight * light;
             }
         }

@@ -10,7 +10,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(scalar, binding = 2) readonly buffer Objects { Opaque objects[]; };
-layout(binding = 3) uniform sampler3D shadow_volume;
+layout(binding = 3) uniform sampler2DArray shadow_volume;
 layout(binding = 4) uniform sampler2D opaque_shadow;
 layout(rgba32f, binding = 5) writeonly uniform image2D radiance;
 layout(r32f, binding = 6) writeonly uniform image2D view_depth;
@@ -19,7 +19,7 @@ layout(r32f, binding = 6) writeonly uniform image2D view_depth;
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/eye.glsl"
 
-vec3 skyRadiance(vec3 w) { return mix(tick.sky_horizon, tick.sky_zenith, sqrt(clamp(w.y, 0, 1))); }
+vec3 skyRadiance(vec3 w) { return mix(tick.sky_horizon, tick.sky_zenith, smoothstep(-0.15, 0.85, w.y)); }
 
 // Nearest object along eye.position + depth * dir, in units of view depth; tick.opaque_count when there is none.
 uint nearest(vec3 dir, out float depth, out vec3 normal) {
@@ -47,7 +47,7 @@ vec3 surface(uint object, vec3 x, vec3 n) {
         const float texel = (tick.opaque_hi.x - tick.opaque_lo.x) / float(tick.opaque_size);
         const vec3 at = toLightSpace(x + n * 2 * texel);
         const float slope = texel * 2 * sqrt(max(1 - cosine * cosine, 0)) / max(cosine, 0.1);
-        light += tick.irradiance * (cosine / 3.14159265) * visibilityFiltered(at, slope) * exp(-lightDepth(at));
+        light += tick.irradiance * (cosine / 3.14159265) * visibilityFiltered(at, slope) * exp(-lightDepth(toShadowVolume(x)));
     }
     return albedo * light;
 }

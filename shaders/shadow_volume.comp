@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // Volumetric shadow map, second pass: tau at every texel of 16 slice planes, summed over the particles that reach its tile.
+// A layer holds four planes and shares its last with the next layer's first, so 16 planes are five layers.
 // One workgroup per 16x16 tile; it bins the particles as it goes, in order, so that sums are the same on every run.
 // A lane owns 4 texels of a column on all 16 planes, so that one load of a particle serves 64 multiply-adds.
 #include "shaders/shared/types.h"
@@ -17,7 +18,7 @@ const uint kRows = 4;                     // texels of one lane
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 3) readonly buffer LightParticles { LightParticle light_particles[]; };
 layout(scalar, binding = 4) readonly buffer Columns { vec4 columns[]; }; // [particle][kPlanes / 4]
-layout(r32f, binding = 5) writeonly uniform image3D volume;
+layout(rgba32f, binding = 5) writeonly uniform image2DArray volume;
 
 layout(push_constant, scalar) uniform Push { uint first_plane; } push;
 
@@ -78,10 +79,13 @@ void main() {
         }
         barrier();
     }
-    for (uint r = 0; r < kRows; ++r)
-        for (uint j = 0; j < kPlanes; ++j) {
-            const uvec3 at = uvec3(first.x, first.y + r, push.first_plane + j);
-            if (all(lessThan(at, uvec3(tick.shadow_size, tick.shadow_size, tick.shadow_slices))))
-                imageStore(volume, ivec3(at), vec4(sum[r][j / 4][j % 4]));
+    const ivec3 size = imageSize(volume);
+    for (uint r = 0; r < kRows; ++r) {
+        const vec4 layers[5] = vec4[](sum[r][0], vec4(sum[r][0].w, sum[r][1].xyz), vec4(sum[r][1].zw, sum[r][2].xy),
+                                      vec4(sum[r][2].yzw, sum[r][3].x), sum[r][3]);
+        for (uint l = 0; l < 5; ++l) {
+            const ivec3 at = ivec3(first.x, first.y + r, push.first_plane / 3 + l);
+            if (all(lessThan(at, size))) imageStore(volume, at, layers[l]);
         }
+    }
 }

@@ -20,24 +20,23 @@ void main() {
     const RayParticle ray = rayParticle(centre_radius.xyz);
     const float half2 = centre_radius.w * centre_radius.w - ray.b2;
     if (half2 <= 0) discard;
-    const float half_length = sqrt(half2);
-    const float begin = max(ray.closest - half_length, ray.begin), end = min(ray.closest + half_length, ray.end);
-    if (!(end > begin)) discard;
-
-    float depth, scattered = 0;
-    if (end - begin > 1.999 * half_length) { // not cut
-        depth = lineDepth(albedo_sigma.w, k, gaussianAcross(k, ray.b2));
-        for (int i = 0; i < 2; ++i) {
-            const ScatterNode node = hermiteNode(depth, k, i);
-            scattered += node.weight * lightArriving(ray, ray.closest + node.z);
-        }
-    } else {
-        const GaussianSegment segment = gaussianSegment(albedo_sigma.w, k, ray.b2, k * (begin - ray.closest), k * (end - begin));
-        depth = segment.depth;
-        for (int i = 0; i < 2; ++i) {
-            const ScatterNode node = transmittanceNode(segment, i, 2);
-            scattered += node.weight * lightArriving(ray, begin + node.z);
+    float depth = lineDepth(albedo_sigma.w, k, gaussianAcross(k, ray.b2));
+    const ScatterNode before = hermiteNode(depth, k, 0), behind = hermiteNode(depth, k, 1);
+    vec2 at = ray.closest + vec2(before.z, behind.z);
+    vec2 weight = vec2(before.weight, behind.weight);
+    if (kMayBeCut) { // compiled out where nothing can be cut: lanes in lockstep would pay for it
+        const float half_length = sqrt(half2);
+        const float begin = max(ray.closest - half_length, ray.begin), end = min(ray.closest + half_length, ray.end);
+        if (!(end > begin)) discard;
+        if (end - begin < 1.999 * half_length) {
+            const GaussianSegment segment =
+                gaussianSegment(albedo_sigma.w, k, ray.b2, k * (begin - ray.closest), k * (end - begin));
+            const ScatterNode first = transmittanceNode(segment, 0, 2), second = transmittanceNode(segment, 1, 2);
+            depth = segment.depth;
+            at = begin + vec2(first.z, second.z);
+            weight = vec2(first.weight, second.weight);
         }
     }
+    const float scattered = weight.x * lightArriving(ray, at.x) + weight.y * lightArriving(ray, at.y);
     radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, depth);
 }

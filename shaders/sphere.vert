@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Sphere proxies (seed 000 section 6.2): an instance is a particle, drawn as the hexagon around the silhouette of the sphere
-// beyond which the Gaussian's column depth is below the cut. Where the sphere comes near the eye the hexagon is the whole picture.
+// Sphere proxies (seed 000 section 6.2): an instance is a particle, drawn as the octagon around the silhouette of the sphere
+// beyond which the Gaussian's column depth is below the cut. Where the sphere comes near the eye the octagon is the whole picture.
 #include "shaders/shared/types.h"
 #include "shaders/shared/support.h"
 
@@ -15,10 +15,11 @@ layout(location = 0) flat out vec4 centre_radius;
 layout(location = 1) flat out vec4 albedo_sigma;
 layout(location = 2) flat out float k;
 
-// Hexagon of inradius 1 as a strip.
-const vec2 kHexagon[6] = vec2[](vec2(1.154700538, 0), vec2(0.577350269, 1), vec2(0.577350269, -1), vec2(-0.577350269, 1), vec2(-0.577350269, -1),
-                                vec2(-1.154700538, 0));
-const vec2 kPicture[6] = vec2[](vec2(1, 1), vec2(1, 1), vec2(1, -1), vec2(-1, 1), vec2(-1, -1), vec2(-1, -1));
+// Octagon of inradius 1 as a strip, and the picture's rectangle in its place.
+const float kOut = 1.0, kIn = 0.414213562;
+const vec2 kOctagon[8] = vec2[](vec2(kOut, kIn), vec2(kOut, -kIn), vec2(kIn, kOut), vec2(kIn, -kOut), vec2(-kIn, kOut), vec2(-kIn, -kOut),
+                                vec2(-kOut, kIn), vec2(-kOut, -kIn));
+const vec2 kPicture[8] = vec2[](vec2(1, 1), vec2(1, -1), vec2(-1, 1), vec2(-1, -1), vec2(-1, -1), vec2(-1, -1), vec2(-1, -1), vec2(-1, -1));
 
 void main() {
     const Particle p = particles[order[gl_InstanceIndex]];
@@ -40,8 +41,8 @@ void main() {
         const vec3 axis = v * inversesqrt(d2);
         const vec3 side = normalize(abs(axis.x) < 0.7 ? vec3(0, axis.z, -axis.y) : vec3(-axis.z, 0, axis.x));
         const vec3 other = cross(axis, side);
-        if (middle.z - r * 1.1547005 > eye.near_depth) { // every corner is in front
-            const vec3 corner = middle + r * (kHexagon[gl_VertexIndex].x * side + kHexagon[gl_VertexIndex].y * other);
+        if (middle.z - r * 1.0823922 > eye.near_depth) { // every corner is in front
+            const vec3 corner = middle + r * (kOctagon[gl_VertexIndex].x * side + kOctagon[gl_VertexIndex].y * other);
             gl_Position = vec4(corner.x / (corner.z * eye.tan_x), -corner.y / (corner.z * eye.tan_y), 0, 1);
         }
     }

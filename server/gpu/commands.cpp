@@ -142,7 +142,7 @@ void toGeneral(VkCommandBuffer cmd, const Image& image) {
     change.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
     change.newLayout = VK_IMAGE_LAYOUT_GENERAL;
     change.image = image.handle();
-    change.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    change.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     info.imageMemoryBarrierCount = 1;
     info.pImageMemoryBarriers = &change;

@@ -69,7 +69,6 @@ std::string missing(VkPhysicalDevice device) {
     VkFormatProperties format;
     vkGetPhysicalDeviceFormatProperties(device, VK_FORMAT_R32G32B32A32_SFLOAT, &format);
     if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return "blending of 32-bit float targets";
-    vkGetPhysicalDeviceFormatProperties(device, VK_FORMAT_R32_SFLOAT, &format);
     if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT)) return "linear filtering of 32-bit floats";
     return {};
 }

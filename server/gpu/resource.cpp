@@ -90,13 +90,13 @@ void Buffer::flush() const {
 }
 
 Image::Image(const Device& device, const ImageInfo& image_info, const char* name) : device_(device.handle()), info_(image_info) {
-    const bool volume = info_.volume || info_.extent.depth > 1;
+    const uint32_t layers = info_.layers ? info_.layers : 1;
     VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
-    info.imageType = volume ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D;
+    info.imageType = VK_IMAGE_TYPE_2D;
     info.format = info_.format;
-    info.extent = info_.extent;
+    info.extent = {info_.extent.width, info_.extent.height, 1};
     info.mipLevels = 1;
-    info.arrayLayers = 1;
+    info.arrayLayers = layers;
     info.samples = VK_SAMPLE_COUNT_1_BIT;
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
     info.usage = info_.usage;
@@ -109,9 +109,9 @@ Image::Image(const Device& device, const ImageInfo& image_info, const char* name
         check(vkBindImageMemory(device_, image_, memory_, 0), name);
         VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
         view.image = image_;
-        view.viewType = volume ? VK_IMAGE_VIEW_TYPE_3D : VK_IMAGE_VIEW_TYPE_2D;
+        view.viewType = info_.layers ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
         view.format = info_.format;
-        view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+        view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers};
         check(vkCreateImageView(device_, &view, nullptr, &view_), name);
     } catch (...) {
         vkDestroyImage(device_, image_, nullptr);
@@ -140,10 +140,9 @@ Sampler::Sampler(const Device& device, VkFilter filter) : device_(device.handle(
     info.magFilter = filter;
     info.minFilter = filter;
     info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
-    info.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
-    info.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+    info.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    info.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
     info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-    info.borderColor = VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK;
     check(vkCreateSampler(device_, &info, nullptr, &sampler_), "vkCreateSampler");
 }
 

@@ -54,9 +54,9 @@ private:
 
 struct ImageInfo {
     VkFormat format = VK_FORMAT_R32_SFLOAT;
-    VkExtent3D extent{1, 1, 1}; // depth > 1: a 3D image
+    VkExtent2D extent{1, 1};
     VkImageUsageFlags usage = 0;
-    bool volume = false;        // 3D even when depth is 1
+    uint32_t layers = 0; // 0: a plain 2D image, else an array
 };
 
 class Image {
@@ -72,7 +72,8 @@ public:
 
     VkImage handle() const { return image_; }
     VkImageView view() const { return view_; }
-    VkExtent3D extent() const { return info_.extent; }
+    VkExtent2D extent() const { return info_.extent; }
+    uint32_t layers() const { return info_.layers; }
     VkFormat format() const { return info_.format; }
     explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
 
@@ -89,7 +90,7 @@ private:
 class Sampler {
 public:
     Sampler() = default;
-    // Linear or nearest; coordinates beyond the image read zero in x and y, the edge in z.
+    // Linear or nearest; coordinates beyond the image read its edge.
     Sampler(const Device& device, VkFilter filter);
     ~Sampler();
     Sampler(Sampler&& other) noexcept { swap(other); }

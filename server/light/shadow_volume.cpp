@@ -22,14 +22,16 @@ ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity)
 void ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick, const gpu::Buffer& particles) {
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "shadow volume");
-    const VkExtent3D extent{tick.shadow_size, tick.shadow_size, tick.shadow_slices};
-    if (image_.extent().width != extent.width || image_.extent().depth != extent.depth || !image_) {
-        image_ = gpu::Image(device_, {VK_FORMAT_R32_SFLOAT, extent, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true},
+    const uint32_t layers = gpu::groups(tick.shadow_slices - 1, kNewPlanesPerLayer);
+    if (!image_ || image_.extent().width != tick.shadow_size || image_.layers() != layers) {
+        image_ = gpu::Image(device_,
+                            {VK_FORMAT_R32G32B32A32_SFLOAT, {tick.shadow_size, tick.shadow_size},
+                             VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, layers},
                             "shadow volume");
         gpu::toGeneral(cmd, image_);
     }
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
-    for (uint32_t first_plane = 0; first_plane < tick.shadow_slices; first_plane += kPlanes) {
+    for (uint32_t first_plane = 0; first_plane + 1 < tick.shadow_slices; first_plane += kPlanes - 1) {
         particles_.bind(cmd,
                         {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, columns_)},
                         first_plane);

@@ -16,10 +16,11 @@ public:
     // with the old one. Ends with its writes visible to compute and draws.
     void record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick, const gpu::Buffer& particles);
 
+    // RGBA32F array; a layer holds four neighbouring planes and shares its last with the next layer's first.
     const gpu::Image& image() const { return image_; }
 
 private:
-    static constexpr uint32_t kPlanes = 16, kTile = 16; // as in the shaders
+    static constexpr uint32_t kPlanes = 16, kTile = 16, kNewPlanesPerLayer = 3; // as in the shaders
     const gpu::Device& device_;
     gpu::ComputeProgram particles_, volume_;
     gpu::Buffer light_particles_, columns_;

@@ -61,6 +61,10 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.shadow_hi = medium.hi;
     tick.shadow_size = now.render.shadow_size;
     tick.shadow_slices = now.render.shadow_slices;
+    const glm::vec3 size = medium.hi - medium.lo;
+    tick.shadow_u = glm::vec4(tick.light_x, -medium.lo.x) / size.x;
+    tick.shadow_v = glm::vec4(tick.light_y, -medium.lo.y) / size.y;
+    tick.shadow_plane = glm::vec4(-tick.to_light, medium.hi.z) * (float(tick.shadow_slices - 1) / size.z);
 
     LightBounds casters;
     for (const gpu::Opaque& o : objects) {

@@ -19,6 +19,7 @@ struct EyeInputs {
     uint32_t view = 0;                 // its number in the submission, for the pass names
     VkExtent2D size{};                 // pixels; the images may be larger
     uint32_t particle_count = 0;       // live ones
+    bool eye_in_medium = true;         // the near plane may cut particles
     gpu::Resource tick, eye;           // uniform blocks, bindings 0 and 1
     const gpu::Buffer* particles = nullptr;   // gpu::Particle[particle_count]
     const gpu::Image* shadow_volume = nullptr; // light depth

@@ -9,12 +9,16 @@ class Raster : public Method {
 public:
     Raster(const MethodContext& context, RasterInfo info)
         : device_(context.device), order_(context.depth_order), info_(std::move(info)) {
-        const SceneFeatures& f = context.features; // ids as in shaders/lib/medium_shading.glsl
-        std::vector<gpu::SpecConstant> constants{{0, f.opaque}, {1, f.casters}, {2, f.lobe}, {3, f.ambient}};
-        constants.insert(constants.end(), info_.constants.begin(), info_.constants.end());
         gpu::GraphicsInfo graphics;
         graphics.topology = info_.topology;
-        program_ = gpu::GraphicsProgram(device_, info_.shaders, graphics, constants);
+        const SceneFeatures& f = context.features; // ids as in shaders/lib/medium_shading.glsl
+        for (const bool may_be_cut : {false, true}) {
+            if (f.opaque && !may_be_cut) continue;
+            std::vector<gpu::SpecConstant> constants{{0, f.opaque}, {1, f.casters}, {2, f.lobe}, {3, f.ambient}, {4, may_be_cut}};
+            constants.insert(constants.end(), info_.constants.begin(), info_.constants.end());
+            programs_[may_be_cut] = gpu::GraphicsProgram(device_, info_.shaders, graphics, constants);
+        }
+        has_opaque_ = f.opaque;
         mesh_ = info_.shaders.front().stage == VK_SHADER_STAGE_MESH_BIT_EXT;
     }
 
@@ -38,7 +42,7 @@ public:
         const VkRect2D scissor{{0, 0}, in.size};
         vkCmdSetViewport(cmd, 0, 1, &viewport);
         vkCmdSetScissor(cmd, 0, 1, &scissor);
-        program_.bind(cmd, {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(4, order_.order()),
+        programs_[has_opaque_ || in.eye_in_medium].bind(cmd, {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(4, order_.order()),
                             gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
                             gpu::sampledImage(7, *in.opaque_shadow, *in.nearest), gpu::sampledImage(8, *in.view_depth, *in.nearest)});
         if (mesh_)
@@ -52,7 +56,8 @@ private:
     const gpu::Device& device_;
     DepthOrder& order_;
     RasterInfo info_;
-    gpu::GraphicsProgram program_;
+    gpu::GraphicsProgram programs_[2]; // whether an interval may be cut inside a particle
+    bool has_opaque_ = false;
     bool mesh_ = false;
 };
 

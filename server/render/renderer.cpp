@@ -44,6 +44,15 @@ void grow(gpu::Buffer& buffer, const gpu::Device& device, VkDeviceSize bytes, Vk
     buffer = gpu::Buffer(device, std::max<VkDeviceSize>(bytes, 256), usage, memory, name);
 }
 
+// True unless the eye is so far from the medium's bounds (light space) that its near plane meets no particle.
+bool eyeInMedium(const gpu::Tick& tick, const EyeRequest& eye) {
+    const glm::vec3 x = eye.pose.position;
+    const glm::vec3 at(glm::dot(tick.light_x, x), glm::dot(tick.light_y, x), glm::dot(tick.to_light, x));
+    const glm::vec3 outside = glm::max(glm::max(tick.shadow_lo - at, at - tick.shadow_hi), glm::vec3(0));
+    const float tan_y = std::tan(0.5f * eye.pose.fov_y), tan_x = tan_y * float(eye.width) / float(eye.height);
+    return glm::length(outside) < 2 * kNearDepth * std::sqrt(1 + tan_x * tan_x + tan_y * tan_y);
+}
+
 } // namespace
 
 struct Renderer::Passes {
@@ -99,9 +108,9 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
 }
 
 void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes) {
-    VkExtent3D extent = radiance_ ? radiance_.extent() : VkExtent3D{1, 1, 1};
+    VkExtent2D extent = radiance_ ? radiance_.extent() : VkExtent2D{1, 1};
     for (const EyeRequest& eye : eyes)
-        extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height), 1};
+        extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height)};
     if (radiance_ && extent.width == radiance_.extent().width && extent.height == radiance_.extent().height) return;
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
     radiance_ = gpu::Image(device_,
@@ -163,6 +172,7 @@ void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, V
     in.view = index;
     in.size = {eye.width, eye.height};
     in.particle_count = tick_.particle_count;
+    in.eye_in_medium = eyeInMedium(tick_, eye);
     in.tick = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
     in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(index), sizeof(gpu::Eye));
     in.particles = &particles_;

@@ -2,11 +2,18 @@
 
 vec3 toLightSpace(vec3 x) { return vec3(dot(tick.light_x, x), dot(tick.light_y, x), dot(tick.to_light, x)); }
 
-// Optical depth of the medium between the light-space point and the light: trilinear between texels and slice planes.
-float lightDepth(vec3 at) {
-    const vec2 lateral = (at.xy - tick.shadow_lo.xy) / (tick.shadow_hi.xy - tick.shadow_lo.xy);
-    const float slice = clamp((tick.shadow_hi.z - at.z) / (tick.shadow_hi.z - tick.shadow_lo.z), 0, 1) * float(tick.shadow_slices - 1);
-    return textureLod(shadow_volume, vec3(lateral, (slice + 0.5) / float(tick.shadow_slices)), 0).r;
+// Where a world point lies in the volumetric shadow map (texture coordinates, slice plane), and how far a world direction moves there.
+vec3 alongShadowVolume(vec3 w) { return vec3(dot(tick.shadow_u.xyz, w), dot(tick.shadow_v.xyz, w), dot(tick.shadow_plane.xyz, w)); }
+vec3 toShadowVolume(vec3 x) { return alongShadowVolume(x) + vec3(tick.shadow_u.w, tick.shadow_v.w, tick.shadow_plane.w); }
+
+// Optical depth of the medium between that place and the light: linear between texels and between planes. A layer holds four planes
+// and shares its last with the next one's first, so that one filtered fetch has both neighbours of any place.
+float lightDepth(vec3 in_volume) {
+    const float plane = clamp(in_volume.z, 0, float(tick.shadow_slices - 1));
+    const float layer = min(floor(plane * 0.333333343), float((tick.shadow_slices - 2) / 3));
+    const vec4 depth = textureLod(shadow_volume, vec3(in_volume.xy, layer), 0);
+    const vec3 part = clamp(plane - 3 * layer - vec3(0, 1, 2), 0, 1);
+    return depth.x + dot(part, depth.yzw - depth.xyz);
 }
 
 // 1 where the light-space point sees the light past the opaque objects, 0 where not: one texel, no filter.

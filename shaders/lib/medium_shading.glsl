@@ -4,7 +4,7 @@
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
 
-layout(binding = 6) uniform sampler3D shadow_volume;
+layout(binding = 6) uniform sampler2DArray shadow_volume;
 layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 8) uniform sampler2D view_depth;
 
@@ -13,6 +13,7 @@ layout(constant_id = 0) const bool kHasOpaque = true;  // objects that hide and 
 layout(constant_id = 1) const bool kHasCasters = true; // of them, some that cast shadows on the medium
 layout(constant_id = 2) const bool kHasLobe = true;    // anisotropy > 0
 layout(constant_id = 3) const bool kHasAmbient = true;
+layout(constant_id = 4) const bool kMayBeCut = true;   // opaque objects or the near plane may end an interval inside a particle
 
 #include "shaders/lib/light.glsl"
 
@@ -22,28 +23,33 @@ struct RayParticle {
     float closest;   // m along the ray, of the closest approach to the centre
     float b2;        // m^2, squared distance there
     float begin, end; // m along the ray: near plane and opaque surface
+    vec3 volume_at_eye, volume_per_m; // the ray in the volumetric shadow map
 };
 
 RayParticle rayParticle(vec3 centre) {
     RayParticle ray;
     const vec3 dir = rayDirection(gl_FragCoord.xy);
-    const float per_depth = length(dir);
-    ray.w = dir / per_depth;
+    const float inverse_length = inversesqrt(dot(dir, dir));
+    const float per_depth = dot(dir, dir) * inverse_length; // m along the ray per m of view depth
+    ray.w = dir * inverse_length;
     ray.closest = dot(centre, ray.w);
     const vec3 off = centre - ray.closest * ray.w; // never |c|^2 - closest^2
     ray.b2 = dot(off, off);
     ray.begin = eye.near_depth * per_depth;
     ray.end = kHasOpaque ? texelFetch(view_depth, ivec2(gl_FragCoord.xy), 0).r * per_depth : 1e30;
+    ray.volume_at_eye = toShadowVolume(eye.position);
+    ray.volume_per_m = alongShadowVolume(ray.w);
     return ray;
 }
 
-vec3 lightSpaceAt(RayParticle ray, float t) { return toLightSpace(eye.position + t * ray.w); }
+// Light optical depth, and visibility past the opaque objects, at `t` m along the ray.
+float lightDepthAt(RayParticle ray, float t) { return lightDepth(ray.volume_at_eye + t * ray.volume_per_m); }
+float visibilityAt(RayParticle ray, float t) { return visibility(toLightSpace(eye.position + t * ray.w)); }
 
 // T_L * Vis at `t` m along the ray.
 float lightArriving(RayParticle ray, float t) {
-    const vec3 at = lightSpaceAt(ray, t);
-    float light = exp(-lightDepth(at));
-    if (kHasCasters) light *= visibility(at);
+    float light = exp(-lightDepthAt(ray, t));
+    if (kHasCasters) light *= visibilityAt(ray, t);
     return light;
 }
 

@@ -44,6 +44,9 @@ struct Tick {
     uint opaque_count; // objects
     vec3 sky_zenith;
     vec3 sky_horizon;
+    vec4 shadow_u;       // a world point's place in the volumetric shadow map: texture coordinate shadow_u.xyz . x + shadow_u.w,
+    vec4 shadow_v;       // the same down the texture,
+    vec4 shadow_plane;   // and the slice plane, 0 ... shadow_slices - 1
 };
 
 // One eye of one viewer.
@@ -93,7 +96,7 @@ struct DrawArguments {
 
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
-static_assert(sizeof(Tick) == 160 && offsetof(Tick, shadow_lo) == 80 && offsetof(Tick, opaque_lo) == 112 &&
+static_assert(sizeof(Tick) == 208 && offsetof(Tick, shadow_lo) == 80 && offsetof(Tick, opaque_lo) == 112 &&
               offsetof(Tick, sky_zenith) == 136);
 static_assert(sizeof(Eye) == 76 && offsetof(Eye, size) == 64);
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
