@@ -24,7 +24,8 @@ public:
     void standAt(const Pose& pose);
 
     Pose pose() const;
-    float speed() const { return speed_; } // m/s
+    float distance() const { return distance_; } // m, to the target
+    float speed() const { return speed_; }       // m/s
 
 private:
     glm::vec3 ahead() const;

@@ -38,7 +38,6 @@ Endpoint parseUrl(std::string_view url) {
         rest = rest.substr(0, slash);
     }
 
-    std::string_view port;
     if (rest.starts_with('[')) {
         const size_t bracket = rest.find(']');
         if (bracket == rest.npos) refuse(url, "']' is missing");

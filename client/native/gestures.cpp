@@ -10,17 +10,23 @@ namespace brume::client {
 namespace {
 
 constexpr float kTurnPerHeight = 2.5f; // rad for a drag over the window's height
+// What each push adds of the hand's speed: particles that a ray of some metres passes over end up about as fast as a click
+// would make them. The web client does the same.
+constexpr float kDragStrength = 0.15f;
+constexpr float kMaxPushSpeed = 60; // m/s; the server takes up to 100 on each axis
 
 } // namespace
 
 void Gestures::handle(const SDL_Event& event, const Display& display) {
-    const auto aim = [&](int x, int y, float dx, float dy) {
+    const auto aim = [&](int x, int y) {
         auto [u, v] = display.inPicture(x, y);
         if (views_ == 2) u = u < 0.5f ? 2 * u : 2 * u - 1;
-        const float aspect = float(display.width()) / float(views_) / float(display.height());
-        const bool going_on = cursor_.has_value();
-        cursor_ = Cursor{u, v, aspect, dx + (going_on ? cursor_->dx : 0), dy + (going_on ? cursor_->dy : 0)};
+        if (!cursor_) cursor_.emplace();
+        cursor_->x = u;
+        cursor_->y = v;
+        cursor_->aspect = float(display.width()) / float(views_) / float(std::max(display.height(), 1));
     };
+    const float per_height = 1 / float(std::max(display.height(), 1));
     switch (event.type) {
     case SDL_KEYDOWN:
         if (event.key.repeat) break;
@@ -32,22 +38,25 @@ void Gestures::handle(const SDL_Event& event, const Display& display) {
         controls_.wheel(event.wheel.preciseY);
         break;
     case SDL_MOUSEBUTTONDOWN:
-        pushing_ = event.button.button == SDL_BUTTON_LEFT && (SDL_GetModState() & KMOD_CTRL) != 0;
-        if (pushing_) aim(event.button.x, event.button.y, 0, 0);
+        if (event.button.button != SDL_BUTTON_LEFT || (SDL_GetModState() & KMOD_CTRL) == 0) break;
+        cursor_.reset();
+        aim(event.button.x, event.button.y);
         break;
     case SDL_MOUSEBUTTONUP:
-        if (event.button.button == SDL_BUTTON_LEFT) pushing_ = false;
+        if (event.button.button == SDL_BUTTON_LEFT && cursor_) cursor_->released = true;
         break;
     case SDL_MOUSEMOTION:
         if ((event.motion.state & SDL_BUTTON_LMASK) == 0) break;
-        if (pushing_) {
-            aim(event.motion.x, event.motion.y, float(event.motion.xrel), float(event.motion.yrel));
+        if (cursor_) {
+            aim(event.motion.x, event.motion.y);
+            cursor_->dx += per_height * float(event.motion.xrel);
+            cursor_->dy += per_height * float(event.motion.yrel);
+            cursor_->dragged = true;
         } else {
-            // Orbiting, the cloud follows the hand; flying, the look does.
-            const float step = kTurnPerHeight / float(std::max(display.height(), 1));
-            const float sense = controls_.flying() ? 1.0f : -1.0f;
+            // Orbiting, the cloud follows the hand; flying, the look does: the same turn.
             touched_ = true;
-            controls_.turn(sense * step * float(event.motion.xrel), -sense * step * float(event.motion.yrel));
+            controls_.turn(kTurnPerHeight * per_height * float(event.motion.xrel),
+                           -kTurnPerHeight * per_height * float(event.motion.yrel));
         }
         break;
     default:
@@ -68,14 +77,21 @@ void Gestures::passTime(float seconds) {
 
 bool Gestures::pauseToggled() { return std::exchange(pause_toggled_, false); }
 
-std::optional<Push> Gestures::takePush(const Pose& seen) {
+std::optional<Push> Gestures::takePush(const Pose& seen, float seconds) {
     if (!cursor_) return {};
-    const Ray ray = cursorRay(seen, cursor_->x, cursor_->y, cursor_->aspect);
-    Push push{ray.origin, ray.direction, glm::vec3(0), 1};
-    const float moved = std::hypot(cursor_->dx, cursor_->dy);
-    if (moved > 0) push.push = seen.orientation * (glm::vec3(cursor_->dx, -cursor_->dy, 0) / moved); // along the hand
-    cursor_.reset();
-    return push;
+    const Cursor cursor = *cursor_;
+    cursor_->dx = cursor_->dy = 0;
+    if (cursor.released) cursor_.reset();
+    const Ray ray = cursorRay(seen, cursor.x, cursor.y, cursor.aspect);
+    const float moved = std::hypot(cursor.dx, cursor.dy);
+    if (moved > 0) {
+        const float metres = moved * 2 * std::tan(0.5f * seen.fov_y) * controls_.distance();
+        const float speed = std::min(metres / std::max(seconds, 1e-3f), kMaxPushSpeed);
+        return Push{ray.origin, ray.direction, seen.orientation * (glm::vec3(cursor.dx, -cursor.dy, 0) * (speed / moved)),
+                    kDragStrength};
+    }
+    if (cursor.released && !cursor.dragged) return Push{ray.origin, ray.direction, glm::vec3(0), 1};
+    return {};
 }
 
 } // namespace brume::client

@@ -25,18 +25,22 @@ public:
     Pose pose() const { return controls_.pose(); }
     void standAt(const Pose& pose) { controls_.standAt(pose); } // where a path has come to
 
-    // The push that the last Ctrl+drag asks for, taken once. `seen` is the pose of the picture that the user pushes in.
-    std::optional<Push> takePush(const Pose& seen);
+    // The push that Ctrl with a drag or a click asks for, taken once: along the hand as fast as it moves at the target's
+    // distance, or for a click away from the ray. `seen` is the pose of the picture that the user pushes in; `seconds` is the
+    // time since this was last called.
+    std::optional<Push> takePush(const Pose& seen, float seconds);
 
 private:
     Controls controls_;
     uint8_t views_;
-    bool touched_ = false, pause_toggled_ = false, pushing_ = false;
+    bool touched_ = false, pause_toggled_ = false;
     struct Cursor {
-        float x, y, aspect; // in the picture of one eye
-        float dx, dy;       // pixels since the last push was taken
+        float x, y, aspect;    // in the picture of one eye
+        float dx = 0, dy = 0;  // heights of the picture, right and down, since the last push was taken
+        bool dragged = false;  // ever
+        bool released = false; // the last push is to be taken
     };
-    std::optional<Cursor> cursor_;
+    std::optional<Cursor> cursor_; // while pushing
 };
 
 } // namespace brume::client

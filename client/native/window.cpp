@@ -107,11 +107,6 @@ private:
         for (auto message = session_->next(kLoopWait); message; message = session_->next(milliseconds(0))) {
             if (const auto* error = message->as<wire::Error>()) {
                 statistics_.error(*error);
-                // Most likely a size that is not granted: stay with the one that is.
-                if (error->code() == wire::ErrorCode::out_of_range && shown_width_ > 0) {
-                    wishes_.width = shown_width_;
-                    wishes_.height = shown_height_;
-                }
             } else if (const auto* state = message->as<wire::SceneState>()) {
                 paused_ = state->paused();
                 viewers_ = state->viewers();
@@ -159,10 +154,9 @@ private:
                static_cast<double>(now - first_us_) >= options_.pushes[pushed_].seconds * 1e6)
             send(options_.pushes[pushed_++].push);
         if (now >= next_push_us_) {
-            if (const auto push = gestures_->takePush(seen_)) {
-                send(*push);
-                next_push_us_ = now + kPushEveryUs;
-            }
+            const float seconds = static_cast<float>(now + kPushEveryUs - next_push_us_) * 1e-6f;
+            next_push_us_ = now + kPushEveryUs;
+            if (const auto push = gestures_->takePush(seen_, seconds)) send(*push);
         }
         if (gestures_->pauseToggled()) {
             session_->sendPaused(!paused_);
@@ -200,8 +194,6 @@ private:
         if (first_us_ == 0) first_us_ = presented;
         heard_us_ = presented;
         tick_ = record.tick;
-        shown_width_ = record.width;
-        shown_height_ = record.height;
         seen_.position = record.position;
         seen_.orientation = record.orientation;
         seen_.fov_y = record.fov_y;
@@ -244,7 +236,6 @@ private:
     bool quit_ = false, paused_ = false;
     uint32_t viewers_ = 0;
     uint64_t tick_ = 0;
-    uint16_t shown_width_ = 0, shown_height_ = 0;
     uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, retry_at_us_ = 0;
     uint64_t heard_us_ = 0; // the newest frame, or the start of this connection

@@ -1,0 +1,196 @@
+// brume-client itself, from its command line to its files.
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/running_server.h"
+#include "tests/integration/watcher.h"
+
+namespace brume::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+client::Bytes contentOf(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::unique_ptr<Process> startClient(const std::vector<std::string>& arguments,
+                                     const std::vector<std::string>& environment = {}) {
+    std::vector<std::string> command{BRUME_CLIENT};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return std::make_unique<Process>(command, environment);
+}
+
+class ClientProgram : public testing::Test {
+protected:
+    static void SetUpTestSuite() { server_ = new RunningServer; }
+    static void TearDownTestSuite() {
+        delete server_;
+        server_ = nullptr;
+    }
+    void SetUp() override {
+        out_ = fs::temp_directory_path() / ("brume-client-" + std::to_string(getpid()));
+        fs::remove_all(out_);
+    }
+    void TearDown() override { fs::remove_all(out_); }
+    static std::string url() { return server_->url(); }
+    static client::Endpoint server() { return server_->endpoint(); }
+    Json stats() const { return Json::parse(contentOf(out_ / "stats.json")); }
+
+    fs::path out_;
+
+private:
+    static inline RunningServer* server_ = nullptr;
+};
+
+void expectOneLine(Process& process, const std::string& words) {
+    SCOPED_TRACE(words);
+    const auto code = process.exitCode();
+    ASSERT_TRUE(code) << "it goes on";
+    EXPECT_GT(*code, 0) << "exited with 0 or was ended by a signal";
+    const std::string err = process.err();
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    EXPECT_NE(err.find(words), err.npos) << err;
+}
+
+TEST_F(ClientProgram, FiveFramesAndTheirStatistics) {
+    const auto client = startClient({"--headless", "--url", url(), "--size", "320x180", "--frames", "5", "--path", "orbit",
+                                     "--camera", "20,2,0,0,0,0", "--impulse", "0:0,0,26,0,0,-1,0.5", "--out", out_.string()});
+    ASSERT_EQ(client->exitCode(), 0) << client->err();
+    EXPECT_EQ(client->err(), "");
+    EXPECT_NE(client->out().find("5 frames"), std::string::npos) << client->out();
+
+    const Json s = stats();
+    EXPECT_EQ(s["frames"], 5);
+    EXPECT_EQ(s["url"], url() + "/ws");
+    EXPECT_EQ(s["scene"], "cloud");
+    EXPECT_EQ(s["ended"], "as asked");
+    EXPECT_EQ(s["connections"], 1);
+    EXPECT_EQ(s["inputs_sent"], 1);
+    EXPECT_EQ(s["error_count"], 0) << s["errors"];
+    EXPECT_GT(s["viewer"], 0);
+    EXPECT_GT(s["frame_rate"], 0);
+    for (const char* stage : {"total", "network", "wait", "render", "gpu", "encode", "queue", "decode"}) {
+        const Json& latency = s["latency_ms"][stage];
+        EXPECT_LE(latency["p50"], latency["p95"]) << stage;
+        EXPECT_LE(latency["p95"], latency["p99"]) << stage;
+    }
+    EXPECT_GT(s["latency_ms"]["render"]["p50"], 0);
+    EXPECT_GT(s["latency_ms"]["total"]["p50"], s["latency_ms"]["render"]["p50"]);
+
+    ASSERT_EQ(s["pictures"].size(), 5u);
+    uint64_t tick = 0, bytes = 0;
+    for (size_t i = 0; i < 5; ++i) {
+        const Json& picture = s["pictures"][i];
+        EXPECT_GT(picture["tick"], tick);
+        tick = picture["tick"];
+        bytes += picture["bytes"].get<uint64_t>();
+        EXPECT_EQ(picture["state_hash"].get<std::string>().size(), 18u);
+        EXPECT_EQ(picture["size"], Json({320, 180}));
+        const auto& at = picture["pose"]["position"];
+        EXPECT_NEAR(std::hypot(at[0].get<double>(), at[2].get<double>()), 20, 1e-3); // the circle that was asked for
+        EXPECT_NEAR(at[1].get<double>(), 2, 1e-4);
+        const client::Bytes jpeg = contentOf(out_ / ("frame-0000" + std::to_string(i + 1) + ".jpg"));
+        EXPECT_GT(contrast(decoded(jpeg, 320, 180)), 8);
+    }
+    EXPECT_EQ(s["bytes"], bytes);
+    EXPECT_EQ(std::distance(fs::directory_iterator(out_), {}), 6);
+}
+
+TEST_F(ClientProgram, StereoWritesBothEyes) {
+    const auto client =
+        startClient({"--headless", "--stereo", "--url", url(), "--size", "160x96", "--frames", "2", "--out", out_.string()});
+    ASSERT_EQ(client->exitCode(), 0) << client->err();
+    for (const char* name : {"frame-00001-left.jpg", "frame-00001-right.jpg", "frame-00002-left.jpg", "frame-00002-right.jpg"})
+        EXPECT_GT(contrast(decoded(contentOf(out_ / name), 160, 96)), 8) << name;
+    EXPECT_EQ(stats()["pictures"][0]["views"], 2);
+    EXPECT_EQ(std::distance(fs::directory_iterator(out_), {}), 5);
+}
+
+TEST_F(ClientProgram, CtrlCEndsTidilyWithStatistics) {
+    const auto client = startClient({"--headless", "--url", url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
+    // The file is there, empty, from the start; frames come some time later.
+    Watcher watcher(server()); // is told how many viewers there are
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.viewers >= 2; }));
+    std::this_thread::sleep_for(milliseconds(500));
+    client->signal(SIGINT);
+    EXPECT_EQ(client->exitCode(milliseconds(10'000)), 0) << client->err();
+    EXPECT_EQ(client->err(), "");
+    EXPECT_GT(stats()["frames"], 0);
+    EXPECT_EQ(std::distance(fs::directory_iterator(out_), {}), 1);
+}
+
+TEST_F(ClientProgram, AServerThatStopsEndsInOneLineAndStatistics) {
+    RunningServer server;
+    const auto client =
+        startClient({"--headless", "--url", server.url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
+    Watcher watcher(server.endpoint());
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.viewers >= 2; }));
+    std::this_thread::sleep_for(milliseconds(500));
+    server.process().signal(SIGTERM);
+    expectOneLine(*client, "goodbye");
+    EXPECT_GT(stats()["frames"], 0);
+}
+
+TEST_F(ClientProgram, AServerThatDiesEndsInOneLine) {
+    RunningServer server;
+    const auto client = startClient({"--headless", "--url", server.url(), "--size", "160x96"});
+    Watcher watcher(server.endpoint());
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.viewers >= 2; }));
+    server.process().signal(SIGKILL);
+    expectOneLine(*client, "lost");
+}
+
+TEST_F(ClientProgram, AFullServerEndsInOneLine) {
+    RunningServer server({"--max-viewers", "1"});
+    Watcher first(server.endpoint());
+    expectOneLine(*startClient({"--headless", "--url", server.url(), "--frames", "1"}), "refuses");
+}
+
+TEST_F(ClientProgram, EveryBadStartEndsInOneLine) {
+    expectOneLine(*startClient({"--headless", "--url", "ws://127.0.0.1:1"}), "cannot connect");
+    expectOneLine(*startClient({"--headless", "--url", "http://127.0.0.1"}), "bad url");
+    expectOneLine(*startClient({"--headless", "--url", url() + "/nothing"}), "HTTP 404");
+    expectOneLine(*startClient({"--headless", "--url", url(), "--frames", "1", "--out", "/dev/null/frames"}), "/dev/null/frames");
+    expectOneLine(*startClient({"--no-such-flag"}), "--no-such-flag");
+    expectOneLine(*startClient({"--size", "640"}), "--size");
+    expectOneLine(*startClient({"--url", url()}, {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"}), "--headless");
+}
+
+// A window on SDL's dummy driver: all of the windowed program but the glass.
+TEST_F(ClientProgram, AWindowShowsFramesAndReconnects) {
+    const std::vector<std::string> dummy{"SDL_VIDEODRIVER=dummy"};
+    const auto once = startClient({"--url", url(), "--size", "160x96", "--frames", "5", "--out", out_.string()}, dummy);
+    ASSERT_EQ(once->exitCode(), 0) << once->err();
+    EXPECT_EQ(stats()["frames"], 5);
+    EXPECT_GT(contrast(decoded(contentOf(out_ / "frame-00005.jpg"), 160, 96)), 8);
+
+    auto server = std::make_unique<RunningServer>();
+    const std::string port = std::to_string(server->port());
+    const auto client =
+        startClient({"--url", server->url(), "--size", "160x96", "--stereo", "--out", out_.string(), "--no-save"}, dummy);
+    {
+        Watcher watcher(server->endpoint());
+        ASSERT_TRUE(watch({&watcher}, [&] { return watcher.viewers >= 2; }));
+        std::this_thread::sleep_for(milliseconds(500));
+    }
+    server->process().signal(SIGKILL);
+    ASSERT_TRUE(server->process().exitCode());
+    server = std::make_unique<RunningServer>(std::vector<std::string>{"--port", port});
+    Watcher watcher(server->endpoint());
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.viewers >= 2; })) << client->err();
+    client->signal(SIGTERM);
+    EXPECT_EQ(client->exitCode(milliseconds(10'000)), 0) << client->err();
+    EXPECT_EQ(stats()["connections"], 2);
+}
+
+} // namespace
+} // namespace brume::test

@@ -1,0 +1,131 @@
+// What the one port serves besides the WebSocket.
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/integration/http.h"
+#include "tests/integration/running_server.h"
+#include "tests/integration/watcher.h"
+
+namespace brume::test {
+namespace {
+
+client::Bytes bytesOf(const std::string& text) { return {text.begin(), text.end()}; }
+
+class Http : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        root_ = std::filesystem::temp_directory_path() / ("brume-http-" + std::to_string(getpid()));
+        std::filesystem::create_directories(root_ / "assets");
+        std::ofstream(root_ / "index.html") << "<!doctype html><title>brume</title>";
+        std::ofstream(root_ / "assets" / "page.js") << "export {};";
+        server_ = new RunningServer({"--web-root", root_.string()});
+    }
+    static void TearDownTestSuite() {
+        delete server_;
+        server_ = nullptr;
+        std::filesystem::remove_all(root_);
+    }
+    static uint16_t port() { return server_->port(); }
+    static client::Endpoint server() { return server_->endpoint(); }
+
+private:
+    static inline RunningServer* server_ = nullptr;
+    static inline std::filesystem::path root_;
+};
+
+TEST_F(Http, HealthAndReadiness) {
+    EXPECT_EQ(get(port(), "/healthz").status, 200);
+    // Ready once frames can be had; the port is open a moment before.
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    int status = 0;
+    while ((status = get(port(), "/readyz").status) == 503 && std::chrono::steady_clock::now() < deadline)
+        std::this_thread::sleep_for(milliseconds(20));
+    EXPECT_EQ(status, 200);
+}
+
+TEST_F(Http, ThePageIsServed) {
+    const HttpReply page = get(port(), "/");
+    EXPECT_EQ(page.status, 200);
+    EXPECT_TRUE(page.headers.at("content-type").starts_with("text/html"));
+    EXPECT_EQ(page.body, "<!doctype html><title>brume</title>");
+    const HttpReply script = get(port(), "/assets/page.js");
+    EXPECT_EQ(script.status, 200);
+    EXPECT_TRUE(script.headers.at("content-type").starts_with("text/javascript"));
+}
+
+TEST_F(Http, WhatIsNotThereIsNotFound) {
+    for (const char* target :
+         {"/nothing", "/../../../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/assets/../../../etc/passwd", "/assets"}) {
+        const HttpReply reply = get(port(), target);
+        EXPECT_EQ(reply.status, 404) << target;
+        EXPECT_EQ(reply.body.find("root:"), std::string::npos) << target;
+    }
+}
+
+TEST_F(Http, NonsenseIsRefused) {
+    const auto status = [](const std::string& request) {
+        HttpConnection connection(port());
+        connection.send(request);
+        return connection.readHead().status;
+    };
+    EXPECT_EQ(status("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n"), 405);
+    EXPECT_EQ(status("BRUME\r\n\r\n"), 400);
+    EXPECT_EQ(status("GET /" + std::string(4096, 'a') + " HTTP/1.1\r\nHost: x\r\n\r\n"), 414);
+    EXPECT_EQ(status("GET / HTTP/1.1\r\nHost: x\r\nX: " + std::string(16384, 'a') + "\r\n\r\n"), 431);
+    EXPECT_EQ(get(port(), "/healthz").status, 200);
+}
+
+TEST_F(Http, MetricsCountWhatHappens) {
+    const auto value = [](const std::string& name) {
+        const HttpReply reply = get(port(), "/metrics");
+        EXPECT_EQ(reply.status, 200);
+        EXPECT_TRUE(reply.headers.at("content-type").starts_with("text/plain"));
+        const size_t at = reply.body.find("\n" + name + " ");
+        EXPECT_NE(at, std::string::npos) << name << " is not in\n" << reply.body;
+        return at == std::string::npos ? -1 : std::stod(reply.body.substr(at + name.size() + 2));
+    };
+    const double before = value("brume_frames_total{fate=\"sent\"}");
+    Watcher watcher(server());
+    watcher.look(lookAt({0, 2, 26}, {0, 0, 0}, 0.8f));
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 5; }));
+    EXPECT_GE(value("brume_frames_total{fate=\"sent\"}"), before + 5);
+    EXPECT_GE(value("brume_viewers"), 1);
+}
+
+TEST_F(Http, ASnapshotIsOnePicture) {
+    const HttpReply reply = get(port(), "/snapshot.jpg?w=160&h=96");
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    EXPECT_EQ(reply.headers.at("content-type"), "image/jpeg");
+    EXPECT_GT(contrast(decoded(bytesOf(reply.body), 160, 96)), 8);
+    EXPECT_EQ(get(port(), "/snapshot.jpg?w=potato").status, 400);
+}
+
+TEST_F(Http, AStreamIsManyPictures) {
+    HttpConnection connection(port());
+    connection.send("GET /stream.mjpg?w=160&h=96&fps=20 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+    const HttpReply head = connection.readHead();
+    ASSERT_EQ(head.status, 200);
+    const std::string type = head.headers.at("content-type"), prefix = "multipart/x-mixed-replace; boundary=";
+    ASSERT_TRUE(type.starts_with(prefix)) << type;
+    const std::string boundary = "--" + type.substr(prefix.size());
+
+    const auto start = std::chrono::steady_clock::now();
+    constexpr int parts = 6;
+    for (int i = 0; i < parts; ++i) {
+        ASSERT_EQ(connection.readLine(), boundary);
+        EXPECT_EQ(connection.readLine(), "Content-Type: image/jpeg");
+        const std::string length = connection.readLine();
+        ASSERT_TRUE(length.starts_with("Content-Length: ")) << length;
+        ASSERT_EQ(connection.readLine(), "");
+        const std::string jpeg = connection.readBytes(std::stoul(length.substr(16)));
+        EXPECT_GT(contrast(decoded(bytesOf(jpeg), 160, 96)), 8);
+        ASSERT_EQ(connection.readLine(), "");
+    }
+    // No faster than asked for: between the first and the last lie (parts - 1) periods, one of which may have begun before.
+    EXPECT_GE(std::chrono::steady_clock::now() - start, milliseconds(1000 / 20 * (parts - 2)));
+}
+
+} // namespace
+} // namespace brume::test

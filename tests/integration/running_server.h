@@ -1,0 +1,31 @@
+// The real server as a child process, on a free port of this machine.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/native/endpoint.h"
+#include "tests/integration/process.h"
+
+namespace brume::test {
+
+class RunningServer {
+public:
+    // Scene `cloud` unless the arguments name another. Throws std::runtime_error with its output when it does not get ready.
+    explicit RunningServer(const std::vector<std::string>& arguments = {});
+
+    uint16_t port() const { return port_; }
+    client::Endpoint endpoint() const { return {"127.0.0.1", port_, "/ws"}; }
+    std::string url() const { return "ws://127.0.0.1:" + std::to_string(port_); }
+    Process& process() { return *process_; }
+
+private:
+    std::unique_ptr<Process> process_;
+    uint16_t port_ = 0;
+};
+
+// The server with exactly these arguments, not waited for.
+std::unique_ptr<Process> startServer(const std::vector<std::string>& arguments);
+
+} // namespace brume::test

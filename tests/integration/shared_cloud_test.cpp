@@ -1,0 +1,206 @@
+// One cloud for all: every viewer has its own view of the same ticks, and what one does all see.
+#include <gtest/gtest.h>
+
+#include "tests/integration/running_server.h"
+#include "tests/integration/watcher.h"
+
+namespace brume::test {
+namespace {
+
+constexpr float kFovY = 0.8f;
+
+Pose fromFront() { return lookAt({0, 2, 26}, {0, 0, 0}, kFovY); }
+Pose fromSide() { return lookAt({24, 3, 0}, {0, 0, 0}, kFovY); }
+Pose fromAbove() { return lookAt({3, 26, 3}, {0, 0, 0}, kFovY); }
+
+// Frames of this watcher that show a tick from `from_tick` on.
+const Seen* firstFrom(const Watcher& watcher, uint64_t from_tick) {
+    for (const Seen& frame : watcher.frames)
+        if (frame.tick >= from_tick) return &frame;
+    return nullptr;
+}
+
+// Equal ticks must have equal state hashes, whoever was told. Returns how many ticks both know.
+size_t expectEqualHashes(const Watcher& a, const Watcher& b) {
+    size_t common = 0;
+    for (const auto& [tick, hash] : a.hashes)
+        if (const auto other = b.hashes.find(tick); other != b.hashes.end()) {
+            ++common;
+            EXPECT_EQ(hash, other->second) << "at tick " << tick;
+        }
+    return common;
+}
+
+class SharedCloud : public testing::Test {
+protected:
+    static void SetUpTestSuite() { server_ = new RunningServer; }
+    static void TearDownTestSuite() {
+        delete server_;
+        server_ = nullptr;
+    }
+    static client::Endpoint server() { return server_->endpoint(); }
+
+private:
+    static inline RunningServer* server_ = nullptr;
+};
+
+TEST_F(SharedCloud, ThreeViewersHaveTheirOwnViewOfTheSameTicks) {
+    Watcher a(server()), b(server()), c(server());
+    const std::vector<Watcher*> all{&a, &b, &c};
+    const std::vector<Pose> poses{fromFront(), fromSide(), fromAbove()};
+    for (size_t i = 0; i < all.size(); ++i) all[i]->look(poses[i]);
+
+    constexpr size_t enough = 5;
+    ASSERT_TRUE(watch(all,
+                      [&] {
+                          return commonTicks(a, b).size() >= enough && commonTicks(b, c).size() >= enough &&
+                                 commonTicks(a, c).size() >= enough;
+                      }))
+        << "frames: " << a.frames.size() << ", " << b.frames.size() << ", " << c.frames.size();
+
+    EXPECT_GE(expectEqualHashes(a, b), enough);
+    EXPECT_GE(expectEqualHashes(b, c), enough);
+    EXPECT_GE(expectEqualHashes(a, c), enough);
+
+    std::vector<client::Picture> pictures;
+    for (size_t i = 0; i < all.size(); ++i) {
+        EXPECT_TRUE(all[i]->errors.empty()) << all[i]->errors.front().text;
+        uint32_t id = 0;
+        uint64_t tick = 0;
+        for (const Seen& frame : all[i]->frames) {
+            EXPECT_EQ(frame.position, poses[i].position);
+            EXPECT_GT(frame.id, id);
+            EXPECT_GT(frame.tick, tick);
+            id = frame.id;
+            tick = frame.tick;
+            ASSERT_EQ(frame.jpegs.size(), 1u);
+            ASSERT_EQ(frame.width, 320);
+            ASSERT_EQ(frame.height, 180);
+        }
+        pictures.push_back(pictureOf(all[i]->last()));
+        EXPECT_GT(contrast(pictures.back()), 8) << "nothing is to be seen by viewer " << i;
+    }
+    // Two pictures of one camera differ by less than 0.5 (see below); those of two cameras by the shape of the cloud.
+    EXPECT_GT(difference(pictures[0], pictures[1]), 2);
+    EXPECT_GT(difference(pictures[1], pictures[2]), 2);
+    EXPECT_GT(difference(pictures[0], pictures[2]), 2);
+}
+
+TEST_F(SharedCloud, TwoEqualCamerasGetEqualBytes) {
+    Watcher a(server()), b(server());
+    const uint64_t still = setPaused(a, true, {&b});
+    a.look(fromFront());
+    b.look(fromFront());
+    ASSERT_TRUE(watch({&a, &b}, [&] { return commonTicks(a, b, still).size() >= 3; }));
+    for (const auto& [x, y] : commonTicks(a, b, still)) EXPECT_EQ(x->jpegs, y->jpegs) << "at tick " << x->tick;
+    // Nothing moves, so a later tick looks the same to the byte too.
+    EXPECT_EQ(a.last().jpegs, firstFrom(a, still)->jpegs);
+    EXPECT_EQ(a.last().state_hash, firstFrom(a, still)->state_hash);
+    EXPECT_GT(a.last().tick, firstFrom(a, still)->tick);
+
+    // And while everything moves, at equal ticks.
+    const uint64_t moving = setPaused(a, false, {&b});
+    client::Push push{{0, 0, 26}, {0, 0, -1}, {3, 0, 0}, 1};
+    a.session.sendPush(push);
+    ASSERT_TRUE(watch({&a, &b}, [&] { return commonTicks(a, b, moving).size() >= 3; }));
+    for (const auto& [x, y] : commonTicks(a, b, moving)) EXPECT_EQ(x->jpegs, y->jpegs) << "at tick " << x->tick;
+}
+
+TEST_F(SharedCloud, AnImpulseOfOneIsSeenByAll) {
+    Watcher pusher(server()), a(server()), b(server());
+    const std::vector<Watcher*> all{&pusher, &a, &b};
+    pusher.look(fromFront());
+    a.look(fromSide());
+    b.look(fromAbove());
+    const uint64_t before = setPaused(pusher, true, {&a, &b});
+    ASSERT_TRUE(watch(all, [&] { return firstFrom(a, before) && firstFrom(b, before) && firstFrom(pusher, before); }));
+    const Seen a_before = *firstFrom(a, before), b_before = *firstFrom(b, before);
+    ASSERT_EQ(a_before.state_hash, b_before.state_hash);
+    ASSERT_EQ(a_before.state_hash, firstFrom(pusher, before)->state_hash);
+
+    // Time stands still, so that only the impulse can change the state: the particles get their speed.
+    pusher.session.sendPush({{0, 0, 26}, {0, 0, -1}, {0, 0, 0}, 3});
+    const auto pushed = [&](const Watcher& w) { return w.frames.size() > 0 && w.last().state_hash != a_before.state_hash; };
+    ASSERT_TRUE(watch(all, [&] { return pushed(pusher) && pushed(a) && pushed(b); }));
+    EXPECT_EQ(a.last().state_hash, b.last().state_hash);
+    EXPECT_EQ(a.last().state_hash, pusher.last().state_hash);
+
+    // Time goes on, and they move.
+    const uint64_t resumed = setPaused(pusher, false, {&a, &b});
+    ASSERT_TRUE(watch(all, [&] { return firstFrom(a, resumed + 15) && firstFrom(b, resumed + 15); }));
+    EXPECT_GE(expectEqualHashes(a, b), 3u);
+    EXPECT_GT(difference(pictureOf(a_before), pictureOf(*firstFrom(a, resumed + 15))), 0.5);
+    EXPECT_GT(difference(pictureOf(b_before), pictureOf(*firstFrom(b, resumed + 15))), 0.5);
+    EXPECT_TRUE(pusher.errors.empty()) << pusher.errors.front().text;
+}
+
+TEST_F(SharedCloud, StereoIsTwoViewsOfOneTick) {
+    client::Wishes both = kSmall;
+    both.views = 2;
+    Watcher stereo(server(), both), left(server()), right(server());
+    const std::vector<Watcher*> all{&stereo, &left, &right};
+    const uint64_t still = setPaused(stereo, true, {&left, &right});
+    Pose head = lookAt({0, 1, 12}, {0, 0, 0}, kFovY);
+    head.eye_separation = 0.5f; // far apart, so that the pictures clearly differ
+    stereo.look(head);
+    left.look(eyePose(head, 0, 2));
+    right.look(eyePose(head, 1, 2));
+    ASSERT_TRUE(watch(all, [&] { return firstFrom(stereo, still) && firstFrom(left, still) && firstFrom(right, still); }));
+
+    const Seen& frame = *firstFrom(stereo, still);
+    ASSERT_EQ(frame.jpegs.size(), 2u);
+    EXPECT_GT(difference(pictureOf(frame, 0), pictureOf(frame, 1)), 0.5);
+    // Each eye sees to the byte what a viewer with one eye sees from there.
+    EXPECT_EQ(frame.jpegs[0], firstFrom(left, still)->jpegs[0]);
+    EXPECT_EQ(frame.jpegs[1], firstFrom(right, still)->jpegs[0]);
+    setPaused(stereo, false);
+}
+
+TEST_F(SharedCloud, ANewSizeIsGrantedWhileWatching) {
+    Watcher watcher(server());
+    watcher.look(fromFront());
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 1; }));
+    ASSERT_TRUE(watcher.session.sendPose(fromFront(), 200, 120));
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.last().width == 200; }));
+    EXPECT_EQ(watcher.last().height, 120);
+    EXPECT_GT(contrast(pictureOf(watcher.last())), 8);
+}
+
+TEST_F(SharedCloud, TheNewestPoseWins) {
+    Watcher watcher(server());
+    watcher.look(fromFront());
+    uint32_t last = 0;
+    for (int i = 0; i <= 20; ++i) {
+        Pose pose = fromFront();
+        pose.position.x = 0.1f * float(i);
+        last = watcher.look(pose);
+        watcher.poll(milliseconds(0));
+    }
+    ASSERT_TRUE(watch({&watcher}, [&] { return !watcher.frames.empty() && watcher.last().pose_seq == last; }));
+    EXPECT_FLOAT_EQ(watcher.last().position.x, 2.0f);
+    uint32_t seq = 0;
+    for (const Seen& frame : watcher.frames) {
+        EXPECT_GE(frame.pose_seq, seq);
+        seq = frame.pose_seq;
+    }
+}
+
+// A viewer that is behind is waited for; it holds up nobody else.
+TEST_F(SharedCloud, AViewerThatDoesNotAcknowledgeIsNotRenderedFor) {
+    Watcher lazy(server()), keen(server());
+    lazy.acknowledging = false;
+    lazy.look(fromFront());
+    keen.look(fromSide());
+    const size_t window = lazy.session.granted().max_in_flight;
+    ASSERT_GE(window, 1u);
+    ASSERT_TRUE(watch({&lazy, &keen}, [&] { return lazy.frames.size() >= window && keen.frames.size() >= 2 * window + 4; }));
+    EXPECT_EQ(lazy.frames.size(), window);
+
+    lazy.acknowledging = true;
+    lazy.session.acknowledge(lazy.last().id);
+    ASSERT_TRUE(watch({&lazy, &keen}, [&] { return lazy.frames.size() >= 3 * window; }));
+    EXPECT_GT(lazy.last().tick, lazy.frames.front().tick);
+}
+
+} // namespace
+} // namespace brume::test

@@ -1,0 +1,75 @@
+// A viewer for tests: keeps every frame, error and state that it gets, and acknowledges.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/native/jpeg.h"
+#include "client/native/session.h"
+#include "tests/integration/process.h"
+
+namespace brume::test {
+
+struct Seen {
+    uint32_t id = 0, pose_seq = 0;
+    uint64_t tick = 0, state_hash = 0;
+    int width = 0, height = 0;
+    glm::vec3 position{0};
+    std::vector<client::Bytes> jpegs; // one a view
+};
+
+struct SeenError {
+    wire::ErrorCode code;
+    std::string text;
+    uint32_t input_seq;
+};
+
+constexpr client::Wishes kSmall{.width = 320, .height = 180, .views = 1, .quality = 80};
+
+class Watcher {
+public:
+    // Returns when it is welcomed. Throws std::runtime_error when it is not.
+    explicit Watcher(const client::Endpoint& server, const client::Wishes& wishes = kSmall);
+
+    // Looks from here from now on; returns the pose's number.
+    uint32_t look(const Pose& pose);
+    // Takes what comes within the time.
+    void poll(milliseconds timeout);
+
+    client::Session session;
+    bool acknowledging = true;
+
+    std::vector<Seen> frames;
+    std::vector<SeenError> errors;
+    std::map<uint64_t, uint64_t> hashes; // state hash by tick, of frames and states
+    std::optional<bool> paused;          // of the newest state
+    uint64_t state_tick = 0;             // of the newest state
+    std::optional<uint32_t> viewers;     // of the newest state
+    std::optional<std::string> goodbye;
+
+    // The newest frame. Throws when there is none.
+    const Seen& last() const { return frames.at(frames.size() - 1); }
+    bool saw(wire::ErrorCode code) const;
+};
+
+// Polls all in turn until the condition holds; false when it does not within kPatience.
+bool watch(const std::vector<Watcher*>& watchers, const std::function<bool()>& until, milliseconds timeout = kPatience);
+
+// Pauses or resumes the shared simulation; returns a tick from which on that is so.
+uint64_t setPaused(Watcher& watcher, bool paused, const std::vector<Watcher*>& others = {});
+
+// Frames of both with one tick, newest last.
+std::vector<std::pair<const Seen*, const Seen*>> commonTicks(const Watcher& a, const Watcher& b, uint64_t from_tick = 0);
+
+// Throws std::runtime_error when it is not a whole JPEG of this size.
+client::Picture decoded(const client::Bytes& jpeg, int width, int height);
+client::Picture pictureOf(const Seen& frame, size_t view = 0);
+// Mean absolute difference of all samples, in steps of 1/255. Precondition: equal sizes.
+double difference(const client::Picture& a, const client::Picture& b);
+// Standard deviation of the green samples, in steps of 1/255: near 0 for an empty picture.
+double contrast(const client::Picture& picture);
+
+} // namespace brume::test
