@@ -79,7 +79,7 @@ bool Gestures::pauseToggled() { return std::exchange(pause_toggled_, false); }
 
 std::optional<Push> Gestures::takePush(const Pose& seen, float seconds) {
     if (!cursor_) return {};
-    const Cursor cursor = *cursor_;
+    const PushCursor cursor = *cursor_;
     cursor_->dx = cursor_->dy = 0;
     if (cursor.released) cursor_.reset();
     const Ray ray = cursorRay(seen, cursor.x, cursor.y, cursor.aspect);

@@ -12,6 +12,14 @@ union SDL_Event;
 
 namespace brume::client {
 
+// Where and how a push is asked for.
+struct PushCursor {
+    float x, y, aspect;    // in the picture of one eye
+    float dx = 0, dy = 0;  // heights of the picture, right and down, since the last push was taken
+    bool dragged = false;  // ever
+    bool released = false; // the last push is to be taken
+};
+
 class Gestures {
 public:
     Gestures(const CameraPath& camera, uint8_t views) : controls_(camera.position, camera.target, camera.fov_y), views_(views) {}
@@ -34,13 +42,7 @@ private:
     Controls controls_;
     uint8_t views_;
     bool touched_ = false, pause_toggled_ = false;
-    struct Cursor {
-        float x, y, aspect;    // in the picture of one eye
-        float dx = 0, dy = 0;  // heights of the picture, right and down, since the last push was taken
-        bool dragged = false;  // ever
-        bool released = false; // the last push is to be taken
-    };
-    std::optional<Cursor> cursor_; // while pushing
+    std::optional<PushCursor> cursor_; // while pushing
 };
 
 } // namespace brume::client
