@@ -90,12 +90,17 @@ export class Connection {
     return this.welcomed;
   }
 
-  // The pose's sequence number, or undefined when it was not sent.
-  sendPose(pose: Omit<PoseMessage, 'seq' | 'clientTimeUs'>): number | undefined {
-    if (!this.welcomed || !this.socket || this.socket.bufferedAmount > UNSENT_LIMIT) return undefined;
+  // Of the last pose sent; 0 when this connection has sent none.
+  get lastPose(): number {
+    return this.poseSeq;
+  }
+
+  // False when the pose was not sent: another try will have a newer one.
+  sendPose(pose: Omit<PoseMessage, 'seq' | 'clientTimeUs'>): boolean {
+    if (!this.welcomed || !this.socket || this.socket.bufferedAmount > UNSENT_LIMIT) return false;
     this.poseSeq += 1;
     this.send(encodePose({ ...pose, seq: this.poseSeq, clientTimeUs: nowUs() }));
-    return this.poseSeq;
+    return true;
   }
 
   sendInput(command: Command): boolean {

@@ -50,6 +50,9 @@ function throttled<T>(send: (value: T) => void): (value: T) => void {
   };
 }
 
+// Shown beside a control; read aloud as the control's own value.
+const valueText = (): HTMLElement => el('span', { class: 'value', 'aria-hidden': 'true' });
+
 function row(label: string, input: HTMLElement, output?: HTMLElement, hint?: string): HTMLElement {
   const element = el('label', { class: 'field', ...(hint && { title: hint }) }, el('span', {}, label));
   if (output) element.append(output);
@@ -78,7 +81,7 @@ export function slider(
   let max = options.max;
   const format = options.format ?? ((value: number): string => String(Math.round(value * 100) / 100));
   const input = el('input', { type: 'range' });
-  const output = el('output');
+  const output = valueText();
   const hold = new Hold(input);
   const send = throttled(options.change);
   const toValue = (): number =>
@@ -92,8 +95,12 @@ export function slider(
     if (options.grows && value > max) bounds(2 * value);
     const spot = logarithmic ? (LOG_STEPS * Math.log(Math.max(value, min) / min)) / Math.log(max / min) : value;
     input.value = String(spot);
-    setText(output, format(value));
+    tell(value);
     paint();
+  };
+  const tell = (value: number): void => {
+    setText(output, format(value));
+    input.setAttribute('aria-valuetext', format(value));
   };
   const bounds = (most: number): void => {
     max = most;
@@ -106,7 +113,7 @@ export function slider(
   input.addEventListener('input', () => {
     hold.touch();
     const value = toValue();
-    setText(output, format(value));
+    tell(value);
     paint();
     send(value);
   });
@@ -126,7 +133,7 @@ export function slider(
 
 export function colour(label: string, change: (hex: string) => void): Field<string> {
   const input = el('input', { type: 'color' });
-  const output = el('output');
+  const output = valueText();
   const hold = new Hold(input);
   const send = throttled(change);
   input.addEventListener('input', () => {

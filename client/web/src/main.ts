@@ -286,8 +286,9 @@ function animate(now: number): void {
   const due = !sent || !same(sent.camera, camera) || sent.size !== size || now - sent.at > POSE_REFRESH_MS;
   if (due && link.connected) {
     const { position } = camera;
-    const seq = link.sendPose({ position, orientation: orientation(camera), fovY: host.fovY, ...size });
-    if (seq !== undefined) sent = { camera, size, at: now };
+    if (link.sendPose({ position, orientation: orientation(camera), fovY: host.fovY, ...size })) {
+      sent = { camera, size, at: now };
+    }
   }
 }
 
@@ -324,6 +325,9 @@ const report = Object.freeze({
   },
   get frames() {
     return frames;
+  },
+  get sentPose() {
+    return sent && same(sent.camera, camera) ? link.lastPose : undefined; // undefined while a newer one is due
   },
   get recent() {
     return recent.map((entry) => ({ ...entry }));

@@ -1,0 +1,127 @@
+// A real Chromium, its pages, and what can be seen on their canvas.
+import assert from 'node:assert/strict';
+import { existsSync } from 'node:fs';
+import { chromium } from 'playwright-core';
+
+const CHROMIUM = process.env.CHROMIUM ?? '/usr/bin/chromium';
+const WAIT_MS = 20_000;
+const SAMPLES = { width: 64, height: 36 };
+
+export async function startBrowser() {
+  if (!existsSync(CHROMIUM)) throw new Error(`${CHROMIUM} is missing: install chromium, or name another with CHROMIUM`);
+  const args = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-sync'];
+  args.push('--disable-background-networking', '--disable-component-update');
+  return chromium.launch({ executablePath: CHROMIUM, args, headless: true });
+}
+
+// A page of its own context, as another person would have, closed with the test `t`. Errors in it and requests to elsewhere
+// fail the test when it leaves.
+export async function openPage(t, browser, url, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 480, height: 270 }, ...options });
+  t.after(() => context.close());
+  const page = await context.newPage();
+  const errors = [];
+  const elsewhere = [];
+  page.on('pageerror', (error) => errors.push(error.message));
+  page.on('request', (request) => {
+    if (!request.url().startsWith(url) && !/^(data|blob):/.test(request.url())) elsewhere.push(request.url());
+  });
+  await page.goto(url);
+  return Object.assign(page, {
+    async leave() {
+      await context.close();
+      assert.deepEqual(errors, [], 'errors in the page');
+      assert.deepEqual(elsewhere, [], 'requests to other servers');
+    },
+  });
+}
+
+// Waits until `condition`, a function of the page's read-only state and `argument`, holds.
+export async function until(page, what, condition, argument, timeout = WAIT_MS) {
+  try {
+    // Polling by timer: animation frames are what some of the tests hold back.
+    const test = `(argument) => (${condition})(window.brume, argument)`;
+    return await page.waitForFunction(`window.brume && (${test})(${JSON.stringify(argument ?? null)})`, null, {
+      timeout,
+      polling: 50,
+    });
+  } catch (error) {
+    const state = await page
+      .evaluate(() => JSON.stringify({ ...window.brume, recent: undefined, text: document.body.innerText }))
+      .catch(() => 'gone');
+    throw new Error(`waited in vain until ${what}: ${error.message.split('\n')[0]}\nthe page: ${state}`);
+  }
+}
+
+export const connected = (page) =>
+  until(page, 'pictures come', (brume) => brume.state === 'connected' && brume.frames >= 3);
+
+// Until the picture shows the camera as it is now.
+export const settled = async (page) => {
+  const frames = await page.evaluate(() => window.brume.frames);
+  await until(
+    page,
+    'the picture shows the camera',
+    (brume, seen) =>
+      brume.frames > seen && brume.sentPose !== undefined && brume.lastFrame.poseSeq >= brume.sentPose - 1,
+    frames,
+  );
+  // One more frame: the pose before the last may still have been under way.
+  const now = await page.evaluate(() => ({ frames: window.brume.frames, pose: window.brume.sentPose }));
+  await until(
+    page,
+    'one more frame',
+    (brume, seen) => brume.frames > seen.frames && brume.lastFrame.poseSeq >= seen.pose,
+    now,
+  );
+};
+
+// What the canvas shows, small: [r, g, b] in rows from the top, 0 ... 255.
+export async function pixels(page) {
+  return page.evaluate(({ width, height }) => {
+    const copy = new OffscreenCanvas(width, height).getContext('2d');
+    copy.imageSmoothingQuality = 'high';
+    copy.drawImage(document.getElementById('view'), 0, 0, width, height);
+    const { data } = copy.getImageData(0, 0, width, height);
+    return Array.from({ length: width * height }, (_, i) => [data[4 * i], data[4 * i + 1], data[4 * i + 2]]);
+  }, SAMPLES);
+}
+
+// Mean absolute difference of two pictures, 0 ... 255.
+export function difference(a, b) {
+  let sum = 0;
+  for (let i = 0; i < a.length; ++i) for (const k of [0, 1, 2]) sum += Math.abs(a[i][k] - b[i][k]);
+  return sum / (3 * a.length);
+}
+
+// Mean colour of a part of the picture; edges are fractions of its size.
+export function mean(picture, left, top, right, bottom) {
+  const sum = [0, 0, 0];
+  let count = 0;
+  for (let y = Math.floor(top * SAMPLES.height); y < bottom * SAMPLES.height; ++y) {
+    for (let x = Math.floor(left * SAMPLES.width); x < right * SAMPLES.width; ++x) {
+      for (const k of [0, 1, 2]) sum[k] += picture[y * SAMPLES.width + x][k];
+      count += 1;
+    }
+  }
+  return sum.map((x) => x / count);
+}
+
+export function deviation(picture) {
+  const grey = picture.map(([r, g, b]) => (r + g + b) / 3);
+  const average = grey.reduce((a, b) => a + b, 0) / grey.length;
+  return Math.sqrt(grey.reduce((sum, x) => sum + (x - average) ** 2, 0) / grey.length);
+}
+
+// Draws a line with the mouse's left button, in fractions of the window, over about `steps` animation frames.
+export async function drag(page, [fromX, fromY], [toX, toY], steps = 12) {
+  const { width, height } = page.viewportSize();
+  await page.mouse.move(fromX * width, fromY * height);
+  await page.mouse.down();
+  for (let i = 1; i <= steps; ++i) {
+    const part = i / steps;
+    await page.mouse.move((fromX + (toX - fromX) * part) * width, (fromY + (toY - fromY) * part) * height);
+    await page.waitForTimeout(16);
+  }
+  await page.mouse.up();
+}

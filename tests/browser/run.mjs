@@ -1,0 +1,245 @@
+// The page in a real Chromium against a real server: node tests/browser/run.mjs
+// BRUME_SERVER, BRUME_WEB_ROOT and CHROMIUM name others than the usual ones.
+import assert from 'node:assert/strict';
+import { after, before, describe, test } from 'node:test';
+import {
+  connected,
+  deviation,
+  difference,
+  drag,
+  mean,
+  openPage,
+  pixels,
+  settled,
+  startBrowser,
+  until,
+} from './pages.mjs';
+import { startServer } from './server.mjs';
+
+// Brightness steps, 0 ... 255: JPEG noise stays below, what a person would call a change is above.
+const VISIBLE = 2;
+
+let browser;
+before(async () => {
+  browser = await startBrowser();
+});
+after(async () => {
+  await browser?.close();
+});
+
+const far = (a, b) => Math.max(...a.map((x, k) => Math.abs(x - b[k])));
+
+async function pause(page, paused) {
+  await page.evaluate(() => document.activeElement?.blur());
+  const now = await page.evaluate(() => window.brume.scene.paused);
+  if (now !== paused) await page.keyboard.press('p');
+  await until(page, `paused is ${paused}`, (brume, wanted) => brume.scene.paused === wanted, paused);
+}
+
+describe('one server', () => {
+  let server;
+  before(async () => {
+    server = await startServer();
+  });
+  after(async () => {
+    assert.equal(await server?.stop(), 0, 'the server’s exit');
+  });
+
+  test('the canvas shows the cloud', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await settled(page);
+    const picture = await pixels(page);
+    const centre = mean(picture, 0.42, 0.4, 0.58, 0.6);
+    for (const [x, y] of [
+      [0, 0],
+      [0.9, 0],
+      [0, 0.9],
+      [0.9, 0.9],
+    ]) {
+      const corner = mean(picture, x, y, x + 0.1, y + 0.1);
+      assert.ok(far(centre, corner) > 15, `centre ${centre} against corner ${corner}`);
+    }
+    assert.ok(deviation(picture) > 5, `the picture is nearly uniform: ${deviation(picture)}`);
+    const seen = await page.evaluate(() => ({ ...window.brume, state: document.body.dataset.state }));
+    assert.equal(seen.state, 'live');
+    assert.match(seen.stateHash, /^[0-9a-f]{16}$/);
+    assert.ok(seen.viewer > 0);
+    assert.ok(seen.lastFrame.bytes > 500);
+    assert.ok(Math.abs(seen.lastFrame.width / seen.lastFrame.height / (480 / 270) - 1) < 0.02, 'the canvas’s shape');
+    assert.ok(seen.lastFrame.latency.total > 0);
+    await page.leave();
+  });
+
+  test('dragging, scrolling, keys and reset move the camera and the picture', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await pause(page, true); // whatever changes now, the camera did it
+    await settled(page);
+    const home = await page.evaluate(() => window.brume.camera);
+    const start = await pixels(page);
+    await settled(page);
+    const noise = difference(start, await pixels(page));
+    assert.ok(noise < VISIBLE / 4, `a still picture changes by ${noise}`);
+
+    const moves = {
+      'a drag': () => drag(page, [0.5, 0.5], [0.85, 0.62]),
+      'the wheel': () => page.mouse.wheel(0, -400),
+      'a drag with shift': async () => {
+        await page.keyboard.down('Shift');
+        await drag(page, [0.5, 0.5], [0.6, 0.5]);
+        await page.keyboard.up('Shift');
+      },
+      'a key': () => page.keyboard.press('KeyW', { delay: 400 }),
+    };
+    for (const [name, act] of Object.entries(moves)) {
+      const before = await pixels(page);
+      await act();
+      await page.waitForTimeout(500); // flying comes to rest
+      await settled(page);
+      const change = difference(before, await pixels(page));
+      assert.ok(change > VISIBLE && change > 8 * noise, `${name} changed the picture by ${change}, noise is ${noise}`);
+    }
+
+    await page.keyboard.press('r');
+    await settled(page);
+    assert.deepEqual(await page.evaluate(() => window.brume.camera), home);
+    const back = difference(start, await pixels(page));
+    assert.ok(back < VISIBLE / 4, `the first view again differs by ${back}`);
+    await pause(page, false);
+    await page.leave();
+  });
+
+  test('a finger turns, two fingers zoom', async (t) => {
+    const phone = { viewport: { width: 240, height: 420 }, hasTouch: true, isMobile: true };
+    const page = await openPage(t, browser, server.url, phone);
+    await connected(page);
+    const camera = () => page.evaluate(() => window.brume.camera);
+    const device = await page.context().newCDPSession(page);
+    const touch = (type, ...points) =>
+      device.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    const before = await camera();
+    await touch('touchStart', [80, 200]);
+    for (let x = 90; x <= 160; x += 10) await touch('touchMove', [x, 200]);
+    await touch('touchEnd');
+    const turned = await camera();
+    assert.ok(turned.yaw < before.yaw - 0.2, `yaw ${before.yaw} became ${turned.yaw}`);
+    assert.ok(Math.abs(turned.distance - before.distance) < 1e-9);
+    await touch('touchStart', [100, 200], [140, 200]);
+    for (let d = 0; d <= 40; d += 8) await touch('touchMove', [100 - d, 200], [140 + d, 200]);
+    await touch('touchEnd');
+    const near = await camera();
+    assert.ok(near.distance < turned.distance * 0.6, `distance ${turned.distance} became ${near.distance}`);
+    assert.ok(Math.abs(near.yaw - turned.yaw) < 1e-9);
+    const { width, height } = await page.evaluate(() => window.brume.lastFrame);
+    assert.ok(height > width, `an upright picture, not ${width}x${height}`);
+    await page.leave();
+  });
+
+  test('two pages see the same ticks, each from its own side', async (t) => {
+    const [one, two] = [await openPage(t, browser, server.url), await openPage(t, browser, server.url)];
+    await Promise.all([connected(one), connected(two)]);
+    await drag(two, [0.3, 0.5], [0.8, 0.5]);
+    await until(one, 'both are counted', (brume) => brume.scene.viewers === 2);
+    await Promise.all([settled(one), settled(two)]);
+    let shared = [];
+    for (const deadline = Date.now() + 20_000; shared.length < 5 && Date.now() < deadline; ) {
+      await one.waitForTimeout(300);
+      const [a, b] = await Promise.all([one, two].map((page) => page.evaluate(() => window.brume.recent)));
+      const hashes = new Map(b.map(({ tick, hash }) => [tick, hash]));
+      shared = a.filter(({ tick }) => hashes.has(tick));
+      for (const { tick, hash } of shared) assert.equal(hash, hashes.get(tick), `the state hash of tick ${tick}`);
+    }
+    assert.ok(shared.length >= 5, `only ${shared.length} ticks were seen by both`);
+    assert.ok(new Set(shared.map(({ hash }) => hash)).size > 1, 'the hash never changes');
+    assert.notEqual(...(await Promise.all([one, two].map((page) => page.evaluate(() => window.brume.viewer)))));
+    const views = await Promise.all([pixels(one), pixels(two)]);
+    assert.ok(difference(...views) > VISIBLE, 'both show the same side');
+    await one.leave();
+    await two.leave();
+  });
+
+  test('a push in one page moves the cloud in the other, and no camera', async (t) => {
+    const [one, two] = [await openPage(t, browser, server.url), await openPage(t, browser, server.url)];
+    await Promise.all([connected(one), connected(two)]);
+    await Promise.all([settled(one), settled(two)]);
+    const cameras = () => Promise.all([one, two].map((page) => page.evaluate(() => window.brume.camera)));
+    const before = await cameras();
+    // How much the cloud moves by itself, over a longer time than the push takes to show.
+    const calm = await pixels(two);
+    let drift = 0;
+    for (let i = 0; i < 5; ++i) {
+      await two.waitForTimeout(300);
+      drift = Math.max(drift, difference(calm, await pixels(two)));
+    }
+    await one.keyboard.down('Alt');
+    for (const y of [0.45, 0.55]) await drag(one, [0.3, y], [0.7, y], 14);
+    await one.keyboard.up('Alt');
+    let most = 0;
+    for (let i = 0; i < 10; ++i) {
+      most = Math.max(most, difference(calm, await pixels(two)));
+      await two.waitForTimeout(100);
+    }
+    assert.ok(most > VISIBLE && most > 3 * drift, `the push changed ${most}, the cloud by itself ${drift}`);
+    assert.deepEqual(await cameras(), before);
+    await one.leave();
+    await two.leave();
+  });
+
+  test('a setting changed in one page is followed by the other’s panel', async (t) => {
+    const [one, two] = [await openPage(t, browser, server.url), await openPage(t, browser, server.url)];
+    await Promise.all([connected(one), connected(two)]);
+    await Promise.all([one, two].map((page) => page.locator('#tool-panel').click()));
+    const slider = (page) => page.getByRole('slider', { name: 'Exposure' });
+    const wanted = await two.evaluate(() => window.brume.scene.exposure);
+    await slider(one).focus();
+    for (let i = 0; i < 12; ++i) await one.keyboard.press('ArrowRight');
+    await until(two, 'the exposure has grown', (brume, old) => brume.scene.exposure > old * 1.1, wanted);
+    const [mine, theirs] = await Promise.all([slider(one).inputValue(), slider(two).inputValue()]);
+    assert.equal(theirs, mine);
+    await one.leave();
+    await two.leave();
+  });
+});
+
+test('a page comes back by itself, where it was, when the server restarts', async (t) => {
+  let server = await startServer();
+  t.after(() => server.stop());
+  const page = await openPage(t, browser, server.url);
+  await connected(page);
+  await drag(page, [0.5, 0.5], [0.7, 0.6]);
+  await settled(page);
+  const { camera, frames } = await page.evaluate(() => ({ camera: window.brume.camera, frames: window.brume.frames }));
+  const picture = await pixels(page);
+
+  assert.equal(await server.stop(), 0, 'the server’s exit');
+  await until(page, 'it is reconnecting', (brume) => brume.state === 'reconnecting');
+  await page.waitForSelector('[data-state=reconnecting]');
+  assert.ok(difference(picture, await pixels(page)) < 20, 'the last picture stays');
+
+  server = await startServer('--port', server.port);
+  await until(page, 'pictures come again', (b, old) => b.state === 'connected' && b.frames > old + 2, frames);
+  await page.waitForSelector('[data-state=live]');
+  assert.deepEqual(await page.evaluate(() => window.brume.camera), camera);
+  await settled(page);
+  await page.leave();
+  assert.equal(await server.stop(), 0, 'the server’s exit');
+});
+
+test('a full server refuses politely, and lets in who waits when there is room', async (t) => {
+  const server = await startServer('--max-viewers', '1');
+  t.after(() => server.stop());
+  const first = await openPage(t, browser, server.url);
+  await connected(first);
+  const second = await openPage(t, browser, server.url);
+  await until(second, 'it is refused', (brume) => brume.state === 'refused');
+  assert.equal(await second.locator('#curtain-title').textContent(), 'All places are taken');
+  assert.match(await second.locator('#curtain-wait').textContent(), /^Trying again/);
+  assert.ok(await second.getByRole('button', { name: 'Try now' }).isVisible());
+  assert.equal(await first.evaluate(() => window.brume.state), 'connected');
+  await first.leave();
+  await connected(second);
+  await second.locator('#curtain-title').waitFor({ state: 'hidden' });
+  await second.leave();
+  assert.equal(await server.stop(), 0, 'the server’s exit');
+});
