@@ -61,8 +61,11 @@ const hash = (value: bigint): string => value.toString(16).padStart(16, '0');
 
 const notices = new Notices(() => link.retryNow());
 
-const url = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`;
-const link = new Connection(url, {
+// Beside the page, wherever a proxy has put it.
+const address = new URL('ws', location.href);
+address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+address.search = address.hash = '';
+const link = new Connection(address.href, {
   hello: () => ({ client: CLIENT, ...size, quality: settings.quality }),
   state: (state) => {
     linkState = state.name;
@@ -188,13 +191,15 @@ function setPushing(on: boolean): void {
 
 function hint(): void {
   const touch = matchMedia('(pointer: coarse)').matches;
+  // Many window managers keep Alt-drag to themselves, and a Mac's Ctrl-click is another click.
+  const key = /^(Mac|iP)/.test(navigator.platform) ? 'Option' : 'Ctrl';
   const turn = mode === 'orbit' ? 'orbit' : 'look around';
   const travel = mode === 'orbit' ? 'scroll to zoom' : 'WASD to fly';
   const text = pushing
     ? 'Drag to push the cloud'
     : touch
       ? `Drag to ${turn} · pinch to zoom · hold, then drag to push`
-      : `Drag to ${turn} · ${travel} · Alt-drag to push the cloud`;
+      : `Drag to ${turn} · ${travel} · ${key}-drag to push the cloud`;
   setText(find('hint'), text);
 }
 
@@ -291,6 +296,9 @@ function animate(now: number): void {
     }
   }
 }
+
+// A hidden page presents nothing: what it was shown of poses from before says nothing about the way here.
+document.addEventListener('visibilitychange', () => (answeredPose = link.lastPose));
 
 let settle: number | undefined;
 new ResizeObserver(() => {

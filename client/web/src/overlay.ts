@@ -24,7 +24,7 @@ const STAGE_HINTS: Record<Stage, string> = {
   present: 'The browser brought it to the screen',
 };
 // Samples in the latency curve, one a frame.
-const HISTORY = 120;
+const HISTORY = 60;
 const CURVE = { width: 132, height: 34 };
 
 const ms = (value: number): string => (value < 99.95 ? value.toFixed(1) : value.toFixed(0));

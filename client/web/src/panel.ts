@@ -32,13 +32,26 @@ const QUADRATURES: Record<string, { text: string; steps: number }> = {
 // The method that shades with its own fixed quadrature.
 const OWN_QUADRATURE = 'sphere';
 const QUALITIES = [0, 50, 65, 80, 90, 95];
-const NUDGE_M = 0.5;
+const NUDGE = 0.03; // of the camera's distance
 
 const degrees = (value: number): string => `${Math.round(value)}°`;
 const fixed =
   (digits: number) =>
   (value: number): string =>
     value.toFixed(digits);
+
+const KEYS = [
+  ['W A S D Q E', 'fly, Shift is faster'],
+  ['Arrows', 'orbit or look'],
+  ['C', 'orbit or fly'],
+  ['X, Ctrl, Alt', 'push while dragging'],
+  ['R', 'first view'],
+  ['P', 'pause for everyone'],
+  ['I · O', 'statistics · settings'],
+] as const;
+
+const keyList = (): HTMLElement =>
+  el('dl', { class: 'keys' }, ...KEYS.map(([key, does]) => el('div', {}, el('dt', {}, key), el('dd', {}, does))));
 
 export function buildPanel(root: HTMLElement, host: PanelHost, chosen: { cap: number; quality: number }): Panel {
   // What the last report said: half of a light is changed by sending the other half as it was.
@@ -164,11 +177,13 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: { cap: nu
   const restart = button('Restart', 'Start the scene again, for everyone', () => host.command({ kind: 'restart' }));
   const nudge = (text: string, title: string, side: number, up: number, ahead: number): HTMLButtonElement =>
     button(text, title, () => {
-      const { right, forward } = axes(host.camera());
+      const camera = host.camera();
+      const { right, forward } = axes(camera);
+      const step = NUDGE * camera.distance;
       const flat = Math.hypot(forward[0], forward[2]) || 1;
-      const x = (right[0] * side + (forward[0] / flat) * ahead) * NUDGE_M;
-      const z = (right[2] * side + (forward[2] / flat) * ahead) * NUDGE_M;
-      host.command({ kind: 'move', offset: [x, up * NUDGE_M, z] });
+      const x = (right[0] * side + (forward[0] / flat) * ahead) * step;
+      const z = (right[2] * side + (forward[2] / flat) * ahead) * step;
+      host.command({ kind: 'move', offset: [x, up * step, z] });
     });
   const nudges = el(
     'div',
@@ -187,7 +202,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: { cap: nu
     SIZE_CAPS.map(({ name, width, height }, index) => ({ value: String(index), text: `${name} · ${width}×${height}` })),
   );
   size.follow(String(chosen.cap));
-  const quality = select('JPEG quality', (value) => host.setQuality(Number(value)));
+  const quality = select('Quality', (value) => host.setQuality(Number(value)));
   quality.options(QUALITIES.map((q) => ({ value: String(q), text: q === 0 ? 'Server’s choice' : String(q) })));
   quality.follow(String(chosen.quality));
 
@@ -201,6 +216,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: { cap: nu
     group('Method', true, method.element, quadrature.element, steps.element, exposure.element),
     group('Cloud', true, el('div', { class: 'actions' }, pause, restart), nudges),
     group('Picture, yours alone', true, size.element, quality.element),
+    group('Keys', false, keyList()),
   );
 
   return {
