@@ -1,0 +1,22 @@
+// From a viewer's input to a command for the simulation, every number checked.
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "protocol/message.h"
+#include "server/sim/command.h"
+#include "server/viewer/audience.h"
+
+namespace brume::net {
+
+// Why a message is not taken: sent to the viewer, in one line.
+struct Refusal {
+    wire::ErrorCode code;
+    std::string text;
+};
+
+// Precondition: `input` comes from wire::parse. Directions come back normalised; names are among `facts`.
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts);
+
+} // namespace brume::net

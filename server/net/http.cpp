@@ -1,0 +1,351 @@
+#include "server/net/http.h"
+
+#include <array>
+#include <optional>
+
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/rfc7230.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <fmt/format.h>
+
+#include "protocol/message.h"
+#include "server/net/coroutine.h"
+#include "server/net/origin.h"
+#include "server/net/picture_query.h"
+#include "server/net/seat.h"
+#include "server/net/websocket.h"
+
+namespace brume::net {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+using asio::ip::tcp;
+
+constexpr char kBoundary[] = "brume-frame";
+constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read our last words before the socket closes
+
+// Counts one up for as long as it lives.
+class Share {
+public:
+    explicit Share(std::atomic<uint32_t>& count) : count_(count), number_(++count) {}
+    ~Share() { --count_; }
+    Share(const Share&) = delete;
+    Share& operator=(const Share&) = delete;
+    uint32_t number() const { return number_; }
+
+private:
+    std::atomic<uint32_t>& count_;
+    const uint32_t number_;
+};
+
+// The status line and the headers, without length and the empty line.
+std::string headOf(const Reply& reply, std::string_view connection) {
+    const beast::string_view reason = http::obsolete_reason(http::status(reply.status));
+    std::string head =
+        fmt::format("HTTP/1.1 {} {}\r\nServer: brume/{}\r\nConnection: {}\r\nContent-Type: {}\r\n"
+                    "X-Content-Type-Options: nosniff\r\n",
+                    reply.status, std::string_view(reason.data(), reason.size()), BRUME_VERSION, connection, reply.content_type);
+    for (const auto& [name, value] : reply.headers) head += fmt::format("{}: {}\r\n", name, value);
+    return head;
+}
+
+class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
+public:
+    HttpConnection(Context& context, tcp::socket socket, std::unique_ptr<Connections::Place> place)
+        : context_(context), place_(std::move(place)), stream_(std::move(socket)),
+          bell_(std::make_shared<Bell>(stream_.get_executor())) {
+        context_.metrics.connected(1);
+    }
+    ~HttpConnection() override { context_.metrics.connected(-1); }
+
+    void start() {
+        place_->occupy(shared_from_this());
+        asio::co_spawn(
+            stream_.get_executor(), [self = shared_from_this()] { return self->run(); }, kLogFailure);
+    }
+    void stop() override {
+        asio::post(stream_.get_executor(), [self = shared_from_this()] {
+            self->bell_->ring();
+            if (self->idle_) self->stream_.close();
+        });
+    }
+    void kill() override {
+        asio::post(stream_.get_executor(), [self = shared_from_this()] {
+            self->bell_->ring();
+            self->stream_.close();
+        });
+    }
+
+private:
+    using Parser = http::request_parser<http::empty_body>;
+    using Parts = std::array<asio::const_buffer, 3>;
+
+    asio::awaitable<void> run();
+    asio::awaitable<bool> answer(const HttpRequest& request);
+    asio::awaitable<bool> upgrade(const HttpRequest& request);
+    asio::awaitable<bool> snapshot(const HttpRequest& request, std::string_view query);
+    asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query);
+    asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
+    asio::awaitable<error_code> write(Parts parts);
+    asio::awaitable<FramePtr> nextFrame(Seat& seat);
+    asio::awaitable<void> linger();
+    std::optional<Reply> judge(const error_code& error, const Parser& parser) const;
+    Reply health(std::string_view path) const;
+
+    Context& context_;
+    std::unique_ptr<Connections::Place> place_; // null once the connection is a WebSocket
+    beast::tcp_stream stream_;
+    beast::flat_buffer buffer_;
+    std::shared_ptr<Bell> bell_; // rings when a frame is there, and when the server stops
+    bool idle_ = false;          // between requests
+};
+
+asio::awaitable<void> HttpConnection::run() {
+    const NetOptions& options = context_.options;
+    for (bool first = true; !context_.stopping; first = false) {
+        Parser parser;
+        parser.header_limit(options.max_header_bytes);
+        stream_.expires_after(first ? options.handshake : options.idle);
+        idle_ = true;
+        const auto [error, size] = co_await http::async_read_header(stream_, buffer_, parser, kToken);
+        idle_ = false;
+        if (auto refusal = judge(error, parser)) {
+            co_await send(parser.get(), "refused", *std::move(refusal));
+            break;
+        }
+        if (error) co_return; // closed, reset, or nothing came in time
+        const bool again = co_await answer(parser.get());
+        if (!again) break;
+    }
+    if (place_) co_await linger();
+}
+
+// What is wrong with a request before anyone looks at its path; nothing when it is good, or when the connection is gone.
+std::optional<Reply> HttpConnection::judge(const error_code& error, const Parser& parser) const {
+    const NetOptions& options = context_.options;
+    const auto refuse = [](unsigned status, std::string line) {
+        Reply reply = lineReply(status, std::move(line));
+        reply.close = true; // what follows on this connection cannot be understood
+        return reply;
+    };
+    if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+        const auto data = buffer_.cdata();
+        const std::string_view text(static_cast<const char*>(data.data()), data.size());
+        return text.find('\n') == text.npos
+                   ? refuse(414, fmt::format("the request's first line is over {} bytes", options.max_header_bytes))
+                   : refuse(431, fmt::format("the request's header is over {} bytes", options.max_header_bytes));
+    }
+    if (error == http::error::end_of_stream || error == http::error::partial_message) return {};
+    if (error.category() == http::make_error_code(http::error::bad_method).category())
+        return refuse(400, fmt::format("not an HTTP request: {}", error.message()));
+    if (error) return {};
+    const auto& request = parser.get();
+    if (request.target().size() > options.max_target_bytes)
+        return refuse(414, fmt::format("the path and query are over {} bytes", options.max_target_bytes));
+    if (!request.target().starts_with('/')) return refuse(400, "the path must begin with /");
+    if (request.method() != http::verb::get && request.method() != http::verb::head) {
+        Reply reply = refuse(405, "only GET and HEAD are served here");
+        reply.headers = {{"Allow", "GET, HEAD"}};
+        return reply;
+    }
+    if (parser.chunked() || parser.content_length().value_or(0) > 0) return refuse(413, "a request here has no body");
+    return {};
+}
+
+// True when another request may follow.
+asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
+    const std::string_view target(request.target().data(), request.target().size());
+    const size_t question = std::min(target.find('?'), target.size());
+    const std::string_view path = target.substr(0, question), query = target.substr(std::min(question + 1, target.size()));
+
+    if (path == "/ws") return upgrade(request);
+    if (path == "/snapshot.jpg") return snapshot(request, query);
+    if (path == "/stream.mjpg") return stream(request, query);
+    if (path == "/healthz" || path == "/readyz" || path == "/metrics") return send(request, path.substr(1), health(path));
+    const auto tag = request[http::field::if_none_match];
+    return send(request, "page", context_.pages.serve(path, {tag.data(), tag.size()}));
+}
+
+Reply HttpConnection::health(std::string_view path) const {
+    Reply reply;
+    if (path == "/healthz")
+        reply = lineReply(200, "ok");
+    else if (path == "/metrics") {
+        reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
+        reply.body = context_.metrics.text(context_.audience);
+    } else if (context_.stopping)
+        reply = lineReply(503, "not ready: the server stops");
+    else if (!context_.audience.ready)
+        reply = lineReply(503, "not ready: no frame can be rendered yet");
+    else
+        reply = lineReply(200, "ready");
+    reply.headers = {{"Cache-Control", "no-store"}};
+    return reply;
+}
+
+// To a WebSocket, or one line on why not.
+asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request) {
+    const auto text = [](beast::string_view value) { return std::string_view(value.data(), value.size()); };
+    const std::string_view origin = text(request[http::field::origin]);
+    Reply refusal;
+    if (!beast::websocket::is_upgrade(request)) {
+        refusal = lineReply(426, "this is a WebSocket: connect with ws://, subprotocol brume.v1");
+        refusal.headers = {{"Upgrade", "websocket"}};
+    } else if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(wire::kSubprotocol)) {
+        refusal = lineReply(400, "the WebSocket subprotocol brume.v1 is needed");
+    } else if (!originAllowed(origin, text(request[http::field::host]), context_.options.allowed_origins)) {
+        refusal = lineReply(403, "pages of this origin may not connect: allow it with --allow-origin");
+        context_.metrics.refused("origin");
+    } else {
+        serveWebSocket(context_, std::move(stream_), request, std::move(place_));
+        co_return false;
+    }
+    co_return co_await send(request, "ws", std::move(refusal));
+}
+
+// A frame of our own camera, once.
+asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::string_view query) {
+    const auto send503 = [&](const char* line) {
+        Reply reply = lineReply(503, line);
+        reply.headers = {{"Retry-After", "5"}};
+        return send(request, "snapshot", std::move(reply));
+    };
+    if (request.method() == http::verb::head)
+        co_return co_await send(request, "snapshot", lineReply(405, "only GET is served here"));
+    auto read = readPictureQuery(query, context_.options, context_.audience.facts());
+    if (auto* wrong = std::get_if<std::string>(&read))
+        co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
+
+    FramePtr frame;
+    {
+        const Share share(context_.snapshots);
+        const bool room = share.number() <= context_.options.max_snapshots;
+        const auto seat = room ? Seat::take(context_.audience, context_.metrics, bell_->ringer(), 1) : nullptr;
+        if (!seat) {
+            context_.metrics.refused("snapshots");
+            co_return co_await send503("every place is taken: try again later");
+        }
+        PoseRequest pose = std::get<PictureQuery>(read).request;
+        pose.received = Clock::now();
+        seat->viewer().setPose(pose);
+        frame = co_await nextFrame(*seat);
+    }
+    if (!frame) co_return co_await send503("no frame came in time: see /readyz");
+    context_.metrics.sent(frame->jpeg[0].size(), 0);
+    Reply reply;
+    reply.content_type = "image/jpeg";
+    reply.body.assign(frame->jpeg[0].begin(), frame->jpeg[0].end());
+    reply.headers = {{"Cache-Control", "no-store"}};
+    co_return co_await send(request, "snapshot", std::move(reply));
+}
+
+// Motion JPEG: every part is followed by its boundary at once, so that a reader shows it without waiting for the next.
+asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query) {
+    const auto send503 = [&](const char* line) {
+        Reply reply = lineReply(503, line);
+        reply.headers = {{"Retry-After", "5"}};
+        return send(request, "stream", std::move(reply));
+    };
+    if (request.method() == http::verb::head)
+        co_return co_await send(request, "stream", lineReply(405, "only GET is served here"));
+    auto read = readPictureQuery(query, context_.options, context_.audience.facts());
+    if (auto* wrong = std::get_if<std::string>(&read))
+        co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
+    PictureQuery wish = std::get<PictureQuery>(read);
+
+    const Share share(context_.streams);
+    const bool room = share.number() <= context_.options.max_streams;
+    const auto seat = room ? Seat::take(context_.audience, context_.metrics, bell_->ringer(), 1) : nullptr;
+    if (!seat) {
+        context_.metrics.refused("streams");
+        co_return co_await send503("every place is taken: try again later");
+    }
+    wish.request.received = Clock::now();
+    seat->viewer().setPose(wish.request);
+    FramePtr frame = co_await nextFrame(*seat);
+    if (!frame) co_return co_await send503("no frame came in time: see /readyz");
+
+    context_.metrics.requested("stream", 200);
+    spdlog::info("viewer {}: stream to {}, {}x{}", seat->viewer().id(), place_->address(), wish.request.width,
+                 wish.request.height);
+    Reply opening;
+    opening.content_type = fmt::format("multipart/x-mixed-replace; boundary={}", kBoundary);
+    opening.headers = {{"Cache-Control", "no-store"}};
+    std::string head = headOf(opening, "close") + fmt::format("\r\n--{}\r\n", kBoundary);
+    const std::string tail = fmt::format("\r\n--{}\r\n", kBoundary);
+    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / wish.fps));
+    auto due = Clock::now();
+    while (frame && !context_.stopping) {
+        const std::vector<uint8_t>& jpeg = frame->jpeg[0];
+        head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.size());
+        context_.metrics.sent(jpeg.size(), 0);
+        const Parts part{asio::buffer(head), asio::buffer(jpeg), asio::buffer(tail)};
+        const error_code error = co_await write(part);
+        if (error) break;
+        head.clear();
+        // The next one is rendered when its time has come, not before.
+        due = std::max(due + period, Clock::now());
+        while (Clock::now() < due && !context_.stopping) co_await bell_->wait(due);
+        seat->viewer().acknowledge(frame->id);
+        frame = co_await nextFrame(*seat);
+    }
+    spdlog::info("viewer {}: stream ended after {} frames", seat->viewer().id(), seat->viewer().counts().sent);
+    co_return false;
+}
+
+// Null when none comes in time or the server stops.
+asio::awaitable<FramePtr> HttpConnection::nextFrame(Seat& seat) {
+    const auto deadline = Clock::now() + context_.options.frame_wait;
+    for (;;) {
+        FramePtr frame = seat.takeFrame();
+        if (frame || context_.stopping || Clock::now() >= deadline) co_return frame;
+        co_await bell_->wait(deadline);
+    }
+}
+
+// One buffer for the header, one for the body, written together.
+asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::string_view route, Reply reply) {
+    context_.metrics.requested(route, reply.status);
+    const bool again = request.keep_alive() && !reply.close && !context_.stopping;
+    std::string head = headOf(reply, again ? "keep-alive" : "close");
+    if (reply.status != 304) head += fmt::format("Content-Length: {}\r\n", reply.body.size());
+    head += "\r\n";
+    if (request.method() == http::verb::head) reply.body.clear();
+    const Parts parts{asio::buffer(head), asio::buffer(reply.body)};
+    const error_code error = co_await write(parts);
+    co_return !error && again;
+}
+
+asio::awaitable<error_code> HttpConnection::write(Parts parts) {
+    stream_.expires_after(context_.options.write_stall);
+    const auto [error, size] = co_await asio::async_write(stream_, parts, kToken);
+    co_return error;
+}
+
+// Closing with unread data resets the connection and may take our answer with it: let the peer read first.
+asio::awaitable<void> HttpConnection::linger() {
+    error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(kLinger);
+    std::array<char, 4096> bin;
+    for (size_t total = 0; total < (64u << 10);) {
+        const auto [error, size] = co_await stream_.async_read_some(asio::buffer(bin), kToken);
+        if (error) break;
+        total += size;
+    }
+    stream_.close();
+}
+
+} // namespace
+
+void serveHttp(Context& context, tcp::socket socket, std::unique_ptr<Connections::Place> place) {
+    std::make_shared<HttpConnection>(context, std::move(socket), std::move(place))->start();
+}
+
+} // namespace brume::net

@@ -1,0 +1,119 @@
+#include "server/net/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+namespace brume {
+namespace {
+
+namespace pm = prometheus;
+
+// Seconds, from what a fast GPU needs to what makes a viewer leave.
+const pm::Histogram::BucketBoundaries kSeconds{0.00025, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016,
+                                               0.033,   0.066,  0.133, 0.266, 0.533, 1,     2};
+
+pm::MetricFamily gauge(const char* name, const char* help, double value) {
+    pm::ClientMetric metric;
+    metric.gauge.value = value;
+    return {name, help, pm::MetricType::Gauge, {metric}};
+}
+
+pm::MetricFamily passGauges(const SceneReport& report) {
+    pm::MetricFamily family{"brume_pass_seconds", "GPU time of each pass, smoothed.", pm::MetricType::Gauge, {}};
+    for (const PassTime& pass : report.passes) {
+        pm::ClientMetric metric;
+        metric.label = {{"pass", pass.name}};
+        metric.gauge.value = pass.ms * 1e-3;
+        family.metric.push_back(std::move(metric));
+    }
+    return family;
+}
+
+} // namespace
+
+struct Metrics::Families {
+    pm::Registry registry;
+    pm::Family<pm::Counter>& frames =
+        pm::BuildCounter().Name("brume_frames_total").Help("Frames by what became of them.").Register(registry);
+    pm::Counter& rendered = frames.Add({{"fate", "rendered"}});
+    pm::Counter& sent = frames.Add({{"fate", "sent"}});
+    pm::Counter& superseded = frames.Add({{"fate", "superseded"}});
+    pm::Counter& failed = frames.Add({{"fate", "failed"}});
+    pm::Counter& bytes =
+        pm::BuildCounter().Name("brume_frame_bytes_total").Help("Bytes of frames handed to sockets.").Register(registry).Add({});
+    pm::Family<pm::Histogram>& stages = pm::BuildHistogram()
+                                            .Name("brume_stage_seconds")
+                                            .Help("Time of a frame in each stage; gpu is part of render.")
+                                            .Register(registry);
+    pm::Histogram& wait = stages.Add({{"stage", "wait"}}, kSeconds);
+    pm::Histogram& render = stages.Add({{"stage", "render"}}, kSeconds);
+    pm::Histogram& encode = stages.Add({{"stage", "encode"}}, kSeconds);
+    pm::Histogram& queue = stages.Add({{"stage", "queue"}}, kSeconds);
+    pm::Histogram& gpu = stages.Add({{"stage", "gpu"}}, kSeconds);
+    pm::Histogram& tick = pm::BuildHistogram()
+                              .Name("brume_tick_seconds")
+                              .Help("Work that viewers share, per tick: commands, simulation, light.")
+                              .Register(registry)
+                              .Add({}, kSeconds);
+    pm::Family<pm::Counter>& refused =
+        pm::BuildCounter().Name("brume_refused_total").Help("Messages and connections refused, by reason.").Register(registry);
+    pm::Family<pm::Counter>& requests =
+        pm::BuildCounter().Name("brume_http_requests_total").Help("HTTP requests by route and status.").Register(registry);
+    pm::Gauge& connections =
+        pm::BuildGauge().Name("brume_connections").Help("Open connections of any kind.").Register(registry).Add({});
+};
+
+Metrics::Metrics() : families_(std::make_unique<Families>()) {}
+Metrics::~Metrics() = default;
+
+void Metrics::ticked(float work_ms) { families_->tick.Observe(work_ms * 1e-3); }
+
+void Metrics::rendered(const EncodedFrame& frame) {
+    families_->rendered.Increment();
+    families_->wait.Observe(frame.wait_ms * 1e-3);
+    families_->render.Observe(frame.render_ms * 1e-3);
+    families_->encode.Observe(frame.encode_ms * 1e-3);
+    families_->gpu.Observe(frame.gpu_ms * 1e-3);
+}
+
+void Metrics::failed() { families_->failed.Increment(); }
+
+void Metrics::sent(size_t bytes, float queue_ms) {
+    families_->sent.Increment();
+    families_->bytes.Increment(double(bytes));
+    families_->queue.Observe(queue_ms * 1e-3);
+}
+
+void Metrics::superseded(uint64_t frames) {
+    if (frames > 0) families_->superseded.Increment(double(frames));
+}
+
+void Metrics::refused(std::string_view reason) { families_->refused.Add({{"reason", std::string(reason)}}).Increment(); }
+
+void Metrics::requested(std::string_view route, unsigned status) {
+    families_->requests.Add({{"route", std::string(route)}, {"status", std::to_string(status)}}).Increment();
+}
+
+void Metrics::connected(int change) { families_->connections.Increment(change); }
+
+std::string Metrics::text(const Audience& audience) const {
+    const auto report = audience.report();
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    audience.list(viewers);
+    uint32_t in_flight = 0;
+    for (const auto& viewer : viewers) in_flight += viewer->counts().in_flight;
+
+    auto all = families_->registry.Collect();
+    all.push_back(gauge("brume_viewers", "Viewers in the house: pages, clients, streams and snapshots.", double(viewers.size())));
+    all.push_back(gauge("brume_frames_in_flight", "Frames handed out and not yet acknowledged.", in_flight));
+    all.push_back(gauge("brume_tick", "Tick of the simulation.", double(report->tick)));
+    all.push_back(gauge("brume_particles", "Live particles.", report->particles));
+    all.push_back(gauge("brume_ready", "1 when frames can be had.", audience.ready ? 1 : 0));
+    all.push_back(passGauges(*report));
+    return pm::TextSerializer().Serialize(all);
+}
+
+} // namespace brume

@@ -1,0 +1,53 @@
+// What an operator may set of the network side, and the limits that keep one viewer from harming the others.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace brume::net {
+
+struct NetOptions {
+    std::string listen = "127.0.0.1"; // this machine only; 0.0.0.0 or :: for everyone
+    uint16_t port = 8080;             // 0 takes a free one
+    std::filesystem::path web_root;   // the built page
+    // Origins ("https://clouds.example") whose pages may open the WebSocket besides our own; "*" for any.
+    std::vector<std::string> allowed_origins;
+    uint32_t threads = 1; // of the network; one carries a full house
+
+    // Room. Viewers and their window of unacknowledged frames are the Audience's.
+    uint32_t max_connections = 256, max_connections_per_address = 128;
+    uint32_t max_streams = 8;   // MJPEG, each is also a viewer
+    uint32_t max_snapshots = 4; // at one time, each is also a viewer
+
+    // Bytes.
+    uint32_t max_message_bytes = 64 << 10; // of a viewer's message; ours are below 1 KiB
+    uint32_t max_header_bytes = 8 << 10;   // of an HTTP request, with its first line
+    uint32_t max_target_bytes = 2 << 10;   // path and query
+    uint32_t max_control_queue = 256;      // messages other than frames that wait for one viewer's socket
+
+    // Time.
+    std::chrono::milliseconds handshake{5000};    // connected -> request read, and upgraded -> hello
+    std::chrono::milliseconds idle{60000};        // nothing heard; a ping goes out after half of it
+    std::chrono::milliseconds write_stall{10000}; // one write that does not finish
+    std::chrono::milliseconds frame_wait{5000};   // a snapshot or stream waits for its next frame
+
+    // Rates per viewer, 1/s; a burst may be as long as `burst_s` seconds of it.
+    double pose_rate = 250;     // newer poses replace older ones, the newest is never lost
+    double input_rate = 120;    // over it an input is refused
+    double message_rate = 2000; // over it we read more slowly
+    double burst_s = 2;
+
+    // Pictures, of one eye. A larger wish is scaled down with its aspect kept.
+    uint16_t default_width = 640, default_height = 360;
+    uint16_t max_side = 3840;
+    uint32_t max_pixels = 1920 * 1080;
+    uint8_t default_quality = 80; // JPEG, 1...100
+    float max_stream_fps = 60;
+};
+
+inline constexpr uint16_t kMinSide = 16;
+
+} // namespace brume::net

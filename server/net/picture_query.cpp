@@ -1,0 +1,73 @@
+#include "server/net/picture_query.h"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "common/scene_limits.h"
+#include "server/net/picture_size.h"
+#include "server/net/uri.h"
+
+namespace brume::net {
+namespace {
+
+// Decimal numbers, separated by commas, exactly `count` of them, each within limits.
+bool readNumbers(std::string_view text, float* out, int count, Limits allowed) {
+    for (int i = 0; i < count; ++i) {
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out[i]);
+        if (error != std::errc() || !allowed.holds(out[i])) return false;
+        text.remove_prefix(size_t(end - text.data()));
+        if (i + 1 == count) return text.empty();
+        if (!text.starts_with(',')) return false;
+        text.remove_prefix(1);
+    }
+    return false;
+}
+
+} // namespace
+
+std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query, const NetOptions& options,
+                                                         const SceneFacts& facts) {
+    const auto fields = parseQuery(query);
+    if (!fields) return "the query is not of the form name=value&name=value";
+
+    PictureQuery out;
+    float width = options.default_width, height = options.default_height, quality = options.default_quality;
+    SceneCamera camera = facts.camera;
+    for (const auto& [name, value] : *fields) {
+        const auto number = [&, &text = value](float& into, Limits allowed) { return readNumbers(text, &into, 1, allowed); };
+        const auto refuse = [&, &what = name](const std::string& allowed) { return fmt::format("{} must be {}", what, allowed); };
+        const auto range = [&](Limits allowed) { return refuse(fmt::format("{} ... {}", allowed.lo, allowed.hi)); };
+        const Limits side{kMinSide, double(options.max_side)}, rate{0.1, options.max_stream_fps}, jpeg{1, 100};
+        if (name == "w") {
+            if (!number(width, side)) return range(side);
+        } else if (name == "h") {
+            if (!number(height, side)) return range(side);
+        } else if (name == "quality") {
+            if (!number(quality, jpeg)) return range(jpeg);
+        } else if (name == "fps") {
+            if (!number(out.fps, rate)) return range(rate);
+        } else if (name == "fov") {
+            if (!number(camera.fov_y, limits::kFovY)) return range(limits::kFovY);
+        } else if (name == "position") {
+            if (!readNumbers(value, &camera.position.x, 3, limits::kPlace)) return refuse("x,y,z in metres");
+        } else if (name == "target") {
+            if (!readNumbers(value, &camera.target.x, 3, limits::kPlace)) return refuse("x,y,z in metres");
+        } else if (name == "views") {
+            if (value != "1") return refuse("1: a JPEG shows one eye; both come over the WebSocket");
+        } else {
+            return fmt::format("no setting called {}; there is w h quality fps fov position target", name.substr(0, 32));
+        }
+    }
+    if (glm::distance(camera.position, camera.target) < 1e-3f) return "position and target must differ";
+
+    const PictureSize size = fitSize({uint16_t(width), uint16_t(height)}, options);
+    out.request.seq = 1;
+    out.request.width = size.width;
+    out.request.height = size.height;
+    out.request.quality = uint8_t(quality);
+    out.request.pose = lookAt(camera.position, camera.target, camera.fov_y);
+    return out;
+}
+
+} // namespace brume::net

@@ -1,0 +1,26 @@
+// An HTTP answer as plain data.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace brume::net {
+
+struct Reply {
+    unsigned status = 200;
+    std::string content_type = "text/plain; charset=utf-8";
+    std::string body;
+    std::vector<std::pair<std::string, std::string>> headers; // besides content type and length
+    bool close = false;                                       // the connection ends after it
+};
+
+// One clear line.
+inline Reply lineReply(unsigned status, std::string line) {
+    Reply reply;
+    reply.status = status;
+    reply.body = std::move(line) + "\n";
+    return reply;
+}
+
+} // namespace brume::net

@@ -1,0 +1,125 @@
+#include "server/net/server.h"
+
+#include <stdexcept>
+#include <thread>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/asio/write.hpp>
+#include <fmt/format.h>
+
+#include "server/net/context.h"
+#include "server/net/coroutine.h"
+#include "server/net/http.h"
+
+namespace brume {
+
+using namespace net;
+using asio::ip::tcp;
+
+namespace {
+
+constexpr std::string_view kNoRoom = "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nRetry-After: 5\r\n"
+                                     "Connection: close\r\n\r\ntoo many connections: try again later\n";
+
+std::string hostAndPort(const NetOptions& options) {
+    const bool v6 = options.listen.find(':') != std::string::npos;
+    return fmt::format("{}{}{}:{}", v6 ? "[" : "", options.listen, v6 ? "]" : "", options.port);
+}
+
+// Says what to do about a listener that does not open.
+std::runtime_error cannotListen(const NetOptions& options, const error_code& error) {
+    const char* advice = "; choose another with --listen";
+    if (error == asio::error::address_in_use) advice = "; choose another with --port";
+    if (error == asio::error::access_denied) advice = "; choose a port above 1023 with --port";
+    return std::runtime_error(fmt::format("cannot listen on {}: {}{}", hostAndPort(options), error.message(), advice));
+}
+
+} // namespace
+
+struct NetServer::State {
+    State(NetOptions options, Audience& audience, Metrics& metrics) : context{std::move(options), audience, metrics} {}
+
+    asio::awaitable<void> accept();
+    void welcome(tcp::socket socket);
+
+    Context context;
+    // Dies before the context: coroutines that never ended are destroyed with it and give their places back.
+    asio::io_context io;
+    tcp::acceptor acceptor{asio::make_strand(io)};
+    std::vector<std::thread> threads;
+};
+
+asio::awaitable<void> NetServer::State::accept() {
+    asio::steady_timer pause(acceptor.get_executor());
+    for (;;) {
+        auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kToken);
+        if (context.stopping || error == asio::error::operation_aborted) co_return;
+        if (error) { // out of descriptors, most likely: what is open may end
+            spdlog::warn("cannot accept a connection: {}", error.message());
+            pause.expires_after(std::chrono::milliseconds(100));
+            co_await pause.async_wait(kToken);
+            continue;
+        }
+        welcome(std::move(socket));
+    }
+}
+
+void NetServer::State::welcome(tcp::socket socket) {
+    error_code error;
+    const auto remote = socket.remote_endpoint(error);
+    if (error) return; // gone already
+    socket.set_option(tcp::no_delay(true), error);
+    auto place = context.connections.take(remote.address().to_string());
+    if (!place) {
+        context.metrics.refused("connections");
+        socket.non_blocking(true, error);
+        socket.write_some(asio::buffer(kNoRoom), error); // fits a fresh socket's buffer; nobody waits for it
+        return;
+    }
+    serveHttp(context, std::move(socket), std::move(place));
+}
+
+NetServer::NetServer(NetOptions options, Audience& audience, Metrics& metrics)
+    : state_(std::make_unique<State>(std::move(options), audience, metrics)) {}
+
+NetServer::~NetServer() { stop(std::chrono::milliseconds(0)); }
+
+void NetServer::start() {
+    State& s = *state_;
+    const NetOptions& options = s.context.options;
+    error_code error;
+    const auto found = tcp::resolver(s.io).resolve(options.listen, std::to_string(options.port), tcp::resolver::passive, error);
+    if (error) throw cannotListen(options, error);
+    const tcp::endpoint endpoint = *found.begin();
+    s.acceptor.open(endpoint.protocol(), error);
+    if (!error) s.acceptor.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error) s.acceptor.bind(endpoint, error);
+    if (!error) s.acceptor.listen(asio::socket_base::max_listen_connections, error);
+    if (error) throw cannotListen(options, error);
+
+    asio::co_spawn(s.acceptor.get_executor(), s.accept(), kLogFailure);
+    for (uint32_t i = 0; i < std::max(options.threads, 1u); ++i) s.threads.emplace_back([&s] { s.io.run(); });
+}
+
+uint16_t NetServer::port() const { return state_->acceptor.local_endpoint().port(); }
+
+void NetServer::stop(std::chrono::milliseconds grace) {
+    State& s = *state_;
+    if (s.threads.empty()) return;
+    const auto deadline = std::chrono::steady_clock::now() + grace;
+    s.context.stopping = true;
+    asio::post(s.acceptor.get_executor(), [&s] { s.acceptor.close(); });
+    s.context.connections.stopAll();
+    if (!s.context.connections.waitUntilEmpty(deadline)) {
+        s.context.connections.killAll();
+        // Cut sockets end their coroutines at once; what does not is destroyed with the io_context.
+        s.context.connections.waitUntilEmpty(std::chrono::steady_clock::now() + std::chrono::seconds(1));
+    }
+    s.io.stop();
+    for (std::thread& thread : s.threads) thread.join();
+    s.threads.clear();
+}
+
+} // namespace brume

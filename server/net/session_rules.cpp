@@ -1,0 +1,194 @@
+#include "server/net/session_rules.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "common/scene_limits.h"
+#include "server/net/convert.h"
+#include "server/net/picture_size.h"
+
+namespace brume::net {
+namespace {
+
+constexpr int kMaxMalformed = 3; // a program that is not ours does not get better
+// A viewer with a bug is told of it; one that sends nothing but refused messages is closed.
+constexpr double kRefusalRate = 50, kRefusalBurst = 200;
+constexpr Limits kEyeSeparation{0, 10}; // m; people have 0.065, giants and models more
+
+double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+// For the log: printable ASCII, not endless.
+std::string printable(const flatbuffers::String* text) {
+    std::string out = text ? text->str().substr(0, 64) : "unnamed";
+    std::replace_if(
+        out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return out;
+}
+
+} // namespace
+
+bool TokenBucket::take(Clock::time_point now) {
+    refill(now);
+    if (tokens_ < 1) return false;
+    tokens_ -= 1;
+    return true;
+}
+
+Clock::duration TokenBucket::wait(Clock::time_point now) {
+    refill(now);
+    if (tokens_ >= 1) return {};
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>((1 - tokens_) / rate_));
+}
+
+void TokenBucket::refill(Clock::time_point now) {
+    if (last_ && now > *last_) tokens_ = std::min(burst_, tokens_ + rate_ * seconds(now - *last_));
+    last_ = std::max(now, last_.value_or(now));
+}
+
+SessionRules::SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened)
+    : options_(options), facts_(facts), hello_deadline_(opened + options.handshake),
+      messages_(options.message_rate, options.message_rate * options.burst_s),
+      poses_(options.pose_rate, options.pose_rate * options.burst_s),
+      inputs_(options.input_rate, options.input_rate * options.burst_s), pose_complaints_(1, 1),
+      refusals_(kRefusalRate, kRefusalBurst) {}
+
+void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out) {
+    if (state_ == State::closed) return;
+    messages_.take(now); // an empty bucket shows in pause()
+    const auto message = wire::parse(bytes);
+    if (!message) return malformed("not a message of brume.v1", now, out);
+
+    // At any time.
+    if (const auto* ping = message->as<wire::Ping>()) {
+        out.push_back(AnswerPing{ping->nonce(), ping->time_us()});
+        return;
+    }
+    if (message->as<wire::Pong>()) return;
+    if (message->as<wire::Goodbye>()) return close(kCloseNormal, "the viewer said goodbye", out);
+    if (const auto* hello = message->as<wire::Hello>()) return onHello(*hello, now, out);
+
+    // After hello.
+    const bool watching = state_ == State::watching;
+    if (const auto* pose = message->as<wire::Pose>(); pose && watching) return onPose(*pose, now, out);
+    if (const auto* input = message->as<wire::Input>(); input && watching) return onInput(*input, now, out);
+    if (const auto* ack = message->as<wire::Ack>(); ack && watching) {
+        out.push_back(Acknowledge{ack->frame()});
+        return;
+    }
+    refuse(wire::ErrorCode::unexpected,
+           fmt::format("{} {}", wire::EnumNameBody(message->type()), watching ? "is the server's to send" : "came before Hello"),
+           now, out);
+}
+
+void SessionRules::onText(Clock::time_point now, Effects& out) {
+    if (state_ == State::closed) return;
+    messages_.take(now);
+    malformed("messages are binary, this was text", now, out);
+}
+
+void SessionRules::onUnknownFrame(uint32_t frame, Clock::time_point now, Effects& out) {
+    if (state_ == State::closed) return;
+    refuse(wire::ErrorCode::unexpected, fmt::format("frame {} was never sent", frame), now, out);
+}
+
+void SessionRules::onTick(Clock::time_point now, Effects& out) {
+    if (state_ == State::awaiting_hello && now >= hello_deadline_)
+        return close(kClosePolicy, fmt::format("no Hello came within {:g} s", seconds(options_.handshake)), out);
+    if (state_ == State::watching && held_ && poses_.take(now)) {
+        out.push_back(Show{*held_});
+        held_.reset();
+    }
+}
+
+void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Effects& out) {
+    if (state_ == State::watching) return refuse(wire::ErrorCode::unexpected, "Hello came twice", now, out);
+    if (hello.width() == 0 || hello.height() == 0)
+        return refuse(wire::ErrorCode::out_of_range, "width and height must be at least 1", now, out);
+    if (hello.views() < 1 || hello.views() > wire::kMaxViews)
+        return refuse(wire::ErrorCode::out_of_range, "views must be 1 or 2", now, out);
+    if (hello.quality() > 100) return refuse(wire::ErrorCode::out_of_range, "quality must be 0 ... 100", now, out);
+
+    const PictureSize size = fitSize({hello.width(), hello.height()}, options_);
+    granted_.width = size.width;
+    granted_.height = size.height;
+    granted_.views = hello.views();
+    granted_.quality = hello.quality() == 0 ? options_.default_quality : hello.quality();
+    state_ = State::watching;
+    out.push_back(Admit{printable(hello.client()), granted_});
+}
+
+void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects& out) {
+    Pose wanted{.position = toGlm(*pose.position()),
+                .orientation = toGlm(*pose.orientation()),
+                .fov_y = pose.fov_y(),
+                .eye_separation = pose.eye_separation()};
+    if (!isUsable(wanted))
+        return refuse(wire::ErrorCode::out_of_range, "a pose has finite numbers, a unit orientation and fov_y in 0.01 ... 3.1",
+                      now, out);
+    for (int i = 0; i < 3; ++i)
+        if (!limits::kPlace.holds(wanted.position[i]))
+            return refuse(wire::ErrorCode::out_of_range,
+                          fmt::format("position must be {} ... {}", limits::kPlace.lo, limits::kPlace.hi), now, out);
+    if (!kEyeSeparation.holds(wanted.eye_separation))
+        return refuse(wire::ErrorCode::out_of_range,
+                      fmt::format("eye_separation must be {} ... {}", kEyeSeparation.lo, kEyeSeparation.hi), now, out);
+    wanted.orientation = glm::normalize(wanted.orientation);
+
+    if (pose.width() != 0 || pose.height() != 0) {
+        const PictureSize size = fitSize(
+            {pose.width() != 0 ? pose.width() : granted_.width, pose.height() != 0 ? pose.height() : granted_.height}, options_);
+        granted_.width = size.width;
+        granted_.height = size.height;
+    }
+    PoseRequest request = granted_;
+    request.seq = pose.seq();
+    request.client_time_us = pose.client_time_us();
+    request.pose = wanted;
+    request.received = now;
+
+    if (held_ && int32_t(request.seq - held_->seq) <= 0) return; // older than what waits
+    if (poses_.take(now)) {
+        held_.reset();
+        out.push_back(Show{request});
+        return;
+    }
+    held_ = request;
+    if (pose_complaints_.take(now))
+        out.push_back(SendError{wire::ErrorCode::too_fast, fmt::format("more than {:g} poses a second", options_.pose_rate)});
+}
+
+void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effects& out) {
+    const uint32_t seq = input.seq();
+    if (input_seq_ && seq != *input_seq_ + 1) {
+        const uint32_t due = *input_seq_ + 1;
+        if (int32_t(seq - due) > 0) input_seq_ = seq; // a gap: go on from here; a repetition changes nothing
+        return refuse(wire::ErrorCode::unexpected, fmt::format("input {} came where {} was due", seq, due), now, out, seq);
+    }
+    input_seq_ = seq;
+    if (!inputs_.take(now))
+        return refuse(wire::ErrorCode::too_fast, fmt::format("more than {:g} inputs a second", options_.input_rate), now, out,
+                      seq);
+
+    auto command = readCommand(input, facts_);
+    if (auto* refusal = std::get_if<Refusal>(&command)) return refuse(refusal->code, std::move(refusal->text), now, out, seq);
+    out.push_back(Push{seq, std::get<CommandBody>(std::move(command))});
+}
+
+void SessionRules::malformed(const char* text, Clock::time_point now, Effects& out) {
+    refuse(wire::ErrorCode::malformed, text, now, out);
+    if (state_ != State::closed && ++malformed_ >= kMaxMalformed)
+        close(kCloseProtocol, fmt::format("{} malformed messages", kMaxMalformed), out);
+}
+
+void SessionRules::refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Effects& out, uint32_t input_seq) {
+    out.push_back(SendError{code, std::move(text), input_seq});
+    if (!refusals_.take(now)) close(kClosePolicy, "too many refused messages", out);
+}
+
+void SessionRules::close(uint16_t code, std::string reason, Effects& out) {
+    state_ = State::closed;
+    out.push_back(Close{code, std::move(reason)});
+}
+
+} // namespace brume::net

@@ -1,0 +1,101 @@
+// What a viewer may say when, and what follows from it: a state machine without sockets, threads or a clock of its own.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "server/net/commands.h"
+#include "server/net/options.h"
+#include "server/viewer/audience.h"
+
+namespace brume::net {
+
+// --- effects, for the session to carry out in order ---
+struct Admit { // a good hello: find a place in the house, then welcome() or close
+    std::string client;
+    PoseRequest wish; // size, views and quality, granted
+};
+struct Show { // the pose to render from now on
+    PoseRequest request;
+};
+struct Push { // a command for the scene; when its queue is full, answer busy
+    uint32_t seq;
+    CommandBody body;
+};
+struct Acknowledge { // when the frame was never sent: SessionRules::onUnknownFrame
+    uint32_t frame;
+};
+struct AnswerPing {
+    uint32_t nonce;
+    uint64_t time_us;
+};
+struct SendError {
+    wire::ErrorCode code;
+    std::string text;
+    uint32_t input_seq = 0;
+};
+struct Close { // say goodbye with the reason and close with this WebSocket code; nothing follows
+    uint16_t code;
+    std::string reason;
+};
+using Effect = std::variant<Admit, Show, Push, Acknowledge, AnswerPing, SendError, Close>;
+using Effects = std::vector<Effect>;
+
+// WebSocket close codes (RFC 6455 and the IANA registry).
+inline constexpr uint16_t kCloseNormal = 1000, kCloseGoingAway = 1001, kCloseProtocol = 1002, kClosePolicy = 1008,
+                          kCloseTryLater = 1013;
+
+// Tokens that come back with time. One action costs one.
+class TokenBucket {
+public:
+    TokenBucket(double rate, double burst) : rate_(rate), burst_(burst), tokens_(burst) {}
+    bool take(Clock::time_point now);
+    // How long until take() succeeds.
+    Clock::duration wait(Clock::time_point now);
+
+private:
+    void refill(Clock::time_point now);
+    double rate_, burst_, tokens_;
+    std::optional<Clock::time_point> last_;
+};
+
+class SessionRules {
+public:
+    // `options` and `facts` outlive the rules.
+    SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened);
+
+    // Each appends to `out`. Precondition: bytes.data() is aligned to 8.
+    void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out);
+    void onText(Clock::time_point now, Effects& out); // a text message, which is none of ours
+    void onUnknownFrame(uint32_t frame, Clock::time_point now, Effects& out);
+    // To be called several times a second: deadlines, and poses that waited for their turn.
+    void onTick(Clock::time_point now, Effects& out);
+
+    // How long to wait before the next message is read: zero unless the viewer sends too much.
+    Clock::duration pause(Clock::time_point now) { return messages_.wait(now); }
+
+private:
+    void onHello(const wire::Hello& hello, Clock::time_point now, Effects& out);
+    void onPose(const wire::Pose& pose, Clock::time_point now, Effects& out);
+    void onInput(const wire::Input& input, Clock::time_point now, Effects& out);
+    void malformed(const char* text, Clock::time_point now, Effects& out);
+    void refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Effects& out, uint32_t input_seq = 0);
+    void close(uint16_t code, std::string reason, Effects& out);
+
+    enum class State { awaiting_hello, watching, closed };
+
+    const NetOptions& options_;
+    const SceneFacts& facts_;
+    const Clock::time_point hello_deadline_;
+    State state_ = State::awaiting_hello;
+    PoseRequest granted_;               // size, views, quality as they stand
+    std::optional<PoseRequest> held_;   // the newest pose over the rate, shown at a later tick
+    std::optional<uint32_t> input_seq_; // the last one seen
+    int malformed_ = 0;
+    TokenBucket messages_, poses_, inputs_, pose_complaints_, refusals_;
+};
+
+} // namespace brume::net

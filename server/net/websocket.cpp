@@ -1,0 +1,297 @@
+#include "server/net/websocket.h"
+
+#include <deque>
+
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <boost/beast/websocket/stream.hpp>
+
+#include "server/net/coroutine.h"
+#include "server/net/outgoing.h"
+#include "server/net/seat.h"
+#include "server/net/session_rules.h"
+
+namespace brume::net {
+namespace {
+
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+
+constexpr auto kHeartbeat = std::chrono::milliseconds(100); // deadlines, and news of the scene when no frame brings them
+constexpr auto kStatePeriod = std::chrono::seconds(1);
+constexpr float kRetryFull = 5, kRetryRestart = 2; // s
+
+float millisecondsSince(Clock::time_point start) {
+    return std::chrono::duration<float, std::milli>(Clock::now() - start).count();
+}
+
+// Three coroutines on the connection's strand: run() reads, write() writes, beat() keeps the time. Each holds the session alive.
+class WebSocketSession final : public Connection, public std::enable_shared_from_this<WebSocketSession> {
+public:
+    WebSocketSession(Context& context, beast::tcp_stream stream, std::unique_ptr<Connections::Place> place)
+        : context_(context), place_(std::move(place)), ws_(std::move(stream)),
+          rules_(context.options, context.audience.facts(), Clock::now()), bell_(std::make_shared<Bell>(ws_.get_executor())),
+          heartbeat_(ws_.get_executor()) {}
+
+    void start(const HttpRequest& request) {
+        place_->occupy(shared_from_this());
+        asio::co_spawn(
+            ws_.get_executor(), [self = shared_from_this(), request] { return self->run(request); }, kLogFailure);
+    }
+
+    void stop() override {
+        asio::post(ws_.get_executor(),
+                   [self = shared_from_this()] { self->close(kCloseGoingAway, "the server stops", kRetryRestart); });
+    }
+    void kill() override {
+        asio::post(ws_.get_executor(), [self = shared_from_this()] { self->finish("cut by the server's stop"); });
+    }
+
+private:
+    using Parts = std::array<asio::const_buffer, 3>; // one message
+
+    asio::awaitable<void> run(HttpRequest request);
+    asio::awaitable<void> write();
+    asio::awaitable<void> beat();
+    asio::awaitable<error_code> sendFrame(FramePtr frame);
+    asio::awaitable<error_code> send(Parts parts);
+
+    void carryOut(Effects& effects);
+    void admit(const Admit& hello);
+    void acknowledge(uint32_t frame);
+    void push(Push&& command);
+    void close(uint16_t code, std::string reason, float retry_after_s = 0);
+
+    void enqueue(wire::Packed message);
+    bool newsAreDue() const;
+    wire::Packed takeNews();
+    void finish(std::string_view why);
+
+    Context& context_;
+    std::unique_ptr<Connections::Place> place_;
+    websocket::stream<beast::tcp_stream, false> ws_; // no compression: JPEG does not shrink
+    SessionRules rules_;
+    std::shared_ptr<Bell> bell_; // rings when there may be something to write
+    asio::steady_timer heartbeat_;
+    std::unique_ptr<Seat> seat_; // after hello
+    std::string name_;           // for the log
+    std::deque<wire::Packed> control_;
+    std::optional<Clock::time_point> write_began_;
+    std::optional<websocket::close_reason> closing_; // after what is queued
+    uint64_t revision_told_ = 0;
+    Clock::time_point state_told_{};
+    bool ended_ = false;
+};
+
+asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
+    websocket::stream_base::timeout timeout{context_.options.handshake, context_.options.idle, true};
+    ws_.set_option(timeout);
+    ws_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+        response.set(beast::http::field::sec_websocket_protocol, wire::kSubprotocol);
+        response.set(beast::http::field::server, "brume/" BRUME_VERSION);
+    }));
+    ws_.read_message_max(context_.options.max_message_bytes);
+    ws_.auto_fragment(false);
+    ws_.binary(true);
+    beast::get_lowest_layer(ws_).expires_never(); // the WebSocket has deadlines of its own
+    const auto [refused] = co_await ws_.async_accept(request, kToken);
+    if (refused) {
+        context_.metrics.requested("ws", 400);
+        co_return finish(refused.message());
+    }
+    context_.metrics.requested("ws", 101);
+    asio::co_spawn(
+        ws_.get_executor(), [self = shared_from_this()] { return self->write(); }, kLogFailure);
+    asio::co_spawn(
+        ws_.get_executor(), [self = shared_from_this()] { return self->beat(); }, kLogFailure);
+
+    beast::flat_buffer buffer; // always whole messages, so that their bytes stay aligned
+    asio::steady_timer pause(ws_.get_executor());
+    Effects effects;
+    while (!ended_) {
+        const auto [error, size] = co_await ws_.async_read(buffer, kToken);
+        if (error) {
+            if (error == websocket::error::message_too_big) context_.metrics.refused("oversized"); // Beast closed with 1009
+            // While we are closing, the writer sees the handshake through.
+            if (!closing_) finish(error == websocket::error::closed ? "the viewer closed" : error.message());
+            co_return;
+        }
+        const auto now = Clock::now();
+        const auto data = buffer.cdata();
+        effects.clear();
+        if (ws_.got_text())
+            rules_.onText(now, effects);
+        else
+            rules_.onMessage({static_cast<const uint8_t*>(data.data()), data.size()}, now, effects);
+        carryOut(effects);
+        buffer.consume(buffer.size());
+        if (const auto wait = rules_.pause(now); wait > Clock::duration::zero()) {
+            pause.expires_after(wait);
+            co_await pause.async_wait(kToken);
+        }
+    }
+}
+
+// Control messages first, then news of the scene, then the newest frame; the closing handshake last.
+asio::awaitable<void> WebSocketSession::write() {
+    while (!ended_) {
+        error_code error;
+        if (!control_.empty() || newsAreDue()) {
+            wire::Packed message;
+            if (control_.empty()) {
+                message = takeNews();
+            } else {
+                message = std::move(control_.front());
+                control_.pop_front();
+            }
+            const Parts parts{asio::buffer(message.data(), message.size())};
+            error = co_await send(parts);
+        } else if (closing_) {
+            const websocket::close_reason reason = *closing_;
+            co_await ws_.async_close(reason, kToken);
+            co_return finish(std::string_view(reason.reason.data(), reason.reason.size()));
+        } else if (FramePtr frame = seat_ ? seat_->takeFrame() : nullptr) {
+            error = co_await sendFrame(std::move(frame));
+        } else {
+            co_await bell_->wait();
+        }
+        if (error) co_return finish(error.message());
+    }
+}
+
+// The header is ours, the JPEG bytes stay where the encoder left them.
+asio::awaitable<error_code> WebSocketSession::sendFrame(FramePtr frame) {
+    const float queue_ms = millisecondsSince(frame->encoded);
+    const wire::Packed header = packFrameHeader(*frame, queue_ms);
+    const Parts parts{asio::buffer(header.data(), header.size()), asio::buffer(frame->jpeg[0]),
+                      frame->request.views > 1 ? asio::buffer(frame->jpeg[1]) : asio::const_buffer()};
+    context_.metrics.sent(asio::buffer_size(parts), queue_ms);
+    co_return co_await send(parts);
+}
+
+asio::awaitable<error_code> WebSocketSession::send(Parts parts) {
+    write_began_ = Clock::now();
+    const auto [error, size] = co_await ws_.async_write(parts, kToken);
+    write_began_.reset();
+    co_return error;
+}
+
+asio::awaitable<void> WebSocketSession::beat() {
+    Effects effects;
+    while (!ended_) {
+        heartbeat_.expires_after(kHeartbeat);
+        co_await heartbeat_.async_wait(kToken);
+        const auto now = Clock::now();
+        if (write_began_ && now - *write_began_ > context_.options.write_stall) {
+            spdlog::warn("{}: closed, it takes no data any more", name_.empty() ? place_->address() : name_);
+            co_return finish("it takes no data");
+        }
+        effects.clear();
+        rules_.onTick(now, effects);
+        carryOut(effects);
+        bell_->ring();
+    }
+}
+
+void WebSocketSession::carryOut(Effects& effects) {
+    struct {
+        WebSocketSession& s;
+        void operator()(Admit& e) { s.admit(e); }
+        void operator()(Show& e) {
+            if (s.seat_) s.seat_->viewer().setPose(e.request);
+        }
+        void operator()(Push& e) { s.push(std::move(e)); }
+        void operator()(Acknowledge& e) { s.acknowledge(e.frame); }
+        void operator()(AnswerPing& e) { s.enqueue(packPong(e.nonce, e.time_us)); }
+        void operator()(SendError& e) {
+            s.context_.metrics.refused(wire::EnumNameErrorCode(e.code));
+            s.enqueue(packError(e.code, e.text, e.input_seq));
+        }
+        void operator()(Close& e) { s.close(e.code, std::move(e.reason)); }
+    } each{*this};
+    for (Effect& effect : effects) {
+        if (closing_ || ended_) return;
+        std::visit(each, effect);
+    }
+}
+
+void WebSocketSession::admit(const Admit& hello) {
+    seat_ = Seat::take(context_.audience, context_.metrics, bell_->ringer());
+    if (!seat_) {
+        context_.metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
+        spdlog::info("{} from {}: turned away, the house is full", hello.client, place_->address());
+        enqueue(packError(wire::ErrorCode::full, "every place is taken", 0));
+        return close(kCloseTryLater, "every place is taken", kRetryFull);
+    }
+    name_ = fmt::format("viewer {}", seat_->viewer().id());
+    spdlog::info("{}: {} from {}, {}x{}, {}", name_, hello.client, place_->address(), hello.wish.width, hello.wish.height,
+                 hello.wish.views == 1 ? "one eye" : "two eyes");
+    enqueue(packWelcome(seat_->viewer(), hello.wish, context_.audience));
+}
+
+void WebSocketSession::acknowledge(uint32_t frame) {
+    if (seat_->viewer().acknowledge(frame)) return;
+    Effects refusal;
+    rules_.onUnknownFrame(frame, Clock::now(), refusal);
+    carryOut(refusal);
+}
+
+void WebSocketSession::push(Push&& command) {
+    const uint32_t seq = command.seq;
+    if (context_.audience.commands().push({seat_->viewer().id(), seq, std::move(command.body)})) return;
+    context_.metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::busy));
+    enqueue(packError(wire::ErrorCode::busy, "too many commands wait: try again", seq));
+}
+
+void WebSocketSession::close(uint16_t code, std::string reason, float retry_after_s) {
+    if (closing_ || ended_) return;
+    enqueue(packGoodbye(reason, retry_after_s));
+    closing_ = websocket::close_reason(websocket::close_code(code), reason);
+    bell_->ring();
+}
+
+void WebSocketSession::enqueue(wire::Packed message) {
+    if (ended_ || closing_) return;
+    if (control_.size() >= context_.options.max_control_queue) {
+        spdlog::warn("{}: closed, it reads too slowly: {} messages wait", name_.empty() ? place_->address() : name_,
+                     control_.size());
+        return finish("it reads too slowly");
+    }
+    control_.push_back(std::move(message));
+    bell_->ring();
+}
+
+bool WebSocketSession::newsAreDue() const {
+    return seat_ && !closing_ && (context_.audience.revision() != revision_told_ || Clock::now() - state_told_ >= kStatePeriod);
+}
+
+wire::Packed WebSocketSession::takeNews() {
+    revision_told_ = context_.audience.revision(); // before the report: a change in between is told again
+    state_told_ = Clock::now();
+    return packSceneState(*context_.audience.report(), context_.audience.size());
+}
+
+// The end, once: the place in the house is free, and every coroutine finds ended_ or an aborted operation.
+void WebSocketSession::finish(std::string_view why) {
+    if (ended_) return;
+    ended_ = true;
+    if (seat_) {
+        const auto counts = seat_->viewer().counts();
+        spdlog::info("{}: left ({}), {} frames rendered, {} sent", name_, why, counts.rendered, counts.sent);
+    } else {
+        spdlog::debug("{}: WebSocket ended without a viewer ({})", place_->address(), why);
+    }
+    seat_.reset();
+    beast::get_lowest_layer(ws_).close();
+    heartbeat_.cancel();
+    bell_->ring();
+}
+
+} // namespace
+
+void serveWebSocket(Context& context, beast::tcp_stream stream, const HttpRequest& request,
+                    std::unique_ptr<Connections::Place> place) {
+    std::make_shared<WebSocketSession>(context, std::move(stream), std::move(place))->start(request);
+}
+
+} // namespace brume::net
