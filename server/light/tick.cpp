@@ -9,6 +9,9 @@
 namespace brume {
 namespace {
 
+// Optical depth that no single particle's proxy may leave out, however few there are: its rim would be seen.
+constexpr float kMostCut = 1e-4f;
+
 struct LightBounds {
     glm::vec3 lo{std::numeric_limits<float>::max()}, hi{std::numeric_limits<float>::lowest()};
     void add(glm::vec3 point, float radius) {
@@ -45,7 +48,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.irradiance = now.light.irradiance;
     if (tick.to_light.y <= 0 && !scene.planes.empty()) tick.irradiance = glm::vec3(0); // the light is below the ground
     tick.particle_count = uint32_t(particles.size());
-    tick.cut = now.render.cutoff / float(std::max<size_t>(particles.size(), 1));
+    tick.cut = std::min(now.render.cutoff / float(std::max<size_t>(particles.size(), 1)), kMostCut);
     tick.ambient = scene.sky.ambient;
     tick.sky_zenith = scene.sky.zenith;
     tick.sky_horizon = scene.sky.horizon;

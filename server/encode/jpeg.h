@@ -1,0 +1,27 @@
+// Planes to JPEG with libjpeg-turbo; no colour conversion, the planes are already Y, Cb, Cr 4:2:0.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/render/picture.h"
+
+namespace brume {
+
+// One thread at a time. Keeps its scratch memory between pictures.
+class JpegEncoder {
+public:
+    JpegEncoder();
+    ~JpegEncoder();
+    JpegEncoder(const JpegEncoder&) = delete;
+    JpegEncoder& operator=(const JpegEncoder&) = delete;
+
+    // `quality` 1...100. Throws std::runtime_error when libjpeg-turbo refuses (a picture without pixels).
+    std::vector<uint8_t> encode(const PictureView& picture, int quality);
+
+private:
+    void* handle_;
+    std::vector<uint8_t> scratch_;
+};
+
+} // namespace brume

@@ -1,0 +1,35 @@
+// Threads that encode. Jobs start in the order in which they were given.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "server/encode/jpeg.h"
+
+namespace brume {
+
+class EncodeWorkers {
+public:
+    using Job = std::function<void(JpegEncoder&)>; // must not throw
+
+    explicit EncodeWorkers(unsigned threads);
+    // Finishes the jobs given so far.
+    ~EncodeWorkers();
+
+    void give(Job job);
+
+private:
+    void work();
+
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    std::deque<Job> jobs_; // bounded by the frames in flight
+    bool stopping_ = false;
+    std::vector<std::jthread> threads_;
+};
+
+} // namespace brume

@@ -1,0 +1,200 @@
+#include "server/frame.h"
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+namespace brume {
+namespace {
+
+constexpr auto kTick = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kTickSeconds));
+// When this far behind, the simulation lets time pass without it: a stopped process does not fast-forward.
+constexpr auto kMostBehind = std::chrono::milliseconds(250);
+constexpr auto kReportEvery = std::chrono::seconds(1);
+constexpr float kSmoothing = 0.1f; // weight of the newest sample in a pass's time
+
+} // namespace
+
+// One tick's pictures for all viewers that were due: on the device, then with the encoders, then free again.
+struct FrameLoop::Batch {
+    explicit Batch(const gpu::Device& device) : submission(device, "batch") {}
+
+    struct Job {
+        std::shared_ptr<Viewer> viewer;
+        Viewer::Due due;
+        uint32_t first_eye;
+    };
+    Submission submission;
+    std::vector<Job> jobs;
+    uint64_t tick = 0, state_hash = 0;
+    Clock::time_point taken{}, done{};
+    std::atomic<uint32_t> pending{0}; // jobs not encoded yet
+};
+
+FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options)
+    : audience_(audience), metrics_(metrics), scene_(scene), simulation_(scene), renderer_(device, scene, simulation_.capacity()),
+      workers_(options.encode_threads) {
+    for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
+    warmUp();
+}
+
+// One small picture that nobody sees: drivers compile shaders when they are first used, and no viewer should wait for that.
+void FrameLoop::warmUp() {
+    const SceneCamera& camera = scene_.camera;
+    const EyeRequest eye{lookAt(camera.position, camera.target, camera.fov_y), 64, 36};
+    Submission& submission = batches_.front()->submission;
+    renderer_.submit(submission, simulation_, {&eye, 1});
+    while (!submission.commands.wait(1'000'000'000)) {}
+}
+
+FrameLoop::~FrameLoop() { stop(); }
+
+void FrameLoop::start(std::function<void()> on_failure) {
+    thread_ = std::thread([this, on_failure = std::move(on_failure)] {
+        try {
+            run();
+        } catch (...) {
+            failure_ = std::current_exception();
+            audience_.ready = false;
+            on_failure();
+        }
+    });
+}
+
+void FrameLoop::stop() {
+    {
+        const std::scoped_lock lock(mutex_);
+        stopping_ = true;
+    }
+    wake_.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+// tick    commands -> Simulation::step -> (when something is rendered) upload -> shadow maps            once, shared
+// viewer  pose -> opaque -> cull -> sort -> medium -> compose -> read back -> JPEG -> Viewer::deliver   per viewer
+void FrameLoop::run() {
+    Clock::time_point next_tick = Clock::now();
+    report(next_tick);
+    audience_.ready = true;
+    for (;;) {
+        // Wait for the next tick, or for the device if that is earlier.
+        const auto until_tick = std::max(next_tick - Clock::now(), Clock::duration::zero());
+        if (on_device_) {
+            if (on_device_->submission.commands.wait(uint64_t(std::chrono::nanoseconds(until_tick).count()))) encode(*on_device_);
+            const std::scoped_lock lock(mutex_);
+            if (stopping_ && !on_device_) return;
+        } else {
+            std::unique_lock lock(mutex_);
+            if (wake_.wait_for(lock, until_tick, [&] { return stopping_; })) return;
+        }
+
+        const Clock::time_point now = Clock::now();
+        if (now - next_tick > kMostBehind) next_tick = now;
+        for (; next_tick <= now; next_tick += kTick) tick();
+
+        if (!on_device_ && simulation_.tick() != rendered_tick_)
+            if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
+        if (changed_ || now - reported_ >= kReportEvery) report(now);
+    }
+}
+
+void FrameLoop::tick() {
+    const Clock::time_point begin = Clock::now();
+    audience_.commands().drain(commands_);
+    simulation_.step(commands_);
+    if (!commands_.empty()) changed_ = true;
+    metrics_.ticked(Millis(Clock::now() - begin).count());
+}
+
+FrameLoop::Batch* FrameLoop::freeBatch() {
+    for (const auto& batch : batches_)
+        if (batch->pending.load() == 0) return batch.get();
+    return nullptr; // the encoders are behind: newer poses replace older ones meanwhile
+}
+
+// Takes the newest pose of every viewer whose window is open and submits their pictures. False when there is none.
+bool FrameLoop::render(Batch& batch) {
+    batch.taken = Clock::now();
+    batch.jobs.clear();
+    eyes_.clear();
+    audience_.list(viewers_);
+    for (const auto& viewer : viewers_) {
+        const auto due = viewer->takeDue();
+        if (!due) continue;
+        batch.jobs.push_back({viewer, *due, uint32_t(eyes_.size())});
+        for (int eye = 0; eye < due->request.views; ++eye)
+            eyes_.push_back({eyePose(due->request.pose, eye, due->request.views), due->request.width, due->request.height});
+    }
+    viewers_.clear();
+    if (batch.jobs.empty()) return false;
+    rendered_tick_ = batch.tick = simulation_.tick();
+    batch.state_hash = simulation_.stateHash();
+    renderer_.submit(batch.submission, simulation_, eyes_);
+    return true;
+}
+
+// The device is done with the batch: every viewer's planes go to the encoders, and from there to the viewer.
+void FrameLoop::encode(Batch& batch) {
+    on_device_ = nullptr;
+    batch.done = Clock::now();
+    const std::span<const PictureView> pictures = batch.submission.pictures();
+    const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
+
+    // Passes of all views count together, per view.
+    for (PassTime& pass : passes_) {
+        float ms = 0;
+        uint32_t times = 0;
+        for (const gpu::PassSample& sample : samples)
+            if (pass.name == sample.name) ms += sample.ms, ++times;
+        if (times) pass.ms += kSmoothing * (ms / float(times) - pass.ms);
+    }
+    for (const gpu::PassSample& sample : samples)
+        if (std::none_of(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == sample.name; }))
+            passes_.push_back({sample.name, sample.ms});
+
+    batch.pending = uint32_t(batch.jobs.size());
+    for (const Batch::Job& job : batch.jobs) {
+        const PoseRequest& request = job.due.request;
+        auto frame = std::make_shared<EncodedFrame>();
+        frame->id = job.due.frame_id;
+        frame->tick = batch.tick;
+        frame->state_hash = batch.state_hash;
+        frame->request = request;
+        frame->wait_ms = Millis(batch.taken - request.received).count();
+        frame->render_ms = Millis(batch.done - batch.taken).count();
+        for (const gpu::PassSample& sample : samples)
+            if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views) frame->gpu_ms += sample.ms;
+        workers_.give([this, &batch, viewer = job.viewer, frame, views = pictures.subspan(job.first_eye, request.views)](JpegEncoder& jpeg) {
+            try {
+                for (size_t eye = 0; eye < views.size(); ++eye) frame->jpeg[eye] = jpeg.encode(views[eye], frame->request.quality);
+                frame->encoded = Clock::now();
+                frame->encode_ms = Millis(frame->encoded - batch.done).count();
+                metrics_.rendered(*frame);
+                viewer->deliver(frame);
+            } catch (const std::exception& e) {
+                spdlog::error("frame {} of viewer {} is lost: {}", frame->id, viewer->id(), e.what());
+                metrics_.failed();
+                viewer->abandon(frame->id);
+            }
+            batch.pending.fetch_sub(1);
+        });
+    }
+}
+
+void FrameLoop::report(Clock::time_point now) {
+    reported_ = now;
+    changed_ = false;
+    auto report = std::make_shared<SceneReport>();
+    const SceneNow& scene = simulation_.now();
+    report->tick = simulation_.tick();
+    report->state_hash = simulation_.stateHash();
+    report->particles = simulation_.liveCount();
+    report->paused = scene.paused;
+    report->light = scene.light;
+    report->medium = scene.medium;
+    report->render = scene.render;
+    report->passes = passes_;
+    audience_.publish(std::move(report));
+}
+
+} // namespace brume

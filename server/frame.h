@@ -1,0 +1,73 @@
+// The way of the data, from commands to frames: the loop that every tick and every picture passes.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "server/encode/workers.h"
+#include "server/net/metrics.h"
+#include "server/render/renderer.h"
+#include "server/viewer/audience.h"
+
+namespace brume {
+
+class FrameLoop {
+public:
+    struct Options {
+        unsigned encode_threads = 2;
+        unsigned batches = 3; // one on the device, the others being encoded
+    };
+
+    // Throws SceneError, gpu::Error. `device`, `audience` and `metrics` outlive the loop.
+    FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options);
+    // Stops and waits for what is on the device.
+    ~FrameLoop();
+
+    // Starts the loop on a thread of its own. `on_failure` is called from it, once, when it cannot go on; see failure().
+    void start(std::function<void()> on_failure);
+    void stop();
+    // What ended the loop; null while all is well.
+    std::exception_ptr failure() const { return failure_; }
+
+private:
+    struct Batch;
+    using Millis = std::chrono::duration<float, std::milli>;
+
+    void warmUp();
+    void run();
+    void tick();
+    Batch* freeBatch();
+    bool render(Batch& batch);
+    void encode(Batch& batch);
+    void report(Clock::time_point now);
+
+    Audience& audience_;
+    Metrics& metrics_;
+    const Scene scene_;
+    Simulation simulation_;
+    Renderer renderer_;
+
+    std::vector<std::unique_ptr<Batch>> batches_;
+    Batch* on_device_ = nullptr;
+    uint64_t rendered_tick_ = ~0ull; // of the last batch
+    std::vector<Command> commands_;
+    std::vector<std::shared_ptr<Viewer>> viewers_;
+    std::vector<EyeRequest> eyes_;
+    std::vector<PassTime> passes_;
+    Clock::time_point reported_{};
+    bool changed_ = true; // a command came since the last report
+
+    EncodeWorkers workers_; // before the thread that uses it
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    bool stopping_ = false;
+    std::exception_ptr failure_;
+    std::thread thread_;
+};
+
+} // namespace brume
