@@ -313,9 +313,10 @@ std::string readBytes(const std::filesystem::path& file) {
 
 } // namespace
 
-PointCloud loadPly(const std::filesystem::path& file) {
-    const std::string bytes = readBytes(file);
-    Reader in(bytes, file.string());
+PointCloud loadPly(const std::filesystem::path& file) { return parsePly(readBytes(file), file.string()); }
+
+PointCloud parsePly(std::string_view bytes, const std::string& name) {
+    Reader in(bytes, name);
     const Header header = readHeader(in);
     for (const Element& element : header.elements) {
         if (element.name != "vertex") {
@@ -329,7 +330,7 @@ PointCloud loadPly(const std::filesystem::path& file) {
             in.fail("no point is usable; expected finite x y z within 50 km, scale from 0.001 to 1000, sigma_t from 0 to 10000, "
                     "colours uchar or float from 0 to 1");
         if (cloud.dropped)
-            spdlog::warn("{}: dropped {} of {} points: a number is not finite or out of range", file.string(), cloud.dropped,
+            spdlog::warn("{}: dropped {} of {} points: a number is not finite or out of range", name, cloud.dropped,
                          element.count);
         return cloud;
     }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -21,5 +23,8 @@ struct PointCloud {
 // Throws SceneError for a file that cannot be read, is not such a PLY, ends early, or has no usable point; logs how many points
 // were dropped.
 PointCloud loadPly(const std::filesystem::path& file);
+
+// The same for bytes in memory; `name` stands for the file in messages.
+PointCloud parsePly(std::string_view bytes, const std::string& name);
 
 } // namespace brume

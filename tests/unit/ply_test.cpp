@@ -1,0 +1,191 @@
+// Point clouds: every form that is read, and every way in which a file can be broken.
+#include "common/ply.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "common/scene.h"
+
+namespace brume {
+namespace {
+
+PointCloud load(const std::string& bytes) { return parsePly(bytes, "ply_test.ply"); }
+
+std::string errorOf(const std::string& bytes) {
+    try {
+        load(bytes);
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+template <class T>
+std::string raw(T value) {
+    std::string out(sizeof(T), '\0');
+    std::memcpy(out.data(), &value, sizeof(T));
+    return out;
+}
+
+const std::string kAscii = "ply\nformat ascii 1.0\n", kBinary = "ply\nformat binary_little_endian 1.0\n";
+const std::string kXyz = "property float x\nproperty float y\nproperty float z\n";
+
+TEST(Ply, AsciiWithEverything) {
+    const PointCloud cloud = load(kAscii + "comment made by hand\nobj_info none\nelement vertex 2\n" + kXyz +
+                                  "property float nx\nproperty float scale\nproperty double sigma_t\n"
+                                  "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+                                  "1 2 3 0 0.5 7 255 0 51\n-1e0 +2.5 .25 9 2 0.125 0 255 102\n");
+    ASSERT_EQ(cloud.position.size(), 2u);
+    EXPECT_EQ(cloud.position[0], glm::vec3(1, 2, 3));
+    EXPECT_EQ(cloud.position[1], glm::vec3(-1, 2.5f, 0.25f));
+    EXPECT_EQ(cloud.scale, (std::vector<float>{0.5f, 2}));
+    EXPECT_EQ(cloud.sigma_t, (std::vector<float>{7, 0.125f}));
+    EXPECT_EQ(cloud.albedo[0], glm::vec3(1, 0, 0.2f));
+    EXPECT_EQ(cloud.albedo[1], glm::vec3(0, 1, 0.4f));
+    EXPECT_EQ(cloud.dropped, 0u);
+}
+
+TEST(Ply, OnlyPlaces) {
+    const PointCloud cloud = load(kAscii + "element vertex 1\n" + kXyz + "end_header\r\n4 5 6");
+    ASSERT_EQ(cloud.position.size(), 1u);
+    EXPECT_EQ(cloud.position[0], glm::vec3(4, 5, 6));
+    EXPECT_TRUE(cloud.scale.empty() && cloud.sigma_t.empty() && cloud.albedo.empty());
+}
+
+TEST(Ply, BinaryWithOtherElementsAndLists) {
+    const std::string body = raw<uint8_t>(2) + raw(1) + raw(2) + raw<uint8_t>(0) + // 2 faces
+                             raw(7.0) + raw(8.0) +                                 // 1 grid of two doubles
+                             raw<uint8_t>(200) + raw(1.5) + raw<uint16_t>(2) + raw(3.0f) + raw(4.0f) + raw(-2.0f) +
+                             raw<int8_t>(5) + raw(0.25f) + raw(0.5f) + raw(1.0f) + "trailing";
+    const PointCloud cloud =
+        load(kBinary +
+             "element face 2\nproperty list uchar int vertex_indices\n"
+             "element grid 1\nproperty double a\nproperty double b\n"
+             "element nothing 18446744073709551615\n"
+             "element vertex 1\nproperty uint8 flag\nproperty float64 x\nproperty list ushort float32 weights\n"
+             "property float32 z\nproperty int8 y\n"
+             "property float red\nproperty float green\nproperty float blue\nend_header\n" +
+             body);
+    ASSERT_EQ(cloud.position.size(), 1u);
+    EXPECT_EQ(cloud.position[0], glm::vec3(1.5f, 5, -2));
+    EXPECT_EQ(cloud.albedo[0], glm::vec3(0.25f, 0.5f, 1));
+}
+
+TEST(Ply, PointsThatCannotBeUsedAreDroppedAndCounted) {
+    const std::string nan = raw(std::numeric_limits<float>::quiet_NaN()), inf = raw(std::numeric_limits<float>::infinity());
+    const std::string one = raw(1.0f);
+    const PointCloud binary =
+        load(kBinary + "element vertex 5\n" + kXyz + "property float scale\nend_header\n" + nan + one + one + one + one + inf +
+             one + one + one + one + raw(2.0f) + one + one + one + one + raw(0.0f) + one + one + raw(1e9f) + one);
+    ASSERT_EQ(binary.position.size(), 1u);
+    EXPECT_EQ(binary.position[0], glm::vec3(1, 1, 2));
+    EXPECT_EQ(binary.scale.size(), 1u);
+    EXPECT_EQ(binary.dropped, 4u);
+    const PointCloud ascii = load(kAscii + "element vertex 4\n" + kXyz + "end_header\nnan 1 1\n1 -inf 1\n1 1 1e999\n1 2 3\n");
+    EXPECT_EQ(ascii.position.size(), 1u);
+    EXPECT_EQ(ascii.dropped, 3u);
+}
+
+struct Broken {
+    std::string bytes;
+    const char* says;
+};
+
+TEST(Ply, BrokenFilesSayWhatIsExpected) {
+    const std::string vertex1 = "element vertex 1\n" + kXyz + "end_header\n";
+    const std::vector<Broken> all{
+        {"", "ends inside its header"},
+        {"plY\n", "first line is not \"ply\""},
+        {std::string(100, 'x'), "ends inside its header"},
+        {"ply\n" + std::string(2000, 'x') + "\n", "longer than 1024"},
+        {kAscii, "expected end_header"},
+        {"ply\nformat binary_big_endian 1.0\n" + vertex1, "big-endian files are not read"},
+        {"ply\nformat ascii 2.0\n" + vertex1, "expected \"format ascii 1.0\""},
+        {"ply\nformat morse 1.0\n" + vertex1, "unknown format"},
+        {"ply\n" + vertex1 + "1 2 3", "no format line"},
+        {kAscii + "elephant\n", "unknown header line"},
+        {kAscii + "element vertex\n", "expected \"element"},
+        {kAscii + "element vertex -1\n", "expected \"element"},
+        {kAscii + "element vertex 99999999999999999999999\n", "expected \"element"},
+        {kAscii + "property float x\n", "before any element"},
+        {kAscii + "element vertex 1\nproperty quad x\n", "unknown type"},
+        {kAscii + "element vertex 1\nproperty float\n", "expected \"property"},
+        {kAscii + "element vertex 1\nproperty list float int x\n", "whole-number type"},
+        {kAscii + "element vertex 1\nproperty list uchar int x\n" + kXyz.substr(17) + "end_header\n1 1 1 1", "is a list"},
+        {kAscii + "element vertex 1\n" + kXyz + "property int x\nend_header\n1 1 1 1", "there twice"},
+        {kAscii + "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 1", "lacks one of x, y, z"},
+        {kAscii + "element vertex 1\n" + kXyz + "property uchar red\nend_header\n1 1 1 1", "expected all or none"},
+        {kAscii + "element vertex 1\n" + kXyz +
+             "property int red\nproperty int green\nproperty int blue\nend_header\n1 1 1 1 1 1",
+         "odd type"},
+        {kAscii + "element face 0\nproperty list uchar int i\nend_header\n", "no element vertex"},
+        {kAscii + "element vertex 0\n" + kXyz + "end_header\n", "allowed: 1 to 1000000"},
+        {kAscii + "element vertex 1000001\n" + kXyz + "end_header\n", "allowed: 1 to 1000000"},
+        {kAscii + vertex1 + "1 2", "ends early"},
+        {kAscii + vertex1 + "1 two 3", "\"two\" is not a number"},
+        {kAscii + vertex1 + "1 2 3x", "\"3x\" is not a number"},
+        {kAscii + vertex1 + "nan nan nan", "no point is usable"},
+        {kBinary + vertex1 + raw(1.0f) + raw(2.0f) + "abc", "ends early"},
+        {kBinary + "element face 4294967296\nproperty double a\n" + vertex1 + raw(1.0), "ends early"},
+        {kBinary + "element face 2305843009213693952\nproperty double a\n" + vertex1 + raw(1.0),
+         "ends early"}, // 8 times it is 2^64
+        {kBinary + "element face 1\nproperty list int char i\n" + vertex1 + raw(-1), "a list's length"},
+        {kBinary + "element face 1\nproperty list uint double i\n" + vertex1 + raw(0xffffffffu) + "1234", "a list's length"},
+        {kAscii + "element face 1\nproperty list uchar char i\n" + vertex1 + "1.5 1 1 1 1", "a list's length"},
+    };
+    for (const Broken& broken : all) {
+        const std::string message = errorOf(broken.bytes);
+        EXPECT_NE(message.find(broken.says), std::string::npos) << "expected \"" << broken.says << "\", got: " << message;
+        EXPECT_NE(message.find("ply_test.ply"), std::string::npos) << message;
+    }
+}
+
+TEST(Ply, HeadersAreBounded) {
+    std::string many = kAscii;
+    for (int i = 0; i < 20; ++i) many += "element e" + std::to_string(i) + " 0\n";
+    EXPECT_NE(errorOf(many + "end_header\n").find("more than 16 elements"), std::string::npos);
+    many = kAscii + "element vertex 1\n";
+    for (int i = 0; i < 70; ++i) many += "property float p" + std::to_string(i) + "\n";
+    EXPECT_NE(errorOf(many + "end_header\n").find("more than 64 properties"), std::string::npos);
+    many = kAscii;
+    for (int i = 0; i < 600; ++i) many += "comment\n";
+    EXPECT_NE(errorOf(many + "end_header\n").find("more than 512 lines"), std::string::npos);
+}
+
+// Every prefix of a good file, and every single byte of it changed, either loads or throws SceneError; nothing else.
+TEST(Ply, NothingElseHappens) {
+    const std::string good = kBinary + "element face 1\nproperty list uchar short i\nelement vertex 2\n" + kXyz +
+                             "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n" + raw<uint8_t>(2) +
+                             raw<int16_t>(1) + raw<int16_t>(2) + raw(1.0f) + raw(2.0f) + raw(3.0f) + "abc" + raw(4.0f) +
+                             raw(5.0f) + raw(6.0f) + "def";
+    ASSERT_EQ(load(good).position.size(), 2u);
+    for (size_t n = 0; n < good.size(); ++n) EXPECT_THROW(load(good.substr(0, n)), SceneError) << n;
+    for (size_t n = 0; n < good.size(); ++n) {
+        std::string bad = good;
+        bad[n] = static_cast<char>(bad[n] ^ 0x15);
+        try {
+            load(bad);
+        } catch (const SceneError&) {
+        }
+    }
+}
+
+TEST(Ply, IsReadFromAFile) {
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "ply_test.ply";
+    std::ofstream(file, std::ios::binary) << kBinary + "element vertex 1\n" + kXyz + "end_header\n" + raw(1.0f) + raw(2.0f) +
+                                                 raw(3.0f);
+    EXPECT_EQ(loadPly(file).position.at(0), glm::vec3(1, 2, 3));
+}
+
+TEST(Ply, MissingFilesAndFoldersSaySo) {
+    EXPECT_THROW(loadPly("no/such.ply"), SceneError);
+    EXPECT_THROW(loadPly(testing::TempDir()), SceneError);
+    EXPECT_THROW(loadPly("/dev/zero"), SceneError);
+}
+
+} // namespace
+} // namespace brume

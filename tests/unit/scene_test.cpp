@@ -1,0 +1,256 @@
+// Loading scenes: what is shipped, what is taken over, and a clear message for everything that is not allowed.
+#include "common/scene.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "server/sim/simulation.h"
+
+namespace brume {
+namespace {
+
+const std::filesystem::path kScenes = "server/scenes"; // tests run in the repository's root
+
+std::filesystem::path written(const std::string& text, const std::string& name = "scene_test.toml") {
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / name;
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+}
+
+std::string errorOf(const std::string& text) {
+    try {
+        loadScene(written(text));
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+struct Wrong {
+    const char* text;
+    int line;
+    const char* key;
+    const char* problem;
+    const char* allowed;
+};
+
+class WrongScene : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongScene, NamesFileLineKeyAndWhatIsAllowed) {
+    const Wrong& wrong = GetParam();
+    const std::string message = errorOf(wrong.text);
+    const std::string start = written("").string() + ':' + std::to_string(wrong.line) + ": " + wrong.key + ": ";
+    EXPECT_EQ(message.substr(0, start.size()), start) << message;
+    EXPECT_NE(message.find(wrong.problem), std::string::npos) << message;
+    const size_t allowed = message.find("; allowed: ");
+    ASSERT_NE(allowed, std::string::npos) << message;
+    EXPECT_NE(message.find(wrong.allowed, allowed), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, WrongScene,
+    testing::Values(
+        Wrong{"nam = \"x\"", 1, "nam", "unknown key", "box, camera, light, medium, name, plane, render, simulation, sky, sphere"},
+        Wrong{"[medium]\nlayout = \"cube\"\n\ncuont = 3", 4, "medium.cuont", "unknown key", "count"},
+        Wrong{"[[light]]\ncolour = [1, 1, 1]", 2, "light[0].colour", "unknown key", "irradiance"},
+        Wrong{"[medium]\nlayout = \"emitter\"\ncount = 9000\n[medium.emitter]\nspeed = 3", 5, "medium.emitter.speed",
+              "unknown key", "velocity"},
+        Wrong{"[medium]\ncount = 0", 2, "medium.count", "0 is not", "a whole number from 1 to 1000000"},
+        Wrong{"[medium]\ncount = 1000001", 2, "medium.count", "1000001 is not", "from 1 to 1000000"},
+        Wrong{"[medium]\ncount = 5.5", 2, "medium.count", "5.5 is not", "a whole number"},
+        Wrong{"[medium]\ncount = \"many\"", 2, "medium.count", "\"many\" is not", "a whole number"},
+        Wrong{"[medium]\nextinction = nan", 2, "medium.extinction", "nan is not", "a number from 0"},
+        Wrong{"[medium]\nextinction = -inf", 2, "medium.extinction", "-inf is not", "a number from 0"},
+        Wrong{"[medium]\nextinction = true", 2, "medium.extinction", "true is not", "a number from 0"},
+        Wrong{"[medium]\nfalloff = 0", 2, "medium.falloff", "0 is not", "from 0.1 to 10"},
+        Wrong{"[medium]\nasymmetry = 1", 2, "medium.asymmetry", "1 is not", "from -0.99 to 0.99"},
+        Wrong{"[medium]\nalbedo = [0.5, 1.5, 0.5]", 2, "medium.albedo", "is not", "from 0 to 1"},
+        Wrong{"[medium]\nalbedo = [0.5, 0.5]", 2, "medium.albedo", "an array of 2", "[x, y, z]"},
+        Wrong{"[medium]\nalbedo = 0.5", 2, "medium.albedo", "0.5 is not", "[x, y, z]"},
+        Wrong{"[medium]\nscale = [3, 2]", 2, "medium.scale", "upside down", "lowest first"},
+        Wrong{"[medium]\nscale = [1, 2, 3]", 2, "medium.scale", "an array of 3", "[lowest, highest]"},
+        Wrong{"[medium]\nscale = 0", 2, "medium.scale", "0 is not", "from 0.001"},
+        Wrong{"[medium]\nseed = -1", 2, "medium.seed", "-1 is not", "from 0"},
+        Wrong{"[medium]\nlayout = \"ball\"", 2, "medium.layout", "\"ball\"",
+              "\"cube\", \"tubes\", \"cumulus\", \"emitter\", \"file\""},
+        Wrong{"[medium]\nlayout = \"file\"", 2, "medium.layout", "without a file", "a PLY"},
+        Wrong{"[medium]\nfile = \"a.ply\"", 2, "medium.file", "not used", "layout = \"file\""},
+        Wrong{"[medium]\nlayout = \"file\"\nfile = \"a.ply\"\ncount = 3", 4, "medium.count", "not used", "the file says"},
+        Wrong{"[medium]\n[medium.emitter]\nrate = 1", 2, "medium.emitter", "not used", "layout = \"emitter\""},
+        Wrong{"[medium]\nlayout = \"emitter\"\ncount = 99\nemitter = { rate = 50, life = 2 }", 3, "medium.count", "smaller than",
+              "from 101"},
+        Wrong{"medium = 3", 1, "medium", "3 is not", "a table"},
+        Wrong{"light = 3", 1, "light", "3 is not", "[[light]], 1 of them"},
+        Wrong{"light = []", 1, "light", "an array of 0", "[[light]], 1 of them"},
+        Wrong{"light = [3]", 1, "light", "3 is not", "a table"},
+        Wrong{"[[light]]\n[[light]]\n", 1, "light", "an array of 2", "[[light]], 1 of them"},
+        Wrong{"[[light]]\nto_light = [0, 0, 0]", 2, "light[0].to_light", "no direction", "any vector"},
+        Wrong{"[[light]]\ntype = \"point\"", 2, "light[0].type", "\"point\"", "\"directional\""},
+        Wrong{"[[sphere]]\n\n[[sphere]]\nradius = -1", 4, "sphere[1].radius", "-1 is not", "from 0.001"},
+        Wrong{"[[box]]\nsize = [1, 0, 1]", 2, "box[0].size", "is not", "from 0.001"},
+        Wrong{"[camera]\nposition = [1, 2, 3]\ntarget = [1, 2, 3]", 3, "camera.target", "is where the camera stands",
+              "any place"},
+        Wrong{"[camera]\nfov_y = 3.2", 2, "camera.fov_y", "3.2 is not", "from 0.05 to 3"},
+        Wrong{"[simulation]\npaused = 1", 2, "simulation.paused", "1 is not", "true or false"},
+        Wrong{"[render]\nmethod = \"\"", 2, "render.method", "\"\" is not", "text of 1 to 64"},
+        Wrong{"[render]\nquadrature = \"gauss\"", 2, "render.quadrature", "\"gauss\"",
+              "\"simpson\", \"transmittance\", \"analytic\""},
+        Wrong{"[render]\nsteps = 11", 2, "render.steps", "11 is not", "from 1 to 10"},
+        Wrong{"[render]\nquadrature = \"transmittance\"\nsteps = 4", 3, "render.steps", "4 is not", "from 1 to 3"},
+        Wrong{"[render]\nshadow_slices = 1", 2, "render.shadow_slices", "1 is not", "from 2 to 128"},
+        Wrong{"name = 1979-05-27", 1, "name", "a date or time", "text"},
+        Wrong{"name = \"a\"\nname = \"b\"", 2, "syntax", "name", "TOML"}, Wrong{"[medium\n", 1, "syntax", "", "TOML"}));
+
+TEST(Scene, TakesEveryValueOver) {
+    const Scene scene = loadScene(written(R"(
+name = "all"
+[medium]
+layout = "emitter"
+count = 400
+scale = [1, 2]
+multiplier = 7
+albedo = [0.1, 0.2, 0.3]
+seed = 9007199254740992
+[medium.emitter]
+rate = 40
+life = 10
+wind = [1, 0, -1]
+[simulation]
+spring = 3
+paused = true
+[[light]]
+type = "directional"
+to_light = [0, 3, 4]
+irradiance = [1, 2, 3]
+rotate = -0.5
+[[plane]]
+height = -1
+[[box]]
+yaw = 1
+[[box]]
+[[sphere]]
+radius = 2
+[sky]
+ambient = [0, 0, 0.5]
+[camera]
+fov_y = 1
+[render]
+method = "isv"
+quadrature = "transmittance"
+steps = 3
+)"));
+    EXPECT_EQ(scene.name, "all");
+    EXPECT_EQ(scene.medium.layout, Layout::emitter);
+    EXPECT_EQ(scene.medium.count, 400u);
+    EXPECT_EQ(scene.medium.scale.hi, 2);
+    EXPECT_EQ(scene.medium.multiplier.lo, 7);
+    EXPECT_EQ(scene.medium.multiplier.hi, 7);
+    EXPECT_EQ(scene.medium.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(scene.medium.seed, 9007199254740992u);
+    EXPECT_EQ(scene.medium.emitter.wind, glm::vec3(1, 0, -1));
+    EXPECT_EQ(scene.simulation.spring, 3);
+    EXPECT_TRUE(scene.simulation.paused);
+    ASSERT_EQ(scene.lights.size(), 1u);
+    EXPECT_LT(glm::distance(scene.lights[0].to_light, glm::vec3(0, 0.6f, 0.8f)), 1e-6f);
+    EXPECT_EQ(scene.lights[0].rotate, -0.5f);
+    EXPECT_EQ(scene.planes.at(0).height, -1);
+    EXPECT_EQ(scene.boxes.size(), 2u);
+    EXPECT_EQ(scene.spheres.at(0).radius, 2);
+    EXPECT_EQ(scene.sky.ambient.z, 0.5f);
+    EXPECT_EQ(scene.camera.fov_y, 1);
+    EXPECT_EQ(scene.render.method, "isv");
+    EXPECT_EQ(scene.render.steps, 3u);
+}
+
+TEST(Scene, AnEmptyFileIsTheDefaultScene) {
+    const Scene scene = loadScene(written("", "empty.toml"));
+    EXPECT_EQ(scene.name, "empty");
+    EXPECT_EQ(scene.medium.count, 500u);
+    ASSERT_EQ(scene.lights.size(), 1u);
+    EXPECT_NEAR(glm::length(scene.lights[0].to_light), 1, 1e-6f);
+}
+
+TEST(Scene, AParticleFileStandsBesideItsScene) {
+    const auto file = written("[medium]\nlayout = \"file\"\nfile = \"points.ply\"");
+    EXPECT_EQ(loadScene(file).medium.file, file.parent_path() / "points.ply");
+}
+
+TEST(Scene, WhatCannotBeReadSaysSo) {
+    EXPECT_THROW(loadScene("no/such/file.toml"), SceneError);
+    EXPECT_THROW(loadScene(testing::TempDir()), SceneError);
+    EXPECT_NE(errorOf(std::string(2 << 20, '#')).find("larger than 1 MiB"), std::string::npos);
+    EXPECT_NE(errorOf(std::string("name = \"\xff\xfe\"")).find("syntax"), std::string::npos);
+}
+
+TEST(Scene, IsFoundByNameOrPath) {
+    EXPECT_EQ(findScene("cloud", kScenes), kScenes / "cloud.toml");
+    EXPECT_EQ(findScene("./mine", kScenes), "./mine");
+    EXPECT_EQ(findScene("mine.toml", kScenes), "mine.toml");
+    try {
+        findScene("clod", kScenes);
+        FAIL() << "found a scene that is not there";
+    } catch (const SceneError& error) {
+        EXPECT_NE(std::string(error.what()).find("cloud, cloud-5000, cloud-65535, cumulus, plume, props, tubes"),
+                  std::string::npos)
+            << error.what();
+    }
+    EXPECT_THROW(findScene("cloud", "no/such/folder"), SceneError);
+}
+
+// tau = sum of sigma u sqrt(pi / 50) exp(-50 b^2 / u^2) over the particles, b = distance from the line.
+double depthAlong(const Simulation& simulation, glm::vec3 place, glm::vec3 direction) {
+    std::vector<gpu::Particle> particles(simulation.liveCount());
+    simulation.write(particles);
+    double depth = 0;
+    for (const gpu::Particle& p : particles) {
+        const double u = static_cast<double>(p.scale) * simulation.now().medium.falloff;
+        const glm::dvec3 across = glm::cross(glm::dvec3(p.centre - place), glm::dvec3(direction));
+        depth += p.sigma_t * u * std::sqrt(std::numbers::pi / 50) * std::exp(-50 * glm::dot(across, across) / (u * u));
+    }
+    return depth;
+}
+
+struct Shipped {
+    const char* name;
+    uint32_t count;
+    double depth; // through the middle, along each axis; 0: not laid down
+};
+
+class ShippedScene : public testing::TestWithParam<Shipped> {};
+
+TEST_P(ShippedScene, LoadsAndHoldsItsMedium) {
+    const auto& [name, count, depth] = GetParam();
+    const Scene scene = loadScene(findScene(name, kScenes));
+    EXPECT_EQ(scene.name, name);
+    EXPECT_EQ(scene.medium.count, count);
+    const Simulation simulation(scene);
+    EXPECT_GT(simulation.liveCount(), 0.9 * count);
+    const glm::vec3 middle = 0.5f * (simulation.bounds().lo + simulation.bounds().hi);
+    if (depth == 0) return;
+    for (const glm::vec3 axis : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)})
+        EXPECT_NEAR(depthAlong(simulation, middle, axis), depth, 0.3);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
+                         testing::Values(Shipped{"cloud", 500, 3}, Shipped{"cloud-5000", 5000, 4},
+                                         Shipped{"cloud-65535", 65535, 4}, Shipped{"tubes", 750, 0}, Shipped{"props", 3000, 0},
+                                         Shipped{"cumulus", 16000, 0}, Shipped{"plume", 9000, 0}),
+                         [](const auto& scene) {
+                             std::string name = scene.param.name;
+                             std::erase(name, '-');
+                             return name;
+                         });
+
+TEST(Shipped, EverySceneIsTestedHere) {
+    size_t scenes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(kScenes)) scenes += entry.path().extension() == ".toml";
+    EXPECT_EQ(scenes, 7u);
+}
+
+} // namespace
+} // namespace brume
