@@ -40,6 +40,7 @@ struct Connection::Socket {
     beast::flat_buffer incoming;
     std::deque<Bytes> inbox, outbox;
     State state = State::connecting;
+    bool parted = false; // the closing handshake is over
     std::string closed_because;
 
     Socket(Endpoint where, std::chrono::milliseconds time) : endpoint(std::move(where)), timeout(time) { resolve(); }
@@ -170,9 +171,8 @@ void Connection::close(std::chrono::milliseconds deadline) {
         const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
         // Frames that are on their way are read and dropped until the server's half of the handshake comes.
         if (socket.state == State::open) {
-            bool answered = false;
-            socket.stream.async_close(websocket::close_code::normal, [&](error_code) { answered = true; });
-            socket.work(deadline - spent, [&] { return answered; });
+            socket.stream.async_close(websocket::close_code::normal, [&socket](error_code) { socket.parted = true; });
+            socket.work(deadline - spent, [&] { return socket.parted; });
         }
     }
     socket.closedNow("closed by this client");

@@ -14,10 +14,10 @@ namespace brume::client {
 
 // Where and how a push is asked for.
 struct PushCursor {
-    float x, y, aspect;    // in the picture of one eye
-    float dx = 0, dy = 0;  // heights of the picture, right and down, since the last push was taken
-    bool dragged = false;  // ever
-    bool released = false; // the last push is to be taken
+    float x = 0, y = 0, aspect = 1; // in the picture of one eye
+    float dx = 0, dy = 0;           // heights of the picture, right and down, since the last push was taken
+    bool dragged = false;           // ever
+    bool released = false;          // the last push is to be taken
 };
 
 class Gestures {
