@@ -174,7 +174,7 @@ void jpeg(const gpu::Device& device, const Scene& scene) {
             seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         }
         ours.push_back(frames / seconds);
-        test::Process tjbench({"tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup", "0.2", "-nowrite", "-componly"});
+        test::Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup", "0.2", "-nowrite", "-componly"});
         tjbench.exitCode();
         const std::string text = tjbench.out();
         std::smatch found;
