@@ -98,17 +98,19 @@ TEST(ErfcInverse, FindsTheArgument) {
 }
 
 TEST(Exponentials, PhiOpacityAndBack) {
-    Worst phi, opacity, depth, narrow_switch;
+    Worst phi, fit, opacity, depth, narrow_switch;
     const auto plainPhi = [](float x) { return std::abs(x) < 1e-6f ? 1 - x * 0.5f : (1 - std::exp(-x)) / x; };
     geometric(1e-20, 80, 1.05, [&](double x) {
         const auto single = static_cast<float>(x);
         phi.relative(physics::phi(single), exact::phi(x), x);
+        fit.relative(physics::phi(x), exact::phi(x), x);
         if (x < 20) phi.relative(physics::phi(-single), exact::phi(-x), -x);
         opacity.relative(physics::opacity(single), exact::opacity(x), x);
         if (x < 1) depth.relative(physics::depthOfOpacity(single), exact::depthOfOpacity(x), x);
     });
     geometric(1e-6, 2e-6, 1.01, [&](double x) { narrow_switch.relative(plainPhi(static_cast<float>(x)), exact::phi(x), x); });
     EXPECT_LT(phi.deviation(), 2e-6) << phi;
+    EXPECT_LT(fit.deviation(), 6e-8) << fit; // the series' next term
     EXPECT_LT(opacity.deviation(), 4e-7) << opacity;
     EXPECT_LT(depth.deviation(), 5e-7) << depth;
     EXPECT_GT(narrow_switch.deviation(), 0.02) << "a switch at 1e-6 was expected to lose percents: " << narrow_switch;

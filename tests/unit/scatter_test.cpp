@@ -178,6 +178,21 @@ TEST(Transmittance, TotalScatterIsExactForAnyNodes) {
     }
 }
 
+TEST(Transmittance, PartOfTheDepth) {
+    Worst single, fit;
+    for (double depth = 1e-9; depth < 80; depth *= 1.2) {
+        for (const double xi : {0.02, 0.1127, 0.2113, 0.5, 0.7887, 0.8873, 0.98}) {
+            const double exact = -std::log1p(xi * std::expm1(-depth)) / depth;
+            fit.absolute(physics::depthPart(depth, xi), exact, depth, xi);
+            single.absolute(physics::depthPart(static_cast<float>(depth), static_cast<float>(xi)), exact, depth, xi);
+        }
+    }
+    EXPECT_LT(fit.deviation(), 2e-6) << fit;
+    EXPECT_LT(single.deviation(), 4e-6) << single;
+    EXPECT_EQ(physics::depthPart(0.0f, 0.25f), 0.25f);
+    EXPECT_LT(physics::depthPart(1e30f, 0.5f), 1e-20f) << "all at the entry";
+}
+
 TEST(Transmittance, NodesLieWhereTheirShareOfLightIsAbsorbed) {
     // The opacity up to node i must be its Legendre node times the whole opacity.
     std::mt19937 random(13);
