@@ -7,9 +7,11 @@ const INTERVAL_MS = 1000 / 30;
 // A cursor that rests this long blows particles away from its ray.
 const REST_MS = 250;
 const REST_STRENGTH = 0.3;
-// What a push adds, per impulse, of the cursor's own speed: particles that a ray of some metres passes over end up about as
-// fast as a click would make them.
-const DRAG_STRENGTH = 0.15;
+const CLICK_STRENGTH = 2.5;
+// Of the cursor's own speed, added per second that its ray rests on a particle: what a ray passes over is carried two or
+// three times the ray's width before the springs take it back, whatever the scene's size.
+const DRAG_PER_SECOND = 15;
+const LONGEST_S = 0.2; // a page that was held up does not push all the harder
 const MAX_SPEED = 60; // m/s, the server takes up to 100 on each axis
 
 export class Pusher {
@@ -42,10 +44,11 @@ export class Pusher {
   // Call once per animation frame.
   update(now: number): void {
     if (!this.active || !this.ray || now - this.sentAt < INTERVAL_MS) return;
-    const speed = length(this.moved) / ((now - this.sentAt) / 1000);
-    if (speed > 0) {
-      const push = scale(this.moved, Math.min(speed, MAX_SPEED) / length(this.moved));
-      this.impulse(now, push, DRAG_STRENGTH);
+    const seconds = (now - this.sentAt) / 1000;
+    const distance = length(this.moved);
+    if (distance > 0) {
+      const velocity = scale(this.moved, Math.min(distance / seconds, MAX_SPEED) / distance);
+      this.impulse(now, velocity, DRAG_PER_SECOND * Math.min(seconds, LONGEST_S));
     } else if (now - this.movedAt >= REST_MS) {
       this.impulse(now, undefined, REST_STRENGTH);
     }
@@ -53,7 +56,7 @@ export class Pusher {
 
   // A click without a drag is one push away from the ray.
   end(now: number): void {
-    if (this.active && !this.sent) this.impulse(now, undefined, 1);
+    if (this.active && !this.sent) this.impulse(now, undefined, CLICK_STRENGTH);
     this.active = false;
   }
 

@@ -151,8 +151,23 @@ describe('pushing', () => {
     expect(sent.length).toBeGreaterThan(24);
     expect(sent.length).toBeLessThanOrEqual(30);
     for (const command of sent) {
-      expect(command).toEqual({ kind: 'impulse', ...ray, push: [expect.closeTo(5, 9), 0, 0], strength: 0.15 });
+      const wanted = { kind: 'impulse', ...ray, push: [expect.closeTo(5, 9), 0, 0], strength: expect.closeTo(0.54, 9) };
+      expect(command).toEqual(wanted); // every 36 ms
     }
+  });
+
+  test('a slow page pushes as much as a quick one', () => {
+    const total = (interval: number): number => {
+      const { sent, pusher } = pushed();
+      pusher.begin(0, ray);
+      for (let now = interval; now <= 1200; now += interval) {
+        pusher.drag(now, ray, [interval * 0.005, 0, 0]);
+        pusher.update(now);
+      }
+      return sent.reduce((sum, c) => sum + (c.kind === 'impulse' ? (c.push?.[0] ?? 0) * c.strength : NaN), 0);
+    };
+    expect(total(120)).toBeCloseTo(total(40), 9);
+    expect(total(40)).toBeCloseTo(15 * 6, 9); // 15/s over 6 m
   });
 
   test('no drag is faster than the server allows', () => {
@@ -161,7 +176,7 @@ describe('pushing', () => {
     pusher.drag(40, ray, [3000, 4000, 0]);
     pusher.update(40);
     const push = [expect.closeTo(36, 9), expect.closeTo(48, 9), 0];
-    expect(sent).toEqual([{ kind: 'impulse', ...ray, push, strength: 0.15 }]);
+    expect(sent).toEqual([{ kind: 'impulse', ...ray, push, strength: expect.closeTo(0.6, 9) }]);
   });
 
   test('a click pushes once, away from the ray', () => {
@@ -169,7 +184,7 @@ describe('pushing', () => {
     pusher.begin(0, ray);
     pusher.update(16);
     pusher.end(80);
-    expect(sent).toEqual([{ kind: 'impulse', ...ray, strength: 1 }]);
+    expect(sent).toEqual([{ kind: 'impulse', ...ray, strength: 2.5 }]);
   });
 
   test('a resting cursor keeps blowing, gently', () => {

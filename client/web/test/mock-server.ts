@@ -6,7 +6,6 @@ import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { extname, join, normalize } from 'node:path';
-import { parseArgs } from 'node:util';
 import { WebSocketServer } from 'ws';
 import type { WebSocket } from 'ws';
 import { Body } from '../src/wire/brume/wire/body';
@@ -37,15 +36,15 @@ import { Welcome } from '../src/wire/brume/wire/welcome';
 import { MockScene } from './mock-scene';
 import type { View } from './mock-scene';
 
-const { values: options } = parseArgs({
-  args: process.argv.slice(2).filter((argument) => argument !== '--'),
-  options: {
-    port: { type: 'string', default: '8080' },
-    'web-root': { type: 'string', default: 'dist' },
-    'max-viewers': { type: 'string', default: '8' },
-    scene: { type: 'string', default: 'mock' },
-  },
-});
+// Options of the real server that are not here are ignored.
+function option(name: string, fallback: string): string {
+  const at = process.argv.indexOf(`--${name}`);
+  return (at >= 0 ? process.argv[at + 1] : undefined) ?? fallback;
+}
+const port = Number(option('port', '8080'));
+const webRoot = option('web-root', 'dist');
+const maxViewers = Number(option('max-viewers', '8'));
+const sceneName = option('scene', 'mock');
 
 type V3 = [number, number, number];
 interface Viewer {
@@ -79,7 +78,7 @@ const error = (code: ErrorCode, text: string): Uint8Array =>
 
 const welcome = (viewer: Viewer): Uint8Array =>
   message(Body.Welcome, (b) => {
-    const strings = ['mock 0.1.0', options.scene, 'no device'].map((text) => b.createString(text));
+    const strings = ['mock 0.1.0', sceneName, 'no device'].map((text) => b.createString(text));
     const methods = Welcome.createMethodsVector(b, [b.createString('sphere'), b.createString('isv')]);
     const rules = ['simpson', 'transmittance', 'analytic'].map((name) => b.createString(name));
     const quadratures = Welcome.createQuadraturesVector(b, rules);
@@ -184,7 +183,7 @@ function receive(viewer: Viewer, data: Uint8Array): void {
     case Body.Hello: {
       const hello = incoming.body(new Hello()) as Hello;
       viewer.quality = hello.quality() || 80;
-      if ([...viewers].filter((other) => other.greeted).length >= Number(options['max-viewers'])) {
+      if ([...viewers].filter((other) => other.greeted).length >= maxViewers) {
         viewer.socket.send(error(ErrorCode.full, 'no room for another viewer'));
         viewer.socket.send(goodbye('no room for another viewer', 4));
         viewer.socket.close();
@@ -267,7 +266,7 @@ const http = createServer((request, response) => {
     return void response.end('ok');
   }
   const path = normalize(url.pathname === '/' ? '/index.html' : url.pathname);
-  readFile(join(options['web-root'], path)).then(
+  readFile(join(webRoot, path)).then(
     (body) => response.setHeader('content-type', TYPES[extname(path)] ?? 'application/octet-stream').end(body),
     () => response.writeHead(404).end('not found'),
   );
@@ -318,7 +317,7 @@ setInterval(() => {
   for (const viewer of viewers) if (viewer.greeted) viewer.socket.send(sceneState());
 }, 1000);
 
-http.listen(Number(options.port), '127.0.0.1', () => {
+http.listen(port, '127.0.0.1', () => {
   console.log(`listening on http://127.0.0.1:${(http.address() as AddressInfo).port}`);
 });
 process.on('SIGTERM', () => {
