@@ -1,0 +1,151 @@
+#include "tests/gpu/fixture.h"
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include <unistd.h>
+
+namespace brume::test {
+namespace {
+
+gpu::DeviceOptions validated(bool mesh) {
+    gpu::DeviceOptions options;
+    options.validation = true;
+    options.mesh_shaders = mesh;
+    return options;
+}
+
+// Where this program's particle files are; removed with them at its end.
+class Folder {
+public:
+    Folder() : path_(std::filesystem::temp_directory_path() / ("brume-gpu-tests-" + std::to_string(::getpid()))) {
+        std::filesystem::create_directories(path_);
+    }
+    ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    std::filesystem::path next() { return path_ / (std::to_string(count_++) + ".ply"); }
+
+private:
+    std::filesystem::path path_;
+    int count_ = 0;
+};
+
+} // namespace
+
+const gpu::Device& GpuTest::device() {
+    static const gpu::Device shared(validated(true));
+    return shared;
+}
+
+const gpu::Device& GpuTest::deviceWithoutMesh() {
+    static const gpu::Device shared(validated(false));
+    return shared;
+}
+
+Stage& GpuTest::plain() {
+    static Stage shared(device(), sceneOf({Point{}}), kPlainCapacity);
+    return shared;
+}
+
+Stage& GpuTest::plainWithoutMesh() {
+    static Stage shared(deviceWithoutMesh(), sceneOf({Point{}}), kPlainCapacity);
+    return shared;
+}
+
+void GpuTest::TearDown() {
+    EXPECT_EQ(device().validationMessages(), 0u);
+    EXPECT_EQ(deviceWithoutMesh().validationMessages(), 0u);
+}
+
+Scene sceneOf(const std::vector<Point>& points, float falloff) {
+    static Folder folder;
+    const auto file = folder.next();
+    std::ofstream ply(file);
+    ply.precision(9);
+    ply << "ply\nformat ascii 1.0\nelement vertex " << points.size()
+        << "\nproperty float x\nproperty float y\nproperty float z\nproperty float scale\nproperty float sigma_t\n"
+           "property float red\nproperty float green\nproperty float blue\nend_header\n";
+    for (const Point& p : points)
+        ply << p.centre.x << ' ' << p.centre.y << ' ' << p.centre.z << ' ' << p.scale << ' ' << p.sigma_t << ' ' << p.albedo.x
+            << ' ' << p.albedo.y << ' ' << p.albedo.z << '\n';
+    Scene scene;
+    scene.name = "points";
+    scene.medium.layout = Layout::file;
+    scene.medium.file = file;
+    scene.medium.count = uint32_t(points.size());
+    scene.medium.falloff = falloff;
+    Light light;
+    light.to_light = glm::normalize(glm::vec3(0.3f, 0.8f, 0.5f));
+    light.irradiance = glm::vec3(1);
+    scene.lights = {light};
+    scene.sky = {glm::vec3(0), glm::vec3(0), glm::vec3(0)};
+    scene.render.cutoff = 1e-6f;
+    scene.render.tone_map = "linear";
+    return scene;
+}
+
+std::vector<Point> randomPoints(uint32_t count, float extent, float scale, float sigma_t, uint32_t seed) {
+    std::mt19937 random(seed);
+    const auto uniform = [&] { return float(random() >> 8) / float(1 << 24); };
+    std::vector<Point> points(count);
+    for (Point& p : points) {
+        for (int axis = 0; axis < 3; ++axis) p.centre[axis] = (uniform() - 0.5f) * extent;
+        p.scale = scale * (0.5f + uniform());
+        p.sigma_t = sigma_t * (0.5f + uniform());
+    }
+    return points;
+}
+
+Stage::Stage(const gpu::Device& device, const Scene& fixed, uint32_t capacity)
+    : renderer_(device, fixed, capacity), submission_(device, "stage") {}
+
+Picture Stage::see(const Scene& scene, const Pose& pose, uint32_t width, uint32_t height) {
+    const EyeRequest eye{pose, width, height};
+    submitAndWait(renderer_, submission_, Simulation(scene), {&eye, 1});
+    return {width, height, renderer_.readRadiance()};
+}
+
+void waitFor(const gpu::Commands& commands) {
+    while (!commands.wait(1'000'000'000)) {
+    }
+}
+
+void submitAndWait(Renderer& renderer, Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes) {
+    renderer.submit(submission, simulation, eyes);
+    waitFor(submission.commands);
+}
+
+Picture render(const gpu::Device& device, const Scene& scene, const Pose& pose, uint32_t width, uint32_t height) {
+    return Stage(device, scene, Simulation(scene).capacity()).see(scene, pose, width, height);
+}
+
+glm::dvec3 pixelDirection(const Pose& pose, uint32_t width, uint32_t height, uint32_t x, uint32_t y) {
+    const double tan_y = std::tan(0.5 * double(pose.fov_y)), tan_x = tan_y * width / height;
+    const glm::dquat turn(pose.orientation);
+    return turn * glm::dvec3(((x + 0.5) / width * 2 - 1) * tan_x, -((y + 0.5) / height * 2 - 1) * tan_y, -1);
+}
+
+std::vector<float> readImage(const gpu::Device& device, const gpu::Image& image, uint32_t channels) {
+    const uint32_t layers = std::max(image.layers(), 1u);
+    const size_t count = size_t(image.extent().width) * image.extent().height * layers * channels;
+    const gpu::Buffer floats(device, count * sizeof(float), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
+                             "image readback");
+    gpu::Commands commands(device, "read image");
+    const VkCommandBuffer cmd = commands.begin();
+    gpu::everythingBefore(cmd);
+    VkBufferImageCopy copy{};
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers};
+    copy.imageExtent = {image.extent().width, image.extent().height, 1};
+    vkCmdCopyImageToBuffer(cmd, image.handle(), VK_IMAGE_LAYOUT_GENERAL, floats.handle(), 1, &copy);
+    gpu::transferToHost(cmd);
+    commands.submit();
+    waitFor(commands);
+    floats.invalidate();
+    const auto mapped = floats.mapped<float>(count);
+    return {mapped.begin(), mapped.end()};
+}
+
+} // namespace brume::test

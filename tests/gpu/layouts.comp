@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Writes the first word of every member of the shared structs, so that the CPU can tell at which offset the shader sees it.
+#include "shaders/shared/types.h"
+
+layout(local_size_x = 1) in;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
+layout(scalar, binding = 3) readonly buffer Objects { Opaque objects[]; };
+layout(scalar, binding = 4) readonly buffer LightParticles { LightParticle light_particles[]; };
+layout(scalar, binding = 5) readonly buffer Arguments { DrawArguments arguments; };
+layout(scalar, binding = 6) writeonly buffer Words { uint words[]; };
+
+uint at = 0;
+void put(uint word) { words[at++] = word; }
+void put(float word) { words[at++] = floatBitsToUint(word); }
+
+void main() {
+    put(tick.to_light.x); put(tick.falloff); put(tick.light_x.x); put(tick.anisotropy); put(tick.light_y.x); put(tick.asymmetry);
+    put(tick.irradiance.x); put(tick.cut); put(tick.ambient.x); put(tick.particle_count); put(tick.shadow_lo.x); put(tick.shadow_size);
+    put(tick.shadow_hi.x); put(tick.shadow_slices); put(tick.opaque_lo.x); put(tick.opaque_hi.x); put(tick.opaque_size);
+    put(tick.opaque_count); put(tick.sky_zenith.x); put(tick.sky_horizon.x); put(tick.shadow_u.x); put(tick.shadow_v.x); put(tick.shadow_plane.x);
+    put(eye.position.x); put(eye.near_depth); put(eye.right.x); put(eye.tan_x); put(eye.up.x); put(eye.tan_y); put(eye.back.x);
+    put(eye.exposure); put(eye.size.x); put(eye.filmic);
+    put(particles[1].centre.x); put(particles[1].scale); put(particles[1].albedo.x); put(particles[1].sigma_t);
+    put(objects[1].centre.x); put(objects[1].kind); put(objects[1].half_size.x); put(objects[1].yaw_cos); put(objects[1].albedo.x); put(objects[1].yaw_sin);
+    put(light_particles[1].centre.x); put(light_particles[1].k); put(light_particles[1].radius);
+    put(arguments.vertex_count); put(arguments.instance_count); put(arguments.first_vertex); put(arguments.first_instance);
+    put(arguments.groups_x); put(arguments.groups_y); put(arguments.groups_z);
+}

@@ -1,0 +1,78 @@
+// The shader sees every member of the shared structs where C++ has it.
+#include <numeric>
+
+#include "tests/gpu/fixture.h"
+
+#include "test_shaders/layouts_comp.h" // after it: the words of a shader need <cstdint>
+
+namespace brume::test {
+namespace {
+
+using namespace gpu;
+
+TEST_F(GpuTest, SharedStructsLieAlike) {
+    constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+    // A buffer of two structs whose words count from `first`; what the shader reads tells where it looked.
+    const auto counting = [&](size_t bytes, uint32_t first) {
+        Buffer buffer(device(), bytes, kUsage, Memory::upload, "counting");
+        const auto words = buffer.mapped<uint32_t>(bytes / 4);
+        std::iota(words.begin(), words.end(), first);
+        return buffer;
+    };
+    const Buffer tick = counting(sizeof(Tick), 1000), eye = counting(sizeof(Eye), 2000),
+                 particles = counting(2 * sizeof(Particle), 3000), objects = counting(2 * sizeof(Opaque), 4000),
+                 light = counting(2 * sizeof(LightParticle), 5000), arguments = counting(sizeof(DrawArguments), 6000);
+    std::vector<uint32_t> expected;
+    const auto expect = [&](uint32_t first, std::initializer_list<size_t> offsets) {
+        for (const size_t offset : offsets) expected.push_back(first + uint32_t(offset / 4));
+    };
+#define AT(Struct, member) offsetof(Struct, member)
+    expect(1000,
+           {AT(Tick, to_light),  AT(Tick, falloff),     AT(Tick, light_x),      AT(Tick, anisotropy),    AT(Tick, light_y),
+            AT(Tick, asymmetry), AT(Tick, irradiance),  AT(Tick, cut),          AT(Tick, ambient),       AT(Tick, particle_count),
+            AT(Tick, shadow_lo), AT(Tick, shadow_size), AT(Tick, shadow_hi),    AT(Tick, shadow_slices), AT(Tick, opaque_lo),
+            AT(Tick, opaque_hi), AT(Tick, opaque_size), AT(Tick, opaque_count), AT(Tick, sky_zenith),    AT(Tick, sky_horizon),
+            AT(Tick, shadow_u),  AT(Tick, shadow_v),    AT(Tick, shadow_plane)});
+    expect(2000, {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y),
+                  AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic)});
+    const auto second = [&](uint32_t first, size_t size, std::initializer_list<size_t> offsets) {
+        expect(first + uint32_t(size / 4), offsets);
+    };
+    second(3000, sizeof(Particle), {AT(Particle, centre), AT(Particle, scale), AT(Particle, albedo), AT(Particle, sigma_t)});
+    second(4000, sizeof(Opaque),
+           {AT(Opaque, centre), AT(Opaque, kind), AT(Opaque, half_size), AT(Opaque, yaw_cos), AT(Opaque, albedo),
+            AT(Opaque, yaw_sin)});
+    second(5000, sizeof(LightParticle), {AT(LightParticle, centre), AT(LightParticle, k), AT(LightParticle, radius)});
+    expect(6000, {AT(DrawArguments, vertex_count), AT(DrawArguments, instance_count), AT(DrawArguments, first_vertex),
+                  AT(DrawArguments, first_instance), AT(DrawArguments, groups_x), AT(DrawArguments, groups_y),
+                  AT(DrawArguments, groups_z)});
+#undef AT
+
+    const Buffer words(device(), expected.size() * 4, kUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::readback, "words");
+    const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, layouts_comp, "layouts"});
+    Commands commands(device(), "layouts");
+    const VkCommandBuffer cmd = commands.begin();
+    program.bind(cmd,
+                 {uniformBuffer(0, tick, 0, sizeof(Tick)), uniformBuffer(1, eye, 0, sizeof(Eye)), storageBuffer(2, particles),
+                  storageBuffer(3, objects), storageBuffer(4, light), storageBuffer(5, arguments), storageBuffer(6, words)});
+    vkCmdDispatch(cmd, 1, 1, 1);
+    commands.submit();
+    waitFor(commands);
+    words.invalidate();
+    const auto got = words.mapped<uint32_t>(expected.size());
+    EXPECT_EQ(std::vector<uint32_t>(got.begin(), got.end()), expected);
+}
+
+TEST_F(GpuTest, AProgramRefusesWrongBindings) {
+    const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, layouts_comp, "layouts"});
+    const Buffer buffer(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::device, "some");
+    Commands commands(device(), "wrong");
+    const VkCommandBuffer cmd = commands.begin();
+    EXPECT_THROW(program.bind(cmd, {storageBuffer(2, buffer)}), Error);                           // the others are missing
+    EXPECT_THROW(program.bind(cmd, {storageBuffer(0, buffer), storageBuffer(2, buffer)}), Error); // 0 is a uniform buffer
+    commands.submit();
+    waitFor(commands);
+}
+
+} // namespace
+} // namespace brume::test
