@@ -99,15 +99,16 @@ BRUME_FN BRUME_OF(ScatterNode) truncatedHermiteNode(BRUME_OF(GaussianSegment) se
     const real c = segment.a + segment.h;
     const real gaussian_a = exp(-min(a * a, real(80)));
     const real gaussian_c = exp(-min(c * c, real(80)));
-    // 1 / (2 integral of exp(-q^2)) = 1 / (sqrt(pi) (erf c - erf a)); depth / line is half of erf c - erf a
-    const real scale = real(0.28209479177387814) * segment.line / max(segment.depth, real(1e-30));
+    // 1 / (2 integral of exp(-q^2)) = 1 / (sqrt(pi) (erf c - erf a)); depth / line is half of erf c - erf a;
+    // bounded where the segment lies so far out that the clamp below decides.
+    const real scale = real(0.28209479177387814) * min(segment.line / max(segment.depth, real(1e-30)), real(1e15));
     const real mean = (gaussian_a - gaussian_c) * scale;
     const real variance = real(0.5) + (a * gaussian_a - c * gaussian_c) * scale - mean * mean;
     const real deviation = sqrt(clamp(variance, real(0), real(0.5)));
     const real ratio = exp(real(-0.6826894921370859) * segment.depth);
     BRUME_OF(ScatterNode) node;
     node.weight = (i == 0 ? real(1) : ratio) / (real(1) + ratio) * opacity(segment.depth);
-    node.z = (clamp(mean + (i == 0 ? -deviation : deviation), a, c) - a) / segment.k;
+    node.z = min(clamp(mean + (i == 0 ? -deviation : deviation), a, c) - a, segment.h) / segment.k;
     return node;
 }
 

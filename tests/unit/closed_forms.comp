@@ -20,8 +20,8 @@ void main() {
         sum += node.weight * node.z;
     }
     for (int j = 0; j < 2; ++j) {
-        const ScatterNode node = hermiteNode(segment.line, segment.k, j);
-        sum += node.weight * node.z;
+        const ScatterNode node = hermiteNode(segment.line, segment.k, j), cut = truncatedHermiteNode(segment, j);
+        sum += node.weight * node.z + cut.weight * cut.z;
     }
     const float k = gaussianK(x[i], x[i + 1]);
     sum += lightDepth(x[i], k, gaussianAcross(k, x[i + 2]), x[i + 3]) + segmentDepth(x[i], k, x[i + 2], x[i + 3], x[i + 4]);

@@ -239,6 +239,38 @@ TEST(Hermite, ExactToThirdDegreeForThinParticles) {
     EXPECT_NEAR(square / 1e-7, 0.5, 1e-6) << "variance of exp(-q^2)";
 }
 
+TEST(TruncatedHermite, NodesAreMeanAndDeviation) {
+    Worst single, fit;
+    for (double a = -3; a <= 2; a += 0.37) {
+        for (double h = 0.1; h < 8; h *= 1.6) {
+            const Interval interval{1.3, static_cast<float>(a), static_cast<float>(h), 0, 0};
+            double mass = 0, first = 0, second = 0;
+            const int n = 2000;
+            for (int j = 0; j < n; ++j) {
+                const double z = interval.h * (j + 0.5) / n, g = std::exp(-(interval.a + z) * (interval.a + z));
+                mass += g;
+                first += g * z;
+                second += g * z * z;
+            }
+            const double mean = first / mass, deviation = std::sqrt(second / mass - mean * mean);
+            for (const int i : {0, 1}) {
+                const double exact = mean + (i == 0 ? -deviation : deviation);
+                fit.absolute(physics::truncatedHermiteNode(segmentOf<double>(interval), i).z, exact, a, h);
+                single.absolute(physics::truncatedHermiteNode(segmentOf<float>(interval), i).z, exact, a, h);
+            }
+        }
+    }
+    EXPECT_LT(fit.deviation(), 1e-4) << fit;
+    EXPECT_LT(single.deviation(), 1e-3) << single;
+    // The whole line: Hermite's nodes and weights.
+    const auto whole = segmentOf<float>({1.3, -6, 12, 0, 0});
+    for (const int i : {0, 1}) {
+        const auto node = physics::truncatedHermiteNode(whole, i), hermite = physics::hermiteNode(whole.line, whole.k, i);
+        EXPECT_NEAR(node.z - 6, hermite.z, 3e-6);
+        EXPECT_NEAR(node.weight, hermite.weight, 1e-6);
+    }
+}
+
 // RMS relative error over random intervals of seed 000's kind, light depth linear along the ray.
 double rmsError(double lo, double hi, const std::function<double(const Interval&)>& quadrature) {
     std::mt19937 random(17);
@@ -298,6 +330,7 @@ TEST(Nodes, FiniteAndInsideForExtremeInputs) {
                         for (int j = 0; j <= 4; j += 2) check(physics::simpsonNode(segment, j, 2), 0, length);
                         for (int j = 0; j < 2; ++j) {
                             check(physics::transmittanceNode(segment, j, 2), 0, length * 1.0001f);
+                            check(physics::truncatedHermiteNode(segment, j), 0, length * 1.0001f);
                             check(physics::hermiteNode(segment.line, segment.k, j), -1e38f, 1e38f);
                         }
                         ASSERT_TRUE(good) << "sigma " << sigma_t << " k " << k << " b2 " << b2 << " a " << a << " h " << h;
