@@ -25,6 +25,7 @@ find_package(SDL2 REQUIRED)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
 pkg_check_modules(SPIRV_CROSS REQUIRED IMPORTED_TARGET spirv-cross-c-shared)
+pkg_check_modules(XXHASH REQUIRED libxxhash) # header only
 
 find_program(FLATC flatc REQUIRED)
 find_program(GLSLANG glslangValidator REQUIRED)
