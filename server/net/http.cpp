@@ -135,11 +135,9 @@ std::optional<Reply> HttpConnection::judge(const error_code& error, const Parser
         return reply;
     };
     if (error == http::error::header_limit || error == http::error::buffer_overflow) {
-        const auto data = buffer_.cdata();
-        const std::string_view text(static_cast<const char*>(data.data()), data.size());
-        return text.find('\n') == text.npos
-                   ? refuse(414, fmt::format("the request's first line is over {} bytes", options.max_header_bytes))
-                   : refuse(431, fmt::format("the request's header is over {} bytes", options.max_header_bytes));
+        const bool in_first_line = parser.get().target().empty();
+        return in_first_line ? refuse(414, fmt::format("the path and query are over {} bytes", options.max_target_bytes))
+                             : refuse(431, fmt::format("the request's header is over {} bytes", options.max_header_bytes));
     }
     if (error == http::error::end_of_stream || error == http::error::partial_message) return {};
     if (error.category() == http::make_error_code(http::error::bad_method).category())

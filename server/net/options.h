@@ -26,7 +26,6 @@ struct NetOptions {
     uint32_t max_message_bytes = 64 << 10; // of a viewer's message; ours are below 1 KiB
     uint32_t max_header_bytes = 8 << 10;   // of an HTTP request, with its first line
     uint32_t max_target_bytes = 2 << 10;   // path and query
-    uint32_t max_control_queue = 256;      // messages other than frames that wait for one viewer's socket
 
     // Time.
     std::chrono::milliseconds handshake{5000};    // connected -> request read, and upgraded -> hello

@@ -1,5 +1,6 @@
 #include "server/net/uri.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace brume::net {
@@ -24,10 +25,9 @@ std::optional<std::string> percentDecode(std::string_view text) {
 
 std::optional<std::map<std::string, std::string, std::less<>>> parseQuery(std::string_view query) {
     std::map<std::string, std::string, std::less<>> out;
-    while (!query.empty()) {
-        const size_t end = std::min(query.find('&'), query.size());
-        const std::string_view pair = query.substr(0, end);
-        query.remove_prefix(std::min(end + 1, query.size()));
+    for (size_t begin = 0, end; begin < query.size(); begin = end + 1) {
+        end = std::min(query.find('&', begin), query.size());
+        const std::string_view pair = query.substr(begin, end - begin);
         if (pair.empty()) continue;
         const size_t equals = std::min(pair.find('='), pair.size());
         auto name = percentDecode(pair.substr(0, equals));

@@ -19,6 +19,8 @@ namespace websocket = beast::websocket;
 
 constexpr auto kHeartbeat = std::chrono::milliseconds(100); // deadlines, and news of the scene when no frame brings them
 constexpr auto kStatePeriod = std::chrono::seconds(1);
+constexpr size_t kMaxControl = 64; // answers that wait for a viewer's socket: who does not read is not read
+constexpr auto kCloseHandshake = std::chrono::seconds(1);
 constexpr float kRetryFull = 5, kRetryRestart = 2; // s
 
 float millisecondsSince(Clock::time_point start) {
@@ -31,7 +33,7 @@ public:
     WebSocketSession(Context& context, beast::tcp_stream stream, std::unique_ptr<Connections::Place> place)
         : context_(context), place_(std::move(place)), ws_(std::move(stream)),
           rules_(context.options, context.audience.facts(), Clock::now()), bell_(std::make_shared<Bell>(ws_.get_executor())),
-          heartbeat_(ws_.get_executor()) {}
+          room_(std::make_shared<Bell>(ws_.get_executor())), heartbeat_(ws_.get_executor()) {}
 
     void start(const HttpRequest& request) {
         place_->occupy(shared_from_this());
@@ -60,18 +62,20 @@ private:
     void admit(const Admit& hello);
     void acknowledge(uint32_t frame);
     void push(Push&& command);
-    void close(uint16_t code, std::string reason, float retry_after_s = 0);
+    void close(uint16_t code, std::string_view reason, float retry_after_s = 0);
+    void leave(std::string_view why);
 
     void enqueue(wire::Packed message);
     bool newsAreDue() const;
     wire::Packed takeNews();
-    void finish(std::string_view why);
+    void finish(std::string_view why = {});
 
     Context& context_;
     std::unique_ptr<Connections::Place> place_;
     websocket::stream<beast::tcp_stream, false> ws_; // no compression: JPEG does not shrink
     SessionRules rules_;
     std::shared_ptr<Bell> bell_; // rings when there may be something to write
+    std::shared_ptr<Bell> room_; // rings when fewer control messages wait
     asio::steady_timer heartbeat_;
     std::unique_ptr<Seat> seat_; // after hello
     std::string name_;           // for the log
@@ -129,6 +133,7 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
             pause.expires_after(wait);
             co_await pause.async_wait(kToken);
         }
+        while (!ended_ && control_.size() >= kMaxControl) co_await room_->wait();
     }
 }
 
@@ -143,13 +148,14 @@ asio::awaitable<void> WebSocketSession::write() {
             } else {
                 message = std::move(control_.front());
                 control_.pop_front();
+                room_->ring();
             }
             const Parts parts{asio::buffer(message.data(), message.size())};
             error = co_await send(parts);
         } else if (closing_) {
-            const websocket::close_reason reason = *closing_;
-            co_await ws_.async_close(reason, kToken);
-            co_return finish(std::string_view(reason.reason.data(), reason.reason.size()));
+            ws_.set_option(websocket::stream_base::timeout{kCloseHandshake, kCloseHandshake, false});
+            co_await ws_.async_close(*closing_, kToken);
+            co_return finish();
         } else if (FramePtr frame = seat_ ? seat_->takeFrame() : nullptr) {
             error = co_await sendFrame(std::move(frame));
         } else {
@@ -207,7 +213,7 @@ void WebSocketSession::carryOut(Effects& effects) {
             s.context_.metrics.refused(wire::EnumNameErrorCode(e.code));
             s.enqueue(packError(e.code, e.text, e.input_seq));
         }
-        void operator()(Close& e) { s.close(e.code, std::move(e.reason)); }
+        void operator()(Close& e) { s.close(e.code, e.reason); }
     } each{*this};
     for (Effect& effect : effects) {
         if (closing_ || ended_) return;
@@ -243,20 +249,25 @@ void WebSocketSession::push(Push&& command) {
     enqueue(packError(wire::ErrorCode::busy, "too many commands wait: try again", seq));
 }
 
-void WebSocketSession::close(uint16_t code, std::string reason, float retry_after_s) {
+// The place in the house is free at once; the connection ends when the viewer has heard us out.
+void WebSocketSession::close(uint16_t code, std::string_view reason, float retry_after_s) {
     if (closing_ || ended_) return;
     enqueue(packGoodbye(reason, retry_after_s));
-    closing_ = websocket::close_reason(websocket::close_code(code), reason);
+    leave(reason);
+    closing_ = websocket::close_reason(websocket::close_code(code), beast::string_view(reason.data(), reason.size()));
     bell_->ring();
 }
 
+void WebSocketSession::leave(std::string_view why) {
+    if (!seat_) return;
+    const auto counts = seat_->viewer().counts();
+    spdlog::info("{}: left ({}), {} frames rendered, {} sent", name_, why, counts.rendered, counts.sent);
+    seat_.reset();
+}
+
+// Bounded: run() reads nothing while kMaxControl messages wait, and one message is answered with a few at most.
 void WebSocketSession::enqueue(wire::Packed message) {
     if (ended_ || closing_) return;
-    if (control_.size() >= context_.options.max_control_queue) {
-        spdlog::warn("{}: closed, it reads too slowly: {} messages wait", name_.empty() ? place_->address() : name_,
-                     control_.size());
-        return finish("it reads too slowly");
-    }
     control_.push_back(std::move(message));
     bell_->ring();
 }
@@ -271,20 +282,15 @@ wire::Packed WebSocketSession::takeNews() {
     return packSceneState(*context_.audience.report(), context_.audience.size());
 }
 
-// The end, once: the place in the house is free, and every coroutine finds ended_ or an aborted operation.
+// The end, once: every coroutine finds ended_ or an aborted operation.
 void WebSocketSession::finish(std::string_view why) {
     if (ended_) return;
     ended_ = true;
-    if (seat_) {
-        const auto counts = seat_->viewer().counts();
-        spdlog::info("{}: left ({}), {} frames rendered, {} sent", name_, why, counts.rendered, counts.sent);
-    } else {
-        spdlog::debug("{}: WebSocket ended without a viewer ({})", place_->address(), why);
-    }
-    seat_.reset();
+    leave(why);
     beast::get_lowest_layer(ws_).close();
     heartbeat_.cancel();
     bell_->ring();
+    room_->ring();
 }
 
 } // namespace

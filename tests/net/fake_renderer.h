@@ -1,0 +1,98 @@
+// A frame loop without a renderer: answers every due pose with bytes that say what was asked, and publishes reports.
+#pragma once
+
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "server/net/metrics.h"
+#include "server/viewer/audience.h"
+
+namespace brume {
+
+// The "JPEG" of one view: SOI, a line of text, padding, EOI.
+inline std::vector<uint8_t> fakeJpeg(const PoseRequest& request, int view, size_t bytes) {
+    const glm::vec3& at = request.pose.position;
+    std::string jpeg = fmt::format("\xff\xd8seq {} eye {} at {} {} {} size {}x{} quality {}", request.seq, view, at.x, at.y, at.z,
+                                   request.width, request.height, request.quality);
+    if (jpeg.size() + 2 < bytes) jpeg.resize(bytes - 2);
+    jpeg += "\xff\xd9";
+    return {jpeg.begin(), jpeg.end()};
+}
+
+class FakeRenderer {
+public:
+    std::atomic<bool> paused{false};          // renders nothing, takes no command
+    std::atomic<size_t> jpeg_bytes{0};        // pads pictures to at least so many
+    std::atomic<uint64_t> rounds{0}, made{0}; // loops done, frames rendered
+
+    FakeRenderer(Audience& audience, Metrics& metrics) : audience_(audience), metrics_(metrics) {
+        audience_.ready = true;
+        thread_ = std::thread([this] { run(); });
+    }
+    ~FakeRenderer() {
+        stop_ = true;
+        thread_.join();
+    }
+
+    std::vector<Command> commands() const {
+        const std::scoped_lock lock(mutex_);
+        return commands_;
+    }
+
+private:
+    void run() {
+        SceneReport report;
+        report.light.to_light = {0, 1, 0};
+        std::vector<std::shared_ptr<Viewer>> viewers;
+        std::vector<Command> taken;
+        while (!stop_) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            ++rounds;
+            if (paused) continue;
+            audience_.commands().drain(taken);
+            for (const Command& command : taken) {
+                if (const auto* simulation = std::get_if<SetSimulation>(&command.body))
+                    report.paused = simulation->paused.value_or(report.paused);
+                const std::scoped_lock lock(mutex_);
+                commands_.push_back(command);
+            }
+            ++report.tick;
+            report.state_hash = report.tick * 0x9e3779b97f4a7c15;
+            report.particles = 500;
+            report.passes = {{"sort", 0.5f}, {"medium", 7.25f}};
+            audience_.publish(std::make_shared<SceneReport>(report));
+            metrics_.ticked(0.25f);
+
+            audience_.list(viewers);
+            for (const auto& viewer : viewers)
+                if (const auto due = viewer->takeDue()) viewer->deliver(render(*due, report));
+        }
+    }
+
+    FramePtr render(const Viewer::Due& due, const SceneReport& report) {
+        auto frame = std::make_shared<EncodedFrame>();
+        frame->id = due.frame_id;
+        frame->tick = report.tick;
+        frame->state_hash = report.state_hash;
+        frame->request = due.request;
+        frame->wait_ms = 1, frame->render_ms = 2, frame->encode_ms = 3, frame->gpu_ms = 1.5f;
+        for (int view = 0; view < due.request.views; ++view) frame->jpeg[size_t(view)] = fakeJpeg(due.request, view, jpeg_bytes);
+        frame->encoded = Clock::now();
+        metrics_.rendered(*frame);
+        ++made;
+        return frame;
+    }
+
+    Audience& audience_;
+    Metrics& metrics_;
+    std::atomic<bool> stop_{false};
+    mutable std::mutex mutex_;
+    std::vector<Command> commands_;
+    std::thread thread_;
+};
+
+} // namespace brume

@@ -1,0 +1,303 @@
+// The routes of the one port, and what they refuse.
+#include <filesystem>
+#include <fstream>
+
+#include "tests/net/fixture.h"
+
+namespace brume::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class HttpTest : public ServerTest {
+protected:
+    fs::path folder; // holds page/ (served) and secret.txt (not)
+
+    HttpTest() {
+        std::string name = (fs::temp_directory_path() / "brume-http-test-XXXXXX").string();
+        folder = mkdtemp(name.data());
+        write("page/index.html", "<!doctype html><title>brume</title>");
+        write("page/assets/app-1a2b.js", "let cloud = 1;");
+        write("page/.env", "hidden");
+        write("page/.git/config", "hidden");
+        write("secret.txt", "secret");
+        fs::create_symlink(folder / "secret.txt", folder / "page/link.txt");
+        fs::create_directory_symlink(folder, folder / "page/up");
+        options.web_root = folder / "page";
+        options.frame_wait = 2s;
+    }
+    ~HttpTest() override { fs::remove_all(folder); }
+
+    void write(const std::string& path, std::string_view text) {
+        fs::create_directories((folder / path).parent_path());
+        std::ofstream(folder / path) << text;
+    }
+};
+
+TEST_F(HttpTest, ThePageIsServedWithTypesTagsAndLengths) {
+    const uint16_t port = serve();
+    const auto page = get(port, "/");
+    EXPECT_EQ(page.status, 200);
+    EXPECT_EQ(page.header("Content-Type"), "text/html; charset=utf-8");
+    EXPECT_EQ(page.header("Cache-Control"), "no-cache");
+    EXPECT_EQ(page.header("X-Content-Type-Options"), "nosniff");
+    EXPECT_EQ(page.body, "<!doctype html><title>brume</title>");
+    EXPECT_EQ(get(port, "/index.html?x=1").body, page.body);
+
+    const auto script = get(port, "/assets/app-1a2b.js");
+    EXPECT_EQ(script.status, 200);
+    EXPECT_EQ(script.header("Content-Type"), "text/javascript; charset=utf-8");
+    EXPECT_NE(script.header("Cache-Control").find("immutable"), std::string::npos);
+    EXPECT_EQ(get(port, "/assets/app%2D1a2b.js").body, script.body);
+
+    const auto known = get(port, "/", "If-None-Match: " + page.header("ETag") + "\r\n");
+    EXPECT_EQ(known.status, 304);
+    EXPECT_EQ(known.body, "");
+    EXPECT_EQ(known.header("Content-Length"), "");
+    write("page/index.html", "changed, and longer than it was before");
+    EXPECT_EQ(get(port, "/", "If-None-Match: " + page.header("ETag") + "\r\n").status, 200);
+
+    const auto head = get(port, "/assets/app-1a2b.js", "", "HEAD");
+    EXPECT_EQ(head.status, 200);
+    EXPECT_EQ(head.header("Content-Length"), std::to_string(script.body.size()));
+}
+
+TEST_F(HttpTest, NothingOutsideThePageIsServed) {
+    const uint16_t port = serve();
+    for (const char* path : {"/../secret.txt",
+                             "/%2e%2e/secret.txt",
+                             "/..%2fsecret.txt",
+                             "/assets/../../secret.txt",
+                             "/assets/%2e%2e/%2e%2e/secret.txt",
+                             "/..\\secret.txt",
+                             "/..%5csecret.txt",
+                             "//secret.txt",
+                             "/./index.html",
+                             "/link.txt",
+                             "/up/secret.txt",
+                             "/.env",
+                             "/.git/config",
+                             "/assets",
+                             "/assets/",
+                             "/index.html/",
+                             "/index.html%00.png",
+                             "/%",
+                             "/%zz",
+                             "/nothing.html",
+                             "/etc/passwd",
+                             "/%2fetc%2fpasswd",
+                             "/snapshot.jpg/",
+                             "/ws/"}) {
+        const auto answer = get(port, path);
+        EXPECT_EQ(answer.status, 404) << path;
+        EXPECT_EQ(answer.body.find("secret"), std::string::npos) << path;
+        EXPECT_EQ(std::count(answer.body.begin(), answer.body.end(), '\n'), 1) << "one clear line for " << path;
+    }
+}
+
+TEST_F(HttpTest, AMissingPageSaysHowToBuildIt) {
+    options.web_root = folder / "nowhere";
+    const auto answer = get(serve(), "/");
+    EXPECT_EQ(answer.status, 404);
+    EXPECT_NE(answer.body.find("./dev"), std::string::npos);
+}
+
+TEST_F(HttpTest, HealthReadinessAndMetrics) {
+    const uint16_t port = serve();
+    EXPECT_EQ(get(port, "/healthz").body, "ok\n");
+    EXPECT_EQ(get(port, "/readyz").status, 200);
+    audience->ready = false;
+    EXPECT_EQ(get(port, "/readyz").status, 503);
+    EXPECT_EQ(get(port, "/healthz").status, 200);
+    audience->ready = true;
+
+    const auto client = watch();
+    client->pose(1);
+    ASSERT_TRUE(client->next<wire::Frame>());
+    client->sendMessage(2, std::vector<uint8_t>{1});
+    ASSERT_TRUE(client->next<wire::Error>());
+    const auto answer = get(port, "/metrics");
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_EQ(answer.header("Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
+    for (const char* line :
+         {"brume_viewers 1", "brume_pass_seconds{pass=\"medium\"} 0.00725", "brume_refused_total{reason=\"malformed\"} 1",
+          "brume_http_requests_total{route=\"healthz\",status=\"200\"} 2",
+          "brume_http_requests_total{route=\"readyz\",status=\"503\"} 1", "brume_ready 1", "brume_particles 500",
+          "# TYPE brume_stage_seconds histogram", "brume_stage_seconds_bucket{stage=\"encode\",le=\"0.004\"}",
+          "brume_frames_total{fate=\"rendered\"}", "brume_frames_total{fate=\"superseded\"} 0", "brume_tick_seconds_count"})
+        EXPECT_NE(answer.body.find(std::string("\n") + line), std::string::npos) << line << " in\n" << answer.body;
+}
+
+TEST_F(HttpTest, WrongRequestsAreToldSoInOneLine) {
+    const uint16_t port = serve();
+    const auto answerTo = [&](const std::string& request) {
+        Socket socket(port);
+        socket.send(request);
+        const auto answer = readAnswer(socket);
+        EXPECT_EQ(std::count(answer.body.begin(), answer.body.end(), '\n'), 1) << request.substr(0, 60);
+        EXPECT_TRUE(socket.closesWithin(3s)) << request.substr(0, 60);
+        return answer.status;
+    };
+    EXPECT_EQ(answerTo("hello there\r\n\r\n"), 400);
+    EXPECT_EQ(answerTo("GET http://elsewhere/ HTTP/1.1\r\nHost: x\r\n\r\n"), 400);
+    EXPECT_EQ(answerTo("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 3\r\n\r\nabc"), 405);
+    EXPECT_EQ(answerTo("DELETE / HTTP/1.1\r\nHost: x\r\n\r\n"), 405);
+    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: x\r\nContent-Length: 1000000\r\n\r\nabc"), 413);
+    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"), 413);
+    EXPECT_EQ(answerTo("GET /" + std::string(3000, 'a') + " HTTP/1.1\r\nHost: x\r\n\r\n"), 414);
+    EXPECT_EQ(answerTo("GET /" + std::string(20000, 'a') + " HTTP/1.1\r\nHost: x\r\n\r\n"), 414);
+    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: x\r\nCookie: " + std::string(20000, 'a') + "\r\n\r\n"), 431);
+    EXPECT_EQ(answerTo(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11)), 400) << "TLS on a plain port";
+    EXPECT_EQ(get(port, "/").status, 200);
+}
+
+TEST_F(HttpTest, AConnectionCarriesSeveralRequests) {
+    Socket socket(serve());
+    const std::string request = "GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n";
+    socket.send(request + request);
+    EXPECT_EQ(readAnswer(socket).body, "ok\n");
+    EXPECT_EQ(readAnswer(socket).body, "ok\n");
+    socket.send("HEAD / HTTP/1.1\r\nHost: x\r\n\r\n" + request);
+    EXPECT_EQ(readAnswer(socket, true).status, 200);
+    EXPECT_EQ(readAnswer(socket).body, "ok\n");
+    socket.send("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+    EXPECT_EQ(readAnswer(socket).status, 200);
+    EXPECT_TRUE(socket.closesWithin(3s));
+}
+
+TEST_F(HttpTest, OneAddressMayNotTakeAllConnections) {
+    options.max_connections_per_address = 3;
+    const uint16_t port = serve();
+    std::vector<std::unique_ptr<Socket>> open;
+    for (int i = 0; i < 3; ++i) {
+        open.push_back(std::make_unique<Socket>(port));
+        open.back()->send("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+        EXPECT_EQ(readAnswer(*open.back()).status, 200);
+    }
+    Socket over(port);
+    EXPECT_EQ(readAnswer(over).status, 503);
+    open.pop_back();
+    EXPECT_TRUE(eventually([&] { return get(port, "/healthz").status == 200; }));
+}
+
+TEST_F(HttpTest, ASnapshotIsOneFrameOfTheAskedCamera) {
+    const uint16_t port = serve();
+    const auto plain = get(port, "/snapshot.jpg");
+    EXPECT_EQ(plain.status, 200);
+    EXPECT_EQ(plain.header("Content-Type"), "image/jpeg");
+    const auto text = [](const HttpAnswer& answer) {
+        return pictureText({reinterpret_cast<const uint8_t*>(answer.body.data()), answer.body.size()});
+    };
+    EXPECT_EQ(text(plain), "seq 1 eye 0 at 0 2 26 size 640x360 quality 80");
+    EXPECT_EQ(text(get(port, "/snapshot.jpg?w=320&h=200&quality=50&position=1,-2.5,3&target=0,0,0&fov=0.5&views=1")),
+              "seq 1 eye 0 at 1 -2.5 3 size 320x200 quality 50");
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(HttpTest, PicturesThatCannotBeAreToldWhatMayBe) {
+    const uint16_t port = serve();
+    for (const char* query : {"w=0",
+                              "w=15",
+                              "h=99999",
+                              "w=abc",
+                              "w=",
+                              "w=100x",
+                              "w=nan",
+                              "h=inf",
+                              "quality=0",
+                              "quality=101",
+                              "fov=0",
+                              "fov=9",
+                              "fps=0",
+                              "fps=1000",
+                              "position=1,2",
+                              "position=1,2,3,4",
+                              "position=1,2,1e9",
+                              "target=a,b,c",
+                              "position=0,0,0&target=0,0,0",
+                              "views=2",
+                              "w=100&w=200",
+                              "width=100",
+                              "w=%4"})
+        for (const char* path : {"/snapshot.jpg?", "/stream.mjpg?"}) {
+            const auto answer = get(port, std::string(path) + query);
+            EXPECT_EQ(answer.status, 400) << query;
+            EXPECT_EQ(std::count(answer.body.begin(), answer.body.end(), '\n'), 1) << query;
+        }
+    EXPECT_EQ(get(port, "/snapshot.jpg", "", "HEAD").status, 405);
+    EXPECT_EQ(audience->size(), 0u);
+}
+
+TEST_F(HttpTest, WithoutFramesPicturesEndIn503) {
+    options.frame_wait = 200ms;
+    const uint16_t port = serve();
+    renderer->paused = true;
+    std::this_thread::sleep_for(20ms);
+    for (const char* path : {"/snapshot.jpg", "/stream.mjpg"}) {
+        const auto answer = get(port, path);
+        EXPECT_EQ(answer.status, 503) << path;
+        EXPECT_NE(answer.header("Retry-After"), "") << path;
+        EXPECT_NE(answer.body.find("/readyz"), std::string::npos) << path;
+    }
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+// Reads one part of a stream: its headers, its bytes, and the boundary that follows.
+std::string readPart(Socket& socket) {
+    HttpAnswer part;
+    part.head = fmt::format("\r\n{}", socket.readUntil("\r\n\r\n"));
+    if (part.header("Content-Type") != "image/jpeg") return "no part: " + part.head;
+    const std::string body = socket.read(std::stoul(part.header("Content-Length")));
+    EXPECT_EQ(socket.readUntil("--brume-frame\r\n"), "\r\n--brume-frame\r\n") << "at once, or a reader shows the frame late";
+    return body;
+}
+
+TEST_F(HttpTest, AStreamIsPacedAndEndsWithItsReader) {
+    const uint16_t port = serve();
+    {
+        Socket socket(port);
+        socket.send("GET /stream.mjpg?w=64&h=48&fps=20 HTTP/1.1\r\nHost: x\r\n\r\n");
+        const std::string head = socket.readUntil("\r\n\r\n");
+        EXPECT_NE(head.find("200 OK"), std::string::npos);
+        EXPECT_NE(head.find("multipart/x-mixed-replace; boundary=brume-frame"), std::string::npos);
+        EXPECT_EQ(socket.readUntil("--brume-frame\r\n"), "--brume-frame\r\n");
+        const auto start = std::chrono::steady_clock::now();
+        for (int i = 0; i < 11; ++i) {
+            const std::string jpeg = readPart(socket);
+            EXPECT_NE(jpeg.find("size 64x48"), std::string::npos) << jpeg;
+        }
+        const auto took = std::chrono::steady_clock::now() - start;
+        EXPECT_GT(took, 450ms); // 10 periods of 50 ms, the first of which began earlier
+        EXPECT_LT(took, 2s);
+        EXPECT_EQ(audience->size(), 1u);
+        EXPECT_LE(renderer->made, 13u) << "no frame is rendered before its time";
+    }
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(HttpTest, AStalledStreamDelaysNobodyAndIsCut) {
+    options.write_stall = 500ms;
+    const uint16_t port = serve();
+    renderer->jpeg_bytes = 2 << 20;
+    Socket stalled(port, 4096);
+    stalled.send("GET /stream.mjpg HTTP/1.1\r\nHost: x\r\n\r\n");
+    ASSERT_TRUE(eventually([&] { return audience->size() == 1; }));
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(get(port, "/snapshot.jpg").status, 200);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(HttpTest, StreamsHaveTheirOwnLimit) {
+    options.max_streams = 2;
+    const uint16_t port = serve();
+    const std::string request = "GET /stream.mjpg HTTP/1.1\r\nHost: x\r\n\r\n";
+    Socket one(port), two(port);
+    one.send(request);
+    two.send(request);
+    EXPECT_NE(one.readUntil("--brume-frame").find("200 OK"), std::string::npos);
+    EXPECT_NE(two.readUntil("--brume-frame").find("200 OK"), std::string::npos);
+    EXPECT_EQ(get(port, "/stream.mjpg").status, 503);
+    EXPECT_TRUE(watch()) << "viewers still find room";
+}
+
+} // namespace
+} // namespace brume::test

@@ -1,0 +1,434 @@
+// A viewer's life over a real socket.
+#include "tests/net/fixture.h"
+
+namespace brume::test {
+namespace {
+
+using wire::ErrorCode;
+
+struct SessionTest : ServerTest {};
+
+// The code of the error that comes next.
+ErrorCode nextError(WsClient& client) {
+    const auto message = client.next<wire::Error>();
+    EXPECT_TRUE(message);
+    return message ? message->parsed->as<wire::Error>()->code() : ErrorCode(0);
+}
+
+// Acknowledges frames until one answers that pose; null when none does in time.
+std::unique_ptr<Received> frameOf(WsClient& client, uint32_t pose_seq) {
+    for (int i = 0; i < 1000; ++i) {
+        auto message = client.next<wire::Frame>();
+        if (!message) return nullptr;
+        const auto* frame = message->parsed->as<wire::Frame>();
+        client.ack(frame->id());
+        if (frame->pose_seq() == pose_seq) return message;
+    }
+    return nullptr;
+}
+
+TEST_F(SessionTest, WelcomeSaysWhatThereIsAndTheStateFollows) {
+    const uint16_t port = serve();
+    WsClient client(port);
+    ASSERT_EQ(client.handshake.status, 101);
+    EXPECT_EQ(client.handshake.header("Sec-WebSocket-Protocol"), "brume.v1");
+    EXPECT_EQ(client.handshake.header("Sec-WebSocket-Extensions"), "") << "no compression";
+    client.hello(1280, 720, 2);
+    const auto first = client.receive();
+    ASSERT_TRUE(first && first->parsed);
+    const auto* welcome = first->parsed->as<wire::Welcome>();
+    ASSERT_TRUE(welcome);
+    EXPECT_GT(welcome->viewer(), 0u);
+    EXPECT_EQ(welcome->scene()->str(), "test scene");
+    EXPECT_EQ(welcome->device()->str(), "test device");
+    EXPECT_EQ(welcome->server()->str(), "brume " BRUME_VERSION);
+    EXPECT_EQ(welcome->width(), 1280);
+    EXPECT_EQ(welcome->height(), 720);
+    EXPECT_EQ(welcome->views(), 2);
+    EXPECT_EQ(welcome->tick_hz(), 60);
+    EXPECT_EQ(welcome->max_in_flight(), 2);
+    EXPECT_EQ(welcome->camera()->position()->z(), 26);
+    ASSERT_EQ(welcome->methods()->size(), 2u);
+    EXPECT_EQ(welcome->methods()->Get(1)->str(), "isv");
+    EXPECT_EQ(welcome->quadratures()->Get(0)->str(), "simpson");
+
+    const auto second = client.receive();
+    ASSERT_TRUE(second && second->parsed);
+    const auto* state = second->parsed->as<wire::SceneState>();
+    ASSERT_TRUE(state) << "before any frame";
+    EXPECT_EQ(state->viewers(), 1u);
+    EXPECT_GT(state->tick(), 0u);
+}
+
+TEST_F(SessionTest, UpgradesThatCannotBeAreToldWhy) {
+    const uint16_t port = serve();
+    const auto plain = get(port, "/ws");
+    EXPECT_EQ(plain.status, 426);
+    EXPECT_EQ(plain.header("Upgrade"), "websocket");
+    EXPECT_NE(plain.body.find("brume.v1"), std::string::npos);
+
+    const WsClient none(port, 0, ""), other(port, 0, "Sec-WebSocket-Protocol: brume.v2, chat\r\n");
+    EXPECT_EQ(none.handshake.status, 400);
+    EXPECT_EQ(other.handshake.status, 400);
+    EXPECT_NE(other.handshake.body.find("brume.v1"), std::string::npos);
+    const WsClient several(port, 0, "Sec-WebSocket-Protocol: brume.v2, brume.v1\r\n");
+    EXPECT_EQ(several.handshake.status, 101);
+    EXPECT_EQ(several.handshake.header("Sec-WebSocket-Protocol"), "brume.v1");
+}
+
+TEST_F(SessionTest, OnlyOurOwnPageMayConnectUnlessAllowed) {
+    options.allowed_origins = {"https://clouds.example"};
+    const uint16_t port = serve();
+    const auto status = [&](const std::string& origin) {
+        return WsClient(port, 0, "Sec-WebSocket-Protocol: brume.v1\r\nOrigin: " + origin + "\r\n").handshake.status;
+    };
+    EXPECT_EQ(status(fmt::format("http://127.0.0.1:{}", port)), 101);
+    EXPECT_EQ(status("https://clouds.example"), 101);
+    EXPECT_EQ(status("http://clouds.example"), 403);
+    EXPECT_EQ(status("https://evil.example"), 403);
+    EXPECT_EQ(status("null"), 403);
+    EXPECT_EQ(status(fmt::format("http://127.0.0.1:{}.evil.example", port)), 403);
+}
+
+TEST_F(SessionTest, ThreeViewersGetTheirOwnPictures) {
+    serve();
+    std::vector<std::unique_ptr<WsClient>> clients;
+    for (int i = 0; i < 3; ++i) {
+        clients.push_back(watch(uint16_t(100 + 10 * i), 80));
+        clients.back()->pose(7, {float(i), 0.5f, 3});
+    }
+    for (int i = 0; i < 3; ++i) {
+        uint32_t last_id = 0;
+        for (int n = 0; n < 5; ++n) {
+            const auto message = clients[size_t(i)]->next<wire::Frame>();
+            ASSERT_TRUE(message);
+            const auto* frame = message->parsed->as<wire::Frame>();
+            EXPECT_EQ(frame->id(), last_id + 1);
+            last_id = frame->id();
+            EXPECT_EQ(frame->pose_seq(), 7u);
+            EXPECT_EQ(frame->client_time_us(), 1007u);
+            EXPECT_EQ(frame->position()->x(), float(i));
+            EXPECT_EQ(frame->width(), 100 + 10 * i);
+            EXPECT_EQ(frame->quality(), options.default_quality);
+            EXPECT_EQ(frame->state_hash(), frame->tick() * 0x9e3779b97f4a7c15);
+            EXPECT_EQ(frame->stages()->wait(), 1);
+            EXPECT_EQ(frame->stages()->render(), 2);
+            EXPECT_EQ(frame->stages()->encode(), 3);
+            EXPECT_EQ(frame->stages()->gpu(), 1.5f);
+            EXPECT_GE(frame->stages()->queue(), 0);
+            EXPECT_LT(frame->stages()->queue(), 1000);
+            EXPECT_EQ(pictureText(message->parsed->view(0)),
+                      fmt::format("seq 7 eye 0 at {} 0.5 3 size {}x80 quality 80", i, 100 + 10 * i));
+            clients[size_t(i)]->ack(frame->id());
+        }
+    }
+}
+
+TEST_F(SessionTest, BothEyesComeInOneMessage) {
+    serve();
+    const auto client = watch(64, 48, 2);
+    client->pose(1);
+    const auto message = client->next<wire::Frame>();
+    ASSERT_TRUE(message);
+    ASSERT_EQ(message->parsed->as<wire::Frame>()->jpeg_bytes()->size(), 2u);
+    EXPECT_NE(pictureText(message->parsed->view(0)).find("eye 0"), std::string::npos);
+    EXPECT_NE(pictureText(message->parsed->view(1)).find("eye 1"), std::string::npos);
+}
+
+TEST_F(SessionTest, ANewPoseAndItsSizeShow) {
+    serve();
+    const auto client = watch();
+    client->pose(1);
+    ASSERT_TRUE(frameOf(*client, 1));
+    client->pose(2, {1, 2, 3}, 320, 200);
+    const auto message = frameOf(*client, 2);
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->parsed->as<wire::Frame>()->width(), 320);
+    client->pose(1, {9, 9, 9}); // late: not shown any more
+    client->pose(3);
+    ASSERT_TRUE(frameOf(*client, 3));
+}
+
+TEST_F(SessionTest, WhoNeverAcknowledgesIsNotRenderedFor) {
+    serve();
+    const auto client = watch();
+    client->pose(1);
+    ASSERT_TRUE(client->next<wire::Frame>());
+    ASSERT_TRUE(client->next<wire::Frame>());
+    const uint64_t made = renderer->made, rounds = renderer->rounds;
+    EXPECT_EQ(made, 2u);
+    ASSERT_TRUE(eventually([&] { return renderer->rounds > rounds + 50; }));
+    EXPECT_EQ(renderer->made, made);
+    client->ack(2);
+    const auto message = client->next<wire::Frame>();
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->parsed->as<wire::Frame>()->id(), 3u);
+    client->ack(77);
+    EXPECT_EQ(nextError(*client), ErrorCode::unexpected);
+}
+
+TEST_F(SessionTest, BadMessagesAreAnsweredAndSurvived) {
+    serve();
+    const auto client = watch();
+    const std::vector<uint8_t> garbage(200, 0x5a);
+    client->sendMessage(2, garbage);
+    EXPECT_EQ(nextError(*client), ErrorCode::malformed);
+    client->sendMessage(1, std::vector<uint8_t>{'h', 'i'});
+    EXPECT_EQ(nextError(*client), ErrorCode::malformed);
+    client->pose(1, {std::numeric_limits<float>::quiet_NaN(), 0, 0});
+    EXPECT_EQ(nextError(*client), ErrorCode::out_of_range);
+    client->hello();
+    EXPECT_EQ(nextError(*client), ErrorCode::unexpected);
+    client->say([](auto& b) { return wire::CreateSceneState(b); });
+    EXPECT_EQ(nextError(*client), ErrorCode::unexpected);
+    client->pose(2);
+    EXPECT_TRUE(frameOf(*client, 2)) << "still served";
+    client->sendMessage(2, {});
+    EXPECT_EQ(nextError(*client), ErrorCode::malformed);
+    const auto goodbye = client->next<wire::Goodbye>();
+    ASSERT_TRUE(goodbye);
+    EXPECT_EQ(client->closeCode(), 1002);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(SessionTest, APoseBeforeHelloIsUnexpectedAndHelloMayFollow) {
+    WsClient client(serve());
+    client.pose(1);
+    EXPECT_EQ(nextError(client), ErrorCode::unexpected);
+    client.hello(0, 0);
+    EXPECT_EQ(nextError(client), ErrorCode::out_of_range);
+    client.hello();
+    EXPECT_TRUE(client.next<wire::Welcome>());
+}
+
+TEST_F(SessionTest, AnOversizedMessageClosesOnlyItsSender) {
+    serve();
+    const auto good = watch(), bad = watch();
+    bad->sendMessage(2, std::vector<uint8_t>(options.max_message_bytes + 1));
+    EXPECT_EQ(bad->closeCode(), 1009);
+    good->pose(1);
+    EXPECT_TRUE(frameOf(*good, 1));
+    EXPECT_TRUE(eventually([&] { return audience->size() == 1; }));
+}
+
+TEST_F(SessionTest, AFloodOfPosesHarmsNobodyAndItsLastIsShown) {
+    serve();
+    const auto quiet = watch(), loud = watch();
+    quiet->pose(1);
+    const uint32_t poses = 6000;
+    std::thread flood([&] {
+        for (uint32_t seq = 1; seq <= poses; ++seq)
+            if (!loud->pose(seq)) return;
+    });
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(frameOf(*quiet, 1));
+    flood.join();
+    bool shown = false, told = false;
+    const auto deadline = std::chrono::steady_clock::now() + 10s;
+    while (!(shown && told) && std::chrono::steady_clock::now() < deadline) {
+        const auto message = loud->receive();
+        ASSERT_TRUE(message && message->parsed);
+        if (const auto* frame = message->parsed->as<wire::Frame>()) {
+            loud->ack(frame->id());
+            shown |= frame->pose_seq() == poses;
+        }
+        if (const auto* error = message->parsed->as<wire::Error>()) told |= error->code() == ErrorCode::too_fast;
+    }
+    EXPECT_TRUE(shown);
+    EXPECT_TRUE(told);
+}
+
+TEST_F(SessionTest, AStalledReaderDelaysNobodyAndIsCut) {
+    options.write_stall = 700ms;
+    serve();
+    renderer->jpeg_bytes = 2 << 20; // far over what the sockets hold
+    const auto stalled = watch(640, 360, 1, 4096), good = watch();
+    stalled->pose(1);
+    good->pose(1);
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < 30; ++i) ASSERT_TRUE(frameOf(*good, 1));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, 5s);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 1; })) << "the stalled one is cut";
+    ASSERT_TRUE(frameOf(*good, 1));
+}
+
+TEST_F(SessionTest, WhoAsksButDoesNotReadIsNotReadAndCut) {
+    options.message_rate = 1e6;
+    options.write_stall = 300ms;
+    serve();
+    const auto client = watch(640, 360, 1, 4096);
+    // Pongs fill the sockets, then pings do.
+    const wire::Packed ping = wire::pack([](auto& b) { return wire::CreatePing(b, 1, 1); });
+    size_t sent = 0;
+    while (sent < 10'000'000 && client->sendMessage(2, wire::bytesOf(ping), 200ms)) ++sent;
+    EXPECT_LT(sent, 10'000'000u);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(SessionTest, ASlowHandshakeIsCut) {
+    options.handshake = 300ms;
+    const uint16_t port = serve();
+    Socket dripping(port), silent(port);
+    const auto start = std::chrono::steady_clock::now();
+    std::thread drip([&] {
+        for (const char c : std::string("GET /healthz HTTP/1.1\r\nHost: a-host-with-a-long-name\r\n")) {
+            if (!dripping.send(std::string_view(&c, 1))) return;
+            std::this_thread::sleep_for(20ms);
+        }
+    });
+    EXPECT_TRUE(silent.closesWithin(2s));
+    EXPECT_TRUE(dripping.closesWithin(2s));
+    EXPECT_GE(std::chrono::steady_clock::now() - start, 250ms);
+    drip.join();
+
+    WsClient mute(port); // upgraded, but no hello
+    ASSERT_EQ(mute.handshake.status, 101);
+    const auto goodbye = mute.next<wire::Goodbye>(2s);
+    ASSERT_TRUE(goodbye);
+    EXPECT_NE(goodbye->parsed->as<wire::Goodbye>()->reason()->str().find("Hello"), std::string::npos);
+    EXPECT_EQ(mute.closeCode(), 1008);
+}
+
+TEST_F(SessionTest, AFullHouseSaysSoAndTakesTheNextWhenOneLeaves) {
+    max_viewers = 2;
+    const uint16_t port = serve();
+    auto first = watch();
+    const auto second = watch();
+    WsClient third(port);
+    third.hello();
+    EXPECT_EQ(nextError(third), ErrorCode::full);
+    const auto goodbye = third.next<wire::Goodbye>();
+    ASSERT_TRUE(goodbye);
+    EXPECT_GT(goodbye->parsed->as<wire::Goodbye>()->retry_after_s(), 0);
+    EXPECT_EQ(third.closeCode(), 1013);
+
+    first->say([](auto& b) { return wire::CreateGoodbye(b); });
+    EXPECT_EQ(first->closeCode(), 1000);
+    ASSERT_TRUE(eventually([&] { return audience->size() == 1; }));
+    EXPECT_TRUE(watch());
+}
+
+TEST_F(SessionTest, VanishingViewersFreeTheirPlaces) {
+    max_viewers = 2;
+    serve();
+    for (int round = 0; round < 5; ++round) {
+        const auto first = watch(), second = watch();
+        first->pose(1);
+        ASSERT_TRUE(frameOf(*first, 1));
+        first->socket.reset();
+        second->socket.reset();
+        ASSERT_TRUE(eventually([&] { return audience->size() == 0; })) << round;
+    }
+}
+
+TEST_F(SessionTest, AnIdleViewerIsPingedAndASilentOneCut) {
+    options.idle = 400ms;
+    serve();
+    const auto awake = watch(), asleep = watch();
+    asleep->answer_pings = false;
+    const auto start = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - start < 1500ms) awake->receive(50ms);
+    EXPECT_EQ(audience->size(), 1u);
+    EXPECT_TRUE(asleep->socket.closesWithin(2s));
+    awake->pose(1);
+    EXPECT_TRUE(frameOf(*awake, 1));
+}
+
+TEST_F(SessionTest, PingsAreAnsweredWithTheirOwnTime) {
+    serve();
+    const auto client = watch();
+    client->say([](auto& b) { return wire::CreatePing(b, 42, 123456789); });
+    const auto message = client->next<wire::Pong>();
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->parsed->as<wire::Pong>()->nonce(), 42u);
+    EXPECT_EQ(message->parsed->as<wire::Pong>()->time_us(), 123456789u);
+}
+
+TEST_F(SessionTest, ABurstOfPingsIsAnsweredInFull) {
+    serve();
+    const auto client = watch();
+    const uint32_t pings = 3000;
+    std::thread sender([&] {
+        for (uint32_t nonce = 1; nonce <= pings; ++nonce)
+            if (!client->say([&](auto& b) { return wire::CreatePing(b, nonce, 0); })) return;
+    });
+    for (uint32_t nonce = 1; nonce <= pings; ++nonce) {
+        const auto message = client->next<wire::Pong>();
+        if (!message || message->parsed->as<wire::Pong>()->nonce() != nonce) {
+            ADD_FAILURE() << "no pong " << nonce;
+            break;
+        }
+    }
+    sender.join();
+}
+
+TEST_F(SessionTest, CommandsReachTheSceneInOrderAndEveryoneSeesThem) {
+    serve();
+    const auto one = watch(), other = watch();
+    const auto input = [](WsClient& client, uint32_t seq, bool paused) {
+        client.say([&](auto& b) {
+            return wire::CreateInput(b, seq, 0, wire::Command::SetSimulation, wire::CreateSetSimulation(b, paused).Union());
+        });
+    };
+    for (uint32_t seq = 1; seq <= 99; ++seq) input(*one, seq, seq % 2 != 0);
+    ASSERT_TRUE(eventually([&] { return renderer->commands().size() == 99; }));
+    const auto commands = renderer->commands();
+    for (uint32_t i = 0; i < 99; ++i) EXPECT_EQ(commands[i].seq, i + 1);
+    EXPECT_EQ(commands[0].viewer, commands[98].viewer);
+
+    const auto start = std::chrono::steady_clock::now();
+    bool paused = false;
+    while (!paused && std::chrono::steady_clock::now() - start < 900ms) {
+        const auto message = other->next<wire::SceneState>();
+        ASSERT_TRUE(message);
+        paused = message->parsed->as<wire::SceneState>()->paused();
+    }
+    EXPECT_TRUE(paused) << "told at once, not with the report of the second";
+}
+
+TEST_F(SessionTest, WrongNamesAndAFullQueueAreAnsweredByNumber) {
+    options.input_rate = options.message_rate = 1e6;
+    serve();
+    const auto client = watch();
+    client->say([](auto& b) {
+        return wire::CreateInput(b, 1, 0, wire::Command::SetRender, wire::CreateSetRenderDirect(b, "tetra").Union());
+    });
+    const auto unknown = client->next<wire::Error>();
+    ASSERT_TRUE(unknown);
+    EXPECT_EQ(unknown->parsed->as<wire::Error>()->code(), ErrorCode::unknown_name);
+    EXPECT_EQ(unknown->parsed->as<wire::Error>()->input_seq(), 1u);
+
+    renderer->paused = true;
+    std::this_thread::sleep_for(20ms); // the round that runs may still take commands
+    uint32_t seq = 1;
+    for (int i = 0; i < 4097; ++i)
+        client->say(
+            [&](auto& b) { return wire::CreateInput(b, ++seq, 0, wire::Command::Restart, wire::CreateRestart(b).Union()); });
+    const auto busy = client->next<wire::Error>();
+    ASSERT_TRUE(busy);
+    EXPECT_EQ(busy->parsed->as<wire::Error>()->code(), ErrorCode::busy);
+    EXPECT_EQ(busy->parsed->as<wire::Error>()->input_seq(), seq);
+    renderer->paused = false;
+    EXPECT_TRUE(eventually([&] { return renderer->commands().size() == 4096; })) << "what was taken is not lost";
+}
+
+TEST_F(SessionTest, TheStateComesOnceASecondAndWhenSomeoneComes) {
+    serve();
+    const auto client = watch();
+    ASSERT_TRUE(client->next<wire::SceneState>());
+    const auto start = std::chrono::steady_clock::now();
+    const auto next = client->next<wire::SceneState>(3s);
+    ASSERT_TRUE(next);
+    const auto waited = std::chrono::steady_clock::now() - start;
+    EXPECT_GT(waited, 700ms);
+    EXPECT_LT(waited, 2500ms);
+    EXPECT_EQ(next->parsed->as<wire::SceneState>()->passes()->size(), 2u);
+    EXPECT_EQ(next->parsed->as<wire::SceneState>()->particles(), 500u);
+
+    const auto other = watch();
+    const auto news = client->next<wire::SceneState>(600ms);
+    ASSERT_TRUE(news);
+    EXPECT_EQ(news->parsed->as<wire::SceneState>()->viewers(), 2u);
+}
+
+} // namespace
+} // namespace brume::test

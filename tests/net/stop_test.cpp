@@ -1,0 +1,114 @@
+// Starting where it cannot be, and stopping while others look on.
+#include "tests/net/fixture.h"
+
+namespace brume::test {
+namespace {
+
+struct StopTest : ServerTest {};
+
+std::string startError(net::NetOptions options, Audience& audience, Metrics& metrics) {
+    try {
+        NetServer(std::move(options), audience, metrics).start();
+    } catch (const std::runtime_error& e) {
+        return e.what();
+    }
+    return "started";
+}
+
+TEST_F(StopTest, ATakenPortIsToldInOneLine) {
+    options.port = serve();
+    EXPECT_EQ(startError(options, *audience, *metrics),
+              fmt::format("cannot listen on 127.0.0.1:{}: Address already in use; choose another with --port", options.port));
+    options.listen = "192.0.2.1"; // an address of nobody's
+    EXPECT_EQ(startError(options, *audience, *metrics),
+              fmt::format("cannot listen on 192.0.2.1:{}: Cannot assign requested address; choose another with --listen",
+                          options.port));
+    options.listen = "not an address";
+    const std::string unknown = startError(options, *audience, *metrics);
+    EXPECT_NE(unknown.find("choose another with --listen"), std::string::npos) << unknown;
+}
+
+TEST_F(StopTest, EveryoneIsToldGoodbye) {
+    const uint16_t port = serve();
+    const auto one = watch(), two = watch();
+    one->pose(1);
+    Socket stream(port), kept(port), snapshot(port);
+    stream.send("GET /stream.mjpg?fps=5 HTTP/1.1\r\nHost: x\r\n\r\n");
+    ASSERT_NE(stream.readUntil("--brume-frame").find("200 OK"), std::string::npos);
+    kept.send("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+    ASSERT_EQ(readAnswer(kept).status, 200);
+
+    std::chrono::steady_clock::duration took{};
+    std::thread stopper([&] {
+        const auto start = std::chrono::steady_clock::now();
+        server->stop(5s);
+        took = std::chrono::steady_clock::now() - start;
+    });
+    for (WsClient* client : {one.get(), two.get()}) {
+        const auto goodbye = client->next<wire::Goodbye>();
+        EXPECT_TRUE(goodbye);
+        if (goodbye) {
+            EXPECT_GT(goodbye->parsed->as<wire::Goodbye>()->retry_after_s(), 0);
+        }
+        EXPECT_EQ(client->closeCode(), 1001);
+        EXPECT_TRUE(client->socket.closesWithin(3s));
+    }
+    EXPECT_TRUE(stream.closesWithin(3s));
+    EXPECT_TRUE(kept.closesWithin(3s));
+    stopper.join();
+    EXPECT_LT(took, 3s);
+    EXPECT_EQ(audience->size(), 0u);
+    EXPECT_THROW(Socket again(port), std::runtime_error) << "the port is free";
+}
+
+TEST_F(StopTest, WhoDoesNotListenIsCutAtTheDeadline) {
+    const uint16_t port = serve();
+    renderer->jpeg_bytes = 2 << 20;
+    const auto stalled = watch(640, 360, 1, 4096);
+    stalled->pose(1);
+    const auto mute = watch(); // never answers the close
+    Socket stream(port, 4096);
+    stream.send("GET /stream.mjpg HTTP/1.1\r\nHost: x\r\n\r\n");
+    ASSERT_TRUE(eventually([&] { return audience->size() == 3 && renderer->made >= 2; }));
+    const auto start = std::chrono::steady_clock::now();
+    server->stop(400ms);
+    const auto took = std::chrono::steady_clock::now() - start;
+    EXPECT_GE(took, 390ms);
+    EXPECT_LT(took, 1400ms);
+    EXPECT_EQ(audience->size(), 0u);
+}
+
+TEST_F(StopTest, StoppingTwiceOrWithoutAStartIsHarmless) {
+    serve();
+    server->stop(100ms);
+    server->stop(100ms);
+    NetServer never(options, *audience, *metrics);
+    never.stop(100ms);
+}
+
+TEST_F(StopTest, ManyComeAndGoWhileItStops) {
+    const uint16_t port = serve();
+    std::atomic<bool> done{false};
+    std::vector<std::thread> crowd;
+    for (int i = 0; i < 4; ++i)
+        crowd.emplace_back([&] {
+            while (!done) {
+                try {
+                    WsClient client(port);
+                    client.hello();
+                    client.pose(1);
+                    client.next<wire::Frame>(200ms);
+                } catch (const std::runtime_error&) {
+                    return; // stopped
+                }
+            }
+        });
+    std::this_thread::sleep_for(300ms);
+    server->stop(1s);
+    done = true;
+    for (auto& visitor : crowd) visitor.join();
+    EXPECT_EQ(audience->size(), 0u);
+}
+
+} // namespace
+} // namespace brume::test
