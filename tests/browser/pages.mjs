@@ -29,6 +29,8 @@ export async function openPage(t, browser, url, options = {}) {
     if (!request.url().startsWith(url) && !/^(data|blob):/.test(request.url())) elsewhere.push(request.url());
   });
   await page.goto(url);
+  const started = await page.evaluate(() => window.brume !== undefined); // a module runs before the page has loaded
+  assert.ok(started, `the page does not start: ${errors.join('; ')}`);
   return Object.assign(page, {
     async leave() {
       await context.close();

@@ -15,7 +15,7 @@ import { Picture } from './picture';
 import type { Command, Frame, SceneState, ServerMessage, Welcome } from './protocol';
 import { Pusher } from './pusher';
 import { loadSettings, saveSettings } from './settings';
-import { SIZE_CAPS, requestedSize } from './size';
+import { SIZE_CAPS, defaultCap, requestedSize } from './size';
 import type { Size } from './size';
 
 // A still camera sends its pose again this often, so that the latency shown stays true.
@@ -45,12 +45,16 @@ let lastLatency: Latency | undefined;
 let answeredPose = 0;
 let roundTripMs: number | undefined;
 const recent: { tick: number; hash: string }[] = [];
-const shownRate = new Rate();
+const shownRate = new Rate(2000);
 const byteRate = new Rate();
 const latency = new LatencyAverage();
 
+function chosenCap(): number {
+  return settings.cap ?? defaultCap(welcome?.device ?? '');
+}
+
 function wantedSize(): Size {
-  const cap = SIZE_CAPS[settings.cap] ?? { width: 960, height: 540 };
+  const cap = SIZE_CAPS[chosenCap()] ?? { width: 960, height: 540 };
   return requestedSize(canvas.clientWidth, canvas.clientHeight, window.devicePixelRatio, cap);
 }
 
@@ -88,7 +92,8 @@ function enter(greeting: Welcome): void {
   roundTripMs = undefined;
   latency.reset();
   picture.clear();
-  panel.welcome(greeting);
+  panel.welcome(greeting, chosenCap());
+  size = wantedSize();
   setText(find('brand-scene'), greeting.scene);
 }
 
@@ -264,7 +269,7 @@ const panel = buildPanel(
     },
     close: () => toggles.panel(false),
   },
-  settings,
+  settings.quality,
 );
 const overlay = new Overlay(find('overlay'));
 

@@ -89,7 +89,7 @@ export class Overlay {
   // Cheap enough to call a few times a second; does nothing while hidden.
   update(data: OverlayData): void {
     if (this.root.hidden) return;
-    setText(this.fps, data.fps.toFixed(0));
+    setText(this.fps, data.fps.toFixed(data.fps < 9.5 ? 1 : 0));
     setText(this.total, data.latency ? data.latency.total.toFixed(0) : '–');
     for (const [stage, { part, value }] of this.stages) {
       const amount = data.latency?.[stage];

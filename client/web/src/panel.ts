@@ -16,7 +16,7 @@ export interface PanelHost {
 }
 
 export interface Panel {
-  welcome(welcome: Welcome): void;
+  welcome(welcome: Welcome, cap: number): void;
   follow(scene: SceneState): void;
 }
 
@@ -53,7 +53,7 @@ const KEYS = [
 const keyList = (): HTMLElement =>
   el('dl', { class: 'keys' }, ...KEYS.map(([key, does]) => el('div', {}, el('dt', {}, key), el('dd', {}, does))));
 
-export function buildPanel(root: HTMLElement, host: PanelHost, chosen: { cap: number; quality: number }): Panel {
+export function buildPanel(root: HTMLElement, host: PanelHost, chosenQuality: number): Panel {
   // What the last report said: half of a light is changed by sending the other half as it was.
   let toLight: Vec3 = [0, 1, 0];
   let tint: Vec3 = [1, 1, 1];
@@ -201,10 +201,9 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: { cap: nu
   size.options(
     SIZE_CAPS.map(({ name, width, height }, index) => ({ value: String(index), text: `${name} · ${width}×${height}` })),
   );
-  size.follow(String(chosen.cap));
   const quality = select('Quality', (value) => host.setQuality(Number(value)));
   quality.options(QUALITIES.map((q) => ({ value: String(q), text: q === 0 ? 'Server’s choice' : String(q) })));
-  quality.follow(String(chosen.quality));
+  quality.follow(String(chosenQuality));
 
   const close = button('×', 'Close (O)', () => host.close());
   close.className = 'close';
@@ -220,7 +219,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: { cap: nu
   );
 
   return {
-    welcome: (welcome) => {
+    welcome: (welcome, cap) => {
+      size.follow(String(cap));
       method.options(welcome.methods.map((value) => ({ value, text: METHOD_NAMES[value] ?? value })));
       quadrature.options(welcome.quadratures.map((value) => ({ value, text: QUADRATURES[value]?.text ?? value })));
     },

@@ -1,8 +1,8 @@
 // What the viewer chose for this browser: kept between visits, and never needed.
-import { DEFAULT_CAP, SIZE_CAPS } from './size';
+import { SIZE_CAPS } from './size';
 
 export interface Settings {
-  cap: number; // index of SIZE_CAPS
+  cap: number | undefined; // index of SIZE_CAPS; undefined: by the server's device
   quality: number; // JPEG, 0 = the server's
   stats: boolean;
   panel: boolean;
@@ -11,7 +11,7 @@ export interface Settings {
 const KEY = 'brume';
 
 export function loadSettings(): Settings {
-  const settings: Settings = { cap: DEFAULT_CAP, quality: 0, stats: false, panel: false };
+  const settings: Settings = { cap: undefined, quality: 0, stats: false, panel: false };
   try {
     const stored = JSON.parse(localStorage.getItem(KEY) ?? '{}') as Partial<Record<keyof Settings, unknown>>;
     if (typeof stored.cap === 'number' && SIZE_CAPS[stored.cap]) settings.cap = stored.cap;

@@ -11,7 +11,9 @@ export const SIZE_CAPS: readonly (Size & { name: string })[] = [
   { name: 'HD', width: 1280, height: 720 },
   { name: 'Full HD', width: 1920, height: 1080 },
 ];
-export const DEFAULT_CAP = 2;
+
+// What to ask for while the viewer has not chosen: less of a device that draws in software.
+export const defaultCap = (device: string): number => (/llvmpipe|lavapipe|swiftshader/i.test(device) ? 1 : 2);
 
 const SMALLEST = 64;
 const LARGEST = 4096;

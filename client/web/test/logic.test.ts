@@ -4,7 +4,7 @@ import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex, 
 import { LatencyAverage, Rate, STAGES, splitLatency } from '../src/latency';
 import type { Command, Vec3 } from '../src/protocol';
 import { Pusher } from '../src/pusher';
-import { SIZE_CAPS, requestedSize } from '../src/size';
+import { SIZE_CAPS, defaultCap, requestedSize } from '../src/size';
 
 describe('back-off', () => {
   test('doubles from a quarter of a second to five seconds, and starts again', () => {
@@ -88,6 +88,11 @@ describe('picture size', () => {
       expect(size.width / size.height / (w / h)).toBeCloseTo(1, 2);
       expect(size.width * size.height).toBeLessThanOrEqual(cap.width * cap.height * 1.01);
     }
+  });
+
+  test('starts smaller on a device that draws in software', () => {
+    expect(SIZE_CAPS[defaultCap('NVIDIA GeForce RTX 4070')]).toMatchObject(cap);
+    expect(SIZE_CAPS[defaultCap('llvmpipe (LLVM 15.0.6, 256 bits)')]).toMatchObject({ width: 640, height: 360 });
   });
 
   test('survives a canvas that has no size', () => {
