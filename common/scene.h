@@ -103,7 +103,7 @@ struct RenderSettings {
     uint32_t shadow_size = 256;            // texels a side, 16...1024
     uint32_t shadow_slices = 16;           // planes, 2...128
     uint32_t opaque_shadow_size = 1024;    // texels a side
-    float cutoff = 1e-2f;                  // optical depth: bound on the SUM that proxies leave out on any ray
+    float cutoff = 5e-2f;                  // optical depth: bound on the SUM that proxies leave out on any ray
 };
 
 struct Scene {

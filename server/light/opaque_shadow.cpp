@@ -14,7 +14,8 @@ void OpaqueShadow::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     const gpu::Commands::Pass pass(commands, "opaque shadow");
     if (!image_ || image_.extent().width != tick.opaque_size) {
         image_ = gpu::Image(device_,
-                            {VK_FORMAT_R32_SFLOAT, {tick.opaque_size, tick.opaque_size}, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT},
+                            {VK_FORMAT_R32_SFLOAT, {tick.opaque_size, tick.opaque_size},
+                             VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
                             "opaque shadow");
         gpu::toGeneral(cmd, image_);
     }

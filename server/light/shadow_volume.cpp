@@ -26,7 +26,7 @@ void ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     if (!image_ || image_.extent().width != tick.shadow_size || image_.layers() != layers) {
         image_ = gpu::Image(device_,
                             {VK_FORMAT_R32G32B32A32_SFLOAT, {tick.shadow_size, tick.shadow_size},
-                             VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, layers},
+                             VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, layers},
                             "shadow volume");
         gpu::toGeneral(cmd, image_);
     }

@@ -21,7 +21,7 @@ static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::Eye) <= kBlockByte
 
 constexpr VkDeviceSize eyeOffset(uint32_t eye) { return (eye + 1) * kBlockBytes; }
 
-gpu::Eye eyeBlock(const EyeRequest& request, const RenderSettings& settings) {
+gpu::Eye eyeBlock(const EyeRequest& request, const gpu::Tick& tick, const RenderSettings& settings) {
     const glm::mat3 axes = glm::mat3_cast(glm::normalize(request.pose.orientation));
     gpu::Eye eye{};
     eye.position = request.pose.position;
@@ -34,6 +34,17 @@ gpu::Eye eyeBlock(const EyeRequest& request, const RenderSettings& settings) {
     eye.exposure = settings.exposure;
     eye.size = {request.width, request.height};
     eye.filmic = settings.tone_map == "filmic";
+    eye.ray_right = eye.right * (2 * eye.tan_x / float(request.width));
+    eye.ray_down = eye.up * (-2 * eye.tan_y / float(request.height));
+    eye.ray = -eye.back - eye.tan_x * eye.right + eye.tan_y * eye.up;
+    const auto inVolume = [&](glm::vec3 x, float w) {
+        const glm::vec4 h(x, w);
+        return glm::vec3(glm::dot(tick.shadow_u, h), glm::dot(tick.shadow_v, h), glm::dot(tick.shadow_plane, h));
+    };
+    eye.volume = inVolume(eye.position, 1);
+    eye.volume_ray = inVolume(eye.ray, 0);
+    eye.volume_right = inVolume(eye.ray_right, 0);
+    eye.volume_down = inVolume(eye.ray_down, 0);
     return eye;
 }
 
@@ -103,7 +114,7 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
     tick_ = makeTick(scene_, simulation.now(), particles, objects_);
     s.uniforms_.mapped<gpu::Tick>(1)[0] = tick_;
     for (uint32_t i = 0; i < eyes.size(); ++i)
-        s.uniforms_.mapped<gpu::Eye>(1, eyeOffset(i))[0] = eyeBlock(eyes[i], simulation.now().render);
+        s.uniforms_.mapped<gpu::Eye>(1, eyeOffset(i))[0] = eyeBlock(eyes[i], tick_, simulation.now().render);
     s.uniforms_.flush();
 }
 

@@ -2,9 +2,10 @@
 
 vec3 toLightSpace(vec3 x) { return vec3(dot(tick.light_x, x), dot(tick.light_y, x), dot(tick.to_light, x)); }
 
-// Where a world point lies in the volumetric shadow map (texture coordinates, slice plane), and how far a world direction moves there.
-vec3 alongShadowVolume(vec3 w) { return vec3(dot(tick.shadow_u.xyz, w), dot(tick.shadow_v.xyz, w), dot(tick.shadow_plane.xyz, w)); }
-vec3 toShadowVolume(vec3 x) { return alongShadowVolume(x) + vec3(tick.shadow_u.w, tick.shadow_v.w, tick.shadow_plane.w); }
+// Where a world point lies in the volumetric shadow map: texture coordinates, slice plane.
+vec3 toShadowVolume(vec3 x) {
+    return vec3(dot(tick.shadow_u, vec4(x, 1)), dot(tick.shadow_v, vec4(x, 1)), dot(tick.shadow_plane, vec4(x, 1)));
+}
 
 // Optical depth of the medium between that place and the light: linear between texels and between planes. A layer holds four planes
 // and shares its last with the next one's first, so that one filtered fetch has both neighbours of any place.

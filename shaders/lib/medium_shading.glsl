@@ -23,7 +23,7 @@ struct RayParticle {
     float closest;   // m along the ray, of the closest approach to the centre
     float b2;        // m^2, squared distance there
     float begin, end; // m along the ray: near plane and opaque surface
-    vec3 volume_at_eye, volume_per_m; // the ray in the volumetric shadow map
+    vec3 volume_per_m; // what a metre of the ray moves in the volumetric shadow map
 };
 
 RayParticle rayParticle(vec3 centre) {
@@ -37,13 +37,12 @@ RayParticle rayParticle(vec3 centre) {
     ray.b2 = dot(off, off);
     ray.begin = eye.near_depth * per_depth;
     ray.end = kHasOpaque ? texelFetch(view_depth, ivec2(gl_FragCoord.xy), 0).r * per_depth : 1e30;
-    ray.volume_at_eye = toShadowVolume(eye.position);
-    ray.volume_per_m = alongShadowVolume(ray.w);
+    ray.volume_per_m = inverse_length * (eye.volume_ray + gl_FragCoord.x * eye.volume_right + gl_FragCoord.y * eye.volume_down);
     return ray;
 }
 
 // Light optical depth, and visibility past the opaque objects, at `t` m along the ray.
-float lightDepthAt(RayParticle ray, float t) { return lightDepth(ray.volume_at_eye + t * ray.volume_per_m); }
+float lightDepthAt(RayParticle ray, float t) { return lightDepth(eye.volume + t * ray.volume_per_m); }
 float visibilityAt(RayParticle ray, float t) { return visibility(toLightSpace(eye.position + t * ray.w)); }
 
 // T_L * Vis at `t` m along the ray.

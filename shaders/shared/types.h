@@ -49,18 +49,25 @@ struct Tick {
     vec4 shadow_plane;   // and the slice plane, 0 ... shadow_slices - 1
 };
 
-// One eye of one viewer.
+// One eye of one viewer. What is affine in the pixel is given by its value at pixel (0, 0) and its steps to the right and down.
 struct Eye {
     vec3 position;
-    float near_depth; // view depth in front of which nothing is drawn
+    float near_depth;  // view depth in front of which nothing is drawn
     vec3 right;
-    float tan_x; // tangent of half the horizontal angle of view
+    float tan_x;       // tangent of half the horizontal angle of view
     vec3 up;
     float tan_y;
     vec3 back;
     float exposure;
-    uvec2 size;  // pixels
-    uint filmic; // 1: filmic tone map, 0: linear
+    uvec2 size;        // pixels
+    uint filmic;       // 1: filmic tone map, 0: linear
+    vec3 ray;          // world direction of unit view depth
+    vec3 ray_right;
+    vec3 ray_down;
+    vec3 volume;       // the eye in the volumetric shadow map: texture coordinates, slice plane
+    vec3 volume_ray;   // what `ray` moves there
+    vec3 volume_right;
+    vec3 volume_down;
 };
 
 const uint kPlane = 0u;
@@ -98,7 +105,7 @@ struct DrawArguments {
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Tick) == 208 && offsetof(Tick, shadow_lo) == 80 && offsetof(Tick, opaque_lo) == 112 &&
               offsetof(Tick, sky_zenith) == 136);
-static_assert(sizeof(Eye) == 76 && offsetof(Eye, size) == 64);
+static_assert(sizeof(Eye) == 160 && offsetof(Eye, size) == 64);
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
 static_assert(sizeof(LightParticle) == 16 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
