@@ -106,12 +106,13 @@ TEST_F(ClientProgram, FiveFramesAndTheirStatistics) {
 }
 
 TEST_F(ClientProgram, StereoWritesBothEyes) {
-    const auto client =
-        startClient({"--headless", "--stereo", "--url", url(), "--size", "160x96", "--frames", "2", "--out", out_.string()});
+    const auto client = startClient({"--headless", "--stereo", "--url", url(), "--size", "160x96", "--frames", "2", "--quality",
+                                     "55", "--out", out_.string()});
     ASSERT_EQ(client->exitCode(), 0) << client->err();
     for (const char* name : {"frame-00001-left.jpg", "frame-00001-right.jpg", "frame-00002-left.jpg", "frame-00002-right.jpg"})
         EXPECT_GT(contrast(decoded(contentOf(out_ / name), 160, 96)), 8) << name;
     EXPECT_EQ(stats()["pictures"][0]["views"], 2);
+    EXPECT_EQ(stats()["pictures"][0]["quality"], 55);
     EXPECT_EQ(std::distance(fs::directory_iterator(out_), {}), 5);
 }
 

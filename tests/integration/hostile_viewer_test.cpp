@@ -46,6 +46,18 @@ public:
         }
         return {};
     }
+    // Whether the server still talks to us after what was said so far.
+    bool answersPing() {
+        ++ping_;
+        say([&](auto& b) { return wire::CreatePing(b, ping_, 1); });
+        const auto deadline = std::chrono::steady_clock::now() + kPatience;
+        while (connection.state() != Connection::State::closed && std::chrono::steady_clock::now() < deadline)
+            if (const auto message = connection.receive(milliseconds(100)))
+                if (const auto parsed = wire::parse(*message))
+                    if (const auto* pong = parsed->as<wire::Pong>(); pong && pong->nonce() == ping_) return true;
+        EXPECT_EQ(connection.state(), Connection::State::closed) << "the server says nothing any more";
+        return false;
+    }
     bool closedBySoon() {
         const auto deadline = std::chrono::steady_clock::now() + kPatience;
         while (connection.state() != Connection::State::closed && std::chrono::steady_clock::now() < deadline)
@@ -54,6 +66,9 @@ public:
     }
 
     Connection connection;
+
+private:
+    uint32_t ping_ = 0;
 };
 
 // One server for all of these tests, and a viewer that watches throughout and must notice nothing.
@@ -111,20 +126,18 @@ TEST_F(HostileViewer, EveryTruncationAndBitFlipOfAMessageIsSurvived) {
         broken.emplace_back(bytes.begin(), bytes.end());
         broken.back()[bit / 8] ^= static_cast<uint8_t>(1u << (bit % 8));
     }
-    // The server closes after a few: as many connections as it takes.
+    // The server closes after a few: as many connections as it takes. A flipped bit may also leave a good message.
     auto viewer = std::make_unique<RawViewer>(server());
     viewer->hello();
-    size_t connections = 1;
+    size_t closed = 0;
     for (const Bytes& message : broken) {
         viewer->connection.send(message);
-        viewer->connection.receive(milliseconds(0));
-        if (viewer->connection.state() == Connection::State::closed) {
-            viewer = std::make_unique<RawViewer>(server());
-            viewer->hello();
-            ++connections;
-        }
+        if (viewer->answersPing()) continue;
+        ++closed;
+        viewer = std::make_unique<RawViewer>(server());
+        viewer->hello();
     }
-    EXPECT_GE(connections, 2u);
+    EXPECT_GE(closed, broken.size() / 10);
 }
 
 TEST_F(HostileViewer, AnOversizedMessageClosesOnlyItsSender) {

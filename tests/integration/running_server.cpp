@@ -12,9 +12,10 @@ std::unique_ptr<Process> startServer(const std::vector<std::string>& arguments) 
 }
 
 RunningServer::RunningServer(const std::vector<std::string>& arguments) {
-    std::vector<std::string> all{"--port", "0"};
-    if (std::find(arguments.begin(), arguments.end(), "--scene") == arguments.end()) all.insert(all.end(), {"--scene", "cloud"});
-    all.insert(all.end(), arguments.begin(), arguments.end());
+    std::vector<std::string> all = arguments;
+    const auto given = [&](const char* name) { return std::find(all.begin(), all.end(), name) != all.end(); };
+    if (!given("--port")) all.insert(all.end(), {"--port", "0"});
+    if (!given("--scene")) all.insert(all.end(), {"--scene", "cloud"});
     process_ = startServer(all);
     const auto port = process_->lineStarting("listening on http://127.0.0.1:");
     if (!port) throw std::runtime_error("the server does not get ready: " + process_->out() + process_->err());

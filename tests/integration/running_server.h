@@ -1,4 +1,4 @@
-// The real server as a child process, on a free port of this machine.
+// The real server as a child process.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,8 @@ namespace brume::test {
 
 class RunningServer {
 public:
-    // Scene `cloud` unless the arguments name another. Throws std::runtime_error with its output when it does not get ready.
+    // Scene `cloud` and a free port unless the arguments say otherwise. Throws std::runtime_error with its output when it does
+    // not get ready.
     explicit RunningServer(const std::vector<std::string>& arguments = {});
 
     uint16_t port() const { return port_; }
