@@ -9,7 +9,7 @@ layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 
 layout(location = 0) flat in vec4 centre_scale;
 layout(location = 1) flat in vec4 albedo_sigma;
-layout(location = 2) noperspective in vec2 inverse_depth;
+layout(location = 2) in vec2 inverse_depth; // linear in the picture, since w is 1 at every vertex; Mesa 25 clips noperspective wrong
 layout(location = 3) flat in uint clipped;
 
 layout(location = 0) out vec4 radiance_transmittance;

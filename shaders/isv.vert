@@ -13,7 +13,7 @@ layout(scalar, binding = 4) readonly buffer Order { uint order[]; };
 
 layout(location = 0) flat out vec4 centre_scale;
 layout(location = 1) flat out vec4 albedo_sigma;
-layout(location = 2) noperspective out vec2 inverse_depth;
+layout(location = 2) out vec2 inverse_depth;
 layout(location = 3) flat out uint clipped;
 
 void main() {
