@@ -20,6 +20,7 @@ void main() {
     const RayParticle ray = rayParticle(centre_radius.xyz);
     const float half2 = centre_radius.w * centre_radius.w - ray.b2;
     if (half2 <= 0) discard;
+    if (!kMayBeCut && ray.closest < 0) discard; // the eye is outside: the sphere lies all in front or all behind
     float depth;
     ScatterNode near, far;
     if (kMayBeCut) {
