@@ -11,6 +11,8 @@ namespace {
 
 // Optical depth that no single particle's proxy may leave out, however few there are: its rim would be seen.
 constexpr float kMostCut = 1e-4f;
+// And one that it may, however small the setting is: a Gaussian has no end.
+constexpr float kLeastCut = 1e-12f;
 
 struct LightBounds {
     glm::vec3 lo{std::numeric_limits<float>::max()}, hi{std::numeric_limits<float>::lowest()};
@@ -48,7 +50,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.irradiance = now.light.irradiance;
     if (tick.to_light.y <= 0 && !scene.planes.empty()) tick.irradiance = glm::vec3(0); // the light is below the ground
     tick.particle_count = uint32_t(particles.size());
-    tick.cut = std::min(now.render.cutoff / float(std::max<size_t>(particles.size(), 1)), kMostCut);
+    tick.cut = std::clamp(now.render.cutoff / float(std::max<size_t>(particles.size(), 1)), kLeastCut, kMostCut);
     tick.ambient = scene.sky.ambient;
     tick.sky_zenith = scene.sky.zenith;
     tick.sky_horizon = scene.sky.horizon;
