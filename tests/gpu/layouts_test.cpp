@@ -34,7 +34,8 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
             AT(Tick, opaque_hi), AT(Tick, opaque_size), AT(Tick, opaque_count), AT(Tick, sky_zenith),    AT(Tick, sky_horizon),
             AT(Tick, shadow_u),  AT(Tick, shadow_v),    AT(Tick, shadow_plane)});
     expect(2000, {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y),
-                  AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic)});
+                  AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right),
+                  AT(Eye, ray_down), AT(Eye, volume), AT(Eye, volume_ray), AT(Eye, volume_right), AT(Eye, volume_down)});
     const auto second = [&](uint32_t first, size_t size, std::initializer_list<size_t> offsets) {
         expect(first + uint32_t(size / 4), offsets);
     };

@@ -1,0 +1,120 @@
+#include "tests/gpu/closed_form.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace brume::test {
+
+namespace {
+
+constexpr double kFar = 1e9;
+
+struct Crossing {
+    double closest; // m along the ray
+    double line;    // optical depth of the whole line
+    double peak;    // 1/m
+};
+
+Crossing cross(const reference::Blob& blob, const Ray& ray) {
+    const glm::dvec3 centre = blob.centre - ray.eye;
+    const double closest = glm::dot(centre, ray.w);
+    const glm::dvec3 off = centre - closest * ray.w;
+    const double across = std::exp(-blob.k * blob.k * glm::dot(off, off));
+    return {closest, 2 * blob.half_line * across, blob.sigma_t * across};
+}
+
+} // namespace
+
+std::vector<gpu::Particle> particlesOf(const Scene& scene) {
+    const Simulation simulation(scene);
+    std::vector<gpu::Particle> particles(simulation.liveCount());
+    simulation.write(particles);
+    return particles;
+}
+
+std::vector<reference::Blob> blobsOf(const Scene& scene) {
+    return reference::blobsOf(particlesOf(scene), double(scene.medium.falloff));
+}
+
+Ray rayThrough(const Pose& pose, uint32_t width, uint32_t height, uint32_t x, uint32_t y) {
+    const glm::dvec3 direction = pixelDirection(pose, width, height, x, y);
+    return {pose.position, glm::normalize(direction), kNearDepth * glm::length(direction)};
+}
+
+Interval insideTetrahedron(const reference::Blob& blob, const Ray& ray) {
+    Interval inside{ray.begin, kFar};
+    for (const glm::dvec3& vertex : {glm::dvec3(1, 1, 1), glm::dvec3(1, -1, -1), glm::dvec3(-1, 1, -1), glm::dvec3(-1, -1, 1)}) {
+        const glm::dvec3 outward = -vertex / std::sqrt(3.0); // of the face opposite to it, a third of the scale away
+        const double away = glm::dot(outward, ray.w), room = blob.scale / 3 + glm::dot(outward, blob.centre - ray.eye);
+        if (away > 0) inside.end = std::min(inside.end, room / away);
+        if (away < 0) inside.begin = std::max(inside.begin, room / away);
+        if (away == 0 && room < 0) inside.end = inside.begin;
+    }
+    return inside;
+}
+
+Interval wholeRay(const Ray& ray) { return {ray.begin, kFar}; }
+
+double depthOn(const reference::Blob& blob, const Ray& ray, Interval interval) {
+    if (!(interval.end > interval.begin)) return 0;
+    const Crossing c = cross(blob, ray);
+    const double near = blob.k * (interval.begin - c.closest), far = blob.k * (interval.end - c.closest);
+    return 0.5 * c.line * (near > 0 ? std::erfc(near) - std::erfc(far) : std::erf(far) - std::erf(near));
+}
+
+double scatteredOn(const reference::Blob& blob, const Ray& ray, Interval interval,
+                   const std::function<double(double)>& light_depth) {
+    const Crossing c = cross(blob, ray);
+    const Interval part{std::max(interval.begin, c.closest - reference::kReach / blob.k),
+                        std::min(interval.end, c.closest + reference::kReach / blob.k)};
+    constexpr int kSteps = 500; // at most 0.0184 standard lengths 1/k each
+    double sum = 0;
+    for (int i = 0; i <= kSteps && part.length() > 0; ++i) {
+        const double t = part.begin + part.length() * i / kSteps, q = blob.k * (t - c.closest);
+        const double rule = i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2;
+        sum += rule * c.peak * std::exp(-q * q - depthOn(blob, ray, {interval.begin, t}) - light_depth(t));
+    }
+    return sum * part.length() / (3 * kSteps);
+}
+
+double simpson(const reference::Blob& blob, const Ray& ray, Interval interval, int steps,
+               const std::function<double(double)>& light_depth) {
+    const Crossing c = cross(blob, ray);
+    double sum = 0;
+    for (int i = 0; i <= 2 * steps; ++i) {
+        const double t = interval.begin + interval.length() * i / (2 * steps), q = blob.k * (t - c.closest);
+        const double rule = i == 0 || i == 2 * steps ? 1 : i % 2 == 1 ? 4 : 2;
+        sum += rule * c.peak * std::exp(-q * q - depthOn(blob, ray, {interval.begin, t}) - light_depth(t));
+    }
+    return sum * interval.length() / (6 * steps);
+}
+
+double transmittanceSpace(const reference::Blob& blob, const Ray& ray, Interval interval, int points,
+                          const std::function<double(double)>& light_depth) {
+    const std::vector<double> nodes[] = {{0}, {-std::sqrt(1.0 / 3), std::sqrt(1.0 / 3)}, {-std::sqrt(0.6), 0, std::sqrt(0.6)}};
+    const std::vector<double> weights[] = {{1}, {0.5, 0.5}, {5.0 / 18, 4.0 / 9, 5.0 / 18}};
+    const double whole = -std::expm1(-depthOn(blob, ray, interval));
+    const Crossing c = cross(blob, ray);
+    double sum = 0;
+    for (int i = 0; i < points; ++i) {
+        const double y = whole * 0.5 * (1 + nodes[points - 1][size_t(i)]); // the opacity reached at the node
+        double lo = std::max(interval.begin, c.closest - 6 / blob.k), hi = std::min(interval.end, c.closest + 6 / blob.k);
+        for (int halving = 0; halving < 60; ++halving) {
+            const double middle = 0.5 * (lo + hi);
+            (-std::expm1(-depthOn(blob, ray, {interval.begin, middle})) < y ? lo : hi) = middle;
+        }
+        sum += weights[points - 1][size_t(i)] * std::exp(-light_depth(lo));
+    }
+    return whole * sum;
+}
+
+double hermite(const reference::Blob& blob, const Ray& ray, const std::function<double(double)>& light_depth) {
+    const Crossing c = cross(blob, ray);
+    const double offset = std::sqrt(0.5) / blob.k;
+    const double before = std::exp(-c.line * 0.5 * std::erfc(std::sqrt(0.5)));  // T_V at the node before the closest approach
+    const double behind = std::exp(-c.line * 0.5 * std::erfc(-std::sqrt(0.5))); // and behind it
+    const double sum = before * std::exp(-light_depth(c.closest - offset)) + behind * std::exp(-light_depth(c.closest + offset));
+    return -std::expm1(-c.line) * sum / (before + behind);
+}
+
+} // namespace brume::test

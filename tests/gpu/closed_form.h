@@ -1,0 +1,52 @@
+// One Gaussian particle on one ray in double precision: what pictures of single particles are compared with.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/camera.h"
+#include "tests/gpu/fixture.h"
+#include "tests/reference/light_field.h"
+
+namespace brume::test {
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kNearDepth = 0.05; // m, the renderer's near plane
+
+// The scene's particles as the renderer gets them.
+std::vector<gpu::Particle> particlesOf(const Scene& scene);
+std::vector<reference::Blob> blobsOf(const Scene& scene);
+
+// A ray; distances along it in metres from the eye. `begin` lies on the near plane.
+struct Ray {
+    glm::dvec3 eye, w;
+    double begin;
+    glm::dvec3 at(double t) const { return eye + t * w; }
+};
+Ray rayThrough(const Pose& pose, uint32_t width, uint32_t height, uint32_t x, uint32_t y);
+
+struct Interval {
+    double begin, end;
+    double length() const { return end > begin ? end - begin : 0; }
+};
+// What of a ray, from its begin on, lies inside the particle's tetrahedron; and in front of its near plane at all.
+Interval insideTetrahedron(const reference::Blob& blob, const Ray& ray);
+Interval wholeRay(const Ray& ray);
+
+// Optical depth on the interval, 0 when it is empty.
+double depthOn(const reference::Blob& blob, const Ray& ray, Interval interval);
+
+// Integral of sigma T_V e^(-light_depth(t)) over the interval, T_V from its begin; relative error below 1e-7.
+double scatteredOn(const reference::Blob& blob, const Ray& ray, Interval interval,
+                   const std::function<double(double)>& light_depth);
+
+// The quadratures by their definitions, with light depth from `light_depth(t)`.
+double simpson(const reference::Blob& blob, const Ray& ray, Interval interval, int steps,
+               const std::function<double(double)>& light_depth);
+double transmittanceSpace(const reference::Blob& blob, const Ray& ray, Interval interval, int points,
+                          const std::function<double(double)>& light_depth);
+double hermite(const reference::Blob& blob, const Ray& ray, const std::function<double(double)>& light_depth);
+
+} // namespace brume::test

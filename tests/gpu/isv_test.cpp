@@ -1,0 +1,274 @@
+// Interval shading: proxies, intervals, both ways of drawing, the quadratures.
+#include <cmath>
+#include <random>
+
+#include "tests/gpu/closed_form.h"
+
+namespace brume::test {
+namespace {
+
+constexpr uint32_t kWidth = 96, kHeight = 72;
+
+// Directions to the vertices of every tetrahedron.
+const glm::vec3 kVertices[4] = {glm::vec3(1, 1, 1) / std::sqrt(3.0f), glm::vec3(1, -1, -1) / std::sqrt(3.0f),
+                                glm::vec3(-1, 1, -1) / std::sqrt(3.0f), glm::vec3(-1, -1, 1) / std::sqrt(3.0f)};
+
+Scene isvScene(const std::vector<Point>& points, float falloff = 1.6f) {
+    Scene scene = sceneOf(points, falloff);
+    scene.render.method = "isv";
+    scene.render.shadow_size = 32; // where radiance does not matter
+    return scene;
+}
+
+// How many vertices of a tetrahedron lie behind a pose's near plane.
+int verticesBehind(const Point& p, const Pose& pose) {
+    int behind = 0;
+    for (const glm::vec3& vertex : kVertices) {
+        const glm::vec3 view = glm::inverse(pose.orientation) * (p.centre + p.scale * vertex - pose.position);
+        behind += -view.z < float(kNearDepth);
+    }
+    return behind;
+}
+
+// Float: places err by about 1e-6 m, ten times that where a ray grazes a face, and extinctions reach 4/m here.
+constexpr double kFloat = 5e-5;
+
+class IsvTest : public GpuTest {
+protected:
+    struct Seen {
+        double excess = 0; // largest difference of transmittance beyond what rounding to subpixels explains
+        double lowest = 1; // transmittance
+        int covered = 0;   // pixels
+    };
+    // The transmittance of one tetrahedron at every pixel against its closed form.
+    Seen compare(const Point& point, float falloff, const Pose& pose) {
+        const Scene scene = isvScene({point}, falloff);
+        const reference::Blob blob = blobsOf(scene)[0];
+        const Picture picture = plain().see(scene, pose, kWidth, kHeight);
+        std::vector<double> exact(size_t(kWidth) * kHeight);
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) {
+                const Ray ray = rayThrough(pose, kWidth, kHeight, x, y);
+                exact[y * kWidth + x] = std::exp(-depthOn(blob, ray, insideTetrahedron(blob, ray)));
+            }
+        Seen seen;
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) {
+                const double here = exact[y * kWidth + x];
+                double slope = 0; // per pixel
+                for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)}) {
+                    const glm::uvec2 there = glm::uvec2(glm::ivec2(x, y) + step);
+                    if (there.x < kWidth && there.y < kHeight)
+                        slope = std::max(slope, std::abs(here - exact[there.y * kWidth + there.x]));
+                }
+                const glm::vec4 got = picture.at(x, y);
+                for (int c = 0; c < 4; ++c) EXPECT_TRUE(std::isfinite(got[c])) << x << ' ' << y;
+                // Vertices are rounded to 1/256 pixel where they are drawn.
+                const double excess = std::abs(double(got.a) - here) - slope / 256;
+                if (!(excess <= seen.excess)) seen.excess = excess; // NaN too
+                seen.lowest = std::min(seen.lowest, here);
+                seen.covered += here < 1 - 1e-3;
+            }
+        return seen;
+    }
+};
+
+TEST_F(IsvTest, TransmittanceFromOutside) {
+    std::mt19937 random(3);
+    const auto uniform = [&](float lo, float hi) { return lo + (hi - lo) * float(random() >> 8) / float(1 << 24); };
+    for (int i = 0; i < 24; ++i) {
+        const Point point{{uniform(-3, 3), uniform(-3, 3), uniform(-3, 3)}, uniform(0.5f, 3), uniform(0.3f, 4)};
+        const glm::vec3 away = glm::normalize(glm::vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)));
+        const Pose pose = lookAt(point.centre + away * point.scale * uniform(1.3f, 4), point.centre + 0.2f * uniform(-1, 1),
+                                 uniform(0.5f, 1.2f));
+        if (verticesBehind(point, pose) > 0) continue;
+        const Seen seen = compare(point, i % 2 ? 1.6f : 8, pose);
+        EXPECT_LT(seen.excess, kFloat) << i;
+        EXPECT_GT(seen.covered, 100) << i;
+    }
+}
+
+// From its axes of symmetry, where pixel centres fall on the edges inside the fan: drawn twice, T would be squared; left out, 1.
+TEST_F(IsvTest, EveryPixelOnceAlongTheInnerEdges) {
+    const Point point{{0, 0, 0}, 1, 1.5f};
+    for (const glm::vec3 from :
+         {glm::vec3(0, 0, 3), glm::vec3(3, 0, 0), glm::vec3(0, 3, 0), kVertices[0] * 3.0f, kVertices[3] * -3.0f}) {
+        SCOPED_TRACE(testing::Message() << from.x << ' ' << from.y << ' ' << from.z);
+        const Seen seen = compare(point, 8, lookAt(from, {0, 0, 0}, 0.7f));
+        EXPECT_LT(seen.excess, kFloat);
+        EXPECT_LT(seen.lowest, 0.4);
+    }
+}
+
+TEST_F(IsvTest, TransmittanceWhereTheNearPlaneCuts) {
+    std::mt19937 random(5);
+    const auto uniform = [&](float lo, float hi) { return lo + (hi - lo) * float(random() >> 8) / float(1 << 24); };
+    int cut[5] = {};
+    for (int i = 0; i < 90; ++i) {
+        const Point point{{uniform(-3, 3), uniform(-3, 3), uniform(-3, 3)}, uniform(0.3f, 3), uniform(0.3f, 4)};
+        const auto somewhere = [&] {
+            return point.scale * glm::vec3(uniform(-0.8f, 0.8f), uniform(-0.8f, 0.8f), uniform(-0.8f, 0.8f));
+        };
+        const Pose pose = lookAt(point.centre + somewhere(), point.centre + somewhere(), uniform(0.5f, 2));
+        const int behind = verticesBehind(point, pose);
+        ++cut[behind];
+        EXPECT_LT(compare(point, i % 2 ? 1.6f : 8, pose).excess, kFloat) << i << ", behind: " << behind;
+    }
+    for (const int behind : {1, 2, 3}) EXPECT_GE(cut[behind], 3) << behind;
+}
+
+TEST_F(IsvTest, FromTheInside) {
+    const Point point{{1, 2, 3}, 2, 1};
+    for (const glm::vec3 direction :
+         {glm::vec3(0, 0, -1), glm::vec3(1, 0, 0.2f), glm::vec3(-1, -1, -1), glm::vec3(0.3f, -1, 0)}) {
+        const Pose pose = lookAt(point.centre, point.centre + direction, 1.5f);
+        const Seen seen = compare(point, 8, pose);
+        EXPECT_LT(seen.excess, kFloat);
+        EXPECT_EQ(seen.covered, kWidth * kHeight);
+    }
+}
+
+TEST_F(IsvTest, EdgeOnFarTinyAndThin) {
+    const Point point{{0, 0, 0}, 1, 2};
+    const glm::vec3 along = kVertices[1] - kVertices[0]; // an edge
+    const glm::vec3 face = (kVertices[0] + kVertices[1] + kVertices[2]) / 3.0f;
+    const Pose poses[] = {
+        lookAt(kVertices[0] - 2.0f * along, {0, 0, 0}, 0.6f),             // two vertices in one line
+        lookAt(kVertices[0] - 1.01f * along, {0, 0, 0}, 0.8f),            //
+        lookAt(face + 3.0f * along, face, 0.6f),                          // in the plane of a face
+        lookAt(face - 1.5f * (kVertices[2] - face), {0, 0, 0}, 0.8f),     //
+        lookAt(kVertices[2], {0, 0, 0}, 1),                               // at a vertex
+        lookAt(face, {0, 0, 0}, 1),                                       // on a face
+        lookAt(face, face + glm::vec3(0.1f, 1, 0.3f), 1),                 //
+        lookAt(0.5f * (kVertices[0] + kVertices[3]), kVertices[3], 0.7f), // along an edge, on it
+        lookAt({0, 3, 0}, {0, 0, 0}, 0.6f),
+        lookAt({0, -3, 0}, {0, 0, 0}, 0.6f), // straight down and up
+    };
+    for (size_t i = 0; i < std::size(poses); ++i) EXPECT_LT(compare(point, 8, poses[i]).excess, kFloat) << i;
+    compare({{0, 0, -4.9e4f}, 900, 1e-3f}, 8, lookAt({0, 0, 0}, {0, 0, -1}, 0.05f)); // demands finite numbers
+    compare({{4e4f, 3e4f, 0}, 1e-3f, 1e4f}, 8, lookAt({4e4f, 3e4f, 0.5f}, {4e4f, 3e4f, 0}, 0.05f));
+    // A millimetre seen from a metre: a place errs by 1e-4 of it, the depth of 12 by as much.
+    EXPECT_LT(compare({{0, 0, 0}, 1e-3f, 1e4f}, 8, lookAt({0, 0, 1}, {0, 0, 0}, 0.005f)).excess, 1e-3);
+    EXPECT_EQ(compare({{0, 0, 0}, 1, 0}, 8, lookAt({0, 0, 3}, {0, 0, 0}, 0.6f)).excess, 0);
+    EXPECT_LT(compare({{0, 0, 0}, 1, 1e4f}, 8, lookAt({0, 0, 3}, {0, 0, 0}, 0.6f)).lowest, 1e-30);
+}
+
+// --- both paths ---
+
+// The vertices are the same, but a driver may place them in the picture an ulp apart: Mesa's vertex path contracts what its mesh
+// path rounds.
+TEST_F(GpuTest, MeshAndVertexShadersDrawTheSame) {
+    EXPECT_TRUE(device().hasMeshShaders() || !device().isCpu());
+    Scene scene = loadScene("server/scenes/cloud.toml");
+    scene.render.method = "isv";
+    scene.render.shadow_size = 64;
+    const std::vector<gpu::Particle> particles = particlesOf(scene);
+    const auto vertex = [&](size_t particle, int number) {
+        return particles[particle].centre + particles[particle].scale * kVertices[number];
+    };
+    const Pose poses[] = {
+        lookAt({0, 2, 26}, {0, 0, 0}, 0.8f),
+        lookAt({1, 0, 2}, {0, 0, 0}, 1.2f),
+        lookAt({-40, 300, 900}, {0, 0, 0}, 0.05f),                                    // less than a pixel each
+        lookAt(vertex(7, 0) - 2.0f * (vertex(7, 1) - vertex(7, 0)), vertex(7, 1), 1), // along an edge
+        lookAt(vertex(11, 2), particles[11].centre, 0.9f),                            // at a vertex
+        lookAt({0, 0, 5}, {0, 0, 20}, 1.5f),                                          // away from most
+    };
+    for (const Pose& pose : poses) {
+        const Picture mesh = plain().see(scene, pose, kWidth, kHeight),
+                      vertices = plainWithoutMesh().see(scene, pose, kWidth, kHeight);
+        float lowest = 1, brightest = 0;
+        for (const glm::vec4& pixel : mesh.pixels) lowest = std::min(lowest, pixel.a), brightest = std::max(brightest, pixel.r);
+        for (size_t i = 0; i < mesh.pixels.size(); ++i) {
+            ASSERT_NEAR(mesh.pixels[i].a, vertices.pixels[i].a, 2e-6f) << pose.position.z << ": " << i;
+            for (int c = 0; c < 3; ++c)
+                ASSERT_NEAR(mesh.pixels[i][c], vertices.pixels[i][c], 5e-6f * brightest) << pose.position.z << ": " << i;
+        }
+        EXPECT_LT(lowest, 0.99f) << pose.position.z;
+    }
+}
+
+// --- quadratures ---
+
+struct Rule {
+    const char* name;
+    uint32_t steps;
+    double bounds[2]; // on the error against the rule's limit, relative to the largest value, for optical depth 0.5 and 3
+};
+
+// A picture is the rule's sum; and the sum approaches its limit: for Simpson's rule the integral with light depth linear between
+// entry and exit, for the analytical form the integral with light depth linear in the view depth, else the integral itself.
+TEST_F(GpuTest, QuadraturesAreTheirDefinitionsAndConverge) {
+    const Rule rules[] = {{"simpson", 1, {0.9, 0.9}},          {"simpson", 2, {0.13, 0.14}},
+                          {"simpson", 10, {1e-5, 2e-5}},       {"transmittance", 1, {0.1, 0.2}},
+                          {"transmittance", 2, {0.011, 0.07}}, {"transmittance", 3, {0.004, 0.03}},
+                          {"analytic", 1, {1e-9, 1e-9}}};
+    const double depths[] = {0.5, 3};
+    const Pose pose = lookAt({0.5f, 1, 7}, {0, 0, 0}, 0.5f);
+    for (int d = 0; d < 2; ++d)
+        for (const glm::vec3 to_light : {glm::vec3(0.3f, 0.8f, 0.5f), glm::vec3(0, 0, -1), glm::vec3(-1, 0.2f, 0.1f)})
+            for (const Rule& rule : rules) {
+                SCOPED_TRACE(testing::Message()
+                             << rule.name << ' ' << rule.steps << ", depth " << depths[d] << ", light " << to_light.z);
+                const std::string name = rule.name;
+                Scene scene = isvScene({Point{{0, 0, 0}, 2, float(depths[d] / (2 * 1.6 * std::sqrt(kPi / 50)))}});
+                scene.lights[0].to_light = glm::normalize(to_light);
+                scene.render.shadow_size = 256;
+                scene.render.shadow_slices = 128;
+                scene.render.quadrature = rule.name;
+                scene.render.steps = rule.steps;
+                const auto blobs = blobsOf(scene);
+                const reference::LightField field(blobs, glm::normalize(glm::dvec3(scene.lights[0].to_light)));
+                const Picture picture = plain().see(scene, pose, kWidth, kHeight);
+                double largest = 0, worst = 0, worst_of_rule = 0;
+                for (uint32_t y = 0; y < kHeight; y += 3)
+                    for (uint32_t x = 0; x < kWidth; x += 3) {
+                        const Ray ray = rayThrough(pose, kWidth, kHeight, x, y);
+                        const Interval inside = insideTetrahedron(blobs[0], ray);
+                        if (inside.length() < 0.05) continue; // silhouettes are another test's
+                        const auto light = [&](double t) { return field.depth(ray.at(t)); };
+                        const double in = light(inside.begin), out = light(inside.end), whole = depthOn(blobs[0], ray, inside);
+                        const auto along_ray = [&](double t) { return glm::mix(in, out, (t - inside.begin) / inside.length()); };
+                        const auto along_depth = [&](double t) {
+                            return glm::mix(in, out, depthOn(blobs[0], ray, {inside.begin, t}) / whole);
+                        };
+                        double sum = 0, limit = 0;
+                        if (name == "simpson") {
+                            sum = simpson(blobs[0], ray, inside, int(rule.steps), along_ray);
+                            limit = scatteredOn(blobs[0], ray, inside, along_ray);
+                        } else if (name == "transmittance") {
+                            sum = transmittanceSpace(blobs[0], ray, inside, int(rule.steps), light);
+                            limit = scatteredOn(blobs[0], ray, inside, light);
+                        } else {
+                            const double x1 = whole + out - in;
+                            sum = whole * std::exp(-in) * (std::abs(x1) < 1e-6 ? 1 : -std::expm1(-x1) / x1);
+                            limit = scatteredOn(blobs[0], ray, inside, along_depth);
+                        }
+                        worst = std::max(worst, std::abs(double(picture.at(x, y).r) * 4 * kPi - sum));
+                        worst_of_rule = std::max(worst_of_rule, std::abs(sum - limit));
+                        largest = std::max(largest, limit);
+                    }
+                // The shadow volume interpolates between texels of 1/33 and planes of 1/16 of 1/k: h^2/8 of second derivatives of
+                // at most 2 k^2 tau in two directions and 0.49 k^2 tau along the light.
+                const double interpolation = depths[d] * (4 / (33.0 * 33) + 0.49 / (16.0 * 16)) / 8;
+                EXPECT_LT(worst, largest * (interpolation + 1e-4));
+                EXPECT_LT(worst_of_rule, largest * rule.bounds[d]);
+            }
+}
+
+// Particles without volume in view: nothing is added and nothing breaks.
+TEST_F(GpuTest, NothingComesFromNothing) {
+    const Pose pose = lookAt({0, 0, 3}, {0, 0, 0}, 0.6f);
+    for (const char* quadrature : {"simpson", "transmittance", "analytic"})
+        for (const Point& point : {Point{{0, 0, 0}, 1, 0}, Point{{0, 0, 0}, 1e-3f, 1e-3f}, Point{{0, 0, 50}, 1, 2}}) {
+            Scene scene = isvScene({point});
+            scene.render.quadrature = quadrature;
+            for (const glm::vec4& pixel : plain().see(scene, pose, kWidth, kHeight).pixels) {
+                ASSERT_EQ(pixel.r, 0);
+                ASSERT_EQ(pixel.a, 1);
+            }
+        }
+}
+
+} // namespace
+} // namespace brume::test

@@ -1,0 +1,310 @@
+// The medium as every method shows it: sphere proxies against closed forms, walls, furnaces, phase function, order.
+#include <cmath>
+
+#include "tests/gpu/closed_form.h"
+
+namespace brume::test {
+namespace {
+
+constexpr uint32_t kWidth = 64, kHeight = 48;
+
+struct Way { // to render
+    const char *method, *quadrature;
+    uint32_t steps;
+};
+constexpr Way kWays[] = {{"sphere", "simpson", 2},    {"isv", "simpson", 1},       {"isv", "simpson", 10},
+                         {"isv", "transmittance", 1}, {"isv", "transmittance", 3}, {"isv", "analytic", 1}};
+
+void choose(Scene& scene, const Way& way) {
+    scene.render.method = way.method;
+    scene.render.quadrature = way.quadrature;
+    scene.render.steps = way.steps;
+}
+
+// A particle whose central optical depth is `depth`.
+Point thick(glm::vec3 centre, float scale, double depth, float falloff) {
+    return {centre, scale, float(depth / (double(scale) * double(falloff) * std::sqrt(kPi / 50)))};
+}
+
+class MediumTest : public GpuTest {
+protected:
+    void SetUp() override { plain(); }
+
+    // Calls check(pixel, ray, x, y) for every pixel.
+    template <class Check>
+    static void forPixels(const Picture& picture, const Pose& pose, const Check& check) {
+        for (uint32_t y = 0; y < picture.height; ++y)
+            for (uint32_t x = 0; x < picture.width; ++x)
+                check(glm::dvec4(picture.at(x, y)), rayThrough(pose, picture.width, picture.height, x, y), x, y);
+    }
+
+    // Transmittance of one particle drawn as a sphere against that of its whole Gaussian.
+    static double worstTransmittance(const Point& point, float falloff, const Pose& pose) {
+        const Scene scene = sceneOf({point}, falloff);
+        const reference::Blob blob = blobsOf(scene)[0];
+        double worst = 0;
+        forPixels(plain().see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+            const double error = std::abs(got.a - std::exp(-depthOn(blob, ray, wholeRay(ray))));
+            EXPECT_TRUE(std::isfinite(got.r) && std::isfinite(got.a)) << x << ' ' << y;
+            if (!(error <= worst)) worst = error;
+        });
+        return worst;
+    }
+};
+
+// Float and the cut-off of 1e-6. A place errs by about an ulp of the distance; its part in k^2 b^2 changes the depth by up to
+// 0.86 k tau a metre.
+double allowed(double distance, double k, double depth) { return 3e-6 + 2e-7 * distance * k * depth; }
+
+TEST_F(MediumTest, SphereHasTheTransmittanceOfItsGaussian) {
+    for (const double depth : {0.01, 1.0, 20.0})
+        for (const float falloff : {0.5f, 1.6f}) {
+            const Point point = thick({1, -2, 3}, 1.5f, depth, falloff);
+            const double k = std::sqrt(50) / (1.5 * double(falloff));
+            for (const glm::vec3 from :
+                 {glm::vec3(0, 0, 6), glm::vec3(-3, 2, 1.5f), glm::vec3(0.1f, -2.5f, 0), glm::vec3(80, 60, -50)}) {
+                const double distance = double(glm::length(from));
+                const Pose pose = lookAt(point.centre + from, point.centre + 0.02f * from, distance > 20 ? 0.05f : 0.9f);
+                EXPECT_LT(worstTransmittance(point, falloff, pose), allowed(distance, k, depth))
+                    << depth << ' ' << falloff << ' ' << from.x;
+            }
+        }
+    const Point far = thick({2000, 0, 0}, 6, 3, 1.6f);
+    EXPECT_LT(worstTransmittance(far, 1.6f, lookAt({0, 300, 0}, far.centre, 0.01f)), allowed(2000, 0.74, 3));
+}
+
+TEST_F(MediumTest, SphereFromTheInside) {
+    const Point point = thick({1, -2, 3}, 1.5f, 3, 1.6f);
+    for (const glm::vec3 from :
+         {glm::vec3(0), glm::vec3(0.2f, 0.1f, 0), glm::vec3(0, 0, 0.9f), glm::vec3(-0.5f, 0.6f, 0.4f), glm::vec3(0, 1.28f, 0)})
+        for (const glm::vec3 direction : {glm::vec3(0, 0, -1), glm::vec3(1, 1, 0), glm::vec3(-1, 0.3f, 1)})
+            for (const float fov : {0.3f, 1.2f, 2.6f}) {
+                const glm::vec3 eye = point.centre + from;
+                EXPECT_LT(worstTransmittance(point, 1.6f, lookAt(eye, eye + direction, fov)), allowed(1, 2.9, 3))
+                    << from.x << ' ' << direction.x << ' ' << fov;
+            }
+}
+
+// The eye a little outside of a large sphere, where the light's axes leave it outside the medium's bounds: what lies in front is
+// seen, what lies behind is not, though the line through it meets the sphere.
+TEST_F(MediumTest, NothingIsSeenBehindTheEye) {
+    const float falloff = 1.6f, scale = 20;
+    const Point point = thick({0, 0, 0}, scale, 2, falloff);
+    const double reach = double(scale * falloff) * std::sqrt(std::log(2 / 1e-6) / 50),
+                 k = std::sqrt(50.0) / double(scale * falloff);
+    const glm::vec3 side = glm::normalize(glm::vec3(0.9f, 0.3f, 0.2f)), up = glm::normalize(glm::vec3(-0.3f, 0.9f, 0));
+    Scene scene = sceneOf({point}, falloff);
+    scene.lights[0].to_light = side;
+    const reference::Blob blob = blobsOf(scene)[0];
+    int covered = 0, behind = 0;
+    for (const double away : {1.02, 1.06, 1.3})
+        for (int turn = 0; turn < 12; ++turn)
+            for (const float fov : {0.8f, 2.4f}) {
+                const float angle = float(turn * kPi / 12);
+                const Pose pose = lookAt(side * float(away * reach),
+                                         side * (float(away * reach) - std::cos(angle)) + up * std::sin(angle), fov);
+                forPixels(plain().see(scene, pose, 32, 24), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                    const double exact = std::exp(-depthOn(blob, ray, wholeRay(ray)));
+                    ASSERT_NEAR(got.a, exact, allowed(reach, k, 2)) << away << ' ' << turn << ' ' << fov << ": " << x << ' ' << y;
+                    covered += exact < 0.99;
+                    behind += depthOn(blob, ray, {-1e6, 1e6}) > 0.01 && exact > 0.99;
+                });
+            }
+    EXPECT_GT(covered, 1000);
+    EXPECT_GT(behind, 1000);
+}
+
+// Two points of the whole Gaussian: its definition, and how near the integral that is.
+TEST_F(MediumTest, SphereScattersByTwoPoints) {
+    const struct { double depth, bound; } cases[] = {{0.1, 0.005}, {0.5, 0.02}, {3, 0.1}};
+    for (const auto& [depth, bound] : cases)
+        for (const glm::vec3 to_light : {glm::vec3(0.3f, 0.8f, 0.5f), glm::vec3(0, 0, -1), glm::vec3(0, 0.1f, 1)}) {
+            Scene scene = sceneOf({thick({0, 0, 0}, 2, depth, 1.6f)}, 1.6f);
+            scene.lights[0].to_light = glm::normalize(to_light);
+            scene.render.shadow_slices = 128;
+            const auto blobs = blobsOf(scene);
+            const reference::LightField field(blobs, glm::normalize(glm::dvec3(scene.lights[0].to_light)));
+            const Pose pose = lookAt({0.5f, 1, 9}, {0, 0, 0}, 0.3f);
+            double worst = 0, worst_of_rule = 0, largest = 0;
+            forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
+                      [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                          const auto light = [&](double t) { return field.depth(ray.at(t)); };
+                          const double defined = hermite(blobs[0], ray, light);
+                          worst = std::max(worst, std::abs(got.r * 4 * kPi - defined));
+                          if (x % 3 || y % 3) return;
+                          const double exact = scatteredOn(blobs[0], ray, wholeRay(ray), light);
+                          worst_of_rule = std::max(worst_of_rule, std::abs(defined - exact));
+                          largest = std::max(largest, exact);
+                      });
+            // Interpolation in the shadow volume as in the test of isv's quadratures; its texels are 1/31 of 1/k here.
+            const double interpolation = depth * (4 / (31.0 * 31) + 0.49 / (15.0 * 15)) / 8;
+            EXPECT_LT(worst, largest * (interpolation + 1e-4)) << depth << ' ' << to_light.z;
+            EXPECT_LT(worst_of_rule, largest * bound) << depth << ' ' << to_light.z;
+        }
+}
+
+// A wall through the centre keeps just what is in front of it; on the axis that is half.
+TEST_F(MediumTest, AWallThroughTheCentreKeepsHalf) {
+    Scene scene = sceneOf({thick({0, 0, 0}, 2, 2, 1.6f)}, 1.6f);
+    scene.boxes = {{{0, 0, -1}, {40, 40, 2}, 0, glm::vec3(0)}}; // black, its front at z = 0
+    Stage stage(device(), scene, 1);
+    const Pose pose = lookAt({0, 0, 7}, {0, 0, 0}, 0.5f);
+    const reference::Blob blob = blobsOf(scene)[0];
+    for (const Way& way : kWays) {
+        choose(scene, way);
+        const bool whole = way.method == std::string("sphere");
+        double middle_of_wall = 0;
+        // One pixel more than a power of two, so that one looks straight ahead.
+        forPixels(stage.see(scene, pose, kWidth + 1, kHeight + 1), pose,
+                  [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                      Interval interval = whole ? wholeRay(ray) : insideTetrahedron(blob, ray);
+                      interval.end = std::min(interval.end, -ray.eye.z / ray.w.z);
+                      ASSERT_NEAR(got.a, std::exp(-depthOn(blob, ray, interval)), whole ? 3e-6 : 2e-4)
+                          << way.method << ' ' << x << ' ' << y;
+                      if (x == kWidth / 2 && y == kHeight / 2) middle_of_wall = got.a;
+                  });
+        const Ray ahead{pose.position, {0, 0, -1}, kNearDepth};
+        const double through = depthOn(blob, ahead, whole ? wholeRay(ahead) : insideTetrahedron(blob, ahead));
+        EXPECT_NEAR(middle_of_wall, std::exp(-through / 2), 3e-6) << way.method;
+    }
+}
+
+// A camera moved through a particle: between two steps no ray's optical depth changes by more than the step allows.
+TEST_F(MediumTest, ThePictureChangesSmoothlyOnTheWayThrough) {
+    const float falloff = 1.6f, scale = 1;
+    const Point point = thick({0, 0, 0}, scale, 2, falloff);
+    const Scene scene = sceneOf({point}, falloff);
+    const double k = std::sqrt(50.0) / double(scale * falloff), step = 0.01;
+    Picture before{};
+    double jump_of_light = 0, brightest = 0;
+    for (int i = 0; i <= 200; ++i) {
+        Pose pose;
+        pose.position = {0.1f, 0.05f, float(1.0 - i * step)};
+        pose.fov_y = 1;
+        const Picture now = plain().see(scene, pose, 16, 12);
+        // Along the ray by sigma, across it by at most sqrt(2/e) k tau of the line.
+        const double bound = step * (double(point.sigma_t) + std::sqrt(2 / std::exp(1.0)) * k * 2) + 1e-5;
+        for (size_t p = 0; p < now.pixels.size(); ++p) {
+            brightest = std::max(brightest, double(now.pixels[p].r));
+            if (before.pixels.empty()) continue;
+            ASSERT_LT(std::abs(std::log(double(now.pixels[p].a)) - std::log(double(before.pixels[p].a))), bound) << i;
+            jump_of_light = std::max(jump_of_light, std::abs(double(now.pixels[p].r) - double(before.pixels[p].r)));
+        }
+        before = now;
+    }
+    // A change of quadrature on the way would show as a jump that does not shrink with the step.
+    EXPECT_LT(jump_of_light, 0.04 * brightest);
+    EXPECT_GT(brightest, 0.02);
+}
+
+// --- furnaces ---
+
+// Albedo 1 under uniform light from everywhere, in front of a sky as bright: 1 everywhere, whatever there is and in which order.
+TEST_F(MediumTest, AmbientFurnace) {
+    Scene scene = sceneOf(randomPoints(300, 8, 3, 1.5f), 1.6f);
+    scene.lights[0].irradiance = glm::vec3(0);
+    scene.sky = {glm::vec3(1), glm::vec3(1), glm::vec3(1)};
+    scene.render.shadow_size = 32;
+    Stage stage(device(), scene, 300);
+    const Pose poses[] = {lookAt({0, 2, 20}, {0, 0, 0}, 0.7f), lookAt({1, 0, 2}, {-1, 0, 0}, 1.5f),
+                          lookAt({0, 30, 0}, {0, 0, 0}, 0.5f)};
+    for (const Way& way : kWays) {
+        choose(scene, way);
+        for (const Pose& pose : poses) {
+            double thickest = 1;
+            forPixels(stage.see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray&, uint32_t x, uint32_t y) {
+                // Up to 300 roundings of half an ulp of 1.
+                for (int c = 0; c < 3; ++c)
+                    ASSERT_NEAR(got[c], 1, 2e-5) << way.method << ' ' << way.quadrature << ' ' << x << ' ' << y;
+                thickest = std::min(thickest, got.a);
+            });
+            EXPECT_LT(thickest, 0.3);
+        }
+    }
+}
+
+// Under the light alone: so thin that nothing shadows, every quadrature whose weights sum to 1 - T scatters just that.
+TEST_F(MediumTest, FurnaceOfTheNormalisedQuadratures) {
+    const double depth = 1e-4;
+    const float falloff = 1.6f;
+    for (const Way& way : {Way{"sphere", "simpson", 2}, Way{"isv", "transmittance", 1}, Way{"isv", "transmittance", 2},
+                           Way{"isv", "transmittance", 3}, Way{"isv", "analytic", 1}}) {
+        Scene scene = sceneOf({thick({0, 0, 0}, 2, depth, falloff)}, falloff);
+        scene.render.cutoff = 1e-9f;
+        choose(scene, way);
+        scene.lights[0].irradiance = glm::vec3(float(4 * kPi));
+        const reference::Blob blob = blobsOf(scene)[0];
+        for (const Pose& pose : {lookAt({0.3f, 0.5f, 7}, {0, 0, 0}, 0.4f), lookAt({0.1f, 0.2f, 0.4f}, {0, 0, -1}, 1)}) {
+            int compared = 0;
+            forPixels(
+                plain().see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                    const Interval interval = way.method == std::string("sphere") ? wholeRay(ray) : insideTetrahedron(blob, ray);
+                    const double opacity = -std::expm1(-depthOn(blob, ray, interval));
+                    if (way.method == std::string("isv") && interval.length() < 0.05)
+                        return; // silhouettes are drawn to 1/256 pixel
+                    // At most 1e-4 of the light is lost; isv's interval errs by 1e-5 of its distance.
+                    ASSERT_NEAR(got.r, opacity, opacity * (depth + 3e-4) + 2e-9)
+                        << way.method << ' ' << way.quadrature << ' ' << x << ' ' << y;
+                    compared += opacity > 1e-6;
+                });
+            EXPECT_GT(compared, 500);
+        }
+    }
+}
+
+// --- phase function ---
+
+TEST_F(MediumTest, TheLobeScalesEveryPixel) {
+    Scene scene = sceneOf(randomPoints(40, 6, 2, 0.6f), 1.6f);
+    scene.lights[0].to_light = glm::normalize(glm::vec3(0.2f, 0.1f, -1)); // in view: the lobe's peak too
+    const Pose pose = lookAt({0, 0, 9}, {0, 0, 0}, 1.3f);
+    for (const Way& way : {kWays[0], kWays[2]}) {
+        choose(scene, way);
+        scene.medium.anisotropy = 0;
+        const Picture isotropic = plain().see(scene, pose, kWidth, kHeight);
+        const struct { float a, g; } lobes[] = {{1, 0.7f}, {0.4f, 0.9f}, {0.6f, -0.5f}, {1, 0}};
+        for (const auto& lobe : lobes) {
+            scene.medium.anisotropy = lobe.a;
+            scene.medium.asymmetry = lobe.g;
+            const Picture picture = plain().see(scene, pose, kWidth, kHeight);
+            forPixels(picture, pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                const double a = double(lobe.a), g = double(lobe.g);
+                // Light travels along -to_light and then along -w.
+                const double cosine = glm::dot(glm::normalize(glm::dvec3(scene.lights[0].to_light)), ray.w),
+                             d = 1 + g * g - 2 * g * cosine;
+                const double ratio = 1 - a + a * (1 - g * g) / (d * std::sqrt(d));
+                const double plain_one = double(isotropic.at(x, y).r);
+                ASSERT_NEAR(got.r, plain_one * ratio, 1e-5 * plain_one * ratio) << a << ' ' << g << ' ' << x << ' ' << y;
+                ASSERT_EQ(float(got.a), isotropic.at(x, y).a);
+            });
+        }
+    }
+}
+
+// --- order ---
+
+// Of two opaque particles the nearer one is seen, from either side and at any distance (the seed's key turned around at 100 m).
+TEST_F(MediumTest, TheNearerOneHidesTheFarther) {
+    const float scale = 6, falloff = 1.6f;
+    for (const float distance : {20.0f, 99.0f, 101.0f, 150.0f, 2000.0f})
+        for (const Way& way : kWays) {
+            Point red = thick({0, 0, 6}, scale, 30, falloff), green = thick({0, 0, -6}, scale, 30, falloff);
+            red.albedo = {1, 0, 0};
+            green.albedo = {0, 1, 0};
+            for (const bool red_first : {false, true}) { // in memory
+                Scene scene = sceneOf(red_first ? std::vector{red, green} : std::vector{green, red}, falloff);
+                scene.lights[0].to_light = {0, 1, 0};
+                scene.render.shadow_size = 64;
+                choose(scene, way);
+                for (const float side : {1.0f, -1.0f}) {
+                    const Pose pose = lookAt({0, 0, side * distance}, {0, 0, 0}, 4 / distance);
+                    const glm::vec4 seen = plain().see(scene, pose, 9, 9).at(4, 4);
+                    EXPECT_GT(side > 0 ? seen.r : seen.g, 0) << way.method << ' ' << distance;
+                    EXPECT_LT(side > 0 ? seen.g : seen.r, 1e-6f * (side > 0 ? seen.r : seen.g)) << way.method << ' ' << distance;
+                }
+            }
+        }
+}
+
+} // namespace
+} // namespace brume::test
