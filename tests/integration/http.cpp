@@ -86,4 +86,11 @@ HttpReply get(uint16_t port, const std::string& target) {
     return connection.readReply();
 }
 
+std::optional<double> metric(uint16_t port, const std::string& name) {
+    const std::string text = "\n" + get(port, "/metrics").body;
+    const size_t at = text.find("\n" + name + " ");
+    if (at == text.npos) return {};
+    return std::stod(text.substr(at + name.size() + 2));
+}
+
 } // namespace brume::test

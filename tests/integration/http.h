@@ -41,4 +41,7 @@ private:
 
 HttpReply get(uint16_t port, const std::string& target);
 
+// The value of one time series of /metrics; nothing when it is not there.
+std::optional<double> metric(uint16_t port, const std::string& name);
+
 } // namespace brume::test
