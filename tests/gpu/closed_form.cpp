@@ -108,13 +108,26 @@ double transmittanceSpace(const reference::Blob& blob, const Ray& ray, Interval 
     return whole * sum;
 }
 
-double hermite(const reference::Blob& blob, const Ray& ray, const std::function<double(double)>& light_depth) {
+double twoPoints(const reference::Blob& blob, const Ray& ray, Interval interval,
+                 const std::function<double(double)>& light_depth) {
     const Crossing c = cross(blob, ray);
-    const double offset = std::sqrt(0.5) / blob.k;
-    const double before = std::exp(-c.line * 0.5 * std::erfc(std::sqrt(0.5)));  // T_V at the node before the closest approach
-    const double behind = std::exp(-c.line * 0.5 * std::erfc(-std::sqrt(0.5))); // and behind it
-    const double sum = before * std::exp(-light_depth(c.closest - offset)) + behind * std::exp(-light_depth(c.closest + offset));
-    return -std::expm1(-c.line) * sum / (before + behind);
+    const double a = std::max(blob.k * (interval.begin - c.closest), -7.0),
+                 b = std::min(blob.k * (interval.end - c.closest), 7.0);
+    constexpr int kSteps = 1000;
+    double moments[3] = {}; // of e^(-q^2) on (a, b), by the midpoint rule
+    for (int i = 0; i < kSteps; ++i) {
+        const double q = a + (b - a) * (i + 0.5) / kSteps, weight = std::exp(-q * q);
+        moments[0] += weight;
+        moments[1] += weight * q;
+        moments[2] += weight * q * q;
+    }
+    const double mean = moments[1] / moments[0], deviation = std::sqrt(moments[2] / moments[0] - mean * mean);
+    const double depth = depthOn(blob, ray, interval);
+    const double near = std::exp(-depth * 0.5 * std::erfc(std::sqrt(0.5))); // T_V at the nodes of a whole Gaussian
+    const double far = std::exp(-depth * 0.5 * std::erfc(-std::sqrt(0.5)));
+    const double sum = near * std::exp(-light_depth(c.closest + (mean - deviation) / blob.k)) +
+                       far * std::exp(-light_depth(c.closest + (mean + deviation) / blob.k));
+    return -std::expm1(-depth) * sum / (near + far);
 }
 
 } // namespace brume::test

@@ -47,6 +47,8 @@ double simpson(const reference::Blob& blob, const Ray& ray, Interval interval, i
                const std::function<double(double)>& light_depth);
 double transmittanceSpace(const reference::Blob& blob, const Ray& ray, Interval interval, int points,
                           const std::function<double(double)>& light_depth);
-double hermite(const reference::Blob& blob, const Ray& ray, const std::function<double(double)>& light_depth);
+// Two points at mean -+ standard deviation of the Gaussian on the interval, weighted by T_V of a whole one of the same depth.
+double twoPoints(const reference::Blob& blob, const Ray& ray, Interval interval,
+                 const std::function<double(double)>& light_depth);
 
 } // namespace brume::test
