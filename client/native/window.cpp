@@ -215,8 +215,8 @@ private:
         next_title_us_ = now + kTitleEveryUs;
         if (!gestures_) return; // "connecting", from the start
         if (!session_ || !session_->welcomed()) return display_.setTitle("brume: reconnecting to " + options_.endpoint.url());
-        const uint64_t since = now > kSecondUs ? now - kSecondUs : 0;
-        std::string title = fmt::format("brume: {}, {:.0f} fps", session_->granted().scene, statistics_.recentRate(since));
+        const uint64_t since = now > 3 * kSecondUs ? now - 3 * kSecondUs : 0; // slow servers too show a rate
+        std::string title = fmt::format("brume: {}, {:.1f} fps", session_->granted().scene, statistics_.recentRate(since));
         if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
         title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s", paused_ ? ", paused" : "");
         display_.setTitle(title);
