@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <random>
 
 #include <unistd.h>
 
@@ -88,14 +87,10 @@ Scene sceneOf(const std::vector<Point>& points, float falloff) {
 }
 
 std::vector<Point> randomPoints(uint32_t count, float extent, float scale, float sigma_t, uint32_t seed) {
-    std::mt19937 random(seed);
-    const auto uniform = [&] { return float(random() >> 8) / float(1 << 24); };
+    Random random(seed);
     std::vector<Point> points(count);
-    for (Point& p : points) {
-        for (int axis = 0; axis < 3; ++axis) p.centre[axis] = (uniform() - 0.5f) * extent;
-        p.scale = scale * (0.5f + uniform());
-        p.sigma_t = sigma_t * (0.5f + uniform());
-    }
+    for (Point& p : points)
+        p = {random.inCube(extent / 2), scale * random.uniform(0.5f, 1.5f), sigma_t * random.uniform(0.5f, 1.5f)};
     return points;
 }
 

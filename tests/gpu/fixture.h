@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,18 @@ struct Point {
 
 // A scene of exactly these particles under one light of irradiance 1 without sky, its cut-off negligible.
 Scene sceneOf(const std::vector<Point>& points, float falloff = 1);
+
+// Numbers that are the same everywhere.
+class Random {
+public:
+    explicit Random(uint32_t seed) : bits_(seed) {}
+    float uniform(float lo, float hi) { return lo + (hi - lo) * float(bits_() >> 8) / float(1 << 24); }
+    glm::vec3 inCube(float half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
+    glm::vec3 direction() { return glm::normalize(inCube(1)); }
+
+private:
+    std::mt19937 bits_;
+};
 
 // `count` particles at random in a cube of `extent` (m) around the origin.
 std::vector<Point> randomPoints(uint32_t count, float extent, float scale, float sigma_t, uint32_t seed = 1);

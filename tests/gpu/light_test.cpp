@@ -337,12 +337,12 @@ TEST_F(GpuTest, GroundAndFacesUnderABoxAndASphere) {
 }
 
 TEST_F(GpuTest, NoLightBehindABoxAndAllOfItBesideIt) {
-    const Point hidden{{0, 5, 0}, 2, 1.5f}, free{{20, 5, 0}, 2, 1.5f};
-    Scene scene = sceneOf({hidden, free});
+    const Point hidden{{0, 5, 0}, 2, 1.5f}, free{{20, 5, 0}, 2, 1.5f}, above{{0, 10, 0}, 2, 1.5f};
+    Scene scene = sceneOf({hidden, free, above});
     scene.lights[0].to_light = {0, 1, 0};
     const Scene without = scene;
-    scene.boxes = {{{0, 20, 0}, {10, 1, 10}, 0.3f, glm::vec3(0)}};
-    Stage stage(device(), scene, 2);
+    scene.boxes = {{{0, 7.6f, 0}, {6, 1, 6}, 0.3f, glm::vec3(0)}}; // black
+    Stage stage(device(), scene, 3);
     for (const auto& [method, quadrature] : {std::pair("sphere", "simpson"), std::pair("isv", "simpson"),
                                              std::pair("isv", "transmittance"), std::pair("isv", "analytic")}) {
         SCOPED_TRACE(testing::Message() << method << ' ' << quadrature);
@@ -350,12 +350,13 @@ TEST_F(GpuTest, NoLightBehindABoxAndAllOfItBesideIt) {
         shaded.render.method = open.render.method = method;
         shaded.render.quadrature = open.render.quadrature = quadrature;
         float largest = 0;
-        for (const float x : {0.0f, 20.0f}) {
-            const Pose pose = lookAt({x, 5, 6}, {x, 5, 0}, 0.7f);
+        for (const Point& point : {hidden, free, above}) {
+            const Pose pose = lookAt(point.centre + glm::vec3(0, 0, 6), point.centre, 0.6f);
             const Picture with = stage.see(shaded, pose, 64, 48), plain_one = plain().see(open, pose, 64, 48);
             for (size_t i = 0; i < with.pixels.size(); ++i) {
-                const glm::vec4 expected = x == 0 ? glm::vec4(0, 0, 0, plain_one.pixels[i].a) : plain_one.pixels[i];
-                for (int c = 0; c < 4; ++c) ASSERT_NEAR(with.pixels[i][c], expected[c], 1e-6f) << x << ": " << i;
+                const glm::vec4 expected =
+                    point.centre == hidden.centre ? glm::vec4(0, 0, 0, plain_one.pixels[i].a) : plain_one.pixels[i];
+                for (int c = 0; c < 4; ++c) ASSERT_NEAR(with.pixels[i][c], expected[c], 1e-6f) << point.centre.y << ": " << i;
                 largest = std::max(largest, with.pixels[i].r);
             }
             EXPECT_LT(plain_one.at(32, 24).a, 0.8f);

@@ -86,6 +86,45 @@ TEST_F(MediumTest, SphereFromTheInside) {
             }
 }
 
+// With the coarsest cut-off the sphere's rim shows: inside of it the depth is all there, outside of it there is nothing.
+TEST_F(MediumTest, ProxiesCoverTheirSpheresAndNoMore) {
+    constexpr double kCut = 1e-4; // the most that one particle may leave out
+    Random random(11);
+    int inside = 0, straddling = 0;
+    for (int i = 0; i < 100; ++i) {
+        const float scale = random.uniform(0.5f, 20), falloff = i % 2 ? 1.6f : 0.7f;
+        const glm::vec3 centre = random.inCube(5);
+        const Point point = thick(centre, scale, double(random.uniform(0.1f, 4)), falloff);
+        Scene scene = sceneOf({point}, falloff);
+        scene.render.cutoff = 0.1f;
+        scene.lights[0].to_light = random.direction();
+        const reference::Blob blob = blobsOf(scene)[0];
+        const double reach = std::sqrt(std::log(2 * blob.half_line / kCut)) / blob.k;
+        const glm::vec3 away = random.direction() * float(reach);
+        const glm::vec3 from = centre + away * random.uniform(0.3f, 2.5f);
+        const glm::vec3 to = i % 3 ? from + random.direction() : centre + random.inCube(float(reach));
+        const Pose pose = lookAt(from, to, random.uniform(0.4f, 2.6f));
+        const glm::dvec3 view = glm::inverse(glm::dquat(pose.orientation)) * (blob.centre - glm::dvec3(from));
+        straddling += glm::length(view) > reach && std::abs(view.z) < reach;
+        forPixels(plain().see(scene, pose, 40, 30), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+            const glm::dvec3 to_centre = blob.centre - ray.eye;
+            const double closest = glm::dot(to_centre, ray.w), b = glm::length(to_centre - closest * ray.w);
+            if (std::abs(b - reach) < 1e-3 * reach) return;
+            double whole = 0, chord = 0;
+            if (b < reach) {
+                const double half = std::sqrt(reach * reach - b * b);
+                chord = depthOn(blob, ray, {std::max(ray.begin, closest - half), closest + half}); // where something may be cut
+                whole = closest - half > ray.begin ? depthOn(blob, ray, wholeRay(ray)) : chord;    // where nothing can be
+                inside += chord > 0;
+            }
+            const double error = std::min(std::abs(got.a - std::exp(-whole)), std::abs(got.a - std::exp(-chord)));
+            ASSERT_LT(error, allowed(2 * reach, blob.k, 2 * blob.half_line)) << i << ": " << x << ' ' << y;
+        });
+    }
+    EXPECT_GT(inside, 20000);
+    EXPECT_GT(straddling, 10);
+}
+
 // The eye a little outside of a large sphere, where the light's axes leave it outside the medium's bounds: what lies in front is
 // seen, what lies behind is not, though the line through it meets the sphere.
 TEST_F(MediumTest, NothingIsSeenBehindTheEye) {
