@@ -91,6 +91,7 @@ TEST_F(SessionTest, OnlyOurOwnPageMayConnectUnlessAllowed) {
 }
 
 TEST_F(SessionTest, ThreeViewersGetTheirOwnPictures) {
+    options.threads = 3;
     serve();
     std::vector<std::unique_ptr<WsClient>> clients;
     for (int i = 0; i < 3; ++i) {
@@ -103,7 +104,7 @@ TEST_F(SessionTest, ThreeViewersGetTheirOwnPictures) {
             const auto message = clients[size_t(i)]->next<wire::Frame>();
             ASSERT_TRUE(message);
             const auto* frame = message->parsed->as<wire::Frame>();
-            EXPECT_EQ(frame->id(), last_id + 1);
+            EXPECT_GT(frame->id(), last_id);
             last_id = frame->id();
             EXPECT_EQ(frame->pose_seq(), 7u);
             EXPECT_EQ(frame->client_time_us(), 1007u);
@@ -237,18 +238,24 @@ TEST_F(SessionTest, AFloodOfPosesHarmsNobodyAndItsLastIsShown) {
     EXPECT_TRUE(told);
 }
 
-TEST_F(SessionTest, AStalledReaderDelaysNobodyAndIsCut) {
-    options.write_stall = 700ms;
+TEST_F(SessionTest, AStalledReaderDelaysNobody) {
+    options.write_stall = 60s;
     serve();
-    renderer->jpeg_bytes = 2 << 20; // far over what the sockets hold
+    renderer->jpeg_bytes = 2 << 20; // two in flight are over what the sockets hold
     const auto stalled = watch(640, 360, 1, 4096), good = watch();
     stalled->pose(1);
     good->pose(1);
-    const auto start = std::chrono::steady_clock::now();
-    for (int i = 0; i < 30; ++i) ASSERT_TRUE(frameOf(*good, 1));
-    EXPECT_LT(std::chrono::steady_clock::now() - start, 5s);
-    EXPECT_TRUE(eventually([&] { return audience->size() == 1; })) << "the stalled one is cut";
-    ASSERT_TRUE(frameOf(*good, 1));
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(frameOf(*good, 1));
+    EXPECT_EQ(audience->size(), 2u) << "the other still stalls";
+}
+
+TEST_F(SessionTest, AStalledReaderIsCut) {
+    options.write_stall = 300ms;
+    serve();
+    renderer->jpeg_bytes = 2 << 20;
+    const auto stalled = watch(640, 360, 1, 4096);
+    stalled->pose(1);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
 }
 
 TEST_F(SessionTest, WhoAsksButDoesNotReadIsNotReadAndCut) {
@@ -256,11 +263,12 @@ TEST_F(SessionTest, WhoAsksButDoesNotReadIsNotReadAndCut) {
     options.write_stall = 300ms;
     serve();
     const auto client = watch(640, 360, 1, 4096);
-    // Pongs fill the sockets, then pings do.
     const wire::Packed ping = wire::pack([](auto& b) { return wire::CreatePing(b, 1, 1); });
-    size_t sent = 0;
-    while (sent < 10'000'000 && client->sendMessage(2, wire::bytesOf(ping), 200ms)) ++sent;
-    EXPECT_LT(sent, 10'000'000u);
+    // Pongs fill the sockets, then pings do, until we are cut.
+    const auto deadline = std::chrono::steady_clock::now() + 60s;
+    while (client->sendMessage(2, wire::bytesOf(ping), 60s) && std::chrono::steady_clock::now() < deadline) {
+    }
+    EXPECT_LT(std::chrono::steady_clock::now(), deadline);
     EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
 }
 

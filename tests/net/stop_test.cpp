@@ -87,6 +87,7 @@ TEST_F(StopTest, StoppingTwiceOrWithoutAStartIsHarmless) {
 }
 
 TEST_F(StopTest, ManyComeAndGoWhileItStops) {
+    options.threads = 3;
     const uint16_t port = serve();
     std::atomic<bool> done{false};
     std::vector<std::thread> crowd;
