@@ -177,8 +177,9 @@ TEST_F(GpuTest, OpaqueShadowMapHoldsTheHeightsOfTheTopmost) {
     scene.boxes = {{{1, 2, 0}, {3, 0.5f, 1}, 0.7f, glm::vec3(0.5f)}, {{-2, -1, 1}, {1, 2, 1.5f}, -0.3f, glm::vec3(0.5f)}};
     scene.spheres = {{{0, 0.5f, 2}, 1.2f, glm::vec3(0.5f)}, {{1.5f, 4, 0}, 0.4f, glm::vec3(0.5f)}};
     OpaqueShadow shadow(device());
-    for (const glm::vec3 to_light : {glm::vec3(0.3f, 0.8f, 0.5f), glm::vec3(-0.9f, 0.3f, 0.1f), glm::vec3(0.001f, 1, 0.002f)})
-        for (const uint32_t size : {37u, 256u}) {
+    for (const uint32_t size : {37u, 256u})
+        for (const glm::vec3 to_light :
+             {glm::vec3(0.3f, 0.8f, 0.5f), glm::vec3(-0.9f, 0.3f, 0.1f), glm::vec3(0.001f, 1, 0.002f)}) {
             scene.lights[0].to_light = glm::normalize(to_light);
             scene.render.opaque_shadow_size = size;
             const gpu::Tick tick = tickOf(scene, {});
