@@ -1,6 +1,7 @@
 // brume-server: owns everything, starts it in order, waits for a signal or a failure, and stops it in the opposite order.
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 
 #include <spdlog/sinks/basic_file_sink.h>
@@ -43,6 +44,8 @@ void serve(const ServerOptions& options, const sigset_t& signals) {
 
     network.start(); // a taken port ends it here, before the first frame
     frames.start([] { ::kill(::getpid(), SIGTERM); });
+    if (!std::filesystem::exists(options.net.web_root / "index.html"))
+        spdlog::warn("no page in '{}': run ./dev build, or name its folder with --web-root", options.net.web_root.string());
     spdlog::info("scene '{}' on {}{}", scene.name, device.name(), device.hasMeshShaders() ? ", mesh shaders" : "");
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 

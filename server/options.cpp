@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/scene_limits.h"
 #include "server/render/method.h"
 
 namespace brume {
@@ -18,6 +19,8 @@ std::filesystem::path findFolder(const char* installed, const char* in_source) {
         if (std::filesystem::is_directory(folder, error)) return std::filesystem::canonical(folder, error);
     return in_source;
 }
+
+CLI::Range within(const Limits& limits) { return {limits.lo, limits.hi}; }
 
 } // namespace
 
@@ -40,11 +43,11 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--scene-dir", o.scene_dir, "folder of the scenes known by name")->group(group);
     app.add_option("--method", o.method, "medium method instead of the scene's")->group(group);
     app.add_option("--quadrature", o.quadrature, "simpson | transmittance | analytic, for method isv")->group(group);
-    app.add_option("--steps", o.steps, "of the quadrature")->group(group)->check(CLI::Range(1, 10));
-    app.add_option("--exposure", o.exposure, "factor before the tone map")->group(group)->check(CLI::Range(1e-4, 1e4));
-    app.add_option("--cutoff", o.cutoff, "bound on the optical depth that proxies leave out of any ray")->group(group)->check(CLI::Range(1e-8, 1.0));
-    app.add_option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map")->group(group)->check(CLI::Range(16, 1024));
-    app.add_option("--shadow-slices", o.shadow_slices, "its planes")->group(group)->check(CLI::Range(2, 128));
+    app.add_option("--steps", o.steps, "of the quadrature")->group(group)->check(within(limits::kSteps));
+    app.add_option("--exposure", o.exposure, "factor before the tone map")->group(group)->check(within(limits::kExposure));
+    app.add_option("--cutoff", o.cutoff, "bound on the optical depth that proxies leave out of any ray")->group(group)->check(within(limits::kCutoff));
+    app.add_option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map")->group(group)->check(within(limits::kShadowSize));
+    app.add_option("--shadow-slices", o.shadow_slices, "its planes")->group(group)->check(within(limits::kShadowSlices));
     app.add_flag("--paused", o.paused, "start with the simulation paused")->group(group);
 
     group = "Network";
@@ -61,7 +64,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--max-streams", o.net.max_streams, "MJPEG streams at a time")->group(group)->check(CLI::Range(0, 1000));
     app.add_option("--max-pixels", o.net.max_pixels, "of one picture; a larger wish is scaled down")->group(group)->check(CLI::Range(256, 8192 * 8192));
     app.add_option("--max-message-bytes", o.net.max_message_bytes, "of one message from a viewer")->group(group)->check(CLI::Range(1024, 1 << 20));
-    app.add_option("--quality", o.net.default_quality, "JPEG quality unless a viewer wishes another")->group(group)->check(CLI::Range(1, 100));
+    app.add_option("--quality", o.net.default_quality, "JPEG quality unless a viewer wishes another")->default_str(std::to_string(o.net.default_quality))->group(group)->check(CLI::Range(1, 100));
     ms("--handshake", o.net.handshake, "a connection must say what it wants within this");
     ms("--idle", o.net.idle, "a viewer that is silent for this long is closed");
     ms("--grace", o.grace, "to end what is open when told to stop");
