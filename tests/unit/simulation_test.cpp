@@ -1,57 +1,27 @@
 // The shared simulation: the same commands give the same bits, and what it does to particles is what its comments say.
 #include "server/sim/simulation.h"
 
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "server/sim/kernels.h"
-#include "server/sim/layout.h"
-#include "server/sim/random.h"
-#include "server/sim/sine.h"
 #include "tests/unit/allocations.h"
+#include "tests/unit/simulation_scenes.h"
 
 namespace brume {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr float kDt = static_cast<float>(kTickSeconds);
-
-Scene cubeScene(uint32_t count = 1000, uint64_t seed = 1) {
-    Scene scene;
-    scene.lights.push_back({.to_light = {0.6f, 0.8f, 0}});
-    scene.medium.count = count;
-    scene.medium.seed = seed;
-    return scene;
-}
-
-Scene plumeScene(uint64_t seed = 1) {
-    Scene scene = cubeScene(1000, seed);
-    scene.medium.layout = Layout::emitter;
-    scene.medium.scale = {0.5f, 1};
-    scene.medium.emitter.rate = 300;
-    scene.medium.emitter.life = 3;
-    return scene;
-}
 
 Scene sceneOf(Layout layout) { return layout == Layout::emitter ? plumeScene() : cubeScene(); }
 
-Command command(CommandBody body) { return {.viewer = 1, .seq = 1, .body = std::move(body)}; }
-
 void run(Simulation& simulation, int ticks) {
     for (int i = 0; i < ticks; ++i) simulation.step({});
-}
-void give(Simulation& simulation, std::vector<Command> commands) { simulation.step(commands); }
-
-std::vector<gpu::Particle> particlesOf(const Simulation& simulation) {
-    std::vector<gpu::Particle> out(simulation.liveCount());
-    simulation.write(out);
-    return out;
 }
 
 glm::vec3 meanOf(const std::vector<gpu::Particle>& particles) {
@@ -362,236 +332,6 @@ TEST(Light, TurnsAboutY) {
     run(simulation, 120); // 1 rad
     const glm::vec3 expected(0.6f * std::cos(1.0f), 0.8f, -0.6f * std::sin(1.0f));
     EXPECT_LT(glm::distance(simulation.now().light.to_light, expected), 1e-4f);
-}
-
-TEST(Emitter, IsFullFromTheFirstPictureOn) {
-    Simulation simulation(plumeScene());
-    EXPECT_EQ(simulation.tick(), 0u);
-    EXPECT_NEAR(simulation.liveCount(), 900, 6); // rate * life
-    for (int i = 0; i < 400; ++i) {
-        simulation.step({});
-        ASSERT_NEAR(simulation.liveCount(), 900, 6);
-    }
-}
-
-TEST(Emitter, AFullPoolNeverOverflows) {
-    Scene scene = plumeScene();
-    scene.medium.count = 900; // exactly rate * life
-    Simulation simulation(scene);
-    for (int i = 0; i < 400; ++i) {
-        simulation.step({});
-        ASSERT_LE(simulation.liveCount(), 900u);
-        ASSERT_GE(simulation.liveCount(), 894u);
-    }
-}
-
-TEST(Emitter, OpticalMassIsConserved) {
-    Scene scene = plumeScene();
-    scene.medium.scale = {0.5f, 0.5f};
-    scene.medium.multiplier = {8, 8};
-    scene.medium.emitter.growth = 0.4f;
-    const Simulation simulation(scene);
-    const float sigma0 = scene.medium.extinction * 8e-4f, mass0 = sigma0 * 0.125f, life = scene.medium.emitter.life;
-    size_t grown = 0;
-    float oldest = 1e9f;
-    for (const gpu::Particle& p : particlesOf(simulation)) {
-        const float age = (p.scale - 0.5f) / 0.4f, mass = p.sigma_t * p.scale * p.scale * p.scale;
-        EXPECT_LE(age, oldest) << "not in the order of births";
-        oldest = age;
-        EXPECT_LE(mass, mass0 * 1.00001f);
-        if (age > 0.1f * life + 0.01f && age < (1 - Ageing::kDissolve) * life - 0.01f) {
-            EXPECT_NEAR(mass, mass0, mass0 * 1e-5f);
-            ++grown;
-        }
-        const bool at_an_end = age < 0.02f || age > 0.99f * life;
-        EXPECT_TRUE(!at_an_end || mass < 0.02f * mass0) << "pops in or out at age " << age;
-    }
-    EXPECT_GT(grown, 400u);
-}
-
-// In still air dv/dt = -c v + b (1 - t / T) has a closed form; in wind w, x = w (t - (1 - exp(-c t)) / c).
-TEST(Emitter, RisesAndLeansIntoTheWindAsTheClosedFormSays) {
-    Scene scene = plumeScene();
-    Emitter& emitter = scene.medium.emitter;
-    emitter.turbulence = emitter.spread = 0;
-    emitter.radius = 1e-3f;
-    emitter.wind = {1, 0, 0};
-    scene.medium.scale = {1, 1};
-    const double c = scene.simulation.viscosity, b = emitter.buoyancy, life = emitter.life, v0 = emitter.velocity.y;
-    const double start = b / c + b / (c * c * life); // of the particular solution, which falls by b / (c T) a second
-    const Simulation simulation(scene);
-    size_t old = 0;
-    for (const gpu::Particle& p : particlesOf(simulation)) {
-        const double t = (p.scale - 1) / emitter.growth, faded = (1 - std::exp(-c * t)) / c;
-        EXPECT_NEAR(p.centre.y, start * t - b / (c * life) * t * t / 2 + (v0 - start) * faded, 0.03) << "age " << t;
-        EXPECT_NEAR(p.centre.x, t - faded, 0.03) << "age " << t;
-        old += t > 2.5;
-    }
-    EXPECT_GT(old, 100u);
-}
-
-// dv/dt = viscosity (air - v): towards the turbulence's own velocity, in whole tiles of lanes as in what is left over.
-TEST(Kernels, SmokeFollowsTheTurbulenceAtItsPlace) {
-    const Turbulence turbulence(3, 2, 4, {0.5f, 0, 0});
-    const Turbulence::Modes modes = turbulence.at(1.25);
-    constexpr uint32_t kRows = 37, kBegin = 3, kEnd = 36;
-    Columns columns(kRows);
-    Random random(9);
-    std::vector<glm::vec3> places;
-    for (uint32_t i = 0; i < kRows; ++i) {
-        places.push_back(random.inBox() * 20.0f);
-        columns[Column::x][i] = places[i].x;
-        columns[Column::y][i] = places[i].y;
-        columns[Column::z][i] = places[i].z;
-    }
-    plumeStep(columns, {kBegin, kEnd}, {.dt = kDt, .viscosity = 3, .wind = {0.5f, 0, 0}, .buoyancy = 0, .life = 5}, modes);
-    for (uint32_t i = 0; i < kRows; ++i) {
-        const glm::vec3 v(columns[Column::vx][i], columns[Column::vy][i], columns[Column::vz][i]);
-        const float share = 3 * kDt / (1 + 3 * kDt);
-        const glm::vec3 air = velocityAt(modes, places[i]) + glm::vec3(0.5f, 0, 0);
-        const bool taken = i >= kBegin && i < kEnd;
-        EXPECT_LT(glm::distance(v, taken ? share * air : glm::vec3(0)), 1e-5f) << i;
-        EXPECT_NEAR(columns[Column::age][i], taken ? kDt : 0, 1e-9f) << i;
-    }
-}
-
-// Central differences; the same field with its amplitudes turned along the waves, as a control, has a divergence.
-TEST(Turbulence, HasNoDivergence) {
-    const Turbulence::Modes modes = Turbulence(7, 1.5f, 3, {0, 0, 0}).at(2.0);
-    Turbulence::Modes control = modes;
-    for (Mode& mode : control) mode.amplitude = glm::normalize(mode.wave) * glm::length(mode.amplitude);
-    const auto divergence = [](const Turbulence::Modes& field, glm::vec3 place) {
-        constexpr float kStep = 5e-3f;
-        float sum = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            glm::vec3 step(0);
-            step[axis] = kStep;
-            sum += (velocityAt(field, place + step)[axis] - velocityAt(field, place - step)[axis]) / (2 * kStep);
-        }
-        return sum;
-    };
-    Random random(1);
-    double squares = 0, control_squares = 0;
-    for (int i = 0; i < 500; ++i) {
-        const glm::vec3 place = random.inBox() * 5.0f;
-        squares += std::pow(divergence(modes, place), 2);
-        control_squares += std::pow(divergence(control, place), 2);
-    }
-    EXPECT_LT(std::sqrt(squares / 500), 2e-3 * std::sqrt(control_squares / 500));
-    for (const Mode& mode : modes) EXPECT_LT(std::abs(glm::dot(mode.amplitude, mode.wave)), 1e-6f);
-}
-
-TEST(Turbulence, HasItsRmsAndChangesSlowly) {
-    const Turbulence turbulence(7, 1.5f, 3, {0, 0, 0});
-    Random random(2);
-    double squares = 0, change = 0;
-    for (int i = 0; i < 20000; ++i) {
-        const glm::vec3 place = random.inBox() * 100.0f, now = velocityAt(turbulence.at(0), place);
-        squares += static_cast<double>(glm::dot(now, now));
-        const glm::vec3 later = velocityAt(turbulence.at(0.05), place) - now;
-        change += static_cast<double>(glm::dot(later, later));
-    }
-    EXPECT_NEAR(std::sqrt(squares / 20000), 1.5, 0.05);
-    EXPECT_GT(change, 0);
-    EXPECT_LT(std::sqrt(change / 20000), 0.5);
-}
-
-TEST(Sine, IsClosePeriodicAndOdd) {
-    for (int i = -4000; i <= 4000; ++i) {
-        const float x = static_cast<float>(i) / 1000;
-        EXPECT_NEAR(sineOfTurns(x), std::sin(2 * 3.14159265358979 * static_cast<double>(x)), 2e-3) << x;
-        EXPECT_EQ(sineOfTurns(-x), -sineOfTurns(x));
-    }
-}
-
-TEST(Layouts, CubeFillsItsCube) {
-    const Placement placed = place(cubeScene(20000).medium);
-    glm::dvec3 sum(0), squares(0);
-    for (const glm::vec3& p : placed.position) {
-        for (int axis = 0; axis < 3; ++axis) ASSERT_LE(std::abs(p[axis]), 5);
-        sum += glm::dvec3(p);
-        squares += glm::dvec3(p * p);
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_NEAR(sum[axis] / 20000, 0, 0.06);
-        EXPECT_NEAR(squares[axis] / 20000, 100.0 / 12, 0.2); // a uniform side of 10
-    }
-    for (const float m : placed.multiplier) ASSERT_TRUE(m >= 5 && m < 10);
-}
-
-TEST(Layouts, TubesCrossWithAGap) {
-    Medium medium = cubeScene(2000).medium;
-    medium.layout = Layout::tubes;
-    const Placement placed = place(medium);
-    for (size_t i = 0; i < placed.position.size(); ++i) {
-        const glm::vec3 p = placed.position[i];
-        const float across = i % 2 == 0 ? p.x : p.z, along = i % 2 == 0 ? p.z : p.x;
-        EXPECT_EQ(p.y > 0, i % 2 == 0);
-        EXPECT_LE(std::hypot(across, std::abs(p.y) - 1.6f), 1.2001f);
-        EXPECT_LE(std::abs(along), 5);
-    }
-}
-
-TEST(Layouts, CumulusStandsOnItsBaseWithItsDetailOutside) {
-    Medium medium = cubeScene(8000).medium;
-    medium.layout = Layout::cumulus;
-    medium.extent = 20;
-    medium.scale = {0.5f, 6};
-    medium.centre = {0, 30, 0};
-    const Placement placed = place(medium);
-    ASSERT_EQ(placed.position.size(), 8000u);
-    float lo = 1e9f, hi = -1e9f, top = 0;
-    size_t low = 0, small = 0;
-    for (size_t i = 0; i < 8000; ++i) {
-        const glm::vec3 p = placed.position[i] - medium.centre;
-        ASSERT_GE(p.y, 0);
-        lo = std::min(lo, p.x);
-        hi = std::max(hi, p.x);
-        top = std::max(top, p.y);
-        low += p.y < 1;
-        small += placed.scale[i] < 1;
-        ASSERT_TRUE(placed.scale[i] >= 0.5f && placed.scale[i] <= 6);
-    }
-    EXPECT_NEAR(hi - lo, 20, 0.5);
-    EXPECT_GT(top, 6);       // it towers
-    EXPECT_GT(low, 400u);    // on a base
-    EXPECT_GT(small, 4000u); // small particles are many, large ones few
-    EXPECT_GT(8000 - small, 100u);
-}
-
-TEST(Layouts, AFileBringsItsOwnParticles) {
-    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "simulation_test.ply";
-    const std::string xyz = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n";
-    std::ofstream(file) << xyz << "end_header\n1 2 3\n4 5 6\n";
-    Scene scene = cubeScene();
-    scene.medium.layout = Layout::file;
-    scene.medium.file = file;
-    scene.medium.centre = {10, 0, 0};
-    const SetMedium change{.extinction = 30.0f, .albedo = glm::vec3(0.5f)};
-    {
-        Simulation simulation(scene);
-        const auto before = particlesOf(simulation);
-        ASSERT_EQ(before.size(), 2u);
-        EXPECT_EQ(simulation.now().medium.count, 2u);
-        EXPECT_EQ(before[1].centre, glm::vec3(14, 5, 6));
-        EXPECT_EQ(before[0].scale, 6);
-        give(simulation, {command(change)});
-        EXPECT_NEAR(particlesOf(simulation)[0].sigma_t, 2 * before[0].sigma_t, 1e-6f);
-        EXPECT_EQ(particlesOf(simulation)[0].albedo, glm::vec3(0.5f));
-    }
-    std::ofstream(file) << xyz << "property float scale\nproperty float sigma_t\nproperty uchar red\nproperty uchar green\n"
-                        << "property uchar blue\nend_header\n1 2 3 0.5 7 255 0 0\n4 5 6 0.25 8 0 255 0\n";
-    Simulation simulation(scene);
-    give(simulation, {command(change)});
-    const auto own = particlesOf(simulation);
-    EXPECT_EQ(own[0].scale, 0.5f);
-    EXPECT_EQ(own[0].sigma_t, 7);
-    EXPECT_EQ(own[1].sigma_t, 8);
-    EXPECT_EQ(own[1].albedo, glm::vec3(0, 1, 0));
-    EXPECT_EQ(simulation.bounds().max_sigma_t, 8);
-
-    scene.medium.file = "no/such.ply";
-    EXPECT_THROW(Simulation{scene}, SceneError);
 }
 
 } // namespace

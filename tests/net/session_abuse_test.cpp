@@ -1,0 +1,164 @@
+// Viewers that send rubbish or too much, stall, fall silent or vanish: told or cut, and nobody else's harm.
+#include "tests/net/session_fixture.h"
+
+namespace brume::test {
+namespace {
+
+using wire::ErrorCode;
+
+TEST_F(SessionTest, BadMessagesAreAnsweredAndSurvived) {
+    serve();
+    const auto client = watch();
+    const std::vector<uint8_t> garbage(200, 0x5a);
+    client->sendMessage(2, garbage);
+    EXPECT_EQ(nextError(*client), ErrorCode::malformed);
+    client->sendMessage(1, std::vector<uint8_t>{'h', 'i'});
+    EXPECT_EQ(nextError(*client), ErrorCode::malformed);
+    client->pose(1, {std::numeric_limits<float>::quiet_NaN(), 0, 0});
+    EXPECT_EQ(nextError(*client), ErrorCode::out_of_range);
+    client->hello();
+    EXPECT_EQ(nextError(*client), ErrorCode::unexpected);
+    client->say([](auto& b) { return wire::CreateSceneState(b); });
+    EXPECT_EQ(nextError(*client), ErrorCode::unexpected);
+    client->pose(2);
+    EXPECT_TRUE(frameOf(*client, 2)) << "still served";
+    client->sendMessage(2, {});
+    EXPECT_EQ(nextError(*client), ErrorCode::malformed);
+    const auto goodbye = client->next<wire::Goodbye>();
+    ASSERT_TRUE(goodbye);
+    EXPECT_EQ(client->closeCode(), 1002);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(SessionTest, APoseBeforeHelloIsUnexpectedAndHelloMayFollow) {
+    WsClient client(serve());
+    client.pose(1);
+    EXPECT_EQ(nextError(client), ErrorCode::unexpected);
+    client.hello(0, 0);
+    EXPECT_EQ(nextError(client), ErrorCode::out_of_range);
+    client.hello();
+    EXPECT_TRUE(client.next<wire::Welcome>());
+}
+
+TEST_F(SessionTest, AnOversizedMessageClosesOnlyItsSender) {
+    serve();
+    const auto good = watch(), bad = watch();
+    bad->sendMessage(2, std::vector<uint8_t>(options.max_message_bytes + 1));
+    EXPECT_EQ(bad->closeCode(), 1009);
+    good->pose(1);
+    EXPECT_TRUE(frameOf(*good, 1));
+    EXPECT_TRUE(eventually([&] { return audience->size() == 1; }));
+}
+
+TEST_F(SessionTest, AFloodOfPosesHarmsNobodyAndItsLastIsShown) {
+    serve();
+    const auto quiet = watch(), loud = watch();
+    quiet->pose(1);
+    const uint32_t poses = 6000;
+    std::thread flood([&] {
+        for (uint32_t seq = 1; seq <= poses; ++seq)
+            if (!loud->pose(seq)) return;
+    });
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(frameOf(*quiet, 1));
+    flood.join();
+    bool shown = false, told = false;
+    const auto deadline = std::chrono::steady_clock::now() + 10s;
+    while (!(shown && told) && std::chrono::steady_clock::now() < deadline) {
+        const auto message = loud->receive();
+        ASSERT_TRUE(message && message->parsed);
+        if (const auto* frame = message->parsed->as<wire::Frame>()) {
+            loud->ack(frame->id());
+            shown |= frame->pose_seq() == poses;
+        }
+        if (const auto* error = message->parsed->as<wire::Error>()) told |= error->code() == ErrorCode::too_fast;
+    }
+    EXPECT_TRUE(shown);
+    EXPECT_TRUE(told);
+}
+
+TEST_F(SessionTest, AStalledReaderDelaysNobody) {
+    options.write_stall = 60s;
+    serve();
+    renderer->jpeg_bytes = 2 << 20; // two in flight are over what the sockets hold
+    const auto stalled = watch(640, 360, 1, 4096), good = watch();
+    stalled->pose(1);
+    good->pose(1);
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(frameOf(*good, 1));
+    EXPECT_EQ(audience->size(), 2u) << "the other still stalls";
+}
+
+TEST_F(SessionTest, AStalledReaderIsCut) {
+    options.write_stall = 300ms;
+    serve();
+    renderer->jpeg_bytes = 2 << 20;
+    const auto stalled = watch(640, 360, 1, 4096);
+    stalled->pose(1);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(SessionTest, WhoAsksButDoesNotReadIsNotReadAndCut) {
+    options.message_rate = 1e6;
+    options.write_stall = 300ms;
+    serve();
+    const auto client = watch(640, 360, 1, 4096);
+    const wire::Packed ping = wire::pack([](auto& b) { return wire::CreatePing(b, 1, 1); });
+    // Pongs fill the sockets, then pings do, until we are cut.
+    const auto deadline = std::chrono::steady_clock::now() + 60s;
+    while (client->sendMessage(2, wire::bytesOf(ping), 60s) && std::chrono::steady_clock::now() < deadline) {
+    }
+    EXPECT_LT(std::chrono::steady_clock::now(), deadline);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(SessionTest, ASlowHandshakeIsCut) {
+    options.handshake = 300ms;
+    const uint16_t port = serve();
+    Socket dripping(port), silent(port);
+    const auto start = std::chrono::steady_clock::now();
+    std::thread drip([&] {
+        for (const char c : std::string("GET /healthz HTTP/1.1\r\nHost: a-host-with-a-long-name\r\n")) {
+            if (!dripping.send(std::string_view(&c, 1))) return;
+            std::this_thread::sleep_for(20ms);
+        }
+    });
+    EXPECT_TRUE(silent.closesWithin(2s));
+    EXPECT_TRUE(dripping.closesWithin(2s));
+    EXPECT_GE(std::chrono::steady_clock::now() - start, 250ms);
+    drip.join();
+
+    WsClient mute(port); // upgraded, but no hello
+    ASSERT_EQ(mute.handshake.status, 101);
+    const auto goodbye = mute.next<wire::Goodbye>(2s);
+    ASSERT_TRUE(goodbye);
+    EXPECT_NE(goodbye->parsed->as<wire::Goodbye>()->reason()->str().find("Hello"), std::string::npos);
+    EXPECT_EQ(mute.closeCode(), 1008);
+}
+
+TEST_F(SessionTest, VanishingViewersFreeTheirPlaces) {
+    max_viewers = 2;
+    serve();
+    for (int round = 0; round < 5; ++round) {
+        const auto first = watch(), second = watch();
+        first->pose(1);
+        ASSERT_TRUE(frameOf(*first, 1));
+        first->socket.reset();
+        second->socket.reset();
+        ASSERT_TRUE(eventually([&] { return audience->size() == 0; })) << round;
+    }
+}
+
+TEST_F(SessionTest, AnIdleViewerIsPingedAndASilentOneCut) {
+    options.idle = 400ms;
+    serve();
+    const auto awake = watch(), asleep = watch();
+    asleep->answer_pings = false;
+    const auto start = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - start < 1500ms) awake->receive(50ms);
+    EXPECT_EQ(audience->size(), 1u);
+    EXPECT_TRUE(asleep->socket.closesWithin(2s));
+    awake->pose(1);
+    EXPECT_TRUE(frameOf(*awake, 1));
+}
+
+} // namespace
+} // namespace brume::test

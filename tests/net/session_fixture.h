@@ -1,0 +1,29 @@
+// What the tests of a viewer's session share.
+#pragma once
+
+#include "tests/net/fixture.h"
+
+namespace brume::test {
+
+struct SessionTest : ServerTest {};
+
+// The code of the error that comes next.
+inline wire::ErrorCode nextError(WsClient& client) {
+    const auto message = client.next<wire::Error>();
+    EXPECT_TRUE(message);
+    return message ? message->parsed->as<wire::Error>()->code() : wire::ErrorCode(0);
+}
+
+// Acknowledges frames until one answers that pose; null when none does in time.
+inline std::unique_ptr<Received> frameOf(WsClient& client, uint32_t pose_seq) {
+    for (int i = 0; i < 1000; ++i) {
+        auto message = client.next<wire::Frame>();
+        if (!message) return nullptr;
+        const auto* frame = message->parsed->as<wire::Frame>();
+        client.ack(frame->id());
+        if (frame->pose_seq() == pose_seq) return message;
+    }
+    return nullptr;
+}
+
+} // namespace brume::test

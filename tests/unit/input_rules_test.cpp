@@ -1,0 +1,113 @@
+// What a viewer may do to the scene: the order, rate and limits of inputs, by the rules alone.
+#include "tests/unit/session_rules_fixture.h"
+
+namespace brume::net {
+namespace {
+
+using wire::ErrorCode;
+
+TEST_F(SessionRulesTest, InputsComeOneAfterAnother) {
+    watch();
+    EXPECT_EQ(only<Push>(restart(7)).seq, 7u) << "any number may be the first";
+    only<Push>(restart(8));
+    const auto repeated = restart(8);
+    EXPECT_EQ(onlyError(repeated), ErrorCode::unexpected);
+    EXPECT_EQ(only<SendError>(repeated).input_seq, 8u);
+    only<Push>(restart(9));
+    EXPECT_EQ(onlyError(restart(12)), ErrorCode::unexpected) << "a gap is told ...";
+    only<Push>(restart(13)); // ... and gone on from
+    SetUp();
+    watch();
+    only<Push>(restart(0xffffffff));
+    only<Push>(restart(0)); // around the wrap
+    EXPECT_EQ(onlyError(restart(0xffffffff)), ErrorCode::unexpected);
+    only<Push>(restart(1));
+}
+
+TEST_F(SessionRulesTest, InputsOverTheRateAreRefusedByNumber) {
+    watch();
+    uint32_t seq = 0;
+    for (double i = 0; i < options.input_rate * options.burst_s; ++i) only<Push>(restart(++seq));
+    const auto refused = restart(++seq);
+    EXPECT_EQ(onlyError(refused), ErrorCode::too_fast);
+    EXPECT_EQ(only<SendError>(refused).input_seq, seq);
+    now += 1s;
+    only<Push>(restart(++seq)); // the refused number was used: the next one follows it
+}
+
+TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
+    watch();
+    const wire::Vec3 origin(1, 2, 3), along(0, 0, -4), push(0, 5, 0);
+    const auto impulse =
+        std::get<Impulse>(only<Push>(input(1, [&](auto& b) { return wire::CreateImpulse(b, &origin, &along, &push, 2); })).body);
+    EXPECT_EQ(impulse.origin, glm::vec3(1, 2, 3));
+    EXPECT_EQ(impulse.direction, glm::vec3(0, 0, -1)) << "made a unit vector";
+    EXPECT_EQ(impulse.push, glm::vec3(0, 5, 0));
+    EXPECT_EQ(impulse.strength, 2);
+
+    const auto light = std::get<SetLight>(only<Push>(input(2, [&](auto& b) { return wire::CreateSetLight(b, &push); })).body);
+    EXPECT_EQ(light.to_light, glm::vec3(0, 1, 0));
+    EXPECT_FALSE(light.irradiance);
+    EXPECT_FALSE(light.rotate);
+
+    const auto medium = std::get<SetMedium>(only<Push>(input(3, [](auto& b) { return wire::CreateSetMedium(b, 20.f); })).body);
+    EXPECT_EQ(medium.extinction, 20);
+    EXPECT_FALSE(medium.falloff);
+    EXPECT_FALSE(medium.albedo);
+
+    const auto render = std::get<SetRender>(
+        only<Push>(input(4, [](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "analytic", 3); })).body);
+    EXPECT_EQ(render.method, "isv");
+    EXPECT_EQ(render.quadrature, "analytic");
+    EXPECT_EQ(render.steps, 3u);
+    EXPECT_FALSE(render.exposure);
+
+    const auto paused =
+        std::get<SetSimulation>(only<Push>(input(5, [](auto& b) { return wire::CreateSetSimulation(b, true); })).body);
+    EXPECT_EQ(paused.paused, true);
+    const auto moved =
+        std::get<MoveVolume>(only<Push>(input(6, [&](auto& b) { return wire::CreateMoveVolume(b, &origin); })).body);
+    EXPECT_EQ(moved.offset, glm::vec3(1, 2, 3));
+}
+
+TEST_F(SessionRulesTest, CommandsBeyondTheirLimitsAreRefused) {
+    watch();
+    uint32_t seq = 0;
+    const wire::Vec3 zero(0, 0, 0), one(1, 1, 1), nan(0, kNan, 0), far(1e9f, 0, 0), negative(-1, 0, 0), two(2, 0, 0);
+    const auto refused = [&](auto&& build) {
+        const auto effects = input(++seq, build);
+        EXPECT_EQ(only<SendError>(effects).input_seq, seq);
+        return onlyError(effects);
+    };
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &nan, &one); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &zero); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &nan); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, &far); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, nullptr, 11); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, nullptr, kNan); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateMoveVolume(b, &far); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, &zero); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, nullptr, &negative); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, nullptr, nullptr, kInf); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, -1.f); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, 0.f); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, 1.5f); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, {}, 1.f); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, {}, {}, &two); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, 0u); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, 11u); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, {}, 0.f); }),
+              ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "tetra"); }), ErrorCode::unknown_name);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "", nullptr); }), ErrorCode::unknown_name);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "euler"); }), ErrorCode::unknown_name);
+}
+
+TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
+    watch();
+    const auto effects = input(1, [&](auto& b) { return wire::CreateSetRenderDirect(b, "tetra"); });
+    EXPECT_NE(only<SendError>(effects).text.find("sphere, isv"), std::string::npos);
+}
+
+} // namespace
+} // namespace brume::net

@@ -1,0 +1,97 @@
+// What the tests of the session rules share: a session with a clock of its own, and the effects of what is said in it.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/net/session_rules.h"
+
+namespace brume::net {
+
+using namespace std::chrono_literals;
+using flatbuffers::FlatBufferBuilder;
+
+inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+
+struct PoseFields {
+    uint32_t seq = 1;
+    wire::Vec3 position{0, 0, 10};
+    wire::Quat orientation{0, 0, 0, 1};
+    float fov_y = 0.8f, eyes = 0;
+    uint16_t width = 0, height = 0;
+};
+
+class SessionRulesTest : public testing::Test {
+protected:
+    NetOptions options;
+    SceneFacts facts{"scene", "device", {}, {"sphere", "isv"}, {"simpson", "analytic"}};
+    Clock::time_point now{1000s};
+    std::optional<SessionRules> rules;
+
+    void SetUp() override { rules.emplace(options, facts, now); }
+
+    Effects sayBytes(std::vector<uint8_t> bytes) {
+        Effects out;
+        rules->onMessage(bytes, now, out);
+        return out;
+    }
+    Effects tick(Clock::duration later) {
+        now += later;
+        Effects out;
+        rules->onTick(now, out);
+        return out;
+    }
+    template <class Build>
+    Effects say(Build&& build) {
+        const wire::Packed message = wire::pack(build);
+        Effects out;
+        rules->onMessage(wire::bytesOf(message), now, out);
+        return out;
+    }
+
+    Effects hello(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1, uint8_t quality = 0) {
+        return say([&](FlatBufferBuilder& b) { return wire::CreateHelloDirect(b, "test", width, height, views, quality); });
+    }
+    Effects pose(const PoseFields& p) {
+        return say([&](FlatBufferBuilder& b) {
+            return wire::CreatePose(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height);
+        });
+    }
+    template <class Build>
+    Effects input(uint32_t seq, Build&& build) {
+        return say([&](FlatBufferBuilder& b) {
+            const auto command = build(b);
+            using Table = std::remove_pointer_t<decltype(flatbuffers::GetTemporaryPointer(b, command))>;
+            return wire::CreateInput(b, seq, 0, wire::CommandTraits<std::remove_const_t<Table>>::enum_value, command.Union());
+        });
+    }
+    Effects restart(uint32_t seq) {
+        return input(seq, [](FlatBufferBuilder& b) { return wire::CreateRestart(b); });
+    }
+    void watch() { ASSERT_EQ(hello().size(), 1u); }
+};
+
+// The one effect, which must be of that kind.
+template <class T>
+const T& only(const Effects& effects) {
+    static const T none{};
+    EXPECT_EQ(effects.size(), 1u);
+    if (effects.size() != 1 || !std::holds_alternative<T>(effects[0])) {
+        ADD_FAILURE() << "another effect, index " << (effects.empty() ? 99 : effects[0].index());
+        return none;
+    }
+    return std::get<T>(effects[0]);
+}
+
+inline wire::ErrorCode onlyError(const Effects& effects) {
+    const auto& error = only<SendError>(effects);
+    EXPECT_FALSE(error.text.empty());
+    return error.code;
+}
+
+} // namespace brume::net
