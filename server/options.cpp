@@ -15,7 +15,8 @@ namespace {
 std::filesystem::path findFolder(const char* installed, const char* in_source) {
     std::error_code error;
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-    for (const auto& folder : {program / "../share/brume" / installed, program / "../../.." / in_source, std::filesystem::path(in_source)})
+    for (const auto& folder :
+         {program / "../share/brume" / installed, program / "../../.." / in_source, std::filesystem::path(in_source)})
         if (std::filesystem::is_directory(folder, error)) return std::filesystem::canonical(folder, error);
     return in_source;
 }
@@ -30,9 +31,10 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     o.net.web_root = findFolder("web", "client/web/dist");
     CLI::App app{"brume-server: simulates one cloud, lights it once and renders it for every viewer."};
     app.set_version_flag("--version", "brume-server " BRUME_VERSION);
-    app.option_defaults()->always_capture_default();
+    app.option_defaults()->always_capture_default()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     const auto ms = [&](const char* name, std::chrono::milliseconds& value, const char* about) {
-        app.add_option_function<uint32_t>(name, [&value](uint32_t v) { value = std::chrono::milliseconds(v); }, about)
+        app.add_option_function<uint32_t>(
+               name, [&value](uint32_t v) { value = std::chrono::milliseconds(v); }, about)
             ->default_str(std::to_string(value.count()))
             ->check(CLI::Range(1u, 3'600'000u))
             ->type_name("MS");
@@ -45,8 +47,12 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--quadrature", o.quadrature, "simpson | transmittance | analytic, for method isv")->group(group);
     app.add_option("--steps", o.steps, "of the quadrature")->group(group)->check(within(limits::kSteps));
     app.add_option("--exposure", o.exposure, "factor before the tone map")->group(group)->check(within(limits::kExposure));
-    app.add_option("--cutoff", o.cutoff, "bound on the optical depth that proxies leave out of any ray")->group(group)->check(within(limits::kCutoff));
-    app.add_option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map")->group(group)->check(within(limits::kShadowSize));
+    app.add_option("--cutoff", o.cutoff, "bound on the optical depth that proxies leave out of any ray")
+        ->group(group)
+        ->check(within(limits::kCutoff));
+    app.add_option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map")
+        ->group(group)
+        ->check(within(limits::kShadowSize));
     app.add_option("--shadow-slices", o.shadow_slices, "its planes")->group(group)->check(within(limits::kShadowSlices));
     app.add_flag("--paused", o.paused, "start with the simulation paused")->group(group);
 
@@ -54,30 +60,46 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--listen", o.net.listen, "address; 0.0.0.0 or :: lets other machines in")->group(group);
     app.add_option("--port", o.net.port, "0 takes a free one")->group(group);
     app.add_option("--web-root", o.net.web_root, "folder of the built page")->group(group);
-    app.add_option("--allow-origin", o.net.allowed_origins, "pages of this origin may connect too; * for any")->group(group);
+    app.add_option("--allow-origin", o.net.allowed_origins, "pages of this origin may connect too; * for any")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->group(group);
 
     group = "Limits";
     app.add_option("--max-viewers", o.max_viewers, "MJPEG streams and snapshots count")->group(group)->check(CLI::Range(1, 1000));
-    app.add_option("--max-in-flight", o.max_in_flight, "frames a viewer may leave unacknowledged")->group(group)->check(CLI::Range(1, 16));
+    app.add_option("--max-in-flight", o.max_in_flight, "frames a viewer may leave unacknowledged")
+        ->group(group)
+        ->check(CLI::Range(1, 16));
     app.add_option("--max-connections", o.net.max_connections, "open sockets")->group(group)->check(CLI::Range(1, 65535));
-    app.add_option("--max-connections-per-address", o.net.max_connections_per_address, "open sockets of one address")->group(group)->check(CLI::Range(1, 65535));
+    app.add_option("--max-connections-per-address", o.net.max_connections_per_address, "open sockets of one address")
+        ->group(group)
+        ->check(CLI::Range(1, 65535));
     app.add_option("--max-streams", o.net.max_streams, "MJPEG streams at a time")->group(group)->check(CLI::Range(0, 1000));
-    app.add_option("--max-pixels", o.net.max_pixels, "of one picture; a larger wish is scaled down")->group(group)->check(CLI::Range(256, 8192 * 8192));
-    app.add_option("--max-message-bytes", o.net.max_message_bytes, "of one message from a viewer")->group(group)->check(CLI::Range(1024, 1 << 20));
-    app.add_option("--quality", o.net.default_quality, "JPEG quality unless a viewer wishes another")->default_str(std::to_string(o.net.default_quality))->group(group)->check(CLI::Range(1, 100));
+    app.add_option("--max-pixels", o.net.max_pixels, "of one picture; a larger wish is scaled down")
+        ->group(group)
+        ->check(CLI::Range(256, 8192 * 8192));
+    app.add_option("--max-message-bytes", o.net.max_message_bytes, "of one message from a viewer")
+        ->group(group)
+        ->check(CLI::Range(1024, 1 << 20));
+    app.add_option("--quality", o.net.default_quality, "JPEG quality unless a viewer wishes another")
+        ->default_str(std::to_string(o.net.default_quality))
+        ->group(group)
+        ->check(CLI::Range(1, 100));
     ms("--handshake", o.net.handshake, "a connection must say what it wants within this");
     ms("--idle", o.net.idle, "a viewer that is silent for this long is closed");
     ms("--grace", o.grace, "to end what is open when told to stop");
 
     group = "Device";
-    app.add_option("--device", o.device.name, "part of the Vulkan device's name; default: a GPU before a CPU driver")->group(group);
+    app.add_option("--device", o.device.name, "part of the Vulkan device's name; default: a GPU before a CPU driver")
+        ->group(group);
     app.add_flag("--validation", o.device.validation, "run under the Vulkan validation layer")->group(group);
     bool no_mesh = false;
     app.add_flag("--no-mesh-shaders", no_mesh, "use the vertex path even where mesh shaders exist")->group(group);
     app.add_option("--encode-threads", o.frame.encode_threads, "JPEG encoders")->group(group)->check(CLI::Range(1, 64));
 
     group = "Log";
-    app.add_option("--log-level", o.log_level, "debug | info | warn | error")->group(group)->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+    app.add_option("--log-level", o.log_level, "debug | info | warn | error")
+        ->group(group)
+        ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
     app.add_option("--log-file", o.log_file, "instead of standard error")->group(group);
 
     try {

@@ -78,6 +78,24 @@ export async function pixels(page) {
   }, SAMPLES);
 }
 
+// What a person sees in the window where the page's own furniture is put away, like pixels().
+export async function shown(page) {
+  const style = await page.addStyleTag({ content: 'body > :not(#view) { visibility: hidden !important; }' });
+  const png = (await page.screenshot()).toString('base64');
+  await style.evaluate((node) => node.remove());
+  return page.evaluate(
+    async ({ png, width, height }) => {
+      const picture = await createImageBitmap(await (await fetch(`data:image/png;base64,${png}`)).blob());
+      const copy = new OffscreenCanvas(width, height).getContext('2d');
+      copy.imageSmoothingQuality = 'high';
+      copy.drawImage(picture, 0, 0, width, height);
+      const { data } = copy.getImageData(0, 0, width, height);
+      return Array.from({ length: width * height }, (_, i) => [data[4 * i], data[4 * i + 1], data[4 * i + 2]]);
+    },
+    { png, ...SAMPLES },
+  );
+}
+
 // Mean absolute difference of two pictures, 0 ... 255.
 export function difference(a, b) {
   let sum = 0;

@@ -12,6 +12,7 @@ import {
   openPage,
   pixels,
   settled,
+  shown,
   startBrowser,
   strongest,
   until,
@@ -73,6 +74,18 @@ describe('one server', () => {
       'the canvas’s shape',
     );
     assert.ok(seen.lastFrame.latency.total > 0);
+    await page.leave();
+  });
+
+  test('the window shows the whole picture in its own shape', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await pause(page, true);
+    await settled(page);
+    await page.waitForTimeout(1000); // the curtain fades
+    const off = difference(await pixels(page), await shown(page));
+    assert.ok(off < VISIBLE, `window and picture differ by ${off}`);
+    await pause(page, false);
     await page.leave();
   });
 

@@ -88,6 +88,10 @@ export class Picture {
     const drawn = this.ready;
     if (!drawn) return;
     this.ready = undefined;
+    // The bitmap does not change the canvas's own size, which is what its layout goes by.
+    const { canvas } = this.context;
+    const { width, height } = drawn.bitmap;
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     this.context.transferFromImageBitmap(drawn.bitmap);
     // The next callback runs once the browser has taken this one's drawing: only then was the frame presented.
     requestAnimationFrame(() => {

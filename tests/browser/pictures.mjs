@@ -1,0 +1,61 @@
+// The README's pictures, made by the programs: node tests/browser/pictures.mjs [FOLDER, docs/pictures]
+import { mkdir, writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { connected, drag, openPage, settled, startBrowser, until } from './pages.mjs';
+import { startServer } from './server.mjs';
+
+const folder = process.argv[2] ?? 'docs/pictures';
+const FINE = ['--shadow-size', '256', '--shadow-slices', '32'];
+const PLUME_TICKS = 900; // 15 s: the column has risen
+
+const leave = [];
+const never = { after: (end) => leave.push(end) }; // for openPage, which expects a test
+
+async function snapshot(server, name, query) {
+  const answer = await fetch(`${server.url}/snapshot.jpg?quality=90&${query}`);
+  if (!answer.ok) throw new Error(`${name}: ${answer.status} ${await answer.text()}`);
+  await writeFile(join(folder, `${name}.jpg`), Buffer.from(await answer.arrayBuffer()));
+}
+
+async function screenshot(page, name) {
+  await page.screenshot({ path: join(folder, `${name}.jpg`), type: 'jpeg', quality: 88 });
+}
+
+await mkdir(folder, { recursive: true });
+for (const [scene, query] of [
+  ['cumulus', 'w=960&h=540'],
+  ['props', 'w=960&h=540'],
+]) {
+  const server = await startServer('--scene', scene, ...FINE);
+  await snapshot(server, scene, query);
+  await server.stop();
+}
+
+const server = await startServer('--scene', 'plume', ...FINE);
+const browser = await startBrowser();
+try {
+  const page = await openPage(never, browser, server.url, { viewport: { width: 1200, height: 675 } });
+  await connected(page);
+  await until(page, 'the column has risen', (brume, ticks) => brume.lastFrame.tick >= ticks, PLUME_TICKS, 300_000);
+  await page.keyboard.press('p');
+  await until(page, 'paused', (brume) => brume.scene.paused);
+  await snapshot(server, 'plume', 'w=960&h=540');
+  await page.keyboard.press('i');
+  await page.waitForTimeout(4000); // rates of the overlay settle
+  await screenshot(page, 'page');
+  await page.close();
+
+  const viewport = { width: 600, height: 400 };
+  for (const name of ['viewer-1', 'viewer-2']) {
+    const viewer = await openPage(never, browser, server.url, { viewport });
+    await connected(viewer);
+    if (name === 'viewer-2') await drag(viewer, [0.8, 0.5], [0.3, 0.45]);
+    await viewer.waitForTimeout(3000);
+    await settled(viewer);
+    await screenshot(viewer, name);
+  }
+} finally {
+  for (const end of leave) await end();
+  await browser.close();
+  await server.stop();
+}
