@@ -34,29 +34,29 @@ struct Emitter {
 
 struct Medium {
     Layout layout = Layout::cube;
-    uint32_t count = 500;       // 1 ... 1,000,000; an emitter's pool size
-    glm::vec3 centre{0};        // m, of the layout
-    float extent = 10;          // m, side of the cube, length of a tube, width of the cumulus
-    Range scale{6, 6};          // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
-    float falloff = 1.6f;       // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
-    float extinction = 15;      // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
-    Range multiplier{5, 10};    // per particle, uniform
-    glm::vec3 albedo{0.9f};     // rho, in [0, 1]
-    float anisotropy = 0;       // a in [0, 1]: p = (1-a)/4pi + a HG(g)
-    float asymmetry = 0;        // g in (-1, 1)
+    uint32_t count = 500;    // 1 ... 1,000,000; an emitter's pool size
+    glm::vec3 centre{0};     // m, of the layout
+    float extent = 10;       // m, side of the cube, length of a tube, width of the cumulus
+    Range scale{6, 6};       // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
+    float falloff = 1.6f;    // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
+    float extinction = 15;   // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
+    Range multiplier{5, 10}; // per particle, uniform
+    glm::vec3 albedo{0.9f};  // rho, in [0, 1]
+    float anisotropy = 0;    // a in [0, 1]: p = (1-a)/4pi + a HG(g)
+    float asymmetry = 0;     // g in (-1, 1)
     uint64_t seed = 1;
     Emitter emitter;            // layout emitter only
     std::filesystem::path file; // layout file only, resolved against the scene's folder
 };
 
 struct SimulationSettings {
-    float spring = 4;           // 1/s^2, acceleration toward the target per metre
-    float viscosity = 1.5f;     // 1/s
-    float impulse_radius = 2;   // m around the cursor's ray
-    float impulse_strength = 8; // m/s at the ray
+    float spring = 4;             // 1/s^2, acceleration toward the target per metre
+    float viscosity = 1.5f;       // 1/s
+    float impulse_radius = 2;     // m around the cursor's ray
+    float impulse_strength = 8;   // m/s at the ray
     glm::vec3 volume_velocity{0}; // m/s, the volume drifts
-    float volume_swing = 0;     // m, amplitude along x of a slow sway
-    float volume_period = 10;   // s, of that sway
+    float volume_swing = 0;       // m, amplitude along x of a slow sway
+    float volume_period = 10;     // s, of that sway
     bool paused = false;
 };
 
@@ -83,9 +83,9 @@ struct Sphere {
 };
 
 struct Sky {
-    glm::vec3 zenith{0.18f, 0.32f, 0.62f};  // radiance straight up; blends to the horizon's
+    glm::vec3 zenith{0.18f, 0.32f, 0.62f}; // radiance straight up; blends to the horizon's
     glm::vec3 horizon{0.55f, 0.66f, 0.78f};
-    glm::vec3 ambient{0};                   // uniform radiance that the medium scatters in without shadowing; exact: rho * ambient * (1 - T)
+    glm::vec3 ambient{0}; // uniform radiance that the medium scatters in without shadowing; exact: rho * ambient * (1 - T)
 };
 
 struct SceneCamera {
@@ -95,15 +95,15 @@ struct SceneCamera {
 
 // What the renderer is asked for; changed by commands while the server runs.
 struct RenderSettings {
-    std::string method = "sphere";         // a name of server/render/methods.cpp
-    std::string quadrature = "simpson";    // isv: simpson | transmittance | analytic
-    uint32_t steps = 2;                    // simpson 1...10, transmittance 1...3
+    std::string method = "sphere";      // a name of server/render/methods.cpp
+    std::string quadrature = "simpson"; // isv: simpson | transmittance | analytic
+    uint32_t steps = 2;                 // simpson 1...10, transmittance 1...3
     float exposure = 1;
-    std::string tone_map = "filmic";       // filmic | linear
-    uint32_t shadow_size = 256;            // texels a side, 16...1024
-    uint32_t shadow_slices = 16;           // planes, 2...128
-    uint32_t opaque_shadow_size = 1024;    // texels a side
-    float cutoff = 5e-2f;                  // optical depth: bound on the SUM that proxies leave out on any ray
+    std::string tone_map = "filmic";    // filmic | linear
+    uint32_t shadow_size = 256;         // texels a side, 16...1024
+    uint32_t shadow_slices = 16;        // planes, 2...128
+    uint32_t opaque_shadow_size = 1024; // texels a side
+    float cutoff = 5e-2f;               // optical depth: bound on the SUM that proxies leave out on any ray
 };
 
 struct Scene {

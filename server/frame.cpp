@@ -44,7 +44,8 @@ void FrameLoop::warmUp() {
     const EyeRequest eye{lookAt(camera.position, camera.target, camera.fov_y), 64, 36};
     Submission& submission = batches_.front()->submission;
     renderer_.submit(submission, simulation_, {&eye, 1});
-    while (!submission.commands.wait(1'000'000'000)) {}
+    while (!submission.commands.wait(1'000'000'000)) {
+    }
 }
 
 FrameLoop::~FrameLoop() { stop(); }
@@ -164,9 +165,11 @@ void FrameLoop::encode(Batch& batch) {
         frame->render_ms = Millis(batch.done - batch.taken).count();
         for (const gpu::PassSample& sample : samples)
             if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views) frame->gpu_ms += sample.ms;
-        workers_.give([this, &batch, viewer = job.viewer, frame, views = pictures.subspan(job.first_eye, request.views)](JpegEncoder& jpeg) {
+        workers_.give([this, &batch, viewer = job.viewer, frame,
+                       views = pictures.subspan(job.first_eye, request.views)](JpegEncoder& jpeg) {
             try {
-                for (size_t eye = 0; eye < views.size(); ++eye) frame->jpeg[eye] = jpeg.encode(views[eye], frame->request.quality);
+                for (size_t eye = 0; eye < views.size(); ++eye)
+                    frame->jpeg[eye] = jpeg.encode(views[eye], frame->request.quality);
                 frame->encoded = Clock::now();
                 frame->encode_ms = Millis(frame->encoded - batch.done).count();
                 metrics_.rendered(*frame);

@@ -55,7 +55,8 @@ void serve(const ServerOptions& options, const sigset_t& signals) {
     audience.ready = false;
     network.stop(options.grace);
     frames.stop();
-    if (device.validationMessages() > 0) throw gpu::Error("the validation layer had " + std::to_string(device.validationMessages()) + " messages");
+    if (device.validationMessages() > 0)
+        throw gpu::Error("the validation layer had " + std::to_string(device.validationMessages()) + " messages");
     if (frames.failure()) std::rethrow_exception(frames.failure());
 }
 

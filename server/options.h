@@ -26,7 +26,7 @@ struct ServerOptions {
     std::optional<float> exposure, cutoff;
     std::optional<bool> paused;
     std::string log_level = "info";
-    std::filesystem::path log_file; // empty: standard error
+    std::filesystem::path log_file;        // empty: standard error
     std::chrono::milliseconds grace{3000}; // to end what is open when told to stop
 };
 

@@ -19,7 +19,8 @@ std::vector<uint8_t> JpegEncoder::encode(const PictureView& picture, int quality
     const int width = int(layout.width), height = int(layout.height);
     const size_t most = tjBufSize(width, height, TJSAMP_420);
     if (scratch_.size() < most) scratch_.resize(most);
-    const unsigned char* planes[] = {picture.bytes, picture.bytes + layout.lumaBytes(), picture.bytes + layout.lumaBytes() + layout.chromaBytes()};
+    const unsigned char* planes[] = {picture.bytes, picture.bytes + layout.lumaBytes(),
+                                     picture.bytes + layout.lumaBytes() + layout.chromaBytes()};
     const int strides[] = {int(layout.lumaStride()), int(layout.chromaStride()), int(layout.chromaStride())};
     unsigned char* out = scratch_.data();
     unsigned long size = scratch_.size();

@@ -1,4 +1,5 @@
-// Recording: command buffers with their timestamps, barriers as plain functions, and one scope that names, labels and times a pass.
+// Recording: command buffers with their timestamps, barriers as plain functions, and one scope that names, labels and times a
+// pass.
 #pragma once
 
 #include <cstdint>
@@ -64,12 +65,12 @@ private:
 };
 
 // --- barriers: what was written before is seen after ---
-void computeToCompute(VkCommandBuffer cmd);        // storage writes -> storage and sampled reads and writes in compute
-void computeToDraw(VkCommandBuffer cmd);           // storage writes -> indirect arguments, vertex/mesh/fragment reads, colour target
-void drawToCompute(VkCommandBuffer cmd);           // colour writes and shader reads -> compute
-void transferToCompute(VkCommandBuffer cmd);       // copies, fills -> compute
-void computeToTransfer(VkCommandBuffer cmd);       // compute -> copies
-void transferToHost(VkCommandBuffer cmd);          // copies -> CPU reads after the submission is done
+void computeToCompute(VkCommandBuffer cmd);  // storage writes -> storage and sampled reads and writes in compute
+void computeToDraw(VkCommandBuffer cmd);     // storage writes -> indirect arguments, vertex/mesh/fragment reads, colour target
+void drawToCompute(VkCommandBuffer cmd);     // colour writes and shader reads -> compute
+void transferToCompute(VkCommandBuffer cmd); // copies, fills -> compute
+void computeToTransfer(VkCommandBuffer cmd); // compute -> copies
+void transferToHost(VkCommandBuffer cmd);    // copies -> CPU reads after the submission is done
 // Whatever ran before in this queue is done before what follows, for re-used scratch memory.
 void everythingBefore(VkCommandBuffer cmd);
 // A new image gets its one and only layout, VK_IMAGE_LAYOUT_GENERAL; what it held is lost.

@@ -69,16 +69,21 @@ std::string missing(VkPhysicalDevice device) {
     VkFormatProperties format;
     vkGetPhysicalDeviceFormatProperties(device, VK_FORMAT_R32G32B32A32_SFLOAT, &format);
     if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return "blending of 32-bit float targets";
-    if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT)) return "linear filtering of 32-bit floats";
+    if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT))
+        return "linear filtering of 32-bit floats";
     return {};
 }
 
 int rank(VkPhysicalDeviceType type) {
     switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 1;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
-    default: return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return 2;
+    default:
+        return 3;
     }
 }
 
@@ -86,15 +91,24 @@ int rank(VkPhysicalDeviceType type) {
 
 std::string resultName(VkResult result) {
     switch (result) {
-    case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
-    case VK_ERROR_INITIALIZATION_FAILED: return "initialization failed";
-    case VK_ERROR_DEVICE_LOST: return "device lost";
-    case VK_ERROR_FEATURE_NOT_PRESENT: return "feature not present";
-    case VK_ERROR_EXTENSION_NOT_PRESENT: return "extension not present";
-    case VK_ERROR_FORMAT_NOT_SUPPORTED: return "format not supported";
-    case VK_TIMEOUT: return "timeout";
-    default: return "VkResult " + std::to_string(int(result));
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+        return "out of host memory";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+        return "out of device memory";
+    case VK_ERROR_INITIALIZATION_FAILED:
+        return "initialization failed";
+    case VK_ERROR_DEVICE_LOST:
+        return "device lost";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+        return "feature not present";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+        return "extension not present";
+    case VK_ERROR_FORMAT_NOT_SUPPORTED:
+        return "format not supported";
+    case VK_TIMEOUT:
+        return "timeout";
+    default:
+        return "VkResult " + std::to_string(int(result));
     }
 }
 
@@ -109,7 +123,7 @@ void check(VkResult result, const char* what) {
 
 Device::Device(const DeviceOptions& options) {
     try { // a constructor that throws runs no destructor
-        
+
         createInstance(options);
         pickPhysicalDevice(options.name);
         createDevice(options);
@@ -201,7 +215,8 @@ void Device::pickPhysicalDevice(const std::string& wanted) {
             properties_ = properties;
         }
     }
-    if (!physical_ && !wanted.empty()) throw Error("no usable Vulkan device has '" + wanted + "' in its name; there are: " + seen);
+    if (!physical_ && !wanted.empty())
+        throw Error("no usable Vulkan device has '" + wanted + "' in its name; there are: " + seen);
     if (!physical_) throw Error("no usable Vulkan device: " + seen + "; Mesa 24 or newer has a CPU driver that works");
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 }

@@ -25,9 +25,9 @@ void check(VkResult result, const char* what);
 std::string resultName(VkResult result);
 
 struct DeviceOptions {
-    bool validation = false;    // Khronos layer with synchronization checks; messages are logged and counted
-    std::string name;           // part of the wanted device's name; empty: a real GPU first, then a CPU driver
-    bool mesh_shaders = true;   // use them where the device has them
+    bool validation = false;  // Khronos layer with synchronization checks; messages are logged and counted
+    std::string name;         // part of the wanted device's name; empty: a real GPU first, then a CPU driver
+    bool mesh_shaders = true; // use them where the device has them
 };
 
 class Device {

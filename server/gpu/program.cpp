@@ -40,10 +40,14 @@ struct Specialization {
 
 const char* typeName(VkDescriptorType type) {
     switch (type) {
-    case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER: return "storage buffer";
-    case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER: return "uniform buffer";
-    case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE: return "storage image";
-    default: return "sampled image";
+    case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
+        return "storage buffer";
+    case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:
+        return "uniform buffer";
+    case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE:
+        return "storage image";
+    default:
+        return "sampled image";
     }
 }
 
@@ -120,7 +124,8 @@ void Program::reflect(const ShaderCode& shader) {
         need(spvc_resources_get_resource_list_for_type(resources, kind, &list, &count));
         for (size_t i = 0; i < count; ++i) {
             const uint32_t binding = spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding);
-            const auto known = std::find_if(expected_.begin(), expected_.end(), [&](const auto& e) { return e.binding == binding; });
+            const auto known =
+                std::find_if(expected_.begin(), expected_.end(), [&](const auto& e) { return e.binding == binding; });
             if (known == expected_.end())
                 expected_.push_back({binding, type, list[i].name});
             else if (known->type != type)
@@ -130,8 +135,10 @@ void Program::reflect(const ShaderCode& shader) {
     need(spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &list, &count));
     for (size_t i = 0; i < count; ++i) {
         size_t bytes = 0;
-        need(spvc_compiler_get_declared_struct_size(compiler, spvc_compiler_get_type_handle(compiler, list[i].base_type_id), &bytes));
-        if (push_bytes_ && push_bytes_ != bytes) throw Error(std::string(shader.name) + ": stages disagree on the push constants");
+        need(spvc_compiler_get_declared_struct_size(compiler, spvc_compiler_get_type_handle(compiler, list[i].base_type_id),
+                                                    &bytes));
+        if (push_bytes_ && push_bytes_ != bytes)
+            throw Error(std::string(shader.name) + ": stages disagree on the push constants");
         push_bytes_ = uint32_t(bytes);
     }
     if (expected_.size() > kMaxBindings) throw Error(std::string(shader.name) + ": too many bindings");
@@ -159,7 +166,8 @@ void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std
     std::array<VkWriteDescriptorSet, kMaxBindings> writes;
     uint32_t count = 0;
     for (const Expected& e : expected_) {
-        const auto given = std::find_if(resources.begin(), resources.end(), [&](const auto& r) { return r.binding == e.binding; });
+        const auto given =
+            std::find_if(resources.begin(), resources.end(), [&](const auto& r) { return r.binding == e.binding; });
         if (given == resources.end() || given->type != e.type)
             throw Error(name_ + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" + e.name + "'");
         VkWriteDescriptorSet& write = writes[count++];

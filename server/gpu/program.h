@@ -1,4 +1,5 @@
-// Shader programs. The descriptor layout and the push constants come from the SPIR-V itself, and every use is checked against them.
+// Shader programs. The descriptor layout and the push constants come from the SPIR-V itself, and every use is checked against
+// them.
 #pragma once
 
 #include <array>

@@ -7,18 +7,24 @@ namespace {
 
 VkMemoryPropertyFlags wantedFlags(Memory memory) {
     switch (memory) {
-    case Memory::device: return 0;
-    case Memory::upload: return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    case Memory::readback: return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+    case Memory::device:
+        return 0;
+    case Memory::upload:
+        return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    case Memory::readback:
+        return VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
     }
     return 0;
 }
 
 VkMemoryPropertyFlags preferredFlags(Memory memory) {
     switch (memory) {
-    case Memory::device: return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-    case Memory::upload: return 0;
-    case Memory::readback: return VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    case Memory::device:
+        return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    case Memory::upload:
+        return 0;
+    case Memory::readback:
+        return VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     }
     return 0;
 }

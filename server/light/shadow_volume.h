@@ -1,5 +1,5 @@
-// Volumetric shadow map (seed 000 section 3.4): the optical depth between the light and every texel of slice planes in light space,
-// each plane exact (the seed deposits a particle's whole depth in one slice, a bias of -8.6 %).
+// Volumetric shadow map (seed 000 section 3.4): the optical depth between the light and every texel of slice planes in light
+// space, each plane exact (the seed deposits a particle's whole depth in one slice, a bias of -8.6 %).
 #pragma once
 
 #include "server/gpu/commands.h"

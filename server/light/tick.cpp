@@ -77,7 +77,9 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
         if (o.kind != gpu::kBox) continue;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::vec3 h = o.half_size * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-            casters.add(inLightSpace(o.centre + glm::vec3(o.yaw_cos * h.x + o.yaw_sin * h.z, h.y, -o.yaw_sin * h.x + o.yaw_cos * h.z)), 0);
+            casters.add(
+                inLightSpace(o.centre + glm::vec3(o.yaw_cos * h.x + o.yaw_sin * h.z, h.y, -o.yaw_sin * h.x + o.yaw_cos * h.z)),
+                0);
         }
     }
     casters.fallback();

@@ -1,4 +1,5 @@
-// What all viewers share in one tick, as the shaders want it: the light's axes and the bounds of both shadow maps fitted to the scene.
+// What all viewers share in one tick, as the shaders want it: the light's axes and the bounds of both shadow maps fitted to the
+// scene.
 #pragma once
 
 #include <span>

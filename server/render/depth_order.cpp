@@ -15,9 +15,10 @@ DepthOrder::DepthOrder(const gpu::Device& device, uint32_t capacity)
     const VkDeviceSize bytes = std::max(capacity, 1u) * sizeof(uint32_t);
     keys_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth keys");
     values_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth order");
-    arguments_ = gpu::Buffer(device, sizeof(gpu::DrawArguments),
-                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                             gpu::Memory::device, "draw arguments");
+    arguments_ =
+        gpu::Buffer(device, sizeof(gpu::DrawArguments),
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                    gpu::Memory::device, "draw arguments");
 }
 
 void DepthOrder::record(gpu::Commands& commands, const EyeInputs& inputs, Support support, uint32_t vertices,
@@ -30,8 +31,8 @@ void DepthOrder::record(gpu::Commands& commands, const EyeInputs& inputs, Suppor
         gpu::transferToCompute(cmd);
         const uint32_t full_support = support == Support::sphere;
         cull_.bind(cmd,
-                   {inputs.tick, inputs.eye, storageBuffer(2, *inputs.particles), storageBuffer(3, keys_), storageBuffer(4, values_),
-                    storageBuffer(5, arguments_)},
+                   {inputs.tick, inputs.eye, storageBuffer(2, *inputs.particles), storageBuffer(3, keys_),
+                    storageBuffer(4, values_), storageBuffer(5, arguments_)},
                    full_support);
         vkCmdDispatch(cmd, gpu::groups(inputs.particle_count, 64), 1, 1);
         gpu::computeToCompute(cmd);

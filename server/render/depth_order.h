@@ -12,7 +12,8 @@ public:
 
     enum class Support { tetrahedron, sphere };
     // After it, order() and arguments() may be read by draws: instance i is the i-th farthest visible particle.
-    void record(gpu::Commands& commands, const EyeInputs& inputs, Support support, uint32_t vertices, uint32_t particles_per_group);
+    void record(gpu::Commands& commands, const EyeInputs& inputs, Support support, uint32_t vertices,
+                uint32_t particles_per_group);
 
     const gpu::Buffer& order() const { return values_; }
     const gpu::Buffer& arguments() const { return arguments_; }

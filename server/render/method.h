@@ -16,12 +16,12 @@ namespace brume {
 
 // What a method may read for one eye, and the target that holds the background and receives the medium.
 struct EyeInputs {
-    uint32_t view = 0;                 // its number in the submission, for the pass names
-    VkExtent2D size{};                 // pixels; the images may be larger
-    uint32_t particle_count = 0;       // live ones
-    bool eye_in_medium = true;         // the near plane may cut particles
-    gpu::Resource tick, eye;           // uniform blocks, bindings 0 and 1
-    const gpu::Buffer* particles = nullptr;   // gpu::Particle[particle_count]
+    uint32_t view = 0;                         // its number in the submission, for the pass names
+    VkExtent2D size{};                         // pixels; the images may be larger
+    uint32_t particle_count = 0;               // live ones
+    bool eye_in_medium = true;                 // the near plane may cut particles
+    gpu::Resource tick, eye;                   // uniform blocks, bindings 0 and 1
+    const gpu::Buffer* particles = nullptr;    // gpu::Particle[particle_count]
     const gpu::Image* shadow_volume = nullptr; // light depth
     const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
     const gpu::Image* view_depth = nullptr;    // of the nearest opaque surface

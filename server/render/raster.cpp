@@ -42,9 +42,10 @@ public:
         const VkRect2D scissor{{0, 0}, in.size};
         vkCmdSetViewport(cmd, 0, 1, &viewport);
         vkCmdSetScissor(cmd, 0, 1, &scissor);
-        programs_[has_opaque_ || in.eye_in_medium].bind(cmd, {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(4, order_.order()),
-                            gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
-                            gpu::sampledImage(7, *in.opaque_shadow, *in.nearest), gpu::sampledImage(8, *in.view_depth, *in.nearest)});
+        programs_[has_opaque_ || in.eye_in_medium].bind(
+            cmd, {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(4, order_.order()),
+                  gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
+                  gpu::sampledImage(7, *in.opaque_shadow, *in.nearest), gpu::sampledImage(8, *in.view_depth, *in.nearest)});
         if (mesh_)
             device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1, 0);
         else

@@ -79,13 +79,15 @@ std::span<const PictureView> Submission::pictures() {
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity)
-    : device_(device), scene_(scene), capacity_(capacity), objects_(opaqueObjects(scene)), passes_(std::make_unique<Passes>(device)),
-      shadow_volume_(device, capacity), opaque_shadow_(device), depth_order_(device, capacity), linear_(device, VK_FILTER_LINEAR),
-      nearest_(device, VK_FILTER_NEAREST) {
-    particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
-                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, "particles");
+    : device_(device), scene_(scene), capacity_(capacity), objects_(opaqueObjects(scene)),
+      passes_(std::make_unique<Passes>(device)), shadow_volume_(device, capacity), opaque_shadow_(device),
+      depth_order_(device, capacity), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST) {
+    particles_ =
+        gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, "particles");
     const size_t count = std::max<size_t>(objects_.size(), 1);
-    objects_buffer_ = gpu::Buffer(device, count * sizeof(gpu::Opaque), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "objects");
+    objects_buffer_ =
+        gpu::Buffer(device, count * sizeof(gpu::Opaque), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "objects");
     std::copy(objects_.begin(), objects_.end(), objects_buffer_.mapped<gpu::Opaque>(count).begin());
     objects_buffer_.flush();
 }
@@ -99,10 +101,13 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
         s.pictures_.push_back({{eye.width, eye.height}, nullptr});
         planes += s.pictures_.back().layout.bytes();
     }
-    grow(s.particles_, device_, capacity_ * sizeof(gpu::Particle), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::upload, "particle upload");
-    grow(s.uniforms_, device_, eyeOffset(uint32_t(eyes.size())), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
+    grow(s.particles_, device_, capacity_ * sizeof(gpu::Particle), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::upload,
+         "particle upload");
+    grow(s.uniforms_, device_, eyeOffset(uint32_t(eyes.size())), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
+         "uniforms");
     grow(s.planes_, device_, planes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "planes readback");
-    grow(planes_, device_, planes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "planes");
+    grow(planes_, device_, planes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
+         "planes");
     VkDeviceSize at = 0;
     for (PictureView& picture : s.pictures_) {
         picture.bytes = s.planes_.mapped<uint8_t>(picture.layout.bytes(), at).data();
@@ -120,14 +125,13 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
 
 void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes) {
     VkExtent2D extent = radiance_ ? radiance_.extent() : VkExtent2D{1, 1};
-    for (const EyeRequest& eye : eyes)
-        extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height)};
+    for (const EyeRequest& eye : eyes) extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height)};
     if (radiance_ && extent.width == radiance_.extent().width && extent.height == radiance_.extent().height) return;
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-    radiance_ = gpu::Image(device_,
-                           {VK_FORMAT_R32G32B32A32_SFLOAT, extent,
-                            usage | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
-                           "radiance");
+    radiance_ = gpu::Image(
+        device_,
+        {VK_FORMAT_R32G32B32A32_SFLOAT, extent, usage | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
+        "radiance");
     view_depth_ = gpu::Image(device_, {VK_FORMAT_R32_SFLOAT, extent, usage}, "view depth");
     gpu::toGeneral(cmd, radiance_);
     gpu::toGeneral(cmd, view_depth_);
@@ -139,7 +143,8 @@ Method& Renderer::method(const SceneNow& now) {
     features.casters = !scene_.boxes.empty() || !scene_.spheres.empty();
     features.lobe = now.medium.anisotropy > 0;
     features.ambient = scene_.sky.ambient != glm::vec3(0);
-    const std::string key = now.render.method + ' ' + now.render.quadrature + ' ' + std::to_string(now.render.steps) + (features.lobe ? " lobe" : "");
+    const std::string key =
+        now.render.method + ' ' + now.render.quadrature + ' ' + std::to_string(now.render.steps) + (features.lobe ? " lobe" : "");
     std::unique_ptr<Method>& made = methods_[key];
     if (!made) made = makeMethod({device_, depth_order_, now.render, features});
     return *made;
@@ -198,7 +203,8 @@ void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, V
     {
         const gpu::Commands::Pass pass(s.commands, "opaque", index);
         gpu::everythingBefore(cmd); // the eye before has used the same targets
-        passes_->opaque.bind(cmd, {in.tick, in.eye, storageBuffer(2, objects_buffer_), gpu::sampledImage(3, shadow_volume_.image(), linear_),
+        passes_->opaque.bind(cmd, {in.tick, in.eye, storageBuffer(2, objects_buffer_),
+                                   gpu::sampledImage(3, shadow_volume_.image(), linear_),
                                    gpu::sampledImage(4, opaque_shadow_.image(), nearest_), gpu::storageImage(5, radiance_),
                                    gpu::storageImage(6, view_depth_)});
         vkCmdDispatch(cmd, groups_x, groups_y, 1);
@@ -216,7 +222,8 @@ void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, V
 
 std::vector<glm::vec4> Renderer::readRadiance() {
     const size_t count = size_t(last_size_.width) * last_size_.height;
-    gpu::Buffer pixels(device_, count * sizeof(glm::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "radiance readback");
+    gpu::Buffer pixels(device_, count * sizeof(glm::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
+                       "radiance readback");
     gpu::Commands commands(device_, "read radiance");
     const VkCommandBuffer cmd = commands.begin();
     gpu::everythingBefore(cmd);

@@ -41,8 +41,8 @@ void RadixSort::record(VkCommandBuffer cmd, const gpu::Buffer& keys, const gpu::
         vkCmdDispatch(cmd, 1, 1, 1);
         gpu::computeToCompute(cmd);
         scatter_.bind(cmd,
-                      {storageBuffer(0, *from[0]), storageBuffer(1, *from[1]), storageBuffer(2, counts_), storageBuffer(3, *to[0]),
-                       storageBuffer(4, *to[1])},
+                      {storageBuffer(0, *from[0]), storageBuffer(1, *from[1]), storageBuffer(2, counts_),
+                       storageBuffer(3, *to[0]), storageBuffer(4, *to[1])},
                       push);
         vkCmdDispatch(cmd, blocks, 1, 1);
         std::swap(from, to);

@@ -44,28 +44,28 @@ struct Tick {
     uint opaque_count; // objects
     vec3 sky_zenith;
     vec3 sky_horizon;
-    vec4 shadow_u;       // a world point's place in the volumetric shadow map: texture coordinate shadow_u.xyz . x + shadow_u.w,
-    vec4 shadow_v;       // the same down the texture,
-    vec4 shadow_plane;   // and the slice plane, 0 ... shadow_slices - 1
+    vec4 shadow_u;     // a world point's place in the volumetric shadow map: texture coordinate shadow_u.xyz . x + shadow_u.w,
+    vec4 shadow_v;     // the same down the texture,
+    vec4 shadow_plane; // and the slice plane, 0 ... shadow_slices - 1
 };
 
 // One eye of one viewer. What is affine in the pixel is given by its value at pixel (0, 0) and its steps to the right and down.
 struct Eye {
     vec3 position;
-    float near_depth;  // view depth in front of which nothing is drawn
+    float near_depth; // view depth in front of which nothing is drawn
     vec3 right;
-    float tan_x;       // tangent of half the horizontal angle of view
+    float tan_x; // tangent of half the horizontal angle of view
     vec3 up;
     float tan_y;
     vec3 back;
     float exposure;
-    uvec2 size;        // pixels
-    uint filmic;       // 1: filmic tone map, 0: linear
-    vec3 ray;          // world direction of unit view depth
+    uvec2 size;  // pixels
+    uint filmic; // 1: filmic tone map, 0: linear
+    vec3 ray;    // world direction of unit view depth
     vec3 ray_right;
     vec3 ray_down;
-    vec3 volume;       // the eye in the volumetric shadow map: texture coordinates, slice plane
-    vec3 volume_ray;   // what `ray` moves there
+    vec3 volume;     // the eye in the volumetric shadow map: texture coordinates, slice plane
+    vec3 volume_ray; // what `ray` moves there
     vec3 volume_right;
     vec3 volume_down;
 };

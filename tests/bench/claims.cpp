@@ -40,9 +40,9 @@ struct Variant {
     uint32_t steps;
 };
 constexpr Variant kVariants[] = {
-    {"isv, Simpson 1", "isv", "simpson", 1},          {"isv, Simpson 2", "isv", "simpson", 2},
-    {"isv, Simpson 10", "isv", "simpson", 10},        {"isv, transmittance space 2", "isv", "transmittance", 2},
-    {"isv, analytic", "isv", "analytic", 1},          {"sphere, Gauss-Hermite 2", "sphere", "simpson", 2},
+    {"isv, Simpson 1", "isv", "simpson", 1},   {"isv, Simpson 2", "isv", "simpson", 2},
+    {"isv, Simpson 10", "isv", "simpson", 10}, {"isv, transmittance space 2", "isv", "transmittance", 2},
+    {"isv, analytic", "isv", "analytic", 1},   {"sphere, Gauss-Hermite 2", "sphere", "simpson", 2},
 };
 
 Scene withVariant(Scene scene, const Variant& v) {
@@ -62,7 +62,8 @@ struct Bench {
 
     std::span<const gpu::PassSample> render(const EyeRequest& eye) {
         renderer.submit(submission, simulation, {&eye, 1});
-        while (!submission.commands.wait(1'000'000'000)) {}
+        while (!submission.commands.wait(1'000'000'000)) {
+        }
         return submission.commands.readTimes();
     }
 };
@@ -70,7 +71,8 @@ struct Bench {
 double mediumMs(std::span<const gpu::PassSample> passes) {
     double sum = 0;
     for (const gpu::PassSample& pass : passes)
-        if (pass.view != gpu::kShared && std::string_view(pass.name) != "opaque" && std::string_view(pass.name) != "compose") sum += pass.ms;
+        if (pass.view != gpu::kShared && std::string_view(pass.name) != "opaque" && std::string_view(pass.name) != "compose")
+            sum += pass.ms;
     return sum;
 }
 
@@ -80,8 +82,8 @@ double error(Bench& bench, const Scene& scene, reference::Model model, const Pos
     bench.simulation.write(particles);
     if (!exact.contains(model)) {
         const Light& light = scene.lights.front();
-        exact[model] = reference::render({particles, scene.medium.falloff, scene.medium.anisotropy, scene.medium.asymmetry}, light, pose,
-                                         width, height, model);
+        exact[model] = reference::render({particles, scene.medium.falloff, scene.medium.anisotropy, scene.medium.asymmetry},
+                                         light, pose, width, height, model);
     }
     bench.render({pose, uint32_t(width), uint32_t(height)});
     std::vector<glm::dvec3> got;
@@ -105,20 +107,23 @@ void methodTable(const gpu::Device& device, Scene scene, int rounds) {
                 if (std::string_view(pass.name) == "shadow volume") shadow.push_back(pass.ms);
         }
     const double base = median(times[1]);
-    std::printf("## Methods: scene `%s`, 640x360, medium passes (cull, sort, draw), median of %d interleaved frames\n\n", scene.name.c_str(), rounds);
-    std::printf("Error: relative RMSE of radiance at 160x90 against the double-precision reference: the true overlapping medium, and the\n"
+    std::printf("## Methods: scene `%s`, 640x360, medium passes (cull, sort, draw), median of %d interleaved frames\n\n",
+                scene.name.c_str(), rounds);
+    std::printf("Error: relative RMSE of radiance at 160x90 against the double-precision reference: the true overlapping medium, "
+                "and the\n"
                 "sequential one (particles composited one after another) with the same support.\n\n");
-    std::printf("| method | ms | Simpson-2 time over this | against overlapping | against sequential, same support |\n|---|---|---|---|---|\n");
+    std::printf("| method | ms | Simpson-2 time over this | against overlapping | against sequential, same support "
+                "|\n|---|---|---|---|---|\n");
     for (size_t i = 0; i < benches.size(); ++i) {
         const bool sphere = std::string_view(kVariants[i].method) == "sphere";
         const double overlapping = error(*benches[i], scene, reference::Model::overlapping, pose, 160, 90);
-        const double sequential =
-            error(*benches[i], scene, sphere ? reference::Model::sequential : reference::Model::sequential_tetrahedron, pose, 160, 90);
+        const double sequential = error(
+            *benches[i], scene, sphere ? reference::Model::sequential : reference::Model::sequential_tetrahedron, pose, 160, 90);
         std::printf("| %s | %.1f | %.2f | %.2f %% | %.2f %% |\n", kVariants[i].name, median(times[i]), base / median(times[i]),
                     100 * overlapping, 100 * sequential);
     }
-    std::printf("\nVolumetric shadow map %ux%ux%u: %.1f ms, once per tick for all viewers.\n\n", scene.render.shadow_size, scene.render.shadow_size,
-                scene.render.shadow_slices, median(shadow));
+    std::printf("\nVolumetric shadow map %ux%ux%u: %.1f ms, once per tick for all viewers.\n\n", scene.render.shadow_size,
+                scene.render.shadow_size, scene.render.shadow_slices, median(shadow));
 }
 
 void ownTime(const gpu::Device& device, const Scene& scene, int rounds) {
@@ -131,13 +136,15 @@ void ownTime(const gpu::Device& device, const Scene& scene, int rounds) {
         bench.simulation.step({});
         bench.renderer.submit(bench.submission, bench.simulation, {&eye, 1});
         const double recorded = threadCpuMs();
-        while (!bench.submission.commands.wait(1'000'000'000)) {}
+        while (!bench.submission.commands.wait(1'000'000'000)) {
+        }
         const double done = threadCpuMs();
         (void)bench.submission.commands.readTimes();
         (void)bench.submission.pictures();
         spent.push_back(recorded - begin + threadCpuMs() - done);
     }
-    std::printf("## The server's own work per frame\n\nStep, light bounds, upload, recording and submission of one 640x360 viewer of `%s`, CPU time of the\n"
+    std::printf("## The server's own work per frame\n\nStep, light bounds, upload, recording and submission of one 640x360 "
+                "viewer of `%s`, CPU time of the\n"
                 "frame thread outside GPU passes and JPEG, median of %d: **%.2f ms**.\n\n",
                 scene.name.c_str(), rounds, median(spent));
 }
@@ -157,7 +164,8 @@ void jpeg(const gpu::Device& device, const Scene& scene) {
         for (uint32_t y = 0; y < layout.height; ++y)
             for (uint32_t x = 0; x < layout.width; ++x) {
                 const uint8_t* chroma = picture.bytes + layout.lumaBytes() + (y / 2) * layout.chromaStride() + x / 2;
-                const double luma = picture.bytes[y * layout.lumaStride() + x], cb = chroma[0] - 128.0, cr = chroma[layout.chromaBytes()] - 128.0;
+                const double luma = picture.bytes[y * layout.lumaStride() + x], cb = chroma[0] - 128.0,
+                             cr = chroma[layout.chromaBytes()] - 128.0;
                 for (const double c : {luma + 1.402 * cr, luma - 0.344136 * cb - 0.714136 * cr, luma + 1.772 * cb})
                     out.put(char(std::clamp(int(c + 0.5), 0, 255)));
             }
@@ -174,20 +182,25 @@ void jpeg(const gpu::Device& device, const Scene& scene) {
             seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         }
         ours.push_back(frames / seconds);
-        test::Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup", "0.2", "-nowrite", "-componly"});
+        test::Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup",
+                               "0.2", "-nowrite", "-componly"});
         tjbench.exitCode();
         const std::string text = tjbench.out();
         std::smatch found;
-        if (std::regex_search(text, found, std::regex("Comp from YUV[^\\n]*Frame rate:\\s+([0-9.]+)"))) theirs.push_back(std::stod(found[1]));
+        if (std::regex_search(text, found, std::regex("Comp from YUV[^\\n]*Frame rate:\\s+([0-9.]+)")))
+            theirs.push_back(std::stod(found[1]));
     }
     std::filesystem::remove_all(folder);
     std::printf("## JPEG: 640x360, quality 80, 4:2:0 planes, %zu bytes\n\n", bytes);
     if (theirs.empty()) {
-        std::printf("Ours: %.0f frames/s. tjbench is not installed (libjpeg-turbo-progs), so there is nothing to compare with.\n\n", median(ours));
+        std::printf(
+            "Ours: %.0f frames/s. tjbench is not installed (libjpeg-turbo-progs), so there is nothing to compare with.\n\n",
+            median(ours));
         return;
     }
-    std::printf("Ours %.0f frames/s, tjbench (compress from YUV planes) %.0f frames/s, medians of 5 in turns: ratio **%.2f**.\n\n", median(ours),
-                median(theirs), median(ours) / median(theirs));
+    std::printf(
+        "Ours %.0f frames/s, tjbench (compress from YUV planes) %.0f frames/s, medians of 5 in turns: ratio **%.2f**.\n\n",
+        median(ours), median(theirs), median(ours) / median(theirs));
 }
 
 // Frames per second, all clients together, of `servers` servers with `clients` clients each.
@@ -196,14 +209,18 @@ double streamed(const std::filesystem::path& bin, const std::string& scene, int 
     std::vector<std::filesystem::path> folders;
     std::vector<std::string> ports;
     for (int s = 0; s < servers; ++s)
-        running.push_back(std::make_unique<test::Process>(std::vector<std::string>{(bin / "brume-server").string(), "--scene", scene, "--port", "0"}));
-    for (const auto& server : running) ports.push_back(server->lineStarting("listening on http://127.0.0.1:", std::chrono::minutes(2)).value());
+        running.push_back(std::make_unique<test::Process>(
+            std::vector<std::string>{(bin / "brume-server").string(), "--scene", scene, "--port", "0"}));
+    for (const auto& server : running)
+        ports.push_back(server->lineStarting("listening on http://127.0.0.1:", std::chrono::minutes(2)).value());
     for (const std::string& port : ports)
         for (int c = 0; c < clients; ++c) {
-            folders.push_back(std::filesystem::temp_directory_path() / ("brume-claims-" + std::to_string(::getpid()) + "-" + std::to_string(folders.size())));
+            folders.push_back(std::filesystem::temp_directory_path() /
+                              ("brume-claims-" + std::to_string(::getpid()) + "-" + std::to_string(folders.size())));
             watching.push_back(std::make_unique<test::Process>(
-                std::vector<std::string>{(bin / "brume-client").string(), "--headless", "--url", "ws://127.0.0.1:" + port, "--size", "640x360", "--path", "orbit",
-                                         "--seconds", std::to_string(seconds), "--out", folders.back().string(), "--no-save", "--timeout", "60"}));
+                std::vector<std::string>{(bin / "brume-client").string(), "--headless", "--url", "ws://127.0.0.1:" + port,
+                                         "--size", "640x360", "--path", "orbit", "--seconds", std::to_string(seconds), "--out",
+                                         folders.back().string(), "--no-save", "--timeout", "60"}));
         }
     double rate = 0;
     for (size_t i = 0; i < watching.size(); ++i) {
@@ -221,10 +238,12 @@ void viewers(const std::filesystem::path& bin, const std::string& scene, double 
         one.push_back(streamed(bin, scene, 1, 4, seconds));
         many.push_back(streamed(bin, scene, 4, 1, seconds));
     }
-    std::printf("## Four viewers of one server against four servers with one viewer each\n\nScene `%s`, 640x360, real processes and sockets, all on this machine, "
+    std::printf("## Four viewers of one server against four servers with one viewer each\n\nScene `%s`, 640x360, real processes "
+                "and sockets, all on this machine, "
                 "%.0f s, medians of 3 in turns; frames/s of all four together.\n\n",
                 scene.c_str(), seconds);
-    std::printf("| one server | four servers | ratio |\n|---|---|---|\n| %.1f | %.1f | **%.2f** |\n\n", median(one), median(many), median(one) / median(many));
+    std::printf("| one server | four servers | ratio |\n|---|---|---|\n| %.1f | %.1f | **%.2f** |\n\n", median(one), median(many),
+                median(one) / median(many));
 }
 
 } // namespace
@@ -238,7 +257,9 @@ int main(int argc, char** argv) {
     CLI::App app{"brume-claims: measures what the README says about speed and error, in one run; prints Markdown."};
     app.set_version_flag("--version", "brume-claims " BRUME_VERSION);
     app.add_option("--rounds", rounds, "frames per method")->capture_default_str()->check(CLI::Range(1, 1000));
-    app.add_option("--seconds", seconds, "of each streaming run; 0 leaves streaming out")->capture_default_str()->check(CLI::Range(0.0, 600.0));
+    app.add_option("--seconds", seconds, "of each streaming run; 0 leaves streaming out")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 600.0));
     app.add_option("--scene", scene_name, "a shipped scene")->capture_default_str();
     app.add_option("--device", device_name, "part of the Vulkan device's name");
     CLI11_PARSE(app, argc, argv);
@@ -249,7 +270,8 @@ int main(int argc, char** argv) {
             gpu::DeviceOptions options;
             options.name = device_name;
             const gpu::Device device(options);
-            std::printf("# Measured claims\n\nDevice: %s. CPU threads: %u.\n\n", device.name().c_str(), std::thread::hardware_concurrency());
+            std::printf("# Measured claims\n\nDevice: %s. CPU threads: %u.\n\n", device.name().c_str(),
+                        std::thread::hardware_concurrency());
             methodTable(device, scene, rounds);
             ownTime(device, scene, rounds);
             jpeg(device, scene);
