@@ -274,7 +274,7 @@ bool usable(const std::array<double, kSlots>& v, const Columns& columns) {
     return true;
 }
 
-PointCloud readPoints(Reader& in, const Element& vertex) {
+PointCloud readPoints(Reader& in, const Element& vertex, glm::dvec3 origin) {
     const Columns columns = columnsOf(in, vertex);
     PointCloud out;
     for (uint64_t i = 0; i < vertex.count; ++i) {
@@ -286,6 +286,7 @@ PointCloud readPoints(Reader& in, const Element& vertex) {
         }
         std::array<double, kSlots> taken;
         for (size_t s = 0; s < kSlots; ++s) taken[s] = v[s] * columns.unit[s];
+        for (int axis = 0; axis < 3; ++axis) taken[kX + static_cast<size_t>(axis)] -= origin[axis];
         if (!usable(taken, columns)) {
             ++out.dropped;
             continue;
@@ -313,9 +314,11 @@ std::string readBytes(const std::filesystem::path& file) {
 
 } // namespace
 
-PointCloud loadPly(const std::filesystem::path& file) { return parsePly(readBytes(file), file.string()); }
+PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin) {
+    return parsePly(readBytes(file), file.string(), origin);
+}
 
-PointCloud parsePly(std::string_view bytes, const std::string& name) {
+PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin) {
     Reader in(bytes, name);
     const Header header = readHeader(in);
     for (const Element& element : header.elements) {
@@ -325,13 +328,15 @@ PointCloud parsePly(std::string_view bytes, const std::string& name) {
         }
         if (!limits::kCount.holds(static_cast<double>(element.count)))
             in.fail("element vertex has " + std::to_string(element.count) + " points; allowed: 1 to 1000000");
-        PointCloud cloud = readPoints(in, element);
+        PointCloud cloud = readPoints(in, element, origin);
         if (cloud.position.empty())
-            in.fail("no point is usable; expected finite x y z within 50 km, scale from 0.001 to 1000, sigma_t from 0 to 10000, "
+            in.fail("no point is usable; expected finite x y z within 50 km of the scene's origin (origin = [x, y, z] at its "
+                    "top), scale from 0.001 to 1000, sigma_t from 0 to 10000, "
                     "colours uchar or float from 0 to 1");
         if (cloud.dropped)
-            spdlog::warn("{}: dropped {} of {} points: a number is not finite or out of range", name, cloud.dropped,
-                         element.count);
+            spdlog::warn("{}: dropped {} of {} points: a number is not finite or out of range (a place: within 50 km of the "
+                         "scene's origin)",
+                         name, cloud.dropped, element.count);
         return cloud;
     }
     in.fail("no element vertex; expected one with x, y, z");

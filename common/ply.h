@@ -21,10 +21,11 @@ struct PointCloud {
 
 // Reads element `vertex` with x y z and, where there, scale, sigma_t, red green blue; everything else is skipped.
 // Throws SceneError for a file that cannot be read, is not such a PLY, ends early, or has no usable point; logs how many points
-// were dropped.
-PointCloud loadPly(const std::filesystem::path& file);
+// were dropped. Places are read as doubles and `origin` (m) is subtracted from them before they become floats; what then lies
+// beyond limits::kPlace is dropped.
+PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin = glm::dvec3(0));
 
 // The same for bytes in memory; `name` stands for the file in messages.
-PointCloud parsePly(std::string_view bytes, const std::string& name);
+PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin = glm::dvec3(0));
 
 } // namespace brume

@@ -13,8 +13,8 @@ namespace {
 constexpr size_t kMostBytes = 1 << 20; // of a scene file
 constexpr size_t kLongestName = 64, kLongestPath = 4096;
 
-void readEmitter(TableReader& in, Emitter& out) {
-    in.vector("position", out.position, limits::kPlace);
+void readEmitter(TableReader& in, Emitter& out, glm::dvec3 origin) {
+    in.place("position", out.position, origin);
     in.number("radius", out.radius, limits::kLength);
     in.number("rate", out.rate, limits::kRate);
     in.number("life", out.life, limits::kLife);
@@ -27,7 +27,7 @@ void readEmitter(TableReader& in, Emitter& out) {
     in.number("eddy", out.eddy, limits::kLength);
 }
 
-void readMedium(TableReader& in, Medium& out, const std::filesystem::path& folder) {
+void readMedium(TableReader& in, Medium& out, glm::dvec3 origin, const std::filesystem::path& folder) {
     in.choice<Layout>("layout", out.layout,
                       {{"cube", Layout::cube},
                        {"tubes", Layout::tubes},
@@ -35,7 +35,10 @@ void readMedium(TableReader& in, Medium& out, const std::filesystem::path& folde
                        {"emitter", Layout::emitter},
                        {"file", Layout::file}});
     in.integer("count", out.count, limits::kCount);
-    in.vector("centre", out.centre, limits::kPlace);
+    if (out.layout == Layout::file) // a displacement, not a place
+        in.vector("centre", out.centre, limits::kPlace);
+    else
+        in.place("centre", out.centre, origin);
     in.number("extent", out.extent, limits::kLength);
     in.range("scale", out.scale, limits::kScale);
     in.number("falloff", out.falloff, limits::kFalloff);
@@ -47,7 +50,7 @@ void readMedium(TableReader& in, Medium& out, const std::filesystem::path& folde
     in.integer("seed", out.seed, limits::kSeed);
     std::string file;
     in.text("file", file, kLongestPath);
-    in.table("emitter", [&](TableReader& r) { readEmitter(r, out.emitter); });
+    in.table("emitter", [&](TableReader& r) { readEmitter(r, out.emitter, origin); });
 
     const bool from_file = out.layout == Layout::file, emitted = out.layout == Layout::emitter;
     if (from_file && file.empty()) in.fail("layout", "\"file\" without a file", "with the key file, a PLY beside the scene");
@@ -83,20 +86,20 @@ void readLight(TableReader& in, Light& out) {
     out.to_light /= length;
 }
 
-void readPlane(TableReader& in, Plane& out) {
-    in.number("height", out.height, limits::kPlace);
+void readPlane(TableReader& in, Plane& out, glm::dvec3 origin) {
+    in.height("height", out.height, origin);
     in.vector("albedo", out.albedo, limits::kColour);
 }
 
-void readBox(TableReader& in, Box& out) {
-    in.vector("centre", out.centre, limits::kPlace);
+void readBox(TableReader& in, Box& out, glm::dvec3 origin) {
+    in.place("centre", out.centre, origin);
     in.vector("size", out.size, limits::kLength);
     in.number("yaw", out.yaw, limits::kAngle);
     in.vector("albedo", out.albedo, limits::kColour);
 }
 
-void readSphere(TableReader& in, Sphere& out) {
-    in.vector("centre", out.centre, limits::kPlace);
+void readSphere(TableReader& in, Sphere& out, glm::dvec3 origin) {
+    in.place("centre", out.centre, origin);
     in.number("radius", out.radius, limits::kLength);
     in.vector("albedo", out.albedo, limits::kColour);
 }
@@ -107,9 +110,9 @@ void readSky(TableReader& in, Sky& out) {
     in.vector("ambient", out.ambient, limits::kRadiance);
 }
 
-void readCamera(TableReader& in, SceneCamera& out) {
-    in.vector("position", out.position, limits::kPlace);
-    in.vector("target", out.target, limits::kPlace);
+void readCamera(TableReader& in, SceneCamera& out, glm::dvec3 origin) {
+    in.place("position", out.position, origin);
+    in.place("target", out.target, origin);
     in.number("fov_y", out.fov_y, limits::kFovY);
     if (!(glm::distance(out.position, out.target) > 1e-3f))
         in.fail("target", "is where the camera stands", "any place further than 1 mm from camera.position");
@@ -132,14 +135,15 @@ void readRender(TableReader& in, RenderSettings& out) {
 void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder) {
     const Limits objects{0, 64}; // of a kind: the opaque pass draws each of them
     in.text("name", out.name, kLongestName);
-    in.table("medium", [&](TableReader& r) { readMedium(r, out.medium, folder); });
+    in.vector("origin", out.origin, limits::kOrigin);
+    in.table("medium", [&](TableReader& r) { readMedium(r, out.medium, out.origin, folder); });
     in.table("simulation", [&](TableReader& r) { readSimulation(r, out.simulation); });
     in.tables("light", out.lights, {1, 1}, readLight);
-    in.tables("plane", out.planes, objects, readPlane);
-    in.tables("box", out.boxes, objects, readBox);
-    in.tables("sphere", out.spheres, objects, readSphere);
+    in.tables("plane", out.planes, objects, [&](TableReader& r, Plane& plane) { readPlane(r, plane, out.origin); });
+    in.tables("box", out.boxes, objects, [&](TableReader& r, Box& box) { readBox(r, box, out.origin); });
+    in.tables("sphere", out.spheres, objects, [&](TableReader& r, Sphere& sphere) { readSphere(r, sphere, out.origin); });
     in.table("sky", [&](TableReader& r) { readSky(r, out.sky); });
-    in.table("camera", [&](TableReader& r) { readCamera(r, out.camera); });
+    in.table("camera", [&](TableReader& r) { readCamera(r, out.camera, out.origin); });
     in.table("render", [&](TableReader& r) { readRender(r, out.render); });
 }
 

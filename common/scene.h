@@ -35,7 +35,7 @@ struct Emitter {
 struct Medium {
     Layout layout = Layout::cube;
     uint32_t count = 500;    // 1 ... 1,000,000; an emitter's pool size
-    glm::vec3 centre{0};     // m, of the layout
+    glm::vec3 centre{0};     // m, of the layout; with layout file what its points are moved by
     float extent = 10;       // m, side of the cube, length of a tube, width of the cumulus
     Range scale{6, 6};       // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
     float falloff = 1.6f;    // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
@@ -109,6 +109,10 @@ struct RenderSettings {
 struct Scene {
     std::string name;
     Medium medium;
+    // World coordinates (m) of the point that all places here count from. Places in the file and in its point cloud are world
+    // coordinates; the origin is subtracted from them in double, so that scenes far from zero lose nothing in float32. A place
+    // that the file leaves out is the default, counted from the origin.
+    glm::dvec3 origin{0};
     SimulationSettings simulation;
     std::vector<Light> lights; // exactly one today
     std::vector<Plane> planes;

@@ -13,8 +13,10 @@ struct Limits {
 
 namespace limits {
 
-// Any place or length: float32 still resolves 4 mm at 50 km, far below the smallest useful particle there.
+// Any length, and any place relative to the scene's origin: float32 still resolves 4 mm at 50 km, far below the smallest useful
+// particle there.
 inline constexpr Limits kPlace{-5e4, 5e4}, kLength{1e-3, 1e4};
+inline constexpr Limits kOrigin{-1e7, 1e7}; // of a scene, in doubles: beyond the Earth's radius
 inline constexpr Limits kColour{0, 1}, kRadiance{0, 1e4}, kSpeed{-100, 100};
 
 inline constexpr Limits kCount{1, 1'000'000};

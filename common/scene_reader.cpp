@@ -15,6 +15,8 @@ std::string plain(double value) {
     return out.str();
 }
 
+Limits around(double origin) { return {origin + limits::kPlace.lo, origin + limits::kPlace.hi}; }
+
 std::string bounds(Limits allowed) { return "from " + plain(allowed.lo) + " to " + plain(allowed.hi); }
 
 } // namespace
@@ -62,14 +64,37 @@ void TableReader::integer(std::string_view key, uint64_t& out, Limits allowed) {
     if (const toml::node* node = find(key)) out = static_cast<uint64_t>(checked(key, *node, allowed, true, "a whole number"));
 }
 
+glm::dvec3 TableReader::checkedVector(std::string_view key, const toml::node& node, const Limits (&allowed)[3],
+                                      const std::string& form) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->size() != 3) fail(key, shown(node), form + ' ' + bounds(allowed[0]));
+    glm::dvec3 out;
+    for (int i = 0; i < 3; ++i) out[i] = checked(key, *array->get(static_cast<size_t>(i)), allowed[i], false, form);
+    return out;
+}
+
 void TableReader::vector(std::string_view key, glm::vec3& out, Limits allowed) {
     const toml::node* node = find(key);
-    if (!node) return;
-    const std::string form = "[x, y, z], each a number";
-    const toml::array* array = node->as_array();
-    if (!array || array->size() != 3) fail(key, shown(*node), form + ' ' + bounds(allowed));
-    for (int i = 0; i < 3; ++i)
-        out[i] = static_cast<float>(checked(key, *array->get(static_cast<size_t>(i)), allowed, false, form));
+    if (node) out = checkedVector(key, *node, {allowed, allowed, allowed}, "[x, y, z], each a number");
+}
+
+void TableReader::vector(std::string_view key, glm::dvec3& out, Limits allowed) {
+    const toml::node* node = find(key);
+    if (node) out = checkedVector(key, *node, {allowed, allowed, allowed}, "[x, y, z], each a number");
+}
+
+void TableReader::place(std::string_view key, glm::vec3& out, glm::dvec3 origin) {
+    const toml::node* node = find(key);
+    if (node)
+        out = checkedVector(key, *node, {around(origin.x), around(origin.y), around(origin.z)},
+                            "[x, y, z] near the scene's origin (the key at the top), each a number") -
+              origin;
+}
+
+void TableReader::height(std::string_view key, float& out, glm::dvec3 origin) {
+    if (const toml::node* node = find(key))
+        out = static_cast<float>(
+            checked(key, *node, around(origin.y), false, "a number near the scene's origin (the key at the top)") - origin.y);
 }
 
 void TableReader::range(std::string_view key, Range& out, Limits allowed) {

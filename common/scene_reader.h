@@ -28,7 +28,11 @@ public:
     void integer(std::string_view key, uint32_t& out, Limits allowed);
     void integer(std::string_view key, uint64_t& out, Limits allowed);
     void vector(std::string_view key, glm::vec3& out, Limits allowed); // [x, y, z]
-    void range(std::string_view key, Range& out, Limits allowed);      // a number, or [lo, hi]
+    void vector(std::string_view key, glm::dvec3& out, Limits allowed);
+    // World coordinates, within limits::kPlace of `origin`, which is subtracted in double.
+    void place(std::string_view key, glm::vec3& out, glm::dvec3 origin); // [x, y, z]
+    void height(std::string_view key, float& out, glm::dvec3 origin);    // y
+    void range(std::string_view key, Range& out, Limits allowed);        // a number, or [lo, hi]
     void boolean(std::string_view key, bool& out);
     void text(std::string_view key, std::string& out, size_t longest); // not empty
     // One of a few names.
@@ -71,6 +75,8 @@ public:
 private:
     const toml::node* find(std::string_view key); // and remembers the key as known
     const toml::array* listOfTables(std::string_view key, Limits how_many);
+    glm::dvec3 checkedVector(std::string_view key, const toml::node& node, const Limits (&allowed)[3],
+                             const std::string& form) const;
     double checked(std::string_view key, const toml::node& node, Limits allowed, bool whole, const std::string& form) const;
     std::string joined(std::string_view key) const { return path_.empty() ? std::string(key) : path_ + '.' + std::string(key); }
     static std::string shown(const toml::node& node); // a value for a message: "7 is not allowed", "an array is not allowed"

@@ -32,8 +32,8 @@ Placement tubes(const Medium& medium) {
     return out;
 }
 
-Placement fromFile(const Medium& medium) {
-    PointCloud cloud = loadPly(medium.file);
+Placement fromFile(const Medium& medium, glm::dvec3 origin) {
+    PointCloud cloud = loadPly(medium.file, origin);
     Placement out;
     Random random(medium.seed);
     out.position = std::move(cloud.position);
@@ -44,14 +44,14 @@ Placement fromFile(const Medium& medium) {
     return out;
 }
 
-Placement atOrigin(const Medium& medium) {
+Placement beforeMoving(const Medium& medium, glm::dvec3 origin) {
     switch (medium.layout) {
     case Layout::tubes:
         return tubes(medium);
     case Layout::cumulus:
         return cumulus(medium);
     case Layout::file:
-        return fromFile(medium);
+        return fromFile(medium, origin);
     case Layout::cube:
     case Layout::emitter:
         break;
@@ -61,8 +61,8 @@ Placement atOrigin(const Medium& medium) {
 
 } // namespace
 
-Placement place(const Medium& medium) {
-    Placement out = atOrigin(medium);
+Placement place(const Medium& medium, glm::dvec3 origin) {
+    Placement out = beforeMoving(medium, origin);
     Random random(medium.seed, 0x6d756c74); // a stream of its own
     out.multiplier.reserve(out.position.size());
     for (glm::vec3& position : out.position) {

@@ -17,8 +17,8 @@ struct Placement {
 };
 
 // The same for the same medium, whatever the compiler. Throws SceneError when the medium's file is bad.
-// Precondition: the layout is not `emitter`.
-Placement place(const Medium& medium);
+// `origin`: the scene's, which a file's places count from. Precondition: the layout is not `emitter`.
+Placement place(const Medium& medium, glm::dvec3 origin = glm::dvec3(0));
 
 // `count` positions and scales that fill a cumulus of `extent` width standing on y = 0 over the origin.
 Placement cumulus(const Medium& medium);

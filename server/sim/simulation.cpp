@@ -93,7 +93,7 @@ Simulation::State::State(const Scene& scene) : settings(scene.simulation) {
         while (steps < first_step) advance();
         now.light = scene.lights.at(0); // which the run-up has turned
     } else {
-        Placement placed = place(scene.medium);
+        Placement placed = place(scene.medium, scene.origin);
         rows = now.medium.count = static_cast<uint32_t>(placed.position.size());
         columns.emplace(rows);
         Columns& c = *columns;

@@ -181,6 +181,21 @@ TEST(Ply, IsReadFromAFile) {
     EXPECT_EQ(loadPly(file).position.at(0), glm::vec3(1, 2, 3));
 }
 
+TEST(Ply, PlacesCountFromTheOriginInDouble) {
+    const std::string xyz = "element vertex 2\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+    const std::string bytes =
+        kBinary + xyz + raw(1000000.0009765625) + raw(-2e6) + raw(0.5) + raw(1e6) + raw(-1999999.75) + raw(7.0);
+    const glm::dvec3 origin(1e6, -2e6, 0);
+    const PointCloud cloud = parsePly(bytes, "ply_test.ply", origin);
+    ASSERT_EQ(cloud.position.size(), 2u);
+    EXPECT_EQ(cloud.position[0], glm::vec3(0.0009765625f, 0, 0.5f));
+    EXPECT_EQ(cloud.position[1], glm::vec3(0, 0.25f, 7));
+    const PointCloud ascii = parsePly(kAscii + xyz + "1000000.0009765625 -2e6 .5 0 0 0", "ply_test.ply", origin);
+    EXPECT_EQ(ascii.position, std::vector<glm::vec3>{cloud.position[0]}) << "the point at the world's zero is too far away";
+    EXPECT_EQ(ascii.dropped, 1u);
+    EXPECT_NE(errorOf(bytes).find("origin"), std::string::npos) << errorOf(bytes); // without one, too far away
+}
+
 TEST(Ply, MissingFilesAndFoldersSaySo) {
     EXPECT_THROW(loadPly("no/such.ply"), SceneError);
     EXPECT_THROW(loadPly(testing::TempDir()), SceneError);

@@ -55,7 +55,8 @@ TEST_P(WrongScene, NamesFileLineKeyAndWhatIsAllowed) {
 INSTANTIATE_TEST_SUITE_P(
     All, WrongScene,
     testing::Values(
-        Wrong{"nam = \"x\"", 1, "nam", "unknown key", "box, camera, light, medium, name, plane, render, simulation, sky, sphere"},
+        Wrong{"nam = \"x\"", 1, "nam", "unknown key",
+              "box, camera, light, medium, name, origin, plane, render, simulation, sky, sphere"},
         Wrong{"[medium]\nlayout = \"cube\"\n\ncuont = 3", 4, "medium.cuont", "unknown key", "count"},
         Wrong{"[[light]]\ncolour = [1, 1, 1]", 2, "light[0].colour", "unknown key", "irradiance"},
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 9000\n[medium.emitter]\nspeed = 3", 5, "medium.emitter.speed",
@@ -95,6 +96,11 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[box]]\nsize = [1, 0, 1]", 2, "box[0].size", "is not", "from 0.001"},
         Wrong{"[camera]\nposition = [1, 2, 3]\ntarget = [1, 2, 3]", 3, "camera.target", "is where the camera stands",
               "any place"},
+        Wrong{"[camera]\nposition = [1e6, 0, 0]", 2, "camera.position", "1000000 is not", "near the scene's origin"},
+        Wrong{"origin = [1e6, 0, 0]\n[[sphere]]\ncentre = [0, 0, 0]", 3, "sphere[0].centre", "0 is not",
+              "from 950000 to 1050000"},
+        Wrong{"origin = [0, 1e6, 0]\n[[plane]]\nheight = 0", 3, "plane[0].height", "0 is not", "near the scene's origin"},
+        Wrong{"origin = [0, 2e7, 0]", 1, "origin", "20000000 is not", "from -10000000 to 10000000"},
         Wrong{"[camera]\nfov_y = 3.2", 2, "camera.fov_y", "3.2 is not", "from 0.05 to 3"},
         Wrong{"[simulation]\npaused = 1", 2, "simulation.paused", "1 is not", "true or false"},
         Wrong{"[render]\nmethod = \"\"", 2, "render.method", "\"\" is not", "text of 1 to 64"},
@@ -165,6 +171,42 @@ steps = 3
     EXPECT_EQ(scene.camera.fov_y, 1);
     EXPECT_EQ(scene.render.method, "isv");
     EXPECT_EQ(scene.render.steps, 3u);
+}
+
+// A million metres away float32 has steps of 6 cm; these places are exact in double, and after subtraction in float.
+TEST(Scene, PlacesCountFromTheOrigin) {
+    const Scene scene = loadScene(written(R"(
+origin = [1e6, -2e6, 3e6]
+[medium]
+layout = "emitter"
+count = 4200
+centre = [1000001.125, -2e6, 3e6]
+[medium.emitter]
+position = [1000000.0009765625, -1999998, 2999997]
+[[plane]]
+height = -2000000.25
+[[box]]
+centre = [1000001, -1999999, 3000000.5]
+[[box]]
+[[sphere]]
+centre = [999999, -2e6, 3e6]
+[camera]
+position = [1000000, -2000000, 3000010]
+target = [1000000, -1999999.75, 3e6]
+)"));
+    EXPECT_EQ(scene.origin, glm::dvec3(1e6, -2e6, 3e6));
+    EXPECT_EQ(scene.medium.centre, glm::vec3(1.125f, 0, 0));
+    EXPECT_EQ(scene.medium.emitter.position, glm::vec3(0.0009765625f, 2, -3));
+    EXPECT_EQ(scene.planes.at(0).height, -0.25f);
+    EXPECT_EQ(scene.boxes.at(0).centre, glm::vec3(1, 1, 0.5f));
+    EXPECT_EQ(scene.boxes.at(1).centre, glm::vec3(0)) << "left out: the default, counted from the origin";
+    EXPECT_EQ(scene.spheres.at(0).centre, glm::vec3(-1, 0, 0));
+    EXPECT_EQ(scene.camera.position, glm::vec3(0, 0, 10));
+    EXPECT_EQ(scene.camera.target, glm::vec3(0, 0.25f, 0));
+    // What moves a file's points is a displacement: the origin is subtracted once, from the points.
+    EXPECT_EQ(loadScene(written("origin = [1e6, 0, 0]\n[medium]\nlayout = \"file\"\nfile = \"a.ply\"\ncentre = [1, 2, 3]"))
+                  .medium.centre,
+              glm::vec3(1, 2, 3));
 }
 
 TEST(Scene, AnEmptyFileIsTheDefaultScene) {
