@@ -158,9 +158,38 @@ std::string readText(const std::filesystem::path& file) {
     return text;
 }
 
+// A value that is not TOML is taken for text: render.method=isv.
+toml::table parseOverride(const std::string& text) {
+    const size_t equals = text.find('=');
+    if (equals != std::string::npos && equals > 0) {
+        for (const char* quote : {"", "\""}) {
+            try {
+                return toml::parse(text.substr(0, equals) + '=' + quote + text.substr(equals + 1) + quote);
+            } catch (const toml::parse_error&) {
+            }
+        }
+    }
+    throw SceneError("--set " + text + ": not a setting; allowed: key=value as in a scene file, like medium.count=5000");
+}
+
+void replace(toml::table& in, const toml::table& with) {
+    for (const auto& [key, value] : with) {
+        toml::node* old = in.get(key.str());
+        const toml::table* inner = value.as_table();
+        toml::array* list = old ? old->as_array() : nullptr;
+        if (inner && old && old->is_table()) {
+            replace(*old->as_table(), *inner);
+        } else if (inner && list && list->is_homogeneous<toml::table>()) {
+            for (toml::node& element : *list) replace(*element.as_table(), *inner);
+        } else {
+            value.visit([&, name = key.str()](const auto& v) { in.insert_or_assign(name, v); });
+        }
+    }
+}
+
 } // namespace
 
-Scene loadScene(const std::filesystem::path& file) {
+Scene loadScene(const std::filesystem::path& file, std::span<const std::string> overrides) {
     const std::string name = file.string(), text = readText(file);
     toml::table root;
     try {
@@ -169,6 +198,7 @@ Scene loadScene(const std::filesystem::path& file) {
         throw SceneError(name + ':' + std::to_string(error.source().begin.line) +
                          ": syntax: " + std::string(error.description()) + "; allowed: TOML 1.0");
     }
+    for (const std::string& text_of_one : overrides) replace(root, parseOverride(text_of_one));
     Scene scene;
     scene.name = file.stem().string();
     scene.lights.resize(1);
@@ -181,7 +211,7 @@ Scene loadScene(const std::filesystem::path& file) {
 
 std::filesystem::path findScene(const std::string& name_or_path, const std::filesystem::path& scene_dir) {
     if (name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml")) return name_or_path;
-    const std::filesystem::path found = scene_dir / (name_or_path + ".toml");
+    std::filesystem::path found = scene_dir / (name_or_path + ".toml");
     std::error_code ignored; // a folder that cannot be read offers no scenes
     if (std::filesystem::is_regular_file(found, ignored)) return found;
     std::vector<std::string> names;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -108,11 +109,11 @@ struct RenderSettings {
 
 struct Scene {
     std::string name;
-    Medium medium;
     // World coordinates (m) of the point that all places here count from. Places in the file and in its point cloud are world
     // coordinates; the origin is subtracted from them in double, so that scenes far from zero lose nothing in float32. A place
     // that the file leaves out is the default, counted from the origin.
     glm::dvec3 origin{0};
+    Medium medium;
     SimulationSettings simulation;
     std::vector<Light> lights; // exactly one today
     std::vector<Plane> planes;
@@ -129,7 +130,9 @@ struct SceneError : std::runtime_error {
 };
 
 // Strict: an unknown key, a wrong type or a value out of range throws SceneError. Missing keys take the defaults above.
-Scene loadScene(const std::filesystem::path& file);
+// `overrides` are settings that replace the file's, as on a command line: "medium.count=5000", "render.method=isv"; of lists of
+// tables ("light.irradiance=[1,1,1]") they replace the setting in every element.
+Scene loadScene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
 // A name ("plume") is looked up in `scene_dir`; anything with a slash or ".toml" is a path.
 std::filesystem::path findScene(const std::string& name_or_path, const std::filesystem::path& scene_dir);

@@ -127,6 +127,16 @@ void TableReader::text(std::string_view key, std::string& out, size_t longest) {
     out = *value;
 }
 
+void TableReader::texts(std::string_view key, std::vector<std::string>& out) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    const toml::array* array = node->as_array();
+    if (!array || array->size() > 100 || !(array->empty() || array->is_homogeneous<std::string>()))
+        fail(key, shown(*node), "a list of at most 100 texts, each in quotes");
+    out.clear();
+    for (const toml::node& element : *array) out.push_back(*element.value<std::string>());
+}
+
 const toml::array* TableReader::listOfTables(std::string_view key, Limits how_many) {
     const toml::node* node = find(key);
     if (!node) return nullptr;

@@ -35,6 +35,7 @@ public:
     void range(std::string_view key, Range& out, Limits allowed);        // a number, or [lo, hi]
     void boolean(std::string_view key, bool& out);
     void text(std::string_view key, std::string& out, size_t longest); // not empty
+    void texts(std::string_view key, std::vector<std::string>& out);   // ["a", "b"], at most 100, replaces `out`
     // One of a few names.
     template <class T>
     void choice(std::string_view key, T& out, std::initializer_list<std::pair<std::string_view, T>> names) {

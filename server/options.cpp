@@ -43,6 +43,11 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     const char* group = "Scene";
     app.add_option("--scene", o.scene, "name of a scene, or the path of a .toml file")->group(group);
     app.add_option("--scene-dir", o.scene_dir, "folder of the scenes known by name")->group(group);
+    app.add_option("--set", o.overrides, "a setting instead of the scene's, as in its file: --set medium.count=5000")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->type_name("KEY=VALUE")
+        ->default_str("")
+        ->group(group);
     app.add_option("--method", o.method, "medium method instead of the scene's")->group(group);
     app.add_option("--quadrature", o.quadrature, "simpson | transmittance | analytic, for method isv")->group(group);
     app.add_option("--steps", o.steps, "of the quadrature")->group(group)->check(within(limits::kSteps));
@@ -116,7 +121,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
 
 Scene loadScene(const ServerOptions& o) {
     const std::filesystem::path file = findScene(o.scene, o.scene_dir);
-    Scene scene = loadScene(file);
+    Scene scene = loadScene(file, o.overrides);
     RenderSettings& render = scene.render;
     if (o.method) render.method = *o.method;
     if (o.quadrature) render.quadrature = *o.quadrature;

@@ -14,7 +14,8 @@ namespace brume {
 
 struct ServerOptions {
     std::string scene = "plume";
-    std::filesystem::path scene_dir; // of the scenes that are known by name
+    std::filesystem::path scene_dir;    // of the scenes that are known by name
+    std::vector<std::string> overrides; // key=value, instead of the scene's
     net::NetOptions net;
     uint32_t max_viewers = 32;
     uint32_t max_in_flight = 2;

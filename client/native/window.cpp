@@ -179,7 +179,7 @@ private:
             bool good = true;
             for (int view = 0; view < views; ++view)
                 good = good && decoder_.decodeBgra(message.parsed().view(static_cast<uint32_t>(view)), width, height,
-                                                   pixels + 4 * width * view, pitch);
+                                                   pixels + static_cast<ptrdiff_t>(4) * width * view, pitch);
             decoded = nowUs();
             return good;
         });

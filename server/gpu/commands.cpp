@@ -2,7 +2,7 @@
 
 namespace brume::gpu {
 
-Commands::Commands(const Device& device, const char* name) : device_(device), stamps_(2 * kMaxPasses) {
+Commands::Commands(const Device& device, const char* name) : device_(device), stamps_(size_t(2) * kMaxPasses) {
     passes_.reserve(kMaxPasses);
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device.queueFamily();
@@ -16,6 +16,13 @@ Commands::Commands(const Device& device, const char* name) : device_(device), st
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = 2 * kMaxPasses;
     check(vkCreateQueryPool(device.handle(), &queries, nullptr, &queries_), name);
+    if (device.countsFragments()) {
+        counts_.resize(kMaxPasses);
+        queries.queryType = VK_QUERY_TYPE_PIPELINE_STATISTICS;
+        queries.queryCount = kMaxPasses;
+        queries.pipelineStatistics = VK_QUERY_PIPELINE_STATISTIC_FRAGMENT_SHADER_INVOCATIONS_BIT;
+        check(vkCreateQueryPool(device.handle(), &queries, nullptr, &fragments_), name);
+    }
     VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
     type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
     VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type, 0};
@@ -29,6 +36,7 @@ Commands::~Commands() {
     }
     vkDestroySemaphore(device_.handle(), timeline_, nullptr);
     vkDestroyQueryPool(device_.handle(), queries_, nullptr);
+    vkDestroyQueryPool(device_.handle(), fragments_, nullptr);
     vkDestroyCommandPool(device_.handle(), pool_, nullptr);
 }
 
@@ -38,6 +46,7 @@ VkCommandBuffer Commands::begin() {
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(cmd_, &info), "vkBeginCommandBuffer");
     vkCmdResetQueryPool(cmd_, queries_, 0, 2 * kMaxPasses);
+    if (fragments_) vkCmdResetQueryPool(cmd_, fragments_, 0, kMaxPasses);
     passes_.clear();
     return cmd_;
 }
@@ -73,22 +82,30 @@ std::span<const PassSample> Commands::readTimes() {
           "vkGetQueryPoolResults");
     const double ms_per_unit = double(device_.properties().limits.timestampPeriod) * 1e-6;
     for (size_t i = 0; i < passes_.size(); ++i) passes_[i].ms = float(double(stamps_[2 * i + 1] - stamps_[2 * i]) * ms_per_unit);
+    if (fragments_) {
+        check(vkGetQueryPoolResults(device_.handle(), fragments_, 0, count / 2, count / 2 * sizeof(uint64_t), counts_.data(),
+                                    sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+              "vkGetQueryPoolResults");
+        for (size_t i = 0; i < passes_.size(); ++i) passes_[i].fragments = counts_[i];
+    }
     return passes_;
 }
 
 Commands::Pass::Pass(Commands& commands, const char* name, uint32_t view) : commands_(commands) {
     if (commands.passes_.size() == kMaxPasses) throw Error("too many passes in one submission");
     query_ = uint32_t(2 * commands.passes_.size());
-    commands.passes_.push_back({name, view, 0});
+    commands.passes_.push_back({name, view, 0, 0});
     if (commands.device_.beginLabel) {
         VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT};
         label.pLabelName = name;
         commands.device_.beginLabel(commands.cmd_, &label);
     }
     vkCmdWriteTimestamp2(commands.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.queries_, query_);
+    if (commands.fragments_) vkCmdBeginQuery(commands.cmd_, commands.fragments_, query_ / 2, 0);
 }
 
 Commands::Pass::~Pass() {
+    if (commands_.fragments_) vkCmdEndQuery(commands_.cmd_, commands_.fragments_, query_ / 2);
     vkCmdWriteTimestamp2(commands_.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.queries_, query_ + 1);
     if (commands_.device_.endLabel) commands_.device_.endLabel(commands_.cmd_);
 }

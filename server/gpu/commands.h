@@ -16,6 +16,7 @@ struct PassSample {
     const char* name; // static
     uint32_t view;    // which of the submission's views; kShared for what all share
     float ms;
+    uint64_t fragments; // shaded, when the device counts them; else 0
 };
 inline constexpr uint32_t kShared = ~0u;
 
@@ -58,10 +59,11 @@ private:
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer cmd_ = VK_NULL_HANDLE;
     VkQueryPool queries_ = VK_NULL_HANDLE;
+    VkQueryPool fragments_ = VK_NULL_HANDLE; // null unless the device counts them
     VkSemaphore timeline_ = VK_NULL_HANDLE;
     uint64_t value_ = 0;
     std::vector<PassSample> passes_;
-    std::vector<uint64_t> stamps_;
+    std::vector<uint64_t> stamps_, counts_;
 };
 
 // --- barriers: what was written before is seen after ---

@@ -248,6 +248,8 @@ void Device::createDevice(const DeviceOptions& options) {
     use.v13.dynamicRendering = VK_TRUE;
     use.v13.synchronization2 = VK_TRUE;
     use.v13.maintenance4 = has.v13.maintenance4;
+    counts_fragments_ = options.statistics && has.all.features.pipelineStatisticsQuery;
+    use.all.features.pipelineStatisticsQuery = counts_fragments_;
 
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -272,6 +274,13 @@ void Device::createDevice(const DeviceOptions& options) {
         load(beginLabel, "vkCmdBeginDebugUtilsLabelEXT");
         load(endLabel, "vkCmdEndDebugUtilsLabelEXT");
         load(setName, "vkSetDebugUtilsObjectNameEXT");
+    }
+}
+
+void Device::countMemory(int64_t bytes) const {
+    const uint64_t now = memory_in_use_.fetch_add(uint64_t(bytes)) + uint64_t(bytes);
+    uint64_t peak = peak_memory_.load();
+    while (now > peak && !peak_memory_.compare_exchange_weak(peak, now)) {
     }
 }
 

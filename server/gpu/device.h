@@ -28,6 +28,7 @@ struct DeviceOptions {
     bool validation = false;  // Khronos layer with synchronization checks; messages are logged and counted
     std::string name;         // part of the wanted device's name; empty: a real GPU first, then a CPU driver
     bool mesh_shaders = true; // use them where the device has them
+    bool statistics = false;  // count the fragments of every pass, where the device can; for measurements
 };
 
 class Device {
@@ -45,6 +46,12 @@ public:
     std::string name() const { return properties_.deviceName; }
     bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool hasMeshShaders() const { return mesh_shaders_; }
+    bool countsFragments() const { return counts_fragments_; }
+
+    // Bytes of device memory held by resources of this program, and the most there ever were.
+    uint64_t memoryInUse() const { return memory_in_use_.load(); }
+    uint64_t peakMemory() const { return peak_memory_.load(); }
+    void countMemory(int64_t bytes) const;
 
     // Index of a memory type out of `type_bits` that has `wanted`, and `preferred` too when there is one. Throws Error.
     uint32_t memoryType(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const;
@@ -80,6 +87,8 @@ private:
     uint32_t queue_family_ = 0;
     bool mesh_shaders_ = false;
     bool labels_ = false;
+    bool counts_fragments_ = false;
+    mutable std::atomic<uint64_t> memory_in_use_{0}, peak_memory_{0};
     std::atomic<uint32_t> validation_messages_{0};
 };
 

@@ -29,17 +29,23 @@ VkMemoryPropertyFlags preferredFlags(Memory memory) {
     return 0;
 }
 
-VkDeviceMemory allocate(const Device& device, const VkMemoryRequirements& needs, Memory memory, const char* name) {
+} // namespace
+
+Allocation::Allocation(const Device& device, const VkMemoryRequirements& needs, Memory memory, const char* name)
+    : device_(&device), bytes_(needs.size) {
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.allocationSize = needs.size;
     info.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, wantedFlags(memory), preferredFlags(memory));
-    VkDeviceMemory handle = VK_NULL_HANDLE;
-    check(vkAllocateMemory(device.handle(), &info, nullptr, &handle),
+    check(vkAllocateMemory(device.handle(), &info, nullptr, &handle_),
           (std::string(name) + ", " + std::to_string(needs.size >> 20) + " MiB").c_str());
-    return handle;
+    device.countMemory(int64_t(bytes_));
 }
 
-} // namespace
+Allocation::~Allocation() {
+    if (!handle_) return;
+    vkFreeMemory(device_->handle(), handle_, nullptr);
+    device_->countMemory(-int64_t(bytes_));
+}
 
 Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage, Memory memory, const char* name)
     : device_(device.handle()), size_(size) {
@@ -51,16 +57,15 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(device_, buffer_, &needs);
     try {
-        memory_ = allocate(device, needs, memory, name);
-        check(vkBindBufferMemory(device_, buffer_, memory_, 0), name);
+        memory_ = Allocation(device, needs, memory, name);
+        check(vkBindBufferMemory(device_, buffer_, memory_.handle(), 0), name);
         if (memory != Memory::device) {
             void* pointer = nullptr;
-            check(vkMapMemory(device_, memory_, 0, VK_WHOLE_SIZE, 0, &pointer), name);
+            check(vkMapMemory(device_, memory_.handle(), 0, VK_WHOLE_SIZE, 0, &pointer), name);
             mapped_ = static_cast<std::byte*>(pointer);
         }
     } catch (...) {
         vkDestroyBuffer(device_, buffer_, nullptr);
-        vkFreeMemory(device_, memory_, nullptr);
         throw;
     }
 }
@@ -68,7 +73,6 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
 Buffer::~Buffer() {
     if (!device_) return;
     vkDestroyBuffer(device_, buffer_, nullptr);
-    vkFreeMemory(device_, memory_, nullptr);
 }
 
 void Buffer::swap(Buffer& other) noexcept {
@@ -86,12 +90,12 @@ void Buffer::checkRange(VkDeviceSize offset, VkDeviceSize bytes) const {
 }
 
 void Buffer::invalidate() const {
-    VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
+    VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_.handle(), 0, VK_WHOLE_SIZE};
     check(vkInvalidateMappedMemoryRanges(device_, 1, &range), "vkInvalidateMappedMemoryRanges");
 }
 
 void Buffer::flush() const {
-    VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
+    VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_.handle(), 0, VK_WHOLE_SIZE};
     check(vkFlushMappedMemoryRanges(device_, 1, &range), "vkFlushMappedMemoryRanges");
 }
 
@@ -111,8 +115,8 @@ Image::Image(const Device& device, const ImageInfo& image_info, const char* name
     VkMemoryRequirements needs;
     vkGetImageMemoryRequirements(device_, image_, &needs);
     try {
-        memory_ = allocate(device, needs, Memory::device, name);
-        check(vkBindImageMemory(device_, image_, memory_, 0), name);
+        memory_ = Allocation(device, needs, Memory::device, name);
+        check(vkBindImageMemory(device_, image_, memory_.handle(), 0), name);
         VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
         view.image = image_;
         view.viewType = info_.layers ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
@@ -121,7 +125,6 @@ Image::Image(const Device& device, const ImageInfo& image_info, const char* name
         check(vkCreateImageView(device_, &view, nullptr, &view_), name);
     } catch (...) {
         vkDestroyImage(device_, image_, nullptr);
-        vkFreeMemory(device_, memory_, nullptr);
         throw;
     }
 }
@@ -130,7 +133,6 @@ Image::~Image() {
     if (!device_) return;
     vkDestroyImageView(device_, view_, nullptr);
     vkDestroyImage(device_, image_, nullptr);
-    vkFreeMemory(device_, memory_, nullptr);
 }
 
 void Image::swap(Image& other) noexcept {

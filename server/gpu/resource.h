@@ -14,6 +14,30 @@ enum class Memory {
     readback, // written by the device, read by the CPU: cached
 };
 
+// Device memory that frees itself and is counted by its device.
+class Allocation {
+public:
+    Allocation() = default;
+    Allocation(const Device& device, const VkMemoryRequirements& needs, Memory memory, const char* name);
+    ~Allocation();
+    Allocation(Allocation&& other) noexcept { swap(other); }
+    Allocation& operator=(Allocation&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+    VkDeviceMemory handle() const { return handle_; }
+
+private:
+    void swap(Allocation& other) noexcept {
+        std::swap(device_, other.device_);
+        std::swap(handle_, other.handle_);
+        std::swap(bytes_, other.bytes_);
+    }
+    const Device* device_ = nullptr;
+    VkDeviceMemory handle_ = VK_NULL_HANDLE;
+    VkDeviceSize bytes_ = 0;
+};
+
 // Movable handle of something that `Device` makes and destroys.
 class Buffer {
 public:
@@ -47,7 +71,7 @@ private:
 
     VkDevice device_ = VK_NULL_HANDLE;
     VkBuffer buffer_ = VK_NULL_HANDLE;
-    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    Allocation memory_;
     VkDeviceSize size_ = 0;
     std::byte* mapped_ = nullptr;
 };
@@ -83,7 +107,7 @@ private:
     VkDevice device_ = VK_NULL_HANDLE;
     VkImage image_ = VK_NULL_HANDLE;
     VkImageView view_ = VK_NULL_HANDLE;
-    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    Allocation memory_;
     ImageInfo info_;
 };
 

@@ -19,18 +19,19 @@ using boost::system::error_code;
 inline constexpr auto kToken = asio::as_tuple(asio::use_awaitable);
 
 // For co_spawn: expected errors are values, so whatever arrives here ends one connection and is worth a line.
-inline constexpr auto kLogFailure = [](std::exception_ptr failure) {
-    try {
-        if (failure) std::rethrow_exception(failure);
-    } catch (const std::exception& e) {
-        spdlog::error("a connection ended: {}", e.what());
-    }
-};
+inline constexpr auto kLogFailure =
+    [](std::exception_ptr failure) { // NOLINT(performance-unnecessary-value-param): what Asio calls it with
+        try {
+            if (failure) std::rethrow_exception(failure);
+        } catch (const std::exception& e) {
+            spdlog::error("a connection ended: {}", e.what());
+        }
+    };
 
 // Something to wait for that other threads may ring. A ring while nobody waits is not kept: look first, then wait.
 class Bell : public std::enable_shared_from_this<Bell> {
 public:
-    explicit Bell(asio::any_io_executor executor) : timer_(std::move(executor)) {}
+    explicit Bell(const asio::any_io_executor& executor) : timer_(executor) {}
 
     // On the executor only.
     void ring() { timer_.cancel(); }

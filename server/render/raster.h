@@ -7,7 +7,7 @@
 namespace brume {
 
 struct RasterInfo {
-    DepthOrder::Support support;
+    DepthOrder::Support support{};
     std::vector<gpu::ShaderCode> shaders; // with a mesh stage: drawn by mesh tasks
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     uint32_t vertices = 0;                    // per particle, of the vertex stage

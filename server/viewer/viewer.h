@@ -32,7 +32,7 @@ public:
     // --- the frame loop's side ---
     // The pose to render now, counting a frame in flight, with its id; nothing while the window is full or no pose came.
     struct Due {
-        uint32_t frame_id;
+        uint32_t frame_id = 0;
         PoseRequest request;
     };
     std::optional<Due> takeDue();

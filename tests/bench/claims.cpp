@@ -163,7 +163,7 @@ void jpeg(const gpu::Device& device, const Scene& scene) {
         out << "P6\n" << layout.width << ' ' << layout.height << "\n255\n";
         for (uint32_t y = 0; y < layout.height; ++y)
             for (uint32_t x = 0; x < layout.width; ++x) {
-                const uint8_t* chroma = picture.bytes + layout.lumaBytes() + (y / 2) * layout.chromaStride() + x / 2;
+                const uint8_t* chroma = picture.bytes + layout.lumaBytes() + size_t(y / 2) * layout.chromaStride() + x / 2;
                 const double luma = picture.bytes[y * layout.lumaStride() + x], cb = chroma[0] - 128.0,
                              cr = chroma[layout.chromaBytes()] - 128.0;
                 for (const double c : {luma + 1.402 * cr, luma - 0.344136 * cb - 0.714136 * cr, luma + 1.772 * cb})

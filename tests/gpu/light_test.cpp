@@ -50,7 +50,7 @@ protected:
             for (uint32_t layer = 0; layer < volume_.image().layers(); ++layer) {
                 if (plane < 3 * layer || plane > 3 * layer + 3) continue;
                 for (size_t i = 0; i < area; ++i) {
-                    const float value = stored[(layer * area + i) * 4 + plane - 3 * layer];
+                    const float value = stored[(layer * area + i) * 4 + (plane - size_t(3) * layer)];
                     if (plane == 3 * layer && layer > 0) {
                         EXPECT_EQ(texels[plane * area + i], value) << "a shared plane differs";
                     }

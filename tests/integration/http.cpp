@@ -29,7 +29,7 @@ HttpConnection::HttpConnection(uint16_t port) : fd_(socket(AF_INET, SOCK_STREAM 
 
 HttpConnection::~HttpConnection() { close(fd_); }
 
-void HttpConnection::send(const std::string& text) {
+void HttpConnection::send(const std::string& text) const {
     if (::send(fd_, text.data(), text.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(text.size()))
         throw std::runtime_error("the server does not take the request");
 }

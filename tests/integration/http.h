@@ -24,7 +24,7 @@ public:
     HttpConnection(const HttpConnection&) = delete;
     HttpConnection& operator=(const HttpConnection&) = delete;
 
-    void send(const std::string& text);
+    void send(const std::string& text) const;
     // Status line and headers.
     HttpReply readHead();
     // A reply whose body has a Content-Length.

@@ -120,7 +120,7 @@ TEST_F(SharedCloud, AnImpulseOfOneIsSeenByAll) {
 
     // Time stands still, so that only the impulse can change the state: the particles get their speed.
     pusher.session.sendPush({{0, 0, 26}, {0, 0, -1}, {0, 0, 0}, 10});
-    const auto pushed = [&](const Watcher& w) { return w.frames.size() > 0 && w.last().state_hash != a_before.state_hash; };
+    const auto pushed = [&](const Watcher& w) { return !w.frames.empty() && w.last().state_hash != a_before.state_hash; };
     ASSERT_TRUE(watch(all, [&] { return pushed(pusher) && pushed(a) && pushed(b); }));
     EXPECT_EQ(a.last().state_hash, b.last().state_hash);
     EXPECT_EQ(a.last().state_hash, pusher.last().state_hash);
@@ -159,7 +159,7 @@ TEST_F(SharedCloud, StereoIsTwoViewsOfOneTick) {
 TEST_F(SharedCloud, ANewSizeIsGrantedWhileWatching) {
     Watcher watcher(server());
     watcher.look(fromFront());
-    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 1; }));
+    ASSERT_TRUE(watch({&watcher}, [&] { return !watcher.frames.empty(); }));
     ASSERT_TRUE(watcher.session.sendPose(fromFront(), 200, 120));
     ASSERT_TRUE(watch({&watcher}, [&] { return watcher.last().width == 200; }));
     EXPECT_EQ(watcher.last().height, 120);

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class HttpTest : public ServerTest {
+class HttpTest : public ServerTest { // NOLINT(cppcoreguidelines-virtual-class-destructor): googletest owns it
 protected:
     fs::path folder; // holds page/ (served) and secret.txt (not)
 
@@ -247,7 +247,7 @@ std::string readPart(Socket& socket) {
     HttpAnswer part;
     part.head = fmt::format("\r\n{}", socket.readUntil("\r\n\r\n"));
     if (part.header("Content-Type") != "image/jpeg") return "no part: " + part.head;
-    const std::string body = socket.read(std::stoul(part.header("Content-Length")));
+    std::string body = socket.read(std::stoul(part.header("Content-Length")));
     EXPECT_EQ(socket.readUntil("--brume-frame\r\n"), "\r\n--brume-frame\r\n") << "at once, or a reader shows the frame late";
     return body;
 }

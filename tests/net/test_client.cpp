@@ -47,7 +47,7 @@ Socket::~Socket() {
     if (fd_ >= 0) close(fd_);
 }
 
-bool Socket::send(std::span<const uint8_t> bytes, Milliseconds timeout) {
+bool Socket::send(std::span<const uint8_t> bytes, Milliseconds timeout) const {
     while (!bytes.empty()) {
         if (!ready(fd_, POLLOUT, SteadyClock::now() + timeout)) return false;
         const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -58,7 +58,7 @@ bool Socket::send(std::span<const uint8_t> bytes, Milliseconds timeout) {
     return true;
 }
 
-bool Socket::send(std::string_view text, Milliseconds timeout) {
+bool Socket::send(std::string_view text, Milliseconds timeout) const {
     return send({reinterpret_cast<const uint8_t*>(text.data()), text.size()}, timeout);
 }
 

@@ -24,8 +24,8 @@ public:
     Socket& operator=(const Socket&) = delete;
 
     // False when the peer is gone or takes nothing for `timeout`.
-    bool send(std::span<const uint8_t> bytes, Milliseconds timeout = 5s);
-    bool send(std::string_view text, Milliseconds timeout = 5s);
+    bool send(std::span<const uint8_t> bytes, Milliseconds timeout = 5s) const;
+    bool send(std::string_view text, Milliseconds timeout = 5s) const;
     // Exactly so many bytes; fewer when the peer closed or nothing more came in time.
     std::string read(size_t bytes, Milliseconds timeout = 5s);
     // Up to and with `end`; what there is when the peer closed or nothing more came in time.

@@ -16,7 +16,7 @@ namespace {
 const std::filesystem::path kScenes = "server/scenes"; // tests run in the repository's root
 
 std::filesystem::path written(const std::string& text, const std::string& name = "scene_test.toml") {
-    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / name;
+    std::filesystem::path file = std::filesystem::path(testing::TempDir()) / name;
     std::ofstream(file, std::ios::binary) << text;
     return file;
 }
@@ -215,6 +215,21 @@ TEST(Scene, AnEmptyFileIsTheDefaultScene) {
     EXPECT_EQ(scene.medium.count, 500u);
     ASSERT_EQ(scene.lights.size(), 1u);
     EXPECT_NEAR(glm::length(scene.lights[0].to_light), 1, 1e-6f);
+}
+
+TEST(Scene, OverridesReplaceTheFilesSettings) {
+    const auto file = written("[medium]\ncount = 7\nextent = 3\n[[light]]\nrotate = 1");
+    const std::string set[] = {"medium.count=9", "render.method=isv", "light.irradiance=[1, 2, 3]",
+                               "sky.ambient=[0.5, 0.5, 0.5]"};
+    const Scene scene = loadScene(file, set);
+    EXPECT_EQ(scene.medium.count, 9u);
+    EXPECT_EQ(scene.medium.extent, 3);
+    EXPECT_EQ(scene.render.method, "isv");
+    EXPECT_EQ(scene.lights.at(0).irradiance, glm::vec3(1, 2, 3));
+    EXPECT_EQ(scene.lights.at(0).rotate, 1);
+    EXPECT_EQ(scene.sky.ambient, glm::vec3(0.5f));
+    for (const std::string wrong : {"medium.count", "=3", "medium.cuont=3", "medium.count=0", "medium.count=x", "medium=3"})
+        EXPECT_THROW(loadScene(file, {&wrong, 1}), SceneError) << wrong;
 }
 
 TEST(Scene, AParticleFileStandsBesideItsScene) {
