@@ -22,9 +22,11 @@ find_package(GTest REQUIRED)
 find_package(Vulkan REQUIRED)
 find_package(prometheus-cpp CONFIG REQUIRED)
 find_package(SDL2 REQUIRED)
+find_package(PNG REQUIRED)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
 pkg_check_modules(SPIRV_CROSS REQUIRED IMPORTED_TARGET spirv-cross-c-shared)
+pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)
 pkg_check_modules(XXHASH REQUIRED libxxhash) # header only
 
 find_program(FLATC flatc REQUIRED)
