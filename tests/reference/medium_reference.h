@@ -1,5 +1,5 @@
-// A medium of Gaussian particles under one directional light, single scattering, in double precision on the CPU: what the
-// renderer's pictures are measured against. Shares no closed form with the shaders.
+// Single scattering in double precision on the CPU: what the renderer's pictures are measured against. Shares no closed form with
+// the shaders.
 #pragma once
 
 #include <span>
@@ -10,9 +10,26 @@
 #include "common/camera.h"
 #include "common/scene.h"
 #include "shaders/shared/types.h"
+#include "tests/reference/camera.h"
+#include "tests/reference/ray_tracer.h"
+#include "tests/reference/world.h"
 
 namespace brume::reference {
 
+// Row by row from the top left, one ray through each pixel's centre.
+struct Picture {
+    int width = 0, height = 0;
+    std::vector<glm::dvec3> radiance;   // scattered toward the camera, premultiplied (nothing behind the medium)
+    std::vector<double> transmittance;  // of what is behind it
+    std::vector<glm::dvec3> background; // what is behind it: opaque surfaces, the sky
+
+    std::vector<glm::dvec3> total() const; // radiance + transmittance * background
+};
+
+Picture render(const World& world, const Camera& camera, const Settings& settings = {});
+RayResult along(const World& world, const Ray& ray, const Settings& settings = {});
+
+// The shorter way where particles and one distant light are all: black behind, no ambient light.
 struct Medium {
     std::span<const gpu::Particle> particles;
     double falloff = 1.6;
@@ -25,21 +42,7 @@ enum class Model {
     sequential_tetrahedron, // the same, each particle's view interval cut by its tetrahedron (light depth: whole Gaussians still)
 };
 
-struct Settings {
-    bool shadows = true;   // false: the light reaches every point unattenuated
-    double refinement = 1; // 2 halves the panels that rays start from and asks a hundredth of their error
-    unsigned threads = 0;  // 0: as many as the machine has
-};
-
-// Row by row from the top left, pixel centres at +0.5.
-struct Picture {
-    int width = 0, height = 0;
-    std::vector<glm::dvec3> radiance;  // scattered toward the camera, premultiplied (nothing behind the medium)
-    std::vector<double> transmittance; // of what is behind it
-};
-
-// Rays start at the camera itself; there are no opaque objects and no ambient light. Panels of 8 Gauss-Legendre nodes are halved
-// until their highest Legendre coefficients are below 1e-2 of the panel; the tests show that refining changes less than 1e-5.
+World worldOf(const Medium& medium, const Light& light, Model model);
 Picture render(const Medium& medium, const Light& light, const Pose& pose, int width, int height, Model model,
                const Settings& settings = {});
 

@@ -1,0 +1,31 @@
+#include "tests/reference/camera.h"
+
+#include <cmath>
+
+namespace brume::reference {
+
+Camera perspective(const Pose& pose, int width, int height, double near_depth) {
+    return {width,         height,
+            pose.position, glm::mat3_cast(glm::normalize(glm::dquat(pose.orientation))),
+            false,         std::tan(pose.fov_y / 2.0),
+            near_depth};
+}
+
+Camera orthographic(const Pose& pose, int width, int height, double height_m) {
+    Camera camera = perspective(pose, width, height);
+    camera.orthographic = true;
+    camera.half_height = height_m / 2;
+    return camera;
+}
+
+Ray rayThrough(const Camera& camera, double x, double y) {
+    const double right = (2 * x - camera.width) / camera.height * camera.half_height;
+    const double up = (1 - 2 * y / camera.height) * camera.half_height;
+    if (camera.orthographic)
+        return {camera.position + camera.world_from_view * glm::dvec3(right, up, 0), -camera.world_from_view[2],
+                camera.near_depth};
+    const glm::dvec3 in_view(right, up, -1);
+    return {camera.position, glm::normalize(camera.world_from_view * in_view), camera.near_depth * glm::length(in_view)};
+}
+
+} // namespace brume::reference

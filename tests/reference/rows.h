@@ -1,0 +1,24 @@
+// Work on a picture's rows, shared out among threads.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <vector>
+
+namespace brume::reference {
+
+// Calls make() once a thread and what it returns for each row; 0 threads: as many as the machine has.
+template <typename Make>
+void forRows(int height, unsigned threads, const Make& make) {
+    std::atomic<int> next_row{0};
+    const auto work = [&] {
+        auto row = make();
+        for (int y = next_row++; y < height; y = next_row++) row(y);
+    };
+    const unsigned most = static_cast<unsigned>(std::max(height, 1));
+    std::vector<std::jthread> workers(std::min(most, threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())));
+    for (std::jthread& worker : workers) worker = std::jthread(work);
+}
+
+} // namespace brume::reference

@@ -1,0 +1,119 @@
+// What the reference renders: media, lights, opaque objects, sky, all in double. Metres, radians, linear radiance.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "common/scene.h"
+#include "shaders/shared/types.h"
+
+namespace brume::reference {
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kSqrtPi = 1.77245385090551602730;
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A point on it is origin + t * direction, t in m; `direction` is unit.
+struct Ray {
+    glm::dvec3 origin, direction;
+    double begin = 0, end = kInfinity;
+    glm::dvec3 at(double t) const { return origin + t * direction; }
+};
+
+struct Interval {
+    double begin, end;
+    bool empty() const { return !(end > begin); }
+};
+
+// A Gaussian particle: extinction = sigma_t exp(-k^2 r^2).
+struct Blob {
+    glm::dvec3 centre; // m
+    double scale;      // m, centre to vertex of its tetrahedron
+    double k;          // 1/m
+    double sigma_t;    // 1/m at the centre
+    double half_line;  // optical depth from the centre outward
+    glm::dvec3 albedo;
+};
+std::vector<Blob> blobsOf(std::span<const gpu::Particle> particles, double falloff);
+
+enum class Support { full, tetrahedron };
+enum class Composition {
+    overlapping, // the true medium: extinctions add up
+    sequential,  // particles integrated one by one and composited by the distance of their centres from the ray's origin
+};
+
+// The medium of seed 003: constant extinction wherever at least one ball is, however many overlap. The seed gives no numbers
+// ("user defined"): a particle is a ball of its mesh's circumscribed sphere, its extinction one for the whole medium.
+struct UnionMedium {
+    struct Ball {
+        glm::dvec3 centre;
+        double radius; // m
+    };
+    std::vector<Ball> balls;
+    double sigma_t = 0; // 1/m
+    glm::dvec3 albedo{1};
+};
+// Each particle a ball of radius `radius_per_scale` times its scale.
+UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t, glm::dvec3 albedo);
+
+// extinction = sigma_t e^(-falloff y) where lo <= y <= hi and |x - centre| <= radius.
+struct Fog {
+    double sigma_t = 0; // 1/m at y = 0
+    glm::dvec3 albedo{1};
+    double falloff = 0;                     // 1/m; 0: homogeneous
+    double lo = -kInfinity, hi = kInfinity; // m
+    glm::dvec3 centre{0};
+    double radius = kInfinity; // m
+};
+
+struct LightSource {
+    enum class Kind { directional, point, spot };
+    Kind kind = Kind::directional;
+    glm::dvec3 colour{1};                // directional: perpendicular irradiance E, W/m^2; else radiant intensity I, W/sr
+    glm::dvec3 to_light{0, 1, 0};        // directional: unit
+    glm::dvec3 position{0};              // point, spot
+    glm::dvec3 axis{0, -1, 0};           // spot: unit, along the light's travel
+    double cos_outer = 0, cos_inner = 1; // spot: I * smoothstep(cos_outer, cos_inner, cosine to the axis)
+};
+
+struct Obstacle {
+    enum class Kind { plane, box, sphere }; // a plane is horizontal ground, seen from above
+    Kind kind = Kind::plane;
+    glm::dvec3 centre{0};    // of a plane: only y counts
+    glm::dvec3 half_size{1}; // of a sphere: x is the radius
+    double yaw = 0;          // of a box, about +Y
+    glm::dvec3 albedo{0.5};
+};
+
+struct World {
+    std::vector<Blob> blobs;
+    Support support = Support::full;                    // of the blobs along the view
+    bool cut_light = false;                             // with Support::tetrahedron: light depth ends at the faces, too
+    Composition composition = Composition::overlapping; // sequential: blobs alone
+    UnionMedium balls;
+    std::vector<Fog> fogs;
+    std::vector<LightSource> lights;
+    std::vector<Obstacle> obstacles;
+    glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
+    glm::dvec3 ambient{0};                    // radiance that the medium scatters in without shadowing
+    double anisotropy = 0, asymmetry = 0;     // p = (1 - a) / 4 pi + a HG(g)
+};
+
+// A scene as the server renders it: `medium` and `light` are those of now (Simulation::now()), moved and changed by commands.
+World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
+              const brume::Light& light);
+// At its start.
+World worldOf(const Scene& scene, std::span<const gpu::Particle> particles);
+
+LightSource directional(const brume::Light& light);
+
+// 1/sr; unit directions of propagation. Henyey-Greenstein without cancellation: |in - out|^2 in place of 2 - 2 cos.
+double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out);
+
+// Blends from the horizon's to the zenith's for height in -0.15 ... 0.85 of the unit direction.
+glm::dvec3 skyRadiance(const World& world, glm::dvec3 direction);
+
+} // namespace brume::reference
