@@ -31,8 +31,8 @@ struct Errors {
     double flip = 0;          // mean, LDR-FLIP (common/metrics_flip.h)
     WorstPixel worst;         // the largest term of rel_mse
     size_t pixels = 0;        // compared
-    size_t not_finite =
-        0; // pixels of either whole picture, in the mask or not, with NaN or infinity in radiance or transmittance
+    // Pixels of either whole picture, in the mask or not, with NaN or infinity in radiance or transmittance.
+    size_t not_finite = 0;
 
     // False: something was not finite, or the mask left nothing. Then all errors are NaN, so that no bound on them holds, and
     // `worst` is the first pixel that is not finite.
