@@ -277,6 +277,13 @@ void Device::createDevice(const DeviceOptions& options) {
     }
 }
 
+std::string Device::driver() const {
+    VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver, {}};
+    vkGetPhysicalDeviceProperties2(physical_, &all);
+    return std::string(driver.driverName) + " " + driver.driverInfo;
+}
+
 void Device::countMemory(int64_t bytes) const {
     const uint64_t now = memory_in_use_.fetch_add(uint64_t(bytes)) + uint64_t(bytes);
     uint64_t peak = peak_memory_.load();

@@ -44,6 +44,7 @@ public:
     uint32_t queueFamily() const { return queue_family_; }
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
     std::string name() const { return properties_.deviceName; }
+    std::string driver() const; // its name and version
     bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool hasMeshShaders() const { return mesh_shaders_; }
     bool countsFragments() const { return counts_fragments_; }

@@ -1,0 +1,181 @@
+// The measuring programs themselves: cameras, sweeps, the kept reference, and the report.
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/metrics.h"
+#include "tests/bench/plot.h"
+#include "tests/bench/report.h"
+#include "tests/bench/sweep.h"
+
+namespace brume::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const gpu::Device& device() {
+    static const gpu::Device device({.statistics = true});
+    return device;
+}
+
+fs::path folder(const char* name) {
+    fs::path made = fs::path(testing::TempDir()) / "brume-bench-test" / name;
+    fs::remove_all(made);
+    fs::create_directories(made);
+    return made;
+}
+
+Case smallCloud() {
+    Case wanted;
+    wanted.set = {"medium.count=40", "sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "render.shadow_size=64"};
+    wanted.size = {48, 27};
+    return wanted;
+}
+
+TEST(Camera, NamesDistancesAndPlaces) {
+    const Scene scene = sceneOf({});
+    const Simulation simulation(scene);
+    const glm::vec3 target = scene.camera.target;
+    EXPECT_EQ(poseOf("outside", scene, simulation).position, scene.camera.position);
+    EXPECT_NEAR(glm::distance(poseOf("40m", scene, simulation).position, target), 40, 1e-3);
+    EXPECT_LT(glm::distance(poseOf("inside", scene, simulation).position, target), 3);
+    EXPECT_EQ(poseOf("1,2.5,-3e1", scene, simulation).position, glm::vec3(1, 2.5f, -30));
+    const Pose down = poseOf("0,9,0:0.001,0,0", scene, simulation);
+    EXPECT_LT((down.orientation * glm::vec3(0, 0, -1)).y, -0.99f);
+    for (const char* wrong : {"", "upstairs", "m", "1,2", "1,2,3:4", "1,2,3:4,5,6,7"})
+        EXPECT_THROW(poseOf(wrong, scene, simulation), std::runtime_error) << wrong;
+    EXPECT_EQ(sizeOf("640x360"), glm::uvec2(640, 360));
+    for (const char* wrong : {"", "640", "0x9", "9x0", "8193x1", "-1x4", "640x360x2", "999999x1"})
+        EXPECT_THROW(sizeOf(wrong), std::runtime_error) << wrong;
+}
+
+TEST(Truth, IsNearTheRenderersPictureAndKept) {
+    Stage stage(device(), smallCloud());
+    const fs::path cache = folder("truth");
+    Truth truth(cache);
+    const RadianceImage exact = truth.of(stage, stage.pose(), {48, 27});
+    ASSERT_EQ(std::distance(fs::directory_iterator(cache), fs::directory_iterator()), 1);
+    const RadianceImage again = truth.of(stage, stage.pose(), {48, 27});
+    EXPECT_EQ(exact.radiance, again.radiance);
+    const RadianceImage got = stage.picture(stage.pose(), {48, 27});
+    const Errors errors = compare(got, exact, {}, mediumMask(exact));
+    EXPECT_TRUE(errors.comparable());
+    EXPECT_LT(errors.relative_rmse, 0.03) << describe(errors);
+    (void)truth.of(stage, poseOf("30m", stage.scene(), stage.simulation()), {48, 27});
+    EXPECT_EQ(std::distance(fs::directory_iterator(cache), fs::directory_iterator()), 2) << "another camera, another picture";
+}
+
+TEST(Frame, CountsPassesFragmentsAndMemory) {
+    Case two = smallCloud();
+    two.viewers = 2;
+    Stage one(device(), smallCloud());
+    const FrameCost a = one.frame();
+    Stage both(device(), two);
+    const FrameCost b = both.frame();
+    const auto has = [](const FrameCost& cost, const char* name, bool shared) {
+        for (const FrameCost::Pass& pass : cost.passes)
+            if (pass.name == name) return pass.shared == shared && pass.ms > 0;
+        return false;
+    };
+    EXPECT_TRUE(has(a, "shadow volume", true));
+    EXPECT_TRUE(has(a, "medium", false));
+    EXPECT_EQ(a.passes.size(), b.passes.size()) << "one line per pass, whatever the viewers";
+    if (device().countsFragments()) {
+        EXPECT_GT(a.fragments, 48 * 27 / 4);
+        EXPECT_GT(b.fragments, a.fragments * 3 / 2);
+    }
+    EXPECT_GT(one.deviceBytes(), 64 * 64 * 16 * 4);
+    EXPECT_GE(device().peakMemory(), one.deviceBytes() + both.deviceBytes());
+}
+
+TEST(Sweep, RunsAndIsReported) {
+    const fs::path here = folder("sweep");
+    std::ofstream(here / "s.toml") << R"(
+[[series]]
+name = "Ways <1>"
+about = "Two ways."
+scenes = ["cloud"]
+sizes = ["48x27"]
+viewers = ["1", "2"]
+set = ["medium.count=40", "render.shadow_size=64"]
+error = "32x18"
+baseline = "two"
+published_on = "paper"
+variant = [
+    { name = "one", set = ["render.method=isv", "render.steps=2"] },
+    { name = "two", set = ["render.method=sphere"], published_ms = 4 },
+]
+[[series]]
+name = "JPEG"
+kind = "jpeg"
+scenes = ["cloud"]
+sizes = ["64x32"]
+qualities = ["20", "95"]
+[[series]]
+name = "Orbit"
+kind = "orbit"
+scenes = ["cloud"]
+error = "32x18"
+frames = 2
+degrees = 1
+set = ["medium.count=10"]
+)";
+    Truth truth(here / "cache");
+    json results = {{"device", "d"}, {"command", "c"}};
+    results["series"] = runSweep(device(), loadSweep(here / "s.toml"), truth, {.seconds = 0, .least = 2, .only = "", .ticks = 0});
+    const json& rows = results["series"][0]["rows"];
+    ASSERT_EQ(rows.size(), 4u);
+    EXPECT_EQ(rows[0]["frames"], 2);
+    EXPECT_GT(rows[0]["medium_ms"], 0);
+    EXPECT_GT(rows[0]["error"]["relative_rmse"], 2 * rows[1]["error"]["relative_rmse"].get<double>())
+        << "interval shading cuts the Gaussians off";
+    const json& jpeg = results["series"][1]["rows"];
+    EXPECT_LT(jpeg[0]["bytes"], jpeg[1]["bytes"]);
+    EXPECT_GT(jpeg[0]["flip"], jpeg[1]["flip"]);
+    EXPECT_LT(std::abs(results["series"][2]["rows"][0]["temporal_flip"].get<double>()), 0.05);
+
+    writeReport(results, here, "r");
+    std::stringstream text;
+    text << std::ifstream(here / "r.md").rdbuf();
+    for (const char* expected : {"## Ways <1>", "| two |", "| 4 | 1 |", "![time against error](r-ways-1-cloud-outside-48x27.svg)",
+                                 "## JPEG", "## Orbit"})
+        EXPECT_NE(text.str().find(expected), std::string::npos) << expected;
+    EXPECT_TRUE(fs::exists(here / "r-ways-1-cloud-outside-48x27.svg"));
+    const std::string compared = compareResults(results, results);
+    EXPECT_NE(compared.find("Ways <1> · `cloud`, outside, 48x27 · one"), std::string::npos) << compared;
+    EXPECT_THROW(writeReport(json::object(), here, "x"), std::runtime_error);
+}
+
+TEST(Sweep, RefusesWhatItDoesNotKnow) {
+    const fs::path file = folder("wrong") / "w.toml";
+    for (const char* wrong : {"[[series]]\nnmae = \"x\"", "[[series]]\nkind = \"guess\"", "[[series]]\nscenes = [1]",
+                              "[[series]]\nvariant = []", "[series"}) {
+        std::ofstream(file) << wrong;
+        EXPECT_THROW(loadSweep(file), SceneError) << wrong;
+    }
+    EXPECT_THROW(loadSweep("no/such.toml"), SceneError);
+    for (const char* shipped : {"methods", "dissertation"})
+        EXPECT_GT(loadSweep(fs::path("tests/bench/sweeps") / (std::string(shipped) + ".toml")).size(), 2u);
+}
+
+TEST(Plot, FrontIsWhatNothingBeats) {
+    const std::vector<Point> points = {
+        {"slow, exact", 10, 1}, {"beaten", 9, 6}, {"middle", 5, 5}, {"fast", 1, 20}, {"twin", 5, 6}};
+    EXPECT_EQ(paretoFront(points), (std::vector<size_t>{3, 2, 0}));
+    const std::string drawn = svg({"a < b", "ms", "%", points});
+    EXPECT_NE(drawn.find("a &lt; b"), std::string::npos);
+    EXPECT_EQ(drawn.find("nan"), std::string::npos);
+    EXPECT_NE(svg({"none", "x", "y", {{"bad", 0, -1}}}).find("</svg>"), std::string::npos);
+}
+
+TEST(Percentile, IsOfTheNearestRank) {
+    EXPECT_EQ(percentile({3, 1, 2}, 0.5), 2);
+    EXPECT_EQ(percentile({4, 1, 2, 3}, 0.95), 4);
+    EXPECT_EQ(percentile({}, 0.5), 0);
+}
+
+} // namespace
+} // namespace brume::bench

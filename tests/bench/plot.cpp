@@ -1,0 +1,109 @@
+#include "tests/bench/plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace brume::bench {
+namespace {
+
+constexpr double kWidth = 760, kHeight = 460, kLeft = 70, kRight = 20, kTop = 40, kBottom = 50;
+constexpr const char* kColours[] = {"#1f6fb4", "#d9702a", "#2f9e58", "#a04fb5", "#b8434e", "#6b6f76"};
+
+std::string format(const char* how, auto... values) {
+    char text[512];
+    std::snprintf(text, sizeof text, how, values...);
+    return text;
+}
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+    return out;
+}
+
+// A logarithmic axis over whole decades or, when all values are near, over 1-2-5 steps.
+struct Axis {
+    double lo, hi, begin, end; // lo ... hi is drawn from begin to end
+    double at(double v) const { return begin + (end - begin) * std::log(v / lo) / std::log(hi / lo); }
+
+    std::vector<double> ticks() const {
+        std::vector<double> all;
+        for (double decade = std::pow(10, std::floor(std::log10(lo))); decade <= hi * 1.001; decade *= 10)
+            for (const double step : {1.0, 2.0, 5.0})
+                if (decade * step >= lo * 0.999 && decade * step <= hi * 1.001 && (step == 1.0 || hi / lo < 200))
+                    all.push_back(decade * step);
+        return all;
+    }
+};
+
+Axis axisOver(const std::vector<Point>& points, double Point::*value, double begin, double end) {
+    double lo = 1e300, hi = 0;
+    for (const Point& p : points) lo = std::min(lo, p.*value), hi = std::max(hi, p.*value);
+    return {lo / 1.35, hi * 1.35, begin, end};
+}
+
+} // namespace
+
+std::vector<size_t> paretoFront(const std::vector<Point>& points) {
+    std::vector<size_t> order(points.size()), front;
+    for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+        return points[a].x != points[b].x ? points[a].x < points[b].x : points[a].y < points[b].y;
+    });
+    for (const size_t i : order)
+        if (front.empty() || points[i].y < points[front.back()].y) front.push_back(i);
+    return front;
+}
+
+std::string svg(const Plot& plot) {
+    std::vector<Point> points;
+    for (const Point& p : plot.points)
+        if (std::isfinite(p.x) && std::isfinite(p.y) && p.x > 0 && p.y > 0) points.push_back(p);
+    std::string out =
+        format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %g %g\" font-family=\"sans-serif\" font-size=\"12\">\n"
+               "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
+               kWidth, kHeight);
+    out += format("<text x=\"%g\" y=\"22\" font-size=\"15\">", kLeft) + escaped(plot.title) + "</text>\n";
+    if (points.empty()) return out + "</svg>\n";
+    const Axis x = axisOver(points, &Point::x, kLeft, kWidth - kRight), y = axisOver(points, &Point::y, kHeight - kBottom, kTop);
+    for (const double v : x.ticks())
+        out += format("<path d=\"M%.1f %gV%g\" stroke=\"#e4e6ea\"/><text x=\"%.1f\" y=\"%g\" text-anchor=\"middle\">%g</text>\n",
+                      x.at(v), kTop, kHeight - kBottom, x.at(v), kHeight - kBottom + 16, v);
+    for (const double v : y.ticks())
+        out += format("<path d=\"M%g %.1fH%g\" stroke=\"#e4e6ea\"/><text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
+                      kLeft, y.at(v), kWidth - kRight, kLeft - 6, y.at(v) + 4, v);
+    out += format("<text x=\"%g\" y=\"%g\" text-anchor=\"middle\">", (kLeft + kWidth) / 2, kHeight - 12) + escaped(plot.x_label) +
+           "</text>\n";
+    out += format("<text transform=\"translate(16 %g) rotate(-90)\" text-anchor=\"middle\">", kHeight / 2) +
+           escaped(plot.y_label) + "</text>\n";
+
+    const auto line = [&](const std::vector<size_t>& along, const char* colour) {
+        std::string path;
+        for (const size_t i : along)
+            path += format("%s%.1f %.1f", path.empty() ? "M" : "L", x.at(points[i].x), y.at(points[i].y));
+        out += "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\" stroke-width=\"1.5\"/>\n";
+    };
+    const std::vector<size_t> front = plot.front ? paretoFront(points) : std::vector<size_t>{};
+    if (plot.front) line(front, "#2b2f36");
+    if (plot.joined) {
+        for (int group = 0; group < 6; ++group) {
+            std::vector<size_t> along;
+            for (size_t i = 0; i < points.size(); ++i)
+                if (points[i].group % 6 == group) along.push_back(i);
+            if (along.size() > 1) line(along, kColours[group]);
+        }
+    }
+    for (size_t i = 0; i < points.size(); ++i) {
+        const Point& p = points[i];
+        const bool best = std::find(front.begin(), front.end(), i) != front.end(), right = x.at(p.x) > kWidth * 0.7;
+        out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%d\" fill=\"%s\"%s/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\"%s>",
+                      x.at(p.x), y.at(p.y), best ? 6 : 4, kColours[p.group % 6],
+                      best ? " stroke=\"#2b2f36\" stroke-width=\"1.5\"" : "", x.at(p.x) + (right ? -9 : 9), y.at(p.y) - 6,
+                      right ? "end" : "start", best ? " font-weight=\"bold\"" : "") +
+               escaped(p.label) + "</text>\n";
+    }
+    return out + "</svg>\n";
+}
+
+} // namespace brume::bench

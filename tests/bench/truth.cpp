@@ -1,0 +1,72 @@
+#include "tests/bench/truth.h"
+
+#include <chrono>
+#include <cstdio>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "tests/reference/medium_reference.h"
+
+namespace brume::bench {
+namespace {
+
+constexpr double kNearDepth = 0.05; // m, as the renderer has it
+constexpr double kTolerance = 1e-6; // of the reference: a hundredth of the smallest error that a report prints
+
+template <class T>
+void add(XXH3_state_t& state, const T& values) {
+    XXH3_64bits_update(&state, std::data(values), std::size(values) * sizeof(*std::data(values)));
+}
+
+// Of everything that the picture depends on; the version goes up when the reference itself changes.
+std::string nameOf(const reference::World& world, std::span<const gpu::Particle> particles, const Pose& pose, glm::uvec2 size) {
+    XXH3_state_t state;
+    XXH3_64bits_reset(&state);
+    add(state, particles);
+    std::vector<double> numbers = {
+        1, double(size.x), double(size.y), kTolerance, world.anisotropy, world.asymmetry, double(pose.fov_y)};
+    const auto list = [&](glm::dvec3 v) { numbers.insert(numbers.end(), {v.x, v.y, v.z}); };
+    for (const auto& blob : world.blobs) numbers.push_back(blob.k);
+    for (const auto& light : world.lights) list(light.colour), list(light.to_light), list(light.position);
+    for (const auto& o : world.obstacles) {
+        list(o.centre), list(o.half_size), list(o.albedo);
+        numbers.insert(numbers.end(), {o.yaw, double(o.kind)});
+    }
+    list(world.sky_zenith), list(world.sky_horizon), list(world.ambient), list(pose.position);
+    const glm::quat q = pose.orientation;
+    numbers.insert(numbers.end(), {q.x, q.y, q.z, q.w});
+    add(state, numbers);
+    char name[32];
+    std::snprintf(name, sizeof name, "%016llx.exr", static_cast<unsigned long long>(XXH3_64bits_digest(&state)));
+    return name;
+}
+
+} // namespace
+
+Truth::Truth(std::filesystem::path folder) : folder_(std::move(folder)) { std::filesystem::create_directories(folder_); }
+
+RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 size) {
+    const std::vector<gpu::Particle> particles = stage.particles();
+    const SceneNow& now = stage.simulation().now();
+    const reference::World world = reference::worldOf(stage.scene(), particles, now.medium, now.light);
+    const std::filesystem::path file = folder_ / nameOf(world, particles, pose, size);
+    if (std::filesystem::exists(file)) return readExr(file);
+
+    std::fprintf(stderr, "  reference %ux%u of %s ...", size.x, size.y, stage.scene().name.c_str());
+    const auto begin = std::chrono::steady_clock::now();
+    reference::Settings settings;
+    settings.tolerance = kTolerance;
+    const reference::Picture exact =
+        reference::render(world, reference::perspective(pose, int(size.x), int(size.y), kNearDepth), settings);
+    RadianceImage image{exact.width, exact.height, {}, {}};
+    for (const glm::dvec3& r : exact.total()) image.radiance.emplace_back(r);
+    for (const double t : exact.transmittance) image.transmittance.push_back(float(t));
+    const std::filesystem::path part = file.string() + ".part.exr"; // whole or not at all
+    writeExr(part, image);
+    std::filesystem::rename(part, file);
+    std::fprintf(stderr, " %.1f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    return image;
+}
+
+} // namespace brume::bench
