@@ -1,7 +1,6 @@
 // The reference against exact answers, and against itself refined.
 #include "tests/reference/medium_reference.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -102,6 +101,29 @@ TEST(LightField, EqualsTheWholeSum) {
     EXPECT_EQ(field.depth({100, 100, 100}), 0);
 }
 
+TEST(PointField, EqualsTheWholeSum) {
+    const auto blobs = blobsOf(randomCloud(200, 10, 3, 1.0f), 1.6);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(-8, 8);
+    for (const glm::dvec3 light : {glm::dvec3(0, 9, 2), glm::dvec3(0.5, 0.2, 0), glm::dvec3(-40, 3, 20)}) {
+        const PointField field(blobs, light);
+        double largest = 0;
+        for (int i = 0; i < 300; ++i) {
+            const glm::dvec3 x(unit(random), unit(random), unit(random)), w = glm::normalize(light - x);
+            double sum = 0;
+            for (const Blob& b : blobs) {
+                const double s = glm::dot(b.centre - x, w), b2 = glm::dot(b.centre - x, b.centre - x) - s * s;
+                sum +=
+                    b.half_line * std::exp(-b.k * b.k * b2) * (std::erf(b.k * (glm::length(light - x) - s)) - std::erf(-b.k * s));
+            }
+            EXPECT_NEAR(field.depth(x), sum, 1e-7);
+            largest = std::max(largest, sum);
+        }
+        EXPECT_GT(largest, 1);
+        EXPECT_EQ(field.depth(light), 0);
+    }
+}
+
 TEST(OneGaussian, TransmittanceOfEveryPixel) {
     const gpu::Particle one = particle({0.4f, -0.3f, 0.2f}, 2, 1.3f);
     const Pose pose = lookAt({3, 4, 7}, {0, 0, 0}, 0.7f);
@@ -156,7 +178,7 @@ TEST(TwoCoincident, OverlappingIsOneOfTwiceTheDensitySequentialIsNot) {
 }
 
 // A lattice of Gaussians one standard deviation apart is a slab whose extinction depends on height alone.
-TEST(Slab, ReflectedAndTransmitted) {
+TEST(LatticeOfGaussians, IsASlab) {
     const double tau = 1.7, light_cosine = 0.6, view_cosine = 0.85, scale = 1, falloff = 1.6;
     const double k = std::sqrt(50.0) / (scale * falloff), spacing = scale * falloff / 10;
     const auto sigma = static_cast<float>(tau * spacing * spacing / std::pow(std::sqrt(kPi) / k, 3));
@@ -234,10 +256,8 @@ TEST(Convergence, RefinementChangesNothing) {
         Settings fine;
         fine.tolerance = 1e-10;
         for (const Model model : kModels) {
-            const auto begin = std::chrono::steady_clock::now();
             const Picture coarse = render({cloud, 1.6, 0, 0}, light, pose, 24, 14, model);
             const Picture better = render({cloud, 1.6, 0, 0}, light, pose, 24, 14, model, fine);
-            std::printf("%g s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
             const double error = relativeRmse(coarse.radiance, better.radiance);
             std::printf("extinction %g, model %d: refinement changes the picture by %.2g\n", static_cast<double>(sigma_t),
                         static_cast<int>(model), error);
@@ -258,6 +278,31 @@ TEST(Models, DifferWhereParticlesOverlap) {
     EXPECT_LT(difference, 0.1);
     for (size_t i = 0; i < overlapping.transmittance.size(); ++i)
         EXPECT_DOUBLE_EQ(overlapping.transmittance[i], sequential.transmittance[i]) << "transmittance does not depend on order";
+}
+
+TEST(World, OfASceneAsItIsNow) {
+    Scene scene;
+    scene.lights = {unitLight({0, 1, 0})};
+    scene.planes = {{-2, glm::vec3(0.1f)}};
+    scene.boxes = {{{1, 2, 3}, {2, 4, 6}, 0.5f, glm::vec3(0.2f)}};
+    scene.spheres = {{{4, 5, 6}, 1.5f, glm::vec3(0.3f)}};
+    scene.sky.ambient = glm::vec3(0.25f);
+    const auto particles = randomCloud(3, 10, 6, 0.5f);
+    brume::Medium medium = scene.medium; // both have changed since the start
+    medium.falloff = 2;
+    medium.asymmetry = 0.5f;
+    brume::Light light = scene.lights[0];
+    light.to_light = {0, 0, 1};
+    const World world = worldOf(scene, particles, medium, light);
+    ASSERT_EQ(world.blobs.size(), 3u);
+    EXPECT_NEAR(world.blobs[1].k, std::sqrt(50.0) / (2 * particles[1].scale), 1e-12);
+    EXPECT_EQ(world.asymmetry, 0.5);
+    EXPECT_EQ(world.lights.at(0).to_light, glm::dvec3(0, 0, 1));
+    EXPECT_EQ(world.ambient, glm::dvec3(0.25));
+    ASSERT_EQ(world.obstacles.size(), 3u);
+    EXPECT_EQ(nearest(world.obstacles, {{0, 9, 0}, {0, -1, 0}}).t, 11);
+    EXPECT_NEAR(nearest(world.obstacles, {{1, 9, 3}, {0, -1, 0}}).t, 5, 1e-12) << "sizes are full lengths";
+    EXPECT_NEAR(nearest(world.obstacles, {{4, 9, 6}, {0, -1, 0}}).t, 2.5, 1e-12);
 }
 
 TEST(RelativeRmse, CountsOnlyWhatIsBright) {

@@ -45,8 +45,8 @@ enum class Composition {
     sequential,  // particles integrated one by one and composited by the distance of their centres from the ray's origin
 };
 
-// The medium of seed 003: constant extinction wherever at least one ball is, however many overlap. The seed gives no numbers
-// ("user defined"): a particle is a ball of its mesh's circumscribed sphere, its extinction one for the whole medium.
+// The medium of seed 003: constant extinction wherever at least one ball is, however many overlap. The seed gives no numbers: its
+// extinction is "user defined", one for the whole medium, and its radius that of a particle's icosahedron, here a ball.
 struct UnionMedium {
     struct Ball {
         glm::dvec3 centre;
