@@ -26,7 +26,7 @@ function(brume_program name)
   target_link_libraries(${name} PRIVATE brume_flags ${ARG_LINKS})
 endfunction()
 
-# brume_test(NAME LABEL unit|gpu|net SOURCES ... LINKS ...): one ctest entry per program, so that a device is made once.
+# brume_test(NAME LABEL unit|gpu|hard|net SOURCES ... LINKS ...): one ctest entry per program, so that a device is made once.
 # The target tests-LABEL builds all programs of one label.
 function(brume_test name)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINKS" ${ARGN})

@@ -65,6 +65,7 @@ void main() {
                 if (kHasCasters) light *= visibilityAt(ray, interval.x + node.z);
                 scattered += node.weight * light;
             }
+            scattered = min(scattered, opacity(segment.depth)); // all that can be; nodes too far apart would make more
         }
     }
     radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, segment.depth);

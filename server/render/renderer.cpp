@@ -129,8 +129,7 @@ void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes)
     if (radiance_ && extent.width == radiance_.extent().width && extent.height == radiance_.extent().height) return;
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
     radiance_ = gpu::Image(
-        device_,
-        {VK_FORMAT_R32G32B32A32_SFLOAT, extent, usage | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
+        device_, {kRadianceFormat, extent, usage | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
         "radiance");
     view_depth_ = gpu::Image(device_, {VK_FORMAT_R32_SFLOAT, extent, usage}, "view depth");
     gpu::toGeneral(cmd, radiance_);

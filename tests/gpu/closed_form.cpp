@@ -25,6 +25,24 @@ Crossing cross(const reference::Blob& blob, const Ray& ray) {
 
 } // namespace
 
+const glm::vec3 kVertices[4] = {glm::vec3(1, 1, 1) / std::sqrt(3.0f), glm::vec3(1, -1, -1) / std::sqrt(3.0f),
+                                glm::vec3(-1, 1, -1) / std::sqrt(3.0f), glm::vec3(-1, -1, 1) / std::sqrt(3.0f)};
+
+int verticesBehind(const Point& p, const Pose& pose) {
+    int behind = 0;
+    for (const glm::vec3& vertex : kVertices) {
+        const glm::vec3 view = glm::inverse(pose.orientation) * (p.centre + p.scale * vertex - pose.position);
+        behind += -view.z < float(kNearDepth);
+    }
+    return behind;
+}
+
+Point thick(glm::vec3 centre, float scale, double depth, float falloff) {
+    return {centre, scale, float(depth / (double(scale) * double(falloff) * std::sqrt(kPi / 50)))};
+}
+
+double allowed(double distance, double k, double depth) { return 3e-6 + 2e-7 * distance * k * depth; }
+
 std::vector<gpu::Particle> particlesOf(const Scene& scene) {
     const Simulation simulation(scene);
     std::vector<gpu::Particle> particles(simulation.liveCount());
@@ -86,7 +104,7 @@ double simpson(const reference::Blob& blob, const Ray& ray, Interval interval, i
         const double rule = i == 0 || i == 2 * steps ? 1 : i % 2 == 1 ? 4 : 2;
         sum += rule * c.peak * std::exp(-q * q - depthOn(blob, ray, {interval.begin, t}) - light_depth(t));
     }
-    return sum * interval.length() / (6 * steps);
+    return std::min(sum * interval.length() / (6 * steps), -std::expm1(-depthOn(blob, ray, interval)));
 }
 
 double transmittanceSpace(const reference::Blob& blob, const Ray& ray, Interval interval, int points,

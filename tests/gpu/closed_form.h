@@ -15,6 +15,18 @@ namespace brume::test {
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kNearDepth = 0.05; // m, the renderer's near plane
 
+// Directions to the vertices of every tetrahedron, and how many of one particle's lie behind a pose's near plane.
+extern const glm::vec3 kVertices[4];
+int verticesBehind(const Point& p, const Pose& pose);
+
+// A particle whose central optical depth is `depth`.
+Point thick(glm::vec3 centre, float scale, double depth, float falloff);
+
+// What a transmittance may be wrong by, for a particle of central optical depth `depth` seen from `distance` (m): float and the
+// cut-off of 1e-6. A place errs by about an ulp of the distance; its part in k^2 b^2 changes the depth by up to 0.86 k tau a
+// metre.
+double allowed(double distance, double k, double depth);
+
 // The scene's particles as the renderer gets them.
 std::vector<gpu::Particle> particlesOf(const Scene& scene);
 std::vector<reference::Blob> blobsOf(const Scene& scene);
@@ -42,7 +54,7 @@ double depthOn(const reference::Blob& blob, const Ray& ray, Interval interval);
 double scatteredOn(const reference::Blob& blob, const Ray& ray, Interval interval,
                    const std::function<double(double)>& light_depth);
 
-// The quadratures by their definitions, with light depth from `light_depth(t)`.
+// The quadratures by their definitions, with light depth from `light_depth(t)`; Simpson's with at most 1 - T, as isv bounds it.
 double simpson(const reference::Blob& blob, const Ray& ray, Interval interval, int steps,
                const std::function<double(double)>& light_depth);
 double transmittanceSpace(const reference::Blob& blob, const Ray& ray, Interval interval, int points,

@@ -189,18 +189,6 @@ TEST_F(EyesTest, RadianceHasTheSameBitsOnEveryRun) {
 
 // --- the ends of what a scene may be ---
 
-TEST_F(PictureTest, SkyAloneBeforeTheFirstParticleIsBorn) {
-    Scene scene = sceneOf({Point{}});
-    scene.medium.layout = Layout::emitter;
-    scene.medium.emitter.rate = 1e-3f;
-    scene.medium.emitter.life = 0.1f;
-    scene.sky.zenith = scene.sky.horizon = glm::vec3(0.25f);
-    const Simulation simulation(scene);
-    ASSERT_EQ(simulation.liveCount(), 0u);
-    for (const glm::vec4& pixel : render(device(), scene, Pose{}, 20, 10).pixels)
-        for (int c = 0; c < 3; ++c) ASSERT_NEAR(pixel[c], 0.25f, 1e-6f);
-}
-
 // 0 is an allowed cut-off: it means that nothing that could be seen is left out.
 TEST_F(PictureTest, NoCutOffAtAll) {
     Scene scene = sceneOf({Point{{0, 0, 0}, 2, 0.5f}}, 1.6f);

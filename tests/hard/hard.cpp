@@ -1,0 +1,148 @@
+#include "tests/hard/hard.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iomanip>
+
+#include "server/render/method.h"
+
+namespace brume::test {
+namespace {
+
+struct Row {
+    std::string hard_case, way;
+    double error, tolerance;
+};
+
+std::vector<Row>& rows() {
+    static std::vector<Row> all;
+    return all;
+}
+
+// At the end of the program: the Markdown table, where BRUME_HARD_TABLE asks for it.
+class TableWriter : public testing::Environment {
+    void TearDown() override {
+        const char* file = std::getenv("BRUME_HARD_TABLE");
+        if (!file) return;
+        std::ofstream out(file);
+        out << "# Hard cases\n\n"
+               "Every method, in float32, on what breaks naive renderers: the largest error against an exact answer, and the "
+               "tolerance\n"
+               "that the test demands. What is compared, why it is hard and where the tolerance comes from stands with each case "
+               "in\n"
+               "`tests/hard`. Made by `BRUME_HARD_TABLE=docs/results/hard-cases.md build/release/tests/hard_tests`.\n\n"
+               "| case | method | error | tolerance |\n|---|---|---|---|\n";
+        out << std::setprecision(2);
+        for (const Row& row : rows())
+            out << "| " << row.hard_case << " | " << row.way << " | " << row.error << " | " << row.tolerance << " |\n";
+    }
+};
+
+const testing::Environment* const kTableWriter = testing::AddGlobalTestEnvironment(new TableWriter);
+
+} // namespace
+
+std::string Way::name() const {
+    if (quadrature.empty()) return method;
+    return method + ", " + quadrature + (quadrature == "analytic" ? "" : '-' + std::to_string(steps));
+}
+
+std::vector<Way> ways() {
+    std::vector<Way> all;
+    for (const MethodInfo& method : methods()) {
+        if (method.name != std::string("isv")) {
+            all.push_back({method.name, "", 0});
+            continue;
+        }
+        for (const char* quadrature : quadratures()) all.push_back({method.name, quadrature, 2});
+    }
+    return all;
+}
+
+void choose(Scene& scene, const Way& way) {
+    scene.render.method = way.method;
+    if (way.quadrature.empty()) return;
+    scene.render.quadrature = way.quadrature;
+    scene.render.steps = way.steps;
+}
+
+bool isCut(const Way& way) { return way.method == "isv"; }
+
+Interval supportOf(const Way& way, const reference::Blob& blob, const Ray& ray) {
+    return isCut(way) ? insideTetrahedron(blob, ray) : wholeRay(ray);
+}
+
+double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray,
+                   const std::function<double(double)>& light_depth) {
+    const Interval inside = supportOf(way, blob, ray);
+    if (way.method == "sphere") return twoPoints(blob, ray, inside, light_depth);
+    if (way.method != "isv") return scatteredOn(blob, ray, inside, light_depth);
+    if (!(inside.length() > 0)) return 0;
+    if (way.quadrature == "transmittance") return transmittanceSpace(blob, ray, inside, int(way.steps), light_depth);
+    const double in = light_depth(inside.begin), out = light_depth(inside.end);
+    const auto linear = [&](double t) { return glm::mix(in, out, (t - inside.begin) / inside.length()); };
+    if (way.quadrature == "simpson") return simpson(blob, ray, inside, int(way.steps), linear);
+    if (way.quadrature != "analytic") return scatteredOn(blob, ray, inside, light_depth);
+    const double depth = depthOn(blob, ray, inside), x = depth + out - in;
+    return depth * std::exp(-in) * (std::abs(x) < 1e-6 ? 1 - x / 2 : -std::expm1(-x) / x);
+}
+
+double ruleError(const Way& way) {
+    const bool known = way.method == "sphere" || way.quadrature == "transmittance" || way.quadrature == "simpson" ||
+                       way.quadrature == "analytic";
+    return known ? 0 : 0.15;
+}
+
+void HardTest::judge(const std::string& hard_case, const std::string& way, double error, double tolerance) {
+    EXPECT_LE(error, tolerance) << hard_case << ": " << way;
+    for (Row& row : rows()) {
+        if (row.hard_case != hard_case || row.way != way) continue;
+        // With a tolerance of 0 only the error tells.
+        if (!(tolerance > 0 ? error / tolerance <= row.error / row.tolerance : error <= row.error))
+            row = {hard_case, way, error, tolerance};
+        return;
+    }
+    rows().push_back({hard_case, way, error, tolerance});
+}
+
+HardTest::Seen HardTest::transmittance(Stage& stage, Scene scene, const Way& way, const Pose& pose, uint32_t width,
+                                       uint32_t height, uint32_t stride) {
+    choose(scene, way);
+    const auto blobs = blobsOf(scene);
+    const bool rounded = isCut(way) && scene.medium.falloff > kInside;
+    const auto exactly = [&](uint32_t x, uint32_t y) {
+        const Ray ray = rayThrough(pose, width, height, x, y);
+        double depth = 0;
+        for (const reference::Blob& blob : blobs) depth += depthOn(blob, ray, supportOf(way, blob, ray));
+        return std::exp(-depth);
+    };
+    Seen seen;
+    forPixels(stage.see(scene, pose, width, height), pose, [&](glm::dvec4 got, const Ray&, uint32_t x, uint32_t y) {
+        for (int c = 0; c < 4; ++c) seen.error = worse(seen.error, 0 * got[c]);
+        if ((x + 7 * y) % stride != 0) return;
+        const double here = exactly(x, y);
+        double slope = 0; // per pixel
+        for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)}) {
+            const glm::uvec2 there = glm::uvec2(glm::ivec2(x, y) + step);
+            if (rounded && there.x < width && there.y < height)
+                slope = std::max(slope, std::abs(here - exactly(there.x, there.y)));
+        }
+        seen.error = worse(seen.error, std::abs(got.a - here) - slope / 256);
+        seen.lowest = std::min(seen.lowest, here);
+        seen.covered += here < 1 - 1e-3;
+    });
+    return seen;
+}
+
+double worse(double a, double b) { return b <= a || std::isnan(a) ? a : b; }
+
+int differing(const Picture& a, const Picture& b) {
+    int count = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i)
+        count += i >= b.pixels.size() || std::memcmp(&a.pixels[i], &b.pixels[i], sizeof(glm::vec4)) != 0;
+    return count;
+}
+
+} // namespace brume::test
