@@ -16,10 +16,22 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const gpu::Device& device() {
-    static const gpu::Device device({.statistics = true});
-    return device;
-}
+// With a device that counts; the validation layer has nothing to say.
+class OnDevice : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        gpu::DeviceOptions options;
+        options.validation = true;
+        options.statistics = true;
+        made = std::make_unique<gpu::Device>(options);
+    }
+    static void TearDownTestSuite() { made.reset(); }
+    void TearDown() override { EXPECT_EQ(device().validationMessages(), 0u); }
+    static const gpu::Device& device() { return *made; }
+
+private:
+    static inline std::unique_ptr<gpu::Device> made;
+};
 
 fs::path folder(const char* name) {
     fs::path made = fs::path(testing::TempDir()) / "brume-bench-test" / name;
@@ -52,7 +64,7 @@ TEST(Camera, NamesDistancesAndPlaces) {
         EXPECT_THROW(sizeOf(wrong), std::runtime_error) << wrong;
 }
 
-TEST(Truth, IsNearTheRenderersPictureAndKept) {
+TEST_F(OnDevice, TruthIsNearTheRenderersPictureAndKept) {
     Stage stage(device(), smallCloud());
     const fs::path cache = folder("truth");
     Truth truth(cache);
@@ -68,7 +80,7 @@ TEST(Truth, IsNearTheRenderersPictureAndKept) {
     EXPECT_EQ(std::distance(fs::directory_iterator(cache), fs::directory_iterator()), 2) << "another camera, another picture";
 }
 
-TEST(Frame, CountsPassesFragmentsAndMemory) {
+TEST_F(OnDevice, FrameCountsPassesFragmentsAndMemory) {
     Case two = smallCloud();
     two.viewers = 2;
     Stage one(device(), smallCloud());
@@ -91,7 +103,7 @@ TEST(Frame, CountsPassesFragmentsAndMemory) {
     EXPECT_GE(device().peakMemory(), one.deviceBytes() + both.deviceBytes());
 }
 
-TEST(Sweep, RunsAndIsReported) {
+TEST_F(OnDevice, SweepRunsAndIsReported) {
     const fs::path here = folder("sweep");
     std::ofstream(here / "s.toml") << R"(
 [[series]]

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include <unistd.h>
 
@@ -32,27 +33,37 @@ private:
     int count_ = 0;
 };
 
+// What the tests of a program share. It goes with the last test, not with the program: by then the validation layer has gone
+// before it.
+class Shared : public testing::Environment {
+public:
+    std::optional<gpu::Device> device, without_mesh;
+    std::optional<Stage> plain, plain_without_mesh;
+    void TearDown() override {
+        plain.reset();
+        plain_without_mesh.reset();
+        device.reset();
+        without_mesh.reset();
+    }
+};
+auto* const shared = dynamic_cast<Shared*>(testing::AddGlobalTestEnvironment(new Shared));
+
+const gpu::Device& made(std::optional<gpu::Device>& device, bool mesh) {
+    if (!device) device.emplace(validated(mesh));
+    return *device;
+}
+
+Stage& made(std::optional<Stage>& stage, const gpu::Device& device, uint32_t capacity) {
+    if (!stage) stage.emplace(device, sceneOf({Point{}}), capacity);
+    return *stage;
+}
+
 } // namespace
 
-const gpu::Device& GpuTest::device() {
-    static const gpu::Device shared(validated(true));
-    return shared;
-}
-
-const gpu::Device& GpuTest::deviceWithoutMesh() {
-    static const gpu::Device shared(validated(false));
-    return shared;
-}
-
-Stage& GpuTest::plain() {
-    static Stage shared(device(), sceneOf({Point{}}), kPlainCapacity);
-    return shared;
-}
-
-Stage& GpuTest::plainWithoutMesh() {
-    static Stage shared(deviceWithoutMesh(), sceneOf({Point{}}), kPlainCapacity);
-    return shared;
-}
+const gpu::Device& GpuTest::device() { return made(shared->device, true); }
+const gpu::Device& GpuTest::deviceWithoutMesh() { return made(shared->without_mesh, false); }
+Stage& GpuTest::plain() { return made(shared->plain, device(), kPlainCapacity); }
+Stage& GpuTest::plainWithoutMesh() { return made(shared->plain_without_mesh, deviceWithoutMesh(), kPlainCapacity); }
 
 void GpuTest::TearDown() {
     EXPECT_EQ(device().validationMessages(), 0u);
