@@ -51,6 +51,29 @@ TEST_F(HardTest, InsideAThousandParticles) {
         }
 }
 
+// The light of a thousand so thin that they hardly shadow each other: the sum of what each scatters by the way's rule.
+TEST_F(HardTest, LightInsideAThousandThinParticles) {
+    Scene scene = sceneOf(randomPoints(1000, 1, 8, 1.2e-5f), 1.6f);
+    scene.lights[0].irradiance = glm::vec3(float(4 * kPi));
+    Stage stage(device(), scene, 1000);
+    const auto blobs = blobsOf(scene);
+    double depth = 0; // of a line through all of them
+    for (const reference::Blob& blob : blobs) depth += 2 * blob.half_line;
+    EXPECT_LT(depth, 0.05);
+    const Pose pose = lookAt({0, 0, 0}, {1, 0.5f, 0.2f}, 1.2f);
+    for (const Way& way : ways()) {
+        choose(scene, way);
+        double error = 0;
+        forPixels(stage.see(scene, pose, 6, 4), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
+            double sum = 0;
+            for (const reference::Blob& blob : blobs) sum += scatteredBy(way, blob, ray, [](double) { return 0; });
+            error = worse(error, std::abs(got.r / sum - 1));
+        });
+        // Light is lost to one line at most, view to half of one.
+        judge("camera inside 1,000 thin particles: radiance, relative", way, error, ruleError(way) + 1.5 * depth);
+    }
+}
+
 // Naive: a quadrature or a proxy that changes where the camera enters, and the picture pops.
 TEST_F(HardTest, TheWayThroughAParticle) {
     const float scale = 3;
