@@ -1,5 +1,6 @@
 #include "common/ply.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>

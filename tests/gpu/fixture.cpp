@@ -1,5 +1,6 @@
 #include "tests/gpu/fixture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <optional>

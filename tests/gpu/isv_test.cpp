@@ -1,4 +1,5 @@
 // Interval shading: proxies, intervals, both ways of drawing, the quadratures.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/gpu/closed_form.h"

@@ -1,4 +1,5 @@
 // Both shadow maps texel by texel against double precision, and what surfaces and medium get of them.
+#include <algorithm>
 #include <cmath>
 
 #include "server/light/opaque_shadow.h"

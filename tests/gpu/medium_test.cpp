@@ -1,4 +1,5 @@
 // The medium as every method shows it: sphere proxies against closed forms, furnaces, phase function.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/gpu/closed_form.h"

@@ -1,4 +1,5 @@
 // From radiance to planes and JPEG, several eyes in one submission, and what users get wrong.
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 

@@ -1,4 +1,5 @@
 // How many particles there are, and numbers that are none.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>

@@ -1,4 +1,5 @@
 // Optical depths from nothing to 10^4, light depths up to 200, radiance up to 10^6.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/hard/hard.h"

@@ -1,6 +1,7 @@
 // What the hard cases share: every way to render, what each is compared with, and the table of what was measured.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 

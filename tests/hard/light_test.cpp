@@ -1,4 +1,5 @@
 // Light from hard directions, through walls' edges, and phase functions that are nearly a mirror.
+#include <algorithm>
 #include <cmath>
 
 #include "shaders/shared/phase.h"

@@ -1,4 +1,5 @@
 // The camera inside the medium: in one particle, in a thousand, moving through, the near plane cutting what it may.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/hard/hard.h"

@@ -1,4 +1,5 @@
 // Far from the camera, far from zero, and in the right order.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 

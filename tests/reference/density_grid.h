@@ -1,6 +1,7 @@
 // Extinction at a point of Gaussian particles and a union of balls, and upper bounds of it cell by cell along a ray.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>

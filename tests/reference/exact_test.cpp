@@ -1,4 +1,5 @@
 // Exact answers, each to 1e-6 of itself or better.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 

@@ -1,6 +1,7 @@
 // The reference against exact answers, and against itself refined.
 #include "tests/reference/medium_reference.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>

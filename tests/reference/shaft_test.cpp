@@ -1,5 +1,6 @@
 // Rays across shadow edges and tetrahedron faces, against sums of many samples straight from the definitions; and what a finer
 // tolerance changes.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>

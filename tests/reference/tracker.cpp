@@ -1,5 +1,6 @@
 #include "tests/reference/tracker.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 

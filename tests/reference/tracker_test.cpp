@@ -2,6 +2,7 @@
 // 16000.
 #include "tests/reference/tracker.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 

@@ -1,4 +1,5 @@
 // Quadratures of the light that one particle scatters toward the eye: exact answers, convergence, conservation, extremes.
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <random>

@@ -1,4 +1,6 @@
 // What a viewer may say when: the rules alone, without sockets and with a clock of the test's own.
+#include <algorithm>
+
 #include "tests/unit/session_rules_fixture.h"
 
 namespace brume::net {
