@@ -30,7 +30,7 @@ struct NetOptions {
     // Time.
     std::chrono::milliseconds handshake{5000};    // connected -> request read, and upgraded -> hello
     std::chrono::milliseconds idle{60000};        // nothing heard; a ping goes out after half of it
-    std::chrono::milliseconds write_stall{10000}; // one write that does not finish
+    std::chrono::milliseconds write_stall{10000}; // one write that does not finish, or bytes that the peer does not take
     std::chrono::milliseconds frame_wait{5000};   // a snapshot or stream waits for its next frame
 
     // Rates per viewer, 1/s; a burst may be as long as `burst_s` seconds of it.

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include <netinet/tcp.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/strand.hpp>
@@ -71,6 +73,9 @@ void NetServer::State::welcome(tcp::socket socket) {
     const auto remote = socket.remote_endpoint(error);
     if (error) return; // gone already
     socket.set_option(tcp::no_delay(true), error);
+    // What the kernel has taken from us but the peer does not: a peer that vanished, or shut its window for good.
+    const auto stall_ms = static_cast<unsigned>(context.options.write_stall.count());
+    ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &stall_ms, sizeof stall_ms);
     auto place = context.connections.take(remote.address().to_string());
     if (!place) {
         context.metrics.refused("connections");
