@@ -1,5 +1,7 @@
 #include "server/gpu/commands.h"
 
+#include <algorithm>
+
 namespace brume::gpu {
 
 Commands::Commands(const Device& device, const char* name) : device_(device), stamps_(size_t(2) * kMaxPasses) {
@@ -81,7 +83,12 @@ std::span<const PassSample> Commands::readTimes() {
                                 VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
           "vkGetQueryPoolResults");
     const double ms_per_unit = double(device_.properties().limits.timestampPeriod) * 1e-6;
-    for (size_t i = 0; i < passes_.size(); ++i) passes_[i].ms = float(double(stamps_[2 * i + 1] - stamps_[2 * i]) * ms_per_unit);
+    for (size_t i = 0; i < passes_.size(); ++i) {
+        // A CPU driver may stamp the end of a pass before it has drawn it, but the next pass begins after that.
+        const bool late = device_.isCpu() && i + 1 < passes_.size();
+        const uint64_t end = late ? std::max(stamps_[2 * i + 1], stamps_[2 * i + 2]) : stamps_[2 * i + 1];
+        passes_[i].ms = float(double(end - stamps_[2 * i]) * ms_per_unit);
+    }
     if (fragments_) {
         check(vkGetQueryPoolResults(device_.handle(), fragments_, 0, count / 2, count / 2 * sizeof(uint64_t), counts_.data(),
                                     sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),

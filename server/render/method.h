@@ -41,8 +41,8 @@ class DepthOrder; // far-to-near order of what an eye can see
 class Method {
 public:
     virtual ~Method() = default;
-    // Records the medium over the background. The target and the depth have been written by compute passes; afterwards the
-    // target's writes are draw or compute writes (the caller's barrier covers both).
+    // Records the medium over the background. The target and the depth have been written by compute passes; afterwards compute
+    // passes read the target: the method's last barrier makes its writes seen there.
     virtual void record(gpu::Commands& commands, const EyeInputs& inputs) = 0;
 };
 

@@ -51,6 +51,7 @@ public:
         else
             vkCmdDrawIndirect(cmd, order_.arguments().handle(), 0, 1, 0);
         vkCmdEndRendering(cmd);
+        gpu::drawToCompute(cmd); // within the pass: a software driver draws when it must, and its time counts here
     }
 
 private:

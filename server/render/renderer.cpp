@@ -211,7 +211,6 @@ void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, V
     }
     if (in.particle_count > 0) chosen.record(s.commands, in);
     const gpu::Commands::Pass pass(s.commands, "compose", index);
-    gpu::drawToCompute(cmd);
     gpu::computeToCompute(cmd);
     const PlaneLayout& layout = s.pictures_[index].layout;
     const uint32_t push[] = {layout.lumaStride() / 4, uint32_t(planes_at / 4)};

@@ -43,6 +43,26 @@ Axis axisOver(const std::vector<Point>& points, double Point::*value, double beg
     return {lo / 1.35, hi * 1.35, begin, end};
 }
 
+struct Box {
+    double x, y, width, height;
+    bool meets(const Box& o) const { return x < o.x + o.width && o.x < x + width && y < o.y + o.height && o.y < y + height; }
+};
+
+// Where a label of this width stands beside its point: the first place that meets nothing, nearest first.
+Box placed(double x, double y, double width, const std::vector<Box>& taken) {
+    Box first{};
+    for (int ring = 0; ring < 8; ++ring)
+        for (const double side : {8.0, -8 - width})
+            for (const double up : {-16.0 - 14 * ring, 2.0 + 14 * ring}) {
+                const Box at{x + side, y + up, width, 14};
+                if (ring == 0 && first.width == 0) first = at;
+                const bool inside = at.x > kLeft && at.x + width < kWidth && at.y > kTop && at.y + 14 < kHeight - kBottom;
+                if (inside && std::none_of(taken.begin(), taken.end(), [&](const Box& other) { return at.meets(other); }))
+                    return at;
+            }
+    return first;
+}
+
 } // namespace
 
 std::vector<size_t> paretoFront(const std::vector<Point>& points) {
@@ -94,14 +114,17 @@ std::string svg(const Plot& plot) {
             if (along.size() > 1) line(along, kColours[group]);
         }
     }
+    std::vector<Box> taken;
+    for (const Point& p : points) taken.push_back({x.at(p.x) - 6, y.at(p.y) - 6, 12, 12});
     for (size_t i = 0; i < points.size(); ++i) {
         const Point& p = points[i];
-        const bool best = std::find(front.begin(), front.end(), i) != front.end(), right = x.at(p.x) > kWidth * 0.7;
-        out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%d\" fill=\"%s\"%s/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\"%s>",
-                      x.at(p.x), y.at(p.y), best ? 6 : 4, kColours[p.group % 6],
-                      best ? " stroke=\"#2b2f36\" stroke-width=\"1.5\"" : "", x.at(p.x) + (right ? -9 : 9), y.at(p.y) - 6,
-                      right ? "end" : "start", best ? " font-weight=\"bold\"" : "") +
-               escaped(p.label) + "</text>\n";
+        const bool best = std::find(front.begin(), front.end(), i) != front.end();
+        out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%d\" fill=\"%s\"%s/>", x.at(p.x), y.at(p.y), best ? 6 : 4,
+                      kColours[p.group % 6], best ? " stroke=\"#2b2f36\" stroke-width=\"1.5\"" : "");
+        const Box at = placed(x.at(p.x), y.at(p.y), 6.6 * double(p.label.size()), taken);
+        taken.push_back(at);
+        out += format("<text x=\"%.1f\" y=\"%.1f\"%s>", at.x, at.y + 11, best ? " font-weight=\"bold\"" : "") + escaped(p.label) +
+               "</text>\n";
     }
     return out + "</svg>\n";
 }

@@ -25,7 +25,7 @@ std::string nameOf(const reference::World& world, std::span<const gpu::Particle>
     XXH3_64bits_reset(&state);
     add(state, particles);
     std::vector<double> numbers = {
-        1, double(size.x), double(size.y), kTolerance, world.anisotropy, world.asymmetry, double(pose.fov_y)};
+        2, double(size.x), double(size.y), kTolerance, world.anisotropy, world.asymmetry, double(pose.fov_y)};
     const auto list = [&](glm::dvec3 v) { numbers.insert(numbers.end(), {v.x, v.y, v.z}); };
     for (const auto& blob : world.blobs) numbers.push_back(blob.k);
     for (const auto& light : world.lights) list(light.colour), list(light.to_light), list(light.position);
@@ -57,11 +57,23 @@ RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 size) {
     const auto begin = std::chrono::steady_clock::now();
     reference::Settings settings;
     settings.tolerance = kTolerance;
+    const int across = world.obstacles.empty() ? 1 : 2;
     const reference::Picture exact =
-        reference::render(world, reference::perspective(pose, int(size.x), int(size.y), kNearDepth), settings);
-    RadianceImage image{exact.width, exact.height, {}, {}};
-    for (const glm::dvec3& r : exact.total()) image.radiance.emplace_back(r);
-    for (const double t : exact.transmittance) image.transmittance.push_back(float(t));
+        reference::render(world, reference::perspective(pose, int(size.x) * across, int(size.y) * across, kNearDepth), settings);
+    RadianceImage image{int(size.x), int(size.y), {}, {}};
+    const std::vector<glm::dvec3> total = exact.total();
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            glm::dvec3 radiance(0);
+            double transmittance = 0;
+            for (int i = 0; i < across * across; ++i) {
+                const size_t at = (size_t(y) * across + i / across) * exact.width + size_t(x) * across + i % across;
+                radiance += total[at] / double(across * across);
+                transmittance += exact.transmittance[at] / double(across * across);
+            }
+            image.radiance.emplace_back(radiance);
+            image.transmittance.push_back(float(transmittance));
+        }
     const std::filesystem::path part = file.string() + ".part.exr"; // whole or not at all
     writeExr(part, image);
     std::filesystem::rename(part, file);
