@@ -93,7 +93,8 @@ void sweep(const gpu::DeviceOptions& device_options, const std::vector<std::stri
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     results["peak_mib"] = double(usage.ru_maxrss) / 1024;
-    results["commit"] = said("git describe --always --dirty --exclude '*' 2>/dev/null");
+    results["commit"] = said("git rev-parse --short HEAD 2>/dev/null") +
+                        (said("git status --porcelain -- . ':!docs/results' 2>/dev/null").empty() ? "" : " with changes");
     results["cpu"] =
         said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
     const std::time_t now = std::time(nullptr);
