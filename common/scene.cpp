@@ -126,8 +126,9 @@ void readRender(TableReader& in, RenderSettings& out) {
     in.integer("steps", out.steps, out.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps);
     in.number("exposure", out.exposure, limits::kExposure);
     in.choice<std::string>("tone_map", out.tone_map, {{"filmic", "filmic"}, {"linear", "linear"}});
-    in.integer("shadow_size", out.shadow_size, limits::kShadowSize);
-    in.integer("shadow_slices", out.shadow_slices, limits::kShadowSlices);
+    in.integerOrZero("shadow_size", out.shadow_size, limits::kShadowSize);
+    in.integerOrZero("shadow_slices", out.shadow_slices, limits::kShadowSlices);
+    in.number("shadow_error", out.shadow_error, limits::kShadowError);
     in.integer("opaque_shadow_size", out.opaque_shadow_size, limits::kOpaqueShadowSize);
     in.number("cutoff", out.cutoff, limits::kCutoff);
 }

@@ -101,8 +101,9 @@ struct RenderSettings {
     uint32_t steps = 2;                 // simpson 1...10, transmittance 1...3
     float exposure = 1;
     std::string tone_map = "filmic";    // filmic | linear
-    uint32_t shadow_size = 256;         // texels a side, 16...1024
-    uint32_t shadow_slices = 16;        // planes, 2...128
+    uint32_t shadow_size = 0;           // volumetric shadow map: texels a side, 16...1024; 0: from the medium and shadow_error
+    uint32_t shadow_slices = 0;         // its planes, 2...128; 0: the same
+    float shadow_error = 3e-3f;         // relative error of the light in the medium that the map may make where it follows it
     uint32_t opaque_shadow_size = 1024; // texels a side
     float cutoff = 5e-2f;               // optical depth: bound on the SUM that proxies leave out on any ray
 };

@@ -64,6 +64,13 @@ void TableReader::integer(std::string_view key, uint64_t& out, Limits allowed) {
     if (const toml::node* node = find(key)) out = static_cast<uint64_t>(checked(key, *node, allowed, true, "a whole number"));
 }
 
+void TableReader::integerOrZero(std::string_view key, uint32_t& out, Limits allowed) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    const bool zero = node->is_integer() && **node->as_integer() == 0;
+    out = zero ? 0 : static_cast<uint32_t>(checked(key, *node, allowed, true, "0, or a whole number"));
+}
+
 glm::dvec3 TableReader::checkedVector(std::string_view key, const toml::node& node, const Limits (&allowed)[3],
                                       const std::string& form) const {
     const toml::array* array = node.as_array();

@@ -55,10 +55,15 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--cutoff", o.cutoff, "bound on the optical depth that proxies leave out of any ray")
         ->group(group)
         ->check(within(limits::kCutoff));
-    app.add_option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map")
+    app.add_option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map; 0: as the medium needs")
         ->group(group)
-        ->check(within(limits::kShadowSize));
-    app.add_option("--shadow-slices", o.shadow_slices, "its planes")->group(group)->check(within(limits::kShadowSlices));
+        ->check(within(limits::kShadowSize) | CLI::IsMember({0}));
+    app.add_option("--shadow-slices", o.shadow_slices, "its planes; 0: as the medium needs")
+        ->group(group)
+        ->check(within(limits::kShadowSlices) | CLI::IsMember({0}));
+    app.add_option("--shadow-error", o.shadow_error, "relative error of the light that a map of such a size may make")
+        ->group(group)
+        ->check(within(limits::kShadowError));
     app.add_flag("--paused", o.paused, "start with the simulation paused")->group(group);
 
     group = "Network";
@@ -130,6 +135,7 @@ Scene loadScene(const ServerOptions& o) {
     if (o.cutoff) render.cutoff = *o.cutoff;
     if (o.shadow_size) render.shadow_size = *o.shadow_size;
     if (o.shadow_slices) render.shadow_slices = *o.shadow_slices;
+    if (o.shadow_error) render.shadow_error = *o.shadow_error;
     if (o.paused) scene.simulation.paused = *o.paused;
     const std::string wrong = checkSettings(render);
     if (!wrong.empty()) throw SceneError(file.string() + ": render: " + wrong);

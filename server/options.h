@@ -24,7 +24,7 @@ struct ServerOptions {
     // Instead of the scene's own.
     std::optional<std::string> method, quadrature;
     std::optional<uint32_t> steps, shadow_size, shadow_slices;
-    std::optional<float> exposure, cutoff;
+    std::optional<float> exposure, cutoff, shadow_error;
     std::optional<bool> paused;
     std::string log_level = "info";
     std::filesystem::path log_file;        // empty: standard error

@@ -1,23 +1,25 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Volumetric shadow map, first pass: per particle its place in light space, and per slice plane the part of its column depth
-// that lies between the plane and the light. The light is parallel, so this is one erfc per particle and plane, not per texel:
-// tau_L(x) = [sigma sqrt(pi)/(2k) erfc(k s)] exp(-k^2 b^2), s = height of x above the centre along to_light (physics: light depth).
+// Volumetric shadow map, first pass: every particle in the map's cells, and the tiles that it reaches.
 #include "shaders/shared/types.h"
 #include "shaders/shared/transmittance.h"
+#include "shaders/shared/sharpen.h"
 #include "shaders/shared/support.h"
 
 layout(local_size_x = 64) in;
 
-const uint kPlanes = 16; // of one group of planes
-
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) writeonly buffer LightParticles { LightParticle light_particles[]; };
-layout(scalar, binding = 4) writeonly buffer Columns { float columns[]; }; // [particle][kPlanes]
+layout(scalar, binding = 4) buffer Bits { uint bits[]; };
 
-layout(push_constant, scalar) uniform Push { uint first_plane; } push;
+layout(push_constant, scalar) uniform Push {
+    uvec3 tiles; // columns, rows, groups of planes
+    uint words;  // of a line
+} push;
+
+#include "shaders/lib/shadow_bins.glsl"
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;
@@ -25,11 +27,23 @@ void main() {
     const Particle p = particles[i];
     const float u = p.scale * tick.falloff;
     const float k = gaussianK(p.scale, tick.falloff);
-    light_particles[i] = LightParticle(vec2(dot(tick.light_x, p.centre), dot(tick.light_y, p.centre)), k, supportRadius(p.sigma_t, u, tick.cut));
-    const float spacing = (tick.shadow_hi.z - tick.shadow_lo.z) / float(tick.shadow_slices - 1);
-    const float height = dot(tick.to_light, p.centre);
-    for (uint j = 0; j < kPlanes; ++j) {
-        const float plane = tick.shadow_hi.z - float(push.first_plane + j) * spacing;
-        columns[i * kPlanes + j] = lightDepth(p.sigma_t, k, 1.0, k * (plane - height));
-    }
+    const vec3 cell = (tick.shadow_hi - tick.shadow_lo) / vec3(tick.shadow_size, tick.shadow_slices - 1); // m
+    const vec3 at = vec3(dot(tick.light_x, p.centre) - tick.shadow_lo.x, dot(tick.light_y, p.centre) - tick.shadow_lo.y,
+                         tick.shadow_hi.z - dot(tick.to_light, p.centre)) / cell - vec3(0.5, 0.5, 0);
+    const vec3 variance = 0.5 / (k * cell * k * cell);
+    const vec3 stored = vec3(sharpened(variance.x), sharpened(variance.y), sharpened(variance.z));
+    const float column = lineDepth(p.sigma_t, k, 1.0) * sqrt(variance.x / stored.x * (variance.y / stored.y));
+    light_particles[i] = LightParticle(vec4(at, 0.5 * column), inversesqrt(2 * stored));
+
+    const float radius = supportRadius(p.sigma_t, u, 0.75 * tick.cut); // sharpened, a column is up to 4/3 of itself
+    if (radius <= 0) return;
+    const vec3 reach = radius / cell, size = vec3(kLanes, kRows, kGroup);
+    const ivec3 last = ivec3(push.tiles) - 1;
+    // Group g is what is added between its planes kGroup g and kGroup (g + 1): a particle that ends between two planes counts at the lower.
+    const ivec3 from = clamp(ivec3(floor((at - reach - vec3(0, 0, 1)) / size)), ivec3(0), last);
+    const ivec3 to = clamp(ivec3(floor((at + reach) / size)), ivec3(0), last);
+    const uint word = wordOf(i), bit = 1u << bitOf(i);
+    for (int t = from.x; t <= to.x; ++t) atomicOr(bits[columnWords(t) + word], bit);
+    for (int t = from.y; t <= to.y; ++t) atomicOr(bits[rowWords(t) + word], bit);
+    for (int t = from.z; t <= to.z; ++t) atomicOr(bits[groupWords(t) + word], bit);
 }

@@ -1,91 +1,99 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Volumetric shadow map, second pass: tau at every texel of 16 slice planes, summed over the particles that reach its tile.
-// A layer holds four planes and shares its last with the next layer's first, so 16 planes are five layers.
-// One workgroup per 16x16 tile; it bins the particles as it goes, in order, so that sums are the same on every run.
-// A lane owns 4 texels of a column on all 16 planes, so that one load of a particle serves 64 multiply-adds.
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_vote : require
+// Volumetric shadow map, second pass: the light's optical depth at every texel of every plane. The light is parallel, so
+// tau_L(x) = [sigma sqrt(pi)/(2k) erfc(k s)] exp(-k^2 b^2) (physics: light depth) is a factor per axis: each of kLanes lanes takes a
+// particle and computes its rows and planes, then all add each other's particles to their own column of texels.
+// Planes are added up from the light: a particle costs something only where its depth changes.
 #include "shaders/shared/types.h"
+#include "shaders/shared/erf.h"
 
-layout(local_size_x = 16, local_size_y = 4) in;
-
-const uint kPlanes = 16;
-const uint kLanes = 64;
-const uint kPerLane = 4;                  // particles tested by one lane at a time
-const uint kChunk = kLanes * kPerLane;
-const uint kRows = 4;                     // texels of one lane
+layout(local_size_x_id = 0) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 3) readonly buffer LightParticles { LightParticle light_particles[]; };
-layout(scalar, binding = 4) readonly buffer Columns { vec4 columns[]; }; // [particle][kPlanes / 4]
-layout(rgba32f, binding = 5) writeonly uniform image2DArray volume;
+layout(scalar, binding = 4) readonly buffer Bits { uint bits[]; };
+layout(scalar, binding = 5) writeonly buffer Texels { vec4 texels[]; }; // [layer][row of the band][column]
 
-layout(push_constant, scalar) uniform Push { uint first_plane; } push;
+layout(push_constant, scalar) uniform Push {
+    uvec3 tiles;     // columns, rows, groups of planes
+    uint words;      // of a line
+    uint first_row;  // of tiles, of this band of the map
+    uint rows;       // and how many
+} push;
 
-shared uint found[kLanes];           // how many of the lane's particles reach the tile, then where its list begins
-shared uint members[kChunk];
-shared uint member_count;
+#include "shaders/lib/shadow_bins.glsl"
 
-bool reaches(LightParticle p, vec2 lo, vec2 hi) {
-    const vec2 d = p.centre - clamp(p.centre, lo, hi);
-    return p.radius > 0 && dot(d, d) < p.radius * p.radius;
-}
+float of(uint lane, float value) { return subgroupShuffle(value, gl_SubgroupInvocationID / kLanes * kLanes + lane); }
 
 void main() {
-    const uint lane = gl_LocalInvocationIndex;
-    const vec2 texel = (tick.shadow_hi.xy - tick.shadow_lo.xy) / float(tick.shadow_size);
-    const vec2 tile_lo = tick.shadow_lo.xy + vec2(gl_WorkGroupID.xy * 16) * texel, tile_hi = tile_lo + 16 * texel;
-    const uvec2 first = gl_WorkGroupID.xy * 16 + uvec2(gl_LocalInvocationID.x, gl_LocalInvocationID.y * kRows);
-    const vec2 centre = tick.shadow_lo.xy + (vec2(first) + 0.5) * texel;
+    const uint lane = gl_SubgroupInvocationID % kLanes;
+    const uint slot = gl_SubgroupID * (gl_SubgroupSize / kLanes) + gl_SubgroupInvocationID / kLanes;
+    const uint id = gl_WorkGroupID.x * (gl_WorkGroupSize.x / kLanes) + slot;
+    // Neighbouring groups are far apart: a CPU driver gives every core a run of groups, and a medium is denser in some places.
+    const uint count = push.tiles.x * push.rows, index = id % 8 * ((count + 7) / 8) + id / 8;
+    if (index >= count) return;
+    const uvec2 tile = uvec2(index % push.tiles.x, push.first_row + index / push.tiles.x), first = tile * uvec2(kLanes, kRows);
+    const uvec3 size = uvec3(tick.shadow_size.x, min(tick.shadow_size.y - push.first_row * kRows, push.rows * kRows), (tick.shadow_slices + 1) / 3);
 
-    vec4 sum[kRows][kPlanes / 4];
-    for (uint r = 0; r < kRows; ++r)
-        for (uint q = 0; q < kPlanes / 4; ++q) sum[r][q] = vec4(0);
+    float depth[kRows]; // at the last plane so far
+    for (uint r = 0; r < kRows; ++r) depth[r] = 0;
+    for (uint group = 0; group < push.tiles.z; ++group) {
+        float added[kRows][kGroup];
+        for (uint r = 0; r < kRows; ++r)
+            for (uint g = 0; g < kGroup; ++g) added[r][g] = 0;
 
-    for (uint chunk = 0; chunk < tick.particle_count; chunk += kChunk) {
-        uint mine[kPerLane];
-        uint count = 0;
-        for (uint j = 0; j < kPerLane; ++j) {
-            const uint i = chunk + lane * kPerLane + j;
-            if (i < tick.particle_count && reaches(light_particles[i], tile_lo, tile_hi)) mine[count++] = i;
-        }
-        found[lane] = count;
-        barrier();
-        if (lane == 0) {
-            uint total = 0;
-            for (uint l = 0; l < kLanes; ++l) {
-                const uint here = found[l];
-                found[l] = total;
-                total += here;
+        uint word = lane, left = 0, taken = 0;
+        for (;;) {
+            while (left == 0 && word < push.words) {
+                left = bits[columnWords(tile.x) + word] & bits[rowWords(tile.y) + word] & bits[groupWords(group) + word];
+                taken = word;
+                word += kLanes;
             }
-            member_count = total;
-        }
-        barrier();
-        for (uint j = 0; j < count; ++j) members[found[lane] + j] = mine[j];
-        barrier();
-        for (uint m = 0; m < member_count; ++m) {
-            const uint i = members[m];
-            const LightParticle p = light_particles[i];
-            const vec4 c0 = columns[i * 4], c1 = columns[i * 4 + 1], c2 = columns[i * 4 + 2], c3 = columns[i * 4 + 3];
-            const float dx = (centre.x - p.centre.x) * p.k;
+            if (!subgroupAny(left != 0)) break;
+            const bool some = left != 0; // else this lane has no particle: one of no depth
+            const LightParticle p = light_particles[some ? particleAt(taken, findLSB(left)) : 0];
+            left &= left - 1;
+
+            const float half_column = some ? p.at.w : 0;
+            const float above = p.at.z - float(group * kGroup);
+            float plane[kGroup], row[kRows];
+            float before = group == 0 ? 0 : half_column * erfc(p.k.z * above);
+            for (uint g = 0; g < kGroup; ++g) {
+                const float here = half_column * erfc(p.k.z * (above - float(g + 1)));
+                plane[g] = here - before;
+                before = here;
+            }
             for (uint r = 0; r < kRows; ++r) {
-                const float dy = (centre.y + float(r) * texel.y - p.centre.y) * p.k;
-                const float weight = exp(-dx * dx - dy * dy);
-                sum[r][0] += weight * c0;
-                sum[r][1] += weight * c1;
-                sum[r][2] += weight * c2;
-                sum[r][3] += weight * c3;
+                const float y = p.k.y * (float(first.y + r) - p.at.y);
+                row[r] = exp(-y * y);
             }
+            float across[kLanes][kGroup], rows[kLanes][kRows];
+            for (uint l = 0; l < kLanes; ++l) {
+                const float x = of(l, p.k.x) * (float(first.x + lane) - of(l, p.at.x));
+                const float column = exp(-x * x);
+                for (uint g = 0; g < kGroup; ++g) across[l][g] = column * of(l, plane[g]);
+                for (uint r = 0; r < kRows; ++r) rows[l][r] = of(l, row[r]);
+            }
+            for (uint r = 0; r < kRows; ++r)
+                for (uint g = 0; g < kGroup; ++g) {
+                    float sum = across[0][g] * rows[0][r];
+                    for (uint l = 1; l < kLanes; ++l) sum += across[l][g] * rows[l][r];
+                    added[r][g] += sum;
+                }
         }
-        barrier();
-    }
-    const ivec3 size = imageSize(volume);
-    for (uint r = 0; r < kRows; ++r) {
-        const vec4 layers[5] = vec4[](sum[r][0], vec4(sum[r][0].w, sum[r][1].xyz), vec4(sum[r][1].zw, sum[r][2].xy),
-                                      vec4(sum[r][2].yzw, sum[r][3].x), sum[r][3]);
-        for (uint l = 0; l < 5; ++l) {
-            const ivec3 at = ivec3(first.x, first.y + r, push.first_plane / 3 + l);
-            if (all(lessThan(at, size))) imageStore(volume, at, layers[l]);
-        }
+
+        // A layer is four planes, the first of them the last of the layer before.
+        for (uint r = 0; r < kRows; ++r)
+            for (uint g = 0; g < kGroup; g += 3) {
+                vec4 planes = vec4(depth[r], 0, 0, 0);
+                for (uint j = 0; j < 3; ++j) planes[j + 1] = planes[j] + added[r][g + j];
+                depth[r] = planes.w;
+                const uvec3 at = uvec3(first.x + lane, first.y + r - push.first_row * kRows, (group * kGroup + g) / 3);
+                if (all(lessThan(at, size))) texels[(at.z * size.y + at.y) * size.x + at.x] = planes;
+            }
     }
 }

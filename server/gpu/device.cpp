@@ -54,6 +54,23 @@ struct Features {
     Features& operator=(const Features&) = delete;
 };
 
+constexpr VkSubgroupFeatureFlags kSubgroupOperations = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+                                                       VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+
+struct Subgroups {
+    VkSubgroupFeatureFlags operations; // in compute shaders
+    uint32_t least;                    // lanes
+};
+
+Subgroups subgroups(VkPhysicalDevice device) {
+    VkPhysicalDeviceVulkan13Properties v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+    VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES, &v13};
+    VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v11, {}};
+    vkGetPhysicalDeviceProperties2(device, &all);
+    const bool compute = (v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
+    return {compute ? v11.subgroupSupportedOperations : 0, std::min(v11.subgroupSize, std::max(v13.minSubgroupSize, 1u))};
+}
+
 // What a device lacks of what every pass needs; empty when it can run brume.
 std::string missing(VkPhysicalDevice device) {
     VkPhysicalDeviceProperties properties;
@@ -66,6 +83,7 @@ std::string missing(VkPhysicalDevice device) {
     if (!f.v12.timelineSemaphore) return "timelineSemaphore";
     if (!f.v13.dynamicRendering) return "dynamicRendering";
     if (!f.v13.synchronization2) return "synchronization2";
+    if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations) return "subgroup shuffles and votes";
     VkFormatProperties format;
     vkGetPhysicalDeviceFormatProperties(device, VK_FORMAT_R32G32B32A32_SFLOAT, &format);
     if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return "blending of 32-bit float targets";
@@ -219,6 +237,7 @@ void Device::pickPhysicalDevice(const std::string& wanted) {
         throw Error("no usable Vulkan device has '" + wanted + "' in its name; there are: " + seen);
     if (!physical_) throw Error("no usable Vulkan device: " + seen + "; Mesa 24 or newer has a CPU driver that works");
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+    subgroup_size_ = subgroups(physical_).least;
 }
 
 void Device::createDevice(const DeviceOptions& options) {

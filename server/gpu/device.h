@@ -47,6 +47,7 @@ public:
     std::string driver() const; // its name and version
     bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool hasMeshShaders() const { return mesh_shaders_; }
+    uint32_t subgroupSize() const { return subgroup_size_; } // lanes that exchange values; the least, where it varies
     bool countsFragments() const { return counts_fragments_; }
 
     // Bytes of device memory held by resources of this program, and the most there ever were.
@@ -87,6 +88,7 @@ private:
     VkQueue queue_ = VK_NULL_HANDLE;
     uint32_t queue_family_ = 0;
     bool mesh_shaders_ = false;
+    uint32_t subgroup_size_ = 1;
     bool labels_ = false;
     bool counts_fragments_ = false;
     mutable std::atomic<uint64_t> memory_in_use_{0}, peak_memory_{0};

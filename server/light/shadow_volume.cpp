@@ -1,6 +1,7 @@
 #include "server/light/shadow_volume.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "shaders/shadow_particles_comp.h"
 #include "shaders/shadow_volume_comp.h"
@@ -9,45 +10,95 @@ namespace brume {
 
 using gpu::storageBuffer;
 
-ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity)
-    : device_(device), particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"}),
-      volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"}) {
-    const VkDeviceSize count = std::max(capacity, 1u);
-    light_particles_ = gpu::Buffer(device, count * sizeof(gpu::LightParticle), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                                   gpu::Memory::device, "light particles");
-    columns_ = gpu::Buffer(device, count * kPlanes * sizeof(float), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device,
-                           "light columns");
+namespace {
+
+struct Bins { // as in the shaders
+    glm::uvec3 tiles;
+    uint32_t words;
+};
+struct Band {
+    Bins bins;
+    uint32_t first_row, rows;
+};
+// Of texels that wait for their way into the image. Devices need not let a shader see more than 128 MiB of a buffer.
+constexpr VkDeviceSize kMostStaged = 64 << 20;
+
+// Makes `buffer` hold at least `bytes`; what it held is lost.
+void grow(gpu::Buffer& buffer, const gpu::Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, const char* name) {
+    if (!buffer || buffer.size() < bytes)
+        buffer = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, gpu::Memory::device, name);
 }
 
-void ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                          const gpu::Buffer& particles) {
+// Whether two ticks of the same particles have the same volume.
+bool sameVolume(const gpu::Tick& a, const gpu::Tick& b) {
+    return a.particle_count == b.particle_count && a.to_light == b.to_light && a.light_x == b.light_x && a.falloff == b.falloff &&
+           a.cut == b.cut && a.shadow_lo == b.shadow_lo && a.shadow_hi == b.shadow_hi && a.shadow_size == b.shadow_size &&
+           a.shadow_slices == b.shadow_slices;
+}
+
+} // namespace
+
+ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity)
+    : device_(device), lanes_(std::min(std::bit_floor(device.subgroupSize()), 8u)),
+      tiles_per_group_(device.isCpu() ? 1 : 64 / lanes_),
+      particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"}, {{1, lanes_}}),
+      volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
+              {{0, lanes_ * tiles_per_group_}, {1, lanes_}}) {
+    light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
+                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
+}
+
+void ShadowVolume::fit(VkCommandBuffer cmd, const gpu::Tick& tick) {
+    const uint32_t layers = gpu::groups(tick.shadow_slices - 1, kNewPlanesPerLayer);
+    if (image_ && image_.extent().width == tick.shadow_size.x && image_.extent().height == tick.shadow_size.y &&
+        image_.layers() == layers)
+        return;
+    const VkImageUsageFlags usage =
+        VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    image_ = gpu::Image(device_, {VK_FORMAT_R32G32B32A32_SFLOAT, {tick.shadow_size.x, tick.shadow_size.y}, usage, layers},
+                        "shadow volume");
+    gpu::toGeneral(cmd, image_);
+}
+
+bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+                          const gpu::Buffer& particles, bool same_particles) {
+    if (image_ && same_particles && sameVolume(tick, last_)) return false;
+    last_ = tick;
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "shadow volume");
-    const uint32_t layers = gpu::groups(tick.shadow_slices - 1, kNewPlanesPerLayer);
-    if (!image_ || image_.extent().width != tick.shadow_size || image_.layers() != layers) {
-        image_ = gpu::Image(device_,
-                            {VK_FORMAT_R32G32B32A32_SFLOAT,
-                             {tick.shadow_size, tick.shadow_size},
-                             VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                             layers},
-                            "shadow volume");
-        gpu::toGeneral(cmd, image_);
-    }
+    fit(cmd, tick);
+    const Bins bins{{gpu::groups(tick.shadow_size.x, lanes_), gpu::groups(tick.shadow_size.y, kRows),
+                     gpu::groups(tick.shadow_slices - 1, kGroup)},
+                    gpu::groups(std::max(tick.particle_count, 1u), 256) * 8};
+    const VkDeviceSize bytes = VkDeviceSize(bins.tiles.x + bins.tiles.y + bins.tiles.z) * bins.words * sizeof(uint32_t);
+    grow(bits_, device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "shadow bins");
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
-    for (uint32_t first_plane = 0; first_plane + 1 < tick.shadow_slices; first_plane += kPlanes - 1) {
-        particles_.bind(cmd,
-                        {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, columns_)},
-                        first_plane);
-        vkCmdDispatch(cmd, gpu::groups(std::max(tick.particle_count, 1u), 64), 1, 1);
-        gpu::computeToCompute(cmd);
-        volume_.bind(cmd,
-                     {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, columns_), gpu::storageImage(5, image_)},
-                     first_plane);
-        const uint32_t tiles = gpu::groups(tick.shadow_size, kTile);
-        vkCmdDispatch(cmd, tiles, tiles, 1);
-        gpu::computeToCompute(cmd); // the next group of planes uses the same scratch
+    vkCmdFillBuffer(cmd, bits_.handle(), 0, bytes, 0);
+    gpu::transferToCompute(cmd);
+    particles_.bind(cmd, {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, bits_)},
+                    bins);
+    vkCmdDispatch(cmd, gpu::groups(std::max(tick.particle_count, 1u), 64), 1, 1);
+    gpu::computeToCompute(cmd);
+
+    // Band by band through a buffer, which a CPU driver stores to several times faster than to an image.
+    const VkDeviceSize row = VkDeviceSize(tick.shadow_size.x) * image_.layers() * sizeof(glm::vec4); // of texels
+    const uint32_t most_rows = uint32_t(std::clamp<VkDeviceSize>(kMostStaged / (row * kRows), 1, bins.tiles.y));
+    grow(texels_, device_, row * std::min(tick.shadow_size.y, most_rows * kRows), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+         "shadow texels");
+    for (uint32_t first = 0; first < bins.tiles.y; first += most_rows) {
+        const Band band{bins, first, std::min(most_rows, bins.tiles.y - first)};
+        volume_.bind(cmd, {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)},
+                     band);
+        vkCmdDispatch(cmd, gpu::groups(gpu::groups(bins.tiles.x * band.rows, 8) * 8, tiles_per_group_), 1, 1);
+        gpu::computeToTransfer(cmd);
+        VkBufferImageCopy copy{};
+        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, image_.layers()};
+        copy.imageOffset = {0, int32_t(first * kRows), 0};
+        copy.imageExtent = {tick.shadow_size.x, std::min(band.rows * kRows, tick.shadow_size.y - first * kRows), 1};
+        vkCmdCopyBufferToImage(cmd, texels_.handle(), image_.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+        gpu::everythingBefore(cmd); // the next band uses the buffer again; draws read the image
     }
-    gpu::computeToDraw(cmd);
+    return true;
 }
 
 } // namespace brume

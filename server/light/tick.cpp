@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/light/shadow_resolution.h"
 #include "shaders/shared/support.h"
 
 namespace brume {
@@ -64,9 +65,13 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     medium.fallback();
     tick.shadow_lo = medium.lo;
     tick.shadow_hi = medium.hi;
-    tick.shadow_size = now.render.shadow_size;
-    tick.shadow_slices = now.render.shadow_slices;
     const glm::vec3 size = medium.hi - medium.lo;
+    const glm::mat3 basis(tick.light_x, tick.light_y, tick.to_light);
+    const bool follow = now.render.shadow_size == 0 || now.render.shadow_slices == 0;
+    const ShadowResolution resolution = shadowResolution(
+        now.render, ShadowedMedium(follow ? particles : std::span<const gpu::Particle>(), tick.falloff, basis), size);
+    tick.shadow_size = resolution.texels;
+    tick.shadow_slices = resolution.slices;
     tick.shadow_u = glm::vec4(tick.light_x, -medium.lo.x) / size.x;
     tick.shadow_v = glm::vec4(tick.light_y, -medium.lo.y) / size.y;
     tick.shadow_plane = glm::vec4(-tick.to_light, medium.hi.z) * (float(tick.shadow_slices - 1) / size.z);

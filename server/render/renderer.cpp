@@ -55,6 +55,10 @@ void grow(gpu::Buffer& buffer, const gpu::Device& device, VkDeviceSize bytes, Vk
     buffer = gpu::Buffer(device, std::max<VkDeviceSize>(bytes, 256), usage, memory, name);
 }
 
+bool sameBits(std::span<const gpu::Particle> a, std::span<const gpu::Particle> b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
 // True unless the eye is so far from the medium's bounds (light space) that its near plane meets no particle.
 bool eyeInMedium(const gpu::Tick& tick, const EyeRequest& eye) {
     const glm::vec3 x = eye.pose.position;
@@ -113,9 +117,14 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
         picture.bytes = s.planes_.mapped<uint8_t>(picture.layout.bytes(), at).data();
         at += picture.layout.bytes();
     }
-    const std::span particles = s.particles_.mapped<gpu::Particle>(simulation.liveCount());
-    simulation.write(particles);
-    s.particles_.flush();
+    particles_now_.resize(simulation.liveCount());
+    simulation.write(particles_now_);
+    const std::span<const gpu::Particle> particles = particles_now_;
+    moved_ = !sameBits(particles, particles_then_);
+    if (moved_) {
+        std::copy(particles.begin(), particles.end(), s.particles_.mapped<gpu::Particle>(particles.size()).begin());
+        s.particles_.flush();
+    }
     tick_ = makeTick(scene_, simulation.now(), particles, objects_);
     s.uniforms_.mapped<gpu::Tick>(1)[0] = tick_;
     for (uint32_t i = 0; i < eyes.size(); ++i)
@@ -155,7 +164,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
 
     const VkCommandBuffer cmd = s.commands.begin();
     fitTargets(cmd, eyes);
-    if (tick_.particle_count > 0) {
+    if (moved_ && tick_.particle_count > 0) {
         const gpu::Commands::Pass pass(s.commands, "upload");
         gpu::everythingBefore(cmd);
         const VkBufferCopy copy{0, 0, tick_.particle_count * sizeof(gpu::Particle)};
@@ -164,7 +173,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     }
     const gpu::Resource tick_block = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
     opaque_shadow_.record(s.commands, tick_block, tick_, objects_buffer_);
-    shadow_volume_.record(s.commands, tick_block, tick_, particles_);
+    shadow_volume_.record(s.commands, tick_block, tick_, particles_, !moved_);
 
     VkDeviceSize planes_at = 0;
     for (uint32_t i = 0; i < eyes.size(); ++i) {
@@ -179,6 +188,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
         gpu::transferToHost(cmd);
     }
     s.commands.submit();
+    std::swap(particles_now_, particles_then_);
 }
 
 void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, VkDeviceSize planes_at, Method& chosen) {

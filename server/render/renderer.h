@@ -51,6 +51,9 @@ public:
     // Precondition: no other submission of this renderer is on the device.
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
 
+    // For measurements: the next submission uploads and lights everything, also what rests since the last one.
+    void forget() { particles_then_.clear(); }
+
     // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly.
     std::vector<glm::vec4> readRadiance();
 
@@ -75,6 +78,8 @@ private:
     std::map<std::string, std::unique_ptr<Method>> methods_; // by their settings
     VkExtent2D last_size_{};
     gpu::Tick tick_{};
+    std::vector<gpu::Particle> particles_now_, particles_then_; // of this submission; of the last one, on the device
+    bool moved_ = true;                                         // whether they differ
 };
 
 } // namespace brume

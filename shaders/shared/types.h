@@ -34,13 +34,13 @@ struct Tick {
     float cut;       // optical depth that one particle's proxy may leave out: the setting's total / particle_count
     vec3 ambient;    // uniform radiance scattered in without shadowing
     uint particle_count;
-    vec3 shadow_lo;   // light space bounds of the volumetric shadow map
-    uint shadow_size; // texels a side
-    vec3 shadow_hi;
+    vec3 shadow_lo;     // light space bounds of the volumetric shadow map
     uint shadow_slices; // planes; the first at shadow_hi.z, the last at shadow_lo.z
-    vec2 opaque_lo;     // light space bounds of the opaque shadow map
+    vec3 shadow_hi;
+    uint opaque_size; // texels a side
+    vec2 opaque_lo;   // light space bounds of the opaque shadow map
     vec2 opaque_hi;
-    uint opaque_size;  // texels a side
+    uvec2 shadow_size; // texels
     uint opaque_count; // objects
     vec3 sky_zenith;
     vec3 sky_horizon;
@@ -83,11 +83,10 @@ struct Opaque {
     float yaw_sin;
 };
 
-// Light space data of one particle for the volumetric shadow map.
+// A particle in the cells of the volumetric shadow map, sharpened (shared/sharpen.h).
 struct LightParticle {
-    vec2 centre;  // light space x and y
-    float k;      // sqrt(50) / u
-    float radius; // beyond it the particle's column depth is below Tick::cut; negative when it never exceeds it
+    vec4 at; // its centre in columns, rows and planes, 0 where the first texel's centre is; half its optical depth
+    vec3 k;  // 1 / (sqrt(2) standard deviations), along the same
 };
 
 // Indirect arguments, written by the cull pass: of vkCmdDraw and of vkCmdDrawMeshTasksEXT.
@@ -103,11 +102,11 @@ struct DrawArguments {
 
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
-static_assert(sizeof(Tick) == 208 && offsetof(Tick, shadow_lo) == 80 && offsetof(Tick, opaque_lo) == 112 &&
-              offsetof(Tick, sky_zenith) == 136);
+static_assert(sizeof(Tick) == 212 && offsetof(Tick, shadow_lo) == 80 && offsetof(Tick, opaque_lo) == 112 &&
+              offsetof(Tick, sky_zenith) == 140);
 static_assert(sizeof(Eye) == 160 && offsetof(Eye, size) == 64);
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
-static_assert(sizeof(LightParticle) == 16 && sizeof(DrawArguments) == 28);
+static_assert(sizeof(LightParticle) == 28 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif
 

@@ -145,6 +145,16 @@ scenes = ["cloud"]
 sizes = ["64x32"]
 qualities = ["20", "95"]
 [[series]]
+name = "Shadow map"
+kind = "light"
+scenes = ["cloud"]
+error = "32x18"
+set = ["medium.count=40"]
+variant = [
+    { name = "coarse", set = ["render.shadow_size=16", "render.shadow_slices=7"] },
+    { name = "follows", set = ["render.shadow_size=0", "render.shadow_slices=0"] },
+]
+[[series]]
 name = "Orbit"
 kind = "orbit"
 scenes = ["cloud"]
@@ -165,13 +175,19 @@ set = ["medium.count=10"]
     const json& jpeg = results["series"][1]["rows"];
     EXPECT_LT(jpeg[0]["bytes"], jpeg[1]["bytes"]);
     EXPECT_GT(jpeg[0]["flip"], jpeg[1]["flip"]);
-    EXPECT_LT(std::abs(results["series"][2]["rows"][0]["temporal_flip"].get<double>()), 0.05);
+    const json& light = results["series"][2]["rows"];
+    EXPECT_EQ(light[0]["columns"], 16);
+    EXPECT_GT(light[1]["planes"], 7);
+    EXPECT_GT(light[0]["relative_rmse"], 2 * light[1]["relative_rmse"].get<double>());
+    EXPECT_GT(light[0]["estimated"], 2 * light[1]["estimated"].get<double>());
+    EXPECT_GT(light[0]["shadow_ms"], 0);
+    EXPECT_LT(std::abs(results["series"][3]["rows"][0]["temporal_flip"].get<double>()), 0.05);
 
     writeReport(results, here, "r");
     std::stringstream text;
     text << std::ifstream(here / "r.md").rdbuf();
     for (const char* expected : {"## Ways <1>", "| two |", "| 4 | 1 |", "![time against error](r-ways-1-cloud-outside-48x27.svg)",
-                                 "## JPEG", "## Orbit"})
+                                 "## JPEG", "## Shadow map", "16 x 16 x 7", "## Orbit"})
         EXPECT_NE(text.str().find(expected), std::string::npos) << expected;
     EXPECT_TRUE(fs::exists(here / "r-ways-1-cloud-outside-48x27.svg"));
     const std::string compared = compareResults(results, results);
@@ -189,6 +205,7 @@ TEST(Sweep, RefusesWhatItDoesNotKnow) {
     EXPECT_THROW(loadSweep("no/such.toml"), SceneError);
     for (const char* shipped : {"methods", "dissertation"})
         EXPECT_GT(loadSweep(fs::path("tests/bench/sweeps") / (std::string(shipped) + ".toml")).size(), 2u);
+    EXPECT_EQ(loadSweep("tests/bench/sweeps/shadow.toml").size(), 1u);
 }
 
 TEST(Plot, FrontIsWhatNothingBeats) {

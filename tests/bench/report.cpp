@@ -135,6 +135,18 @@ std::string jpegTable(const json& series) {
     return table.text() + "\n";
 }
 
+std::string lightTable(const json& series) {
+    Table table({"picture", "variant", "texels, planes", "time, ms", "relative RMSE", "estimated", "bias", "FLIP"});
+    for (const json& row : series.at("rows"))
+        table.line(
+            {"`" + row.value("scene", "") + "`, " + row.value("camera", ""), row.at("variant"),
+             whole(numberAt(row, "/columns")) + " x " + whole(numberAt(row, "/rows")) + " x " + whole(numberAt(row, "/planes")),
+             digits(numberAt(row, "/shadow_ms")), digits(numberAt(row, "/relative_rmse"), 100, " %"),
+             digits(numberAt(row, "/estimated"), 100, " %"), digits(numberAt(row, "/bias"), 100, " %"),
+             digits(numberAt(row, "/flip"))});
+    return table.text() + "\n";
+}
+
 std::string orbitTable(const json& series) {
     Table table({"orbit", "variant", "frames", "degrees a frame", "temporal FLIP beyond the reference's"});
     for (const json& row : series.at("rows"))
@@ -172,7 +184,10 @@ void writeReport(const json& results, const std::filesystem::path& folder, const
         if (!series.value("published_on", "").empty()) out += " Published figures: " + series.value("published_on", "") + '.';
         out += "\n\n";
         const std::string kind = series.at("kind");
-        out += kind == "jpeg" ? jpegTable(series) : kind == "orbit" ? orbitTable(series) : costTables(series, folder, name);
+        out += kind == "jpeg"    ? jpegTable(series)
+               : kind == "light" ? lightTable(series)
+               : kind == "orbit" ? orbitTable(series)
+                                 : costTables(series, folder, name);
     }
     std::ofstream file(folder / (name + ".md"));
     file << out;

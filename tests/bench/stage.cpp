@@ -82,6 +82,7 @@ void Stage::submit(std::span<const EyeRequest> eyes) {
 }
 
 FrameCost Stage::frame() {
+    renderer_.forget(); // a frame costs what one of a medium that moves does
     const auto begin = std::chrono::steady_clock::now();
     submit(eyes_);
     FrameCost cost;

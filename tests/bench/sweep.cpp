@@ -11,6 +11,7 @@
 #include "common/metrics.h"
 #include "common/scene_reader.h"
 #include "tests/bench/jpeg_error.h"
+#include "tests/bench/light_error.h"
 
 namespace brume::bench {
 namespace {
@@ -29,7 +30,7 @@ void readVariant(TableReader& in, Variant& out) {
 void readSeries(TableReader& in, Series& out) {
     in.text("name", out.name, 64);
     in.text("about", out.about, 400);
-    in.choice<std::string>("kind", out.kind, {{"cost", "cost"}, {"jpeg", "jpeg"}, {"orbit", "orbit"}});
+    in.choice<std::string>("kind", out.kind, {{"cost", "cost"}, {"jpeg", "jpeg"}, {"light", "light"}, {"orbit", "orbit"}});
     in.texts("scenes", out.scenes);
     in.texts("cameras", out.cameras);
     in.texts("sizes", out.sizes);
@@ -218,6 +219,12 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
             for (const std::string& camera : series.cameras) {
                 if (series.kind == "orbit") take(orbitRows(device, series, scene, camera, truth, effort));
                 if (series.kind != "cost" && series.kind != "jpeg") continue;
+                if (series.kind == "light") {
+                    std::vector<LightCase> cases;
+                    for (const Variant& variant : series.variants)
+                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
+                    take(lightRows(device, cases, sizeOf(series.error), effort));
+                }
                 for (const std::string& size : series.sizes) {
                     if (series.kind == "jpeg")
                         take(jpegRows(device, caseOf(series, series.variants.front(), scene, camera), sizeOf(size),

@@ -23,7 +23,7 @@ struct Variant {
 
 struct Series {
     std::string name, about;
-    std::string kind = "cost"; // cost | jpeg | orbit
+    std::string kind = "cost"; // cost | jpeg | light | orbit
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
     std::string error;            // size of the pictures whose error is measured; empty: none is

@@ -94,6 +94,8 @@ Scene sceneOf(const std::vector<Point>& points, float falloff) {
     scene.lights = {light};
     scene.sky = {glm::vec3(0), glm::vec3(0), glm::vec3(0)};
     scene.render.cutoff = 1e-6f;
+    scene.render.shadow_size = 256; // tolerances presume so many
+    scene.render.shadow_slices = 16;
     scene.render.tone_map = "linear";
     return scene;
 }

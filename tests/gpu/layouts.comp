@@ -20,15 +20,15 @@ void put(float word) { words[at++] = floatBitsToUint(word); }
 
 void main() {
     put(tick.to_light.x); put(tick.falloff); put(tick.light_x.x); put(tick.anisotropy); put(tick.light_y.x); put(tick.asymmetry);
-    put(tick.irradiance.x); put(tick.cut); put(tick.ambient.x); put(tick.particle_count); put(tick.shadow_lo.x); put(tick.shadow_size);
-    put(tick.shadow_hi.x); put(tick.shadow_slices); put(tick.opaque_lo.x); put(tick.opaque_hi.x); put(tick.opaque_size);
+    put(tick.irradiance.x); put(tick.cut); put(tick.ambient.x); put(tick.particle_count); put(tick.shadow_lo.x); put(tick.shadow_slices);
+    put(tick.shadow_hi.x); put(tick.opaque_size); put(tick.opaque_lo.x); put(tick.opaque_hi.x); put(tick.shadow_size.x);
     put(tick.opaque_count); put(tick.sky_zenith.x); put(tick.sky_horizon.x); put(tick.shadow_u.x); put(tick.shadow_v.x); put(tick.shadow_plane.x);
     put(eye.position.x); put(eye.near_depth); put(eye.right.x); put(eye.tan_x); put(eye.up.x); put(eye.tan_y); put(eye.back.x);
     put(eye.exposure); put(eye.size.x); put(eye.filmic); put(eye.ray.x); put(eye.ray_right.x); put(eye.ray_down.x); put(eye.volume.x); put(eye.volume_ray.x);
     put(eye.volume_right.x); put(eye.volume_down.x);
     put(particles[1].centre.x); put(particles[1].scale); put(particles[1].albedo.x); put(particles[1].sigma_t);
     put(objects[1].centre.x); put(objects[1].kind); put(objects[1].half_size.x); put(objects[1].yaw_cos); put(objects[1].albedo.x); put(objects[1].yaw_sin);
-    put(light_particles[1].centre.x); put(light_particles[1].k); put(light_particles[1].radius);
+    put(light_particles[1].at.x); put(light_particles[1].k.x);
     put(arguments.vertex_count); put(arguments.instance_count); put(arguments.first_vertex); put(arguments.first_instance);
     put(arguments.groups_x); put(arguments.groups_y); put(arguments.groups_z);
 }

@@ -30,8 +30,8 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     expect(1000,
            {AT(Tick, to_light),  AT(Tick, falloff),     AT(Tick, light_x),      AT(Tick, anisotropy),    AT(Tick, light_y),
             AT(Tick, asymmetry), AT(Tick, irradiance),  AT(Tick, cut),          AT(Tick, ambient),       AT(Tick, particle_count),
-            AT(Tick, shadow_lo), AT(Tick, shadow_size), AT(Tick, shadow_hi),    AT(Tick, shadow_slices), AT(Tick, opaque_lo),
-            AT(Tick, opaque_hi), AT(Tick, opaque_size), AT(Tick, opaque_count), AT(Tick, sky_zenith),    AT(Tick, sky_horizon),
+            AT(Tick, shadow_lo), AT(Tick, shadow_slices), AT(Tick, shadow_hi),    AT(Tick, opaque_size), AT(Tick, opaque_lo),
+            AT(Tick, opaque_hi), AT(Tick, shadow_size), AT(Tick, opaque_count), AT(Tick, sky_zenith),    AT(Tick, sky_horizon),
             AT(Tick, shadow_u),  AT(Tick, shadow_v),    AT(Tick, shadow_plane)});
     expect(2000, {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y),
                   AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right),
@@ -43,7 +43,7 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     second(4000, sizeof(Opaque),
            {AT(Opaque, centre), AT(Opaque, kind), AT(Opaque, half_size), AT(Opaque, yaw_cos), AT(Opaque, albedo),
             AT(Opaque, yaw_sin)});
-    second(5000, sizeof(LightParticle), {AT(LightParticle, centre), AT(LightParticle, k), AT(LightParticle, radius)});
+    second(5000, sizeof(LightParticle), {AT(LightParticle, at), AT(LightParticle, k)});
     expect(6000, {AT(DrawArguments, vertex_count), AT(DrawArguments, instance_count), AT(DrawArguments, first_vertex),
                   AT(DrawArguments, first_instance), AT(DrawArguments, groups_x), AT(DrawArguments, groups_y),
                   AT(DrawArguments, groups_z)});

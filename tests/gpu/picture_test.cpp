@@ -188,6 +188,56 @@ TEST_F(EyesTest, RadianceHasTheSameBitsOnEveryRun) {
     }
 }
 
+// --- what rests ---
+
+// Particles are uploaded and the light is made when they change, and then the picture is that of a renderer that has seen nothing
+// before.
+TEST_F(PictureTest, WhatRestsIsNotLitAgain) {
+    Scene scene = loadScene("server/scenes/props.toml");
+    scene.medium.count = 200;
+    scene.simulation.paused = true;
+    Simulation simulation(scene);
+    Renderer renderer(device(), scene, 200);
+    Submission submission(device(), "rest");
+    const EyeRequest eye{lookAt(scene.camera.position, scene.camera.target, 0.8f), 64, 48};
+    const auto passes = [&](const char* what) {
+        submitAndWait(renderer, submission, simulation, {&eye, 1});
+        const auto seen = bytesOf(submission.pictures()[0]);
+        Renderer fresh(device(), scene, 200);
+        Submission other(device(), "fresh");
+        submitAndWait(fresh, other, simulation, {&eye, 1});
+        EXPECT_EQ(seen, bytesOf(other.pictures()[0])) << what;
+        std::string names;
+        for (const gpu::PassSample& sample : submission.commands.readTimes())
+            if (sample.view == gpu::kShared && sample.name != std::string_view("read back"))
+                names += sample.name + std::string(";");
+        return names;
+    };
+    const auto after = [&](const CommandBody& body) {
+        const Command command{.body = body};
+        simulation.step({&command, 1});
+    };
+    EXPECT_EQ(passes("at first"), "upload;opaque shadow;shadow volume;");
+    EXPECT_EQ(passes("again"), "");
+    simulation.step({});
+    EXPECT_EQ(passes("a paused tick later"), "");
+    after(SetLight{.to_light = glm::vec3(0.5f, 1, 0.2f)});
+    EXPECT_EQ(passes("the light has turned"), "opaque shadow;shadow volume;");
+    after(SetLight{.irradiance = glm::vec3(3, 4, 5)});
+    EXPECT_EQ(passes("it is brighter"), "");
+    after(SetMedium{.asymmetry = 0.3f});
+    EXPECT_EQ(passes("the medium scatters otherwise"), "");
+    after(SetMedium{.falloff = 2});
+    EXPECT_EQ(passes("particles are wider"), "shadow volume;");
+    after(SetMedium{.albedo = glm::vec3(0.2f)});
+    EXPECT_EQ(passes("they are darker"), "upload;shadow volume;");
+    after(SetRender{.exposure = 2.0f});
+    EXPECT_EQ(passes("exposure"), "");
+    after(SetSimulation{.paused = false});
+    after(Impulse{.origin = {-5, 7, 27}, .direction = glm::normalize(glm::vec3(5, -2, -27))});
+    EXPECT_EQ(passes("they move"), "upload;shadow volume;");
+}
+
 // --- the ends of what a scene may be ---
 
 // 0 is an allowed cut-off: it means that nothing that could be seen is left out.

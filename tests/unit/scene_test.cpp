@@ -108,7 +108,9 @@ INSTANTIATE_TEST_SUITE_P(
               "\"simpson\", \"transmittance\", \"analytic\""},
         Wrong{"[render]\nsteps = 11", 2, "render.steps", "11 is not", "from 1 to 10"},
         Wrong{"[render]\nquadrature = \"transmittance\"\nsteps = 4", 3, "render.steps", "4 is not", "from 1 to 3"},
-        Wrong{"[render]\nshadow_slices = 1", 2, "render.shadow_slices", "1 is not", "from 2 to 128"},
+        Wrong{"[render]\nshadow_slices = 1", 2, "render.shadow_slices", "1 is not", "0, or a whole number from 2 to 128"},
+        Wrong{"[render]\nshadow_size = 0.0", 2, "render.shadow_size", "0 is not", "0, or a whole number from 16 to 1024"},
+        Wrong{"[render]\nshadow_error = 0", 2, "render.shadow_error", "0 is not", "from 0.0001 to 0.1"},
         Wrong{"name = 1979-05-27", 1, "name", "a date or time", "text"},
         Wrong{"name = \"a\"\nname = \"b\"", 2, "syntax", "name", "TOML"}, Wrong{"[medium\n", 1, "syntax", "", "TOML"}));
 
@@ -146,6 +148,9 @@ ambient = [0, 0, 0.5]
 [camera]
 fov_y = 1
 [render]
+shadow_size = 0
+shadow_slices = 9
+shadow_error = 0.01
 method = "isv"
 quadrature = "transmittance"
 steps = 3
@@ -171,6 +176,9 @@ steps = 3
     EXPECT_EQ(scene.camera.fov_y, 1);
     EXPECT_EQ(scene.render.method, "isv");
     EXPECT_EQ(scene.render.steps, 3u);
+    EXPECT_EQ(scene.render.shadow_size, 0u);
+    EXPECT_EQ(scene.render.shadow_slices, 9u);
+    EXPECT_EQ(scene.render.shadow_error, 0.01f);
 }
 
 // A million metres away float32 has steps of 6 cm; these places are exact in double, and after subtraction in float.

@@ -1,0 +1,36 @@
+// Recording one pass of the light by itself.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "server/light/tick.h"
+#include "tests/gpu/fixture.h"
+
+namespace brume::test {
+
+// Records one pass with the tick and a buffer of structs bound, and waits.
+template <class Element, class Record>
+void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, const std::vector<Element>& elements, const Record& record) {
+    const gpu::Buffer block(device, sizeof(gpu::Tick), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "tick");
+    const size_t count = std::max<size_t>(elements.size(), 1);
+    const gpu::Buffer buffer(device, count * sizeof(Element), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
+                             "elements");
+    block.mapped<gpu::Tick>(1)[0] = tick;
+    std::copy(elements.begin(), elements.end(), buffer.mapped<Element>(count).begin());
+    gpu::Commands commands(device, "light");
+    commands.begin();
+    record(commands, gpu::uniformBuffer(0, block, 0, sizeof(gpu::Tick)), buffer);
+    commands.submit();
+    waitFor(commands);
+}
+
+inline gpu::Tick tickOf(const Scene& scene, const std::vector<gpu::Particle>& particles) {
+    return makeTick(scene, {scene.medium, scene.lights[0], scene.render, false}, particles, opaqueObjects(scene));
+}
+
+inline glm::dvec3 fromLightSpace(const gpu::Tick& tick, glm::dvec3 at) {
+    return at.x * glm::dvec3(tick.light_x) + at.y * glm::dvec3(tick.light_y) + at.z * glm::dvec3(tick.to_light);
+}
+
+} // namespace brume::test
