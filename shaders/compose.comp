@@ -16,16 +16,9 @@ layout(push_constant, scalar) uniform Push {
     uint first_word;   // of this picture in the buffer
 } push;
 
-// Narkowicz's fit of the ACES reference curve: [0, inf) -> [0, 1].
-vec3 filmic(vec3 x) { return clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0, 1); }
+#include "shaders/lib/display.glsl"
 
-vec3 srgb(vec3 x) { return mix(12.92 * x, 1.055 * pow(x, vec3(1 / 2.4)) - 0.055, greaterThan(x, vec3(0.0031308))); }
-
-vec3 pixel(uvec2 at) {
-    vec3 x = max(imageLoad(radiance, ivec2(min(at, eye.size - 1))).rgb * eye.exposure, 0);
-    x = eye.filmic != 0 ? filmic(min(x, 1e4)) : clamp(x, 0, 1);
-    return 255 * srgb(x);
-}
+vec3 pixel(uvec2 at) { return displayed(imageLoad(radiance, ivec2(min(at, eye.size - 1))).rgb); }
 
 void main() {
     const uvec2 block = gl_GlobalInvocationID.xy;

@@ -175,4 +175,26 @@ void toGeneral(VkCommandBuffer cmd, const Image& image) {
     vkCmdPipelineBarrier2(cmd, &info);
 }
 
+void beginDrawing(VkCommandBuffer cmd, VkExtent2D size, std::initializer_list<const Image*> targets) {
+    std::vector<VkRenderingAttachmentInfo> attachments;
+    for (const Image* image : targets) {
+        VkRenderingAttachmentInfo& target = attachments.emplace_back();
+        target = {VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+        target.imageView = image->view();
+        target.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+        target.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+        target.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    }
+    VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+    rendering.renderArea = {{0, 0}, size};
+    rendering.layerCount = 1;
+    rendering.colorAttachmentCount = uint32_t(attachments.size());
+    rendering.pColorAttachments = attachments.data();
+    vkCmdBeginRendering(cmd, &rendering);
+    const VkViewport viewport{0, 0, float(size.width), float(size.height), 0, 1};
+    const VkRect2D scissor{{0, 0}, size};
+    vkCmdSetViewport(cmd, 0, 1, &viewport);
+    vkCmdSetScissor(cmd, 0, 1, &scissor);
+}
+
 } // namespace brume::gpu

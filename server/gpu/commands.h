@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -77,6 +78,9 @@ void transferToHost(VkCommandBuffer cmd);    // copies -> CPU reads after the su
 void everythingBefore(VkCommandBuffer cmd);
 // A new image gets its one and only layout, VK_IMAGE_LAYOUT_GENERAL; what it held is lost.
 void toGeneral(VkCommandBuffer cmd, const Image& image);
+
+// Draws follow, into the first `size` pixels of these targets, which keep what they hold; until vkCmdEndRendering.
+void beginDrawing(VkCommandBuffer cmd, VkExtent2D size, std::initializer_list<const Image*> targets);
 
 // Groups that cover `count` items.
 constexpr uint32_t groups(uint32_t count, uint32_t size) { return (count + size - 1) / size; }

@@ -85,8 +85,11 @@ std::string missing(VkPhysicalDevice device) {
     if (!f.v13.synchronization2) return "synchronization2";
     if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations) return "subgroup shuffles and votes";
     VkFormatProperties format;
-    vkGetPhysicalDeviceFormatProperties(device, VK_FORMAT_R32G32B32A32_SFLOAT, &format);
-    if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT)) return "blending of 32-bit float targets";
+    for (const VkFormat target : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT}) {
+        vkGetPhysicalDeviceFormatProperties(device, target, &format);
+        if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT))
+            return "blending of 32-bit float targets";
+    }
     if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT))
         return "linear filtering of 32-bit floats";
     return {};

@@ -89,13 +89,17 @@ public:
     ComputeProgram(const Device& device, const ShaderCode& shader, std::initializer_list<SpecConstant> constants = {});
 };
 
+// What becomes of a target's colour. Over: premultiplied, back to front, colour = source + transmittance * colour, where the
+// shader writes the transmittance as alpha; the target's alpha gathers the product of transmittances.
+enum class Blend { over, replace, largest };
+
 struct GraphicsInfo {
-    VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;
+    std::vector<VkFormat> formats{VK_FORMAT_R32G32B32A32_SFLOAT};       // of the targets
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST; // ignored with a mesh shader
+    Blend blend = Blend::over;
 };
 
-// Draws into one colour target with premultiplied "over" blending, back to front: colour = source + transmittance * colour,
-// where the shader writes the transmittance as alpha; the target's alpha gathers the product of transmittances.
+// Draws into colour targets.
 class GraphicsProgram : public Program {
 public:
     GraphicsProgram() = default;

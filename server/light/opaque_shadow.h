@@ -1,5 +1,7 @@
-// Opaque shadow map: how high along to_light the topmost box or sphere is, seen from the light.
+// Opaque shadow map: how high along to_light the topmost box or sphere is, seen from the light; -1e30 where there is none.
 #pragma once
+
+#include <span>
 
 #include "server/gpu/commands.h"
 #include "server/gpu/program.h"
@@ -11,14 +13,16 @@ class OpaqueShadow {
 public:
     explicit OpaqueShadow(const gpu::Device& device);
 
-    // Records the map unless light and size are those of the last time; objects do not move. As ShadowVolume::record otherwise.
-    void record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick, const gpu::Buffer& objects);
+    // Records the map unless light and size are those of the last time; objects do not move. `buffer` holds `objects` as
+    // gpu::Opaque[gpu::kMostObjects]. As ShadowVolume::record otherwise.
+    bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick, const gpu::Buffer& buffer,
+                std::span<const gpu::Opaque> objects);
 
     const gpu::Image& image() const { return image_; }
 
 private:
     const gpu::Device& device_;
-    gpu::ComputeProgram program_;
+    gpu::GraphicsProgram program_;
     gpu::Image image_;
     gpu::Tick last_{};
 };

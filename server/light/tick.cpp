@@ -87,11 +87,11 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
                 0);
         }
     }
+    tick.opaque_size = casters.lo.x <= casters.hi.x ? now.render.opaque_shadow_size : 1;
     casters.fallback();
-    const glm::vec2 margin = 2.0f / float(now.render.opaque_shadow_size) * (glm::vec2(casters.hi) - glm::vec2(casters.lo));
+    const glm::vec2 margin = 2.0f / float(tick.opaque_size) * (glm::vec2(casters.hi) - glm::vec2(casters.lo));
     tick.opaque_lo = glm::vec2(casters.lo) - margin; // a rim of empty texels, so that filtering meets no edge
     tick.opaque_hi = glm::vec2(casters.hi) + margin;
-    tick.opaque_size = now.render.opaque_shadow_size;
     tick.opaque_count = uint32_t(objects.size());
     return tick;
 }

@@ -22,6 +22,7 @@ struct EyeInputs {
     bool eye_in_medium = true;                 // the near plane may cut particles
     gpu::Resource tick, eye;                   // uniform blocks, bindings 0 and 1
     const gpu::Buffer* particles = nullptr;    // gpu::Particle[particle_count]
+    const gpu::Buffer* objects = nullptr;      // gpu::Opaque[gpu::kMostObjects], also as a uniform block
     const gpu::Image* shadow_volume = nullptr; // light depth
     const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
     const gpu::Image* view_depth = nullptr;    // of the nearest opaque surface

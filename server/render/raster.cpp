@@ -27,21 +27,7 @@ public:
         order_.record(commands, in, info_.support, info_.vertices, info_.particles_per_group);
 
         const gpu::Commands::Pass pass(commands, "medium", in.view);
-        VkRenderingAttachmentInfo target{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-        target.imageView = in.radiance->view();
-        target.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
-        target.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
-        target.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-        VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-        rendering.renderArea = {{0, 0}, in.size};
-        rendering.layerCount = 1;
-        rendering.colorAttachmentCount = 1;
-        rendering.pColorAttachments = &target;
-        vkCmdBeginRendering(cmd, &rendering);
-        const VkViewport viewport{0, 0, float(in.size.width), float(in.size.height), 0, 1};
-        const VkRect2D scissor{{0, 0}, in.size};
-        vkCmdSetViewport(cmd, 0, 1, &viewport);
-        vkCmdSetScissor(cmd, 0, 1, &scissor);
+        gpu::beginDrawing(cmd, in.size, {in.radiance});
         programs_[has_opaque_ || in.eye_in_medium].bind(
             cmd, {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(4, order_.order()),
                   gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),

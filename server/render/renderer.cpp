@@ -6,7 +6,6 @@
 
 #include "server/light/tick.h"
 #include "shaders/compose_comp.h"
-#include "shaders/opaque_comp.h"
 
 namespace brume {
 
@@ -70,13 +69,6 @@ bool eyeInMedium(const gpu::Tick& tick, const EyeRequest& eye) {
 
 } // namespace
 
-struct Renderer::Passes {
-    gpu::ComputeProgram opaque, compose;
-    explicit Passes(const gpu::Device& device)
-        : opaque(device, {VK_SHADER_STAGE_COMPUTE_BIT, opaque_comp, "opaque"}),
-          compose(device, {VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"}) {}
-};
-
 std::span<const PictureView> Submission::pictures() {
     planes_.invalidate();
     return pictures_;
@@ -84,15 +76,15 @@ std::span<const PictureView> Submission::pictures() {
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity)
     : device_(device), scene_(scene), capacity_(capacity), objects_(opaqueObjects(scene)),
-      passes_(std::make_unique<Passes>(device)), shadow_volume_(device, capacity), opaque_shadow_(device),
-      depth_order_(device, capacity), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST) {
+      compose_(device, {VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"}), shadow_volume_(device, capacity),
+      opaque_shadow_(device), background_(device, scene), depth_order_(device, capacity), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST) {
     particles_ =
         gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, "particles");
-    const size_t count = std::max<size_t>(objects_.size(), 1);
-    objects_buffer_ =
-        gpu::Buffer(device, count * sizeof(gpu::Opaque), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "objects");
-    std::copy(objects_.begin(), objects_.end(), objects_buffer_.mapped<gpu::Opaque>(count).begin());
+    objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
+                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
+                                  "objects");
+    std::copy(objects_.begin(), objects_.end(), objects_buffer_.mapped<gpu::Opaque>(objects_.size()).begin());
     objects_buffer_.flush();
 }
 
@@ -136,10 +128,8 @@ void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes)
     VkExtent2D extent = radiance_ ? radiance_.extent() : VkExtent2D{1, 1};
     for (const EyeRequest& eye : eyes) extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height)};
     if (radiance_ && extent.width == radiance_.extent().width && extent.height == radiance_.extent().height) return;
-    const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-    radiance_ = gpu::Image(
-        device_, {kRadianceFormat, extent, usage | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
-        "radiance");
+    const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    radiance_ = gpu::Image(device_, {kRadianceFormat, extent, usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT}, "radiance");
     view_depth_ = gpu::Image(device_, {VK_FORMAT_R32_SFLOAT, extent, usage}, "view depth");
     gpu::toGeneral(cmd, radiance_);
     gpu::toGeneral(cmd, view_depth_);
@@ -172,7 +162,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
         gpu::transferToCompute(cmd);
     }
     const gpu::Resource tick_block = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
-    opaque_shadow_.record(s.commands, tick_block, tick_, objects_buffer_);
+    opaque_shadow_.record(s.commands, tick_block, tick_, objects_buffer_, objects_);
     shadow_volume_.record(s.commands, tick_block, tick_, particles_, !moved_);
 
     VkDeviceSize planes_at = 0;
@@ -201,6 +191,7 @@ void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, V
     in.tick = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
     in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(index), sizeof(gpu::Eye));
     in.particles = &particles_;
+    in.objects = &objects_buffer_;
     in.shadow_volume = &shadow_volume_.image();
     in.opaque_shadow = &opaque_shadow_.image();
     in.view_depth = &view_depth_;
@@ -208,23 +199,13 @@ void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, V
     in.linear = &linear_;
     in.nearest = &nearest_;
     last_size_ = in.size;
-    const uint32_t groups_x = gpu::groups(eye.width, 8), groups_y = gpu::groups(eye.height, 8);
-    {
-        const gpu::Commands::Pass pass(s.commands, "opaque", index);
-        gpu::everythingBefore(cmd); // the eye before has used the same targets
-        passes_->opaque.bind(cmd, {in.tick, in.eye, storageBuffer(2, objects_buffer_),
-                                   gpu::sampledImage(3, shadow_volume_.image(), linear_),
-                                   gpu::sampledImage(4, opaque_shadow_.image(), nearest_), gpu::storageImage(5, radiance_),
-                                   gpu::storageImage(6, view_depth_)});
-        vkCmdDispatch(cmd, groups_x, groups_y, 1);
-        gpu::computeToDraw(cmd);
-    }
+    background_.record(s.commands, in);
     if (in.particle_count > 0) chosen.record(s.commands, in);
     const gpu::Commands::Pass pass(s.commands, "compose", index);
     gpu::computeToCompute(cmd);
     const PlaneLayout& layout = s.pictures_[index].layout;
     const uint32_t push[] = {layout.lumaStride() / 4, uint32_t(planes_at / 4)};
-    passes_->compose.bind(cmd, {in.eye, gpu::storageImage(2, radiance_), storageBuffer(3, planes_)}, push);
+    compose_.bind(cmd, {in.eye, gpu::storageImage(2, radiance_), storageBuffer(3, planes_)}, push);
     vkCmdDispatch(cmd, gpu::groups(layout.lumaStride() / 8, 8), gpu::groups(layout.chromaHeight(), 8), 1);
 }
 

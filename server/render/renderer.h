@@ -9,6 +9,7 @@
 #include "common/camera.h"
 #include "server/light/opaque_shadow.h"
 #include "server/light/shadow_volume.h"
+#include "server/render/background.h"
 #include "server/render/depth_order.h"
 #include "server/render/method.h"
 #include "server/render/picture.h"
@@ -58,7 +59,6 @@ public:
     std::vector<glm::vec4> readRadiance();
 
 private:
-    struct Passes;
     void fitBuffers(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
     void fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes);
     Method& method(const SceneNow& now);
@@ -68,9 +68,10 @@ private:
     const Scene scene_;
     const uint32_t capacity_;
     const std::vector<gpu::Opaque> objects_;
-    std::unique_ptr<Passes> passes_;
+    gpu::ComputeProgram compose_;
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
+    Background background_;
     DepthOrder depth_order_;
     gpu::Sampler linear_, nearest_;
     gpu::Buffer particles_, objects_buffer_, planes_;

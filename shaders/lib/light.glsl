@@ -31,7 +31,7 @@ float visibilityFiltered(vec3 at, float bias) {
     const ivec2 t = ivec2(texel);
     const vec2 f = texel - vec2(t);
     const float s = at.z + bias;
-    const vec4 lit = vec4(s >= texelFetch(opaque_shadow, t, 0).r, s >= texelFetch(opaque_shadow, t + ivec2(1, 0), 0).r,
-                          s >= texelFetch(opaque_shadow, t + ivec2(0, 1), 0).r, s >= texelFetch(opaque_shadow, t + ivec2(1, 1), 0).r);
+    const vec4 top = textureGather(opaque_shadow, (vec2(t) + 1) / float(tick.opaque_size)).wzxy;
+    const vec4 lit = vec4(greaterThanEqual(vec4(s), top));
     return mix(mix(lit.x, lit.y, f.x), mix(lit.z, lit.w, f.x), f.y);
 }

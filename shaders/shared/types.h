@@ -74,6 +74,8 @@ const uint kPlane = 0u;
 const uint kBox = 1u;
 const uint kSphere = 2u;
 
+const uint kMostObjects = 192u; // 64 of each kind
+
 struct Opaque {
     vec3 centre; // of a plane: only y counts
     uint kind;

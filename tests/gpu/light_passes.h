@@ -13,8 +13,9 @@ namespace brume::test {
 template <class Element, class Record>
 void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, const std::vector<Element>& elements, const Record& record) {
     const gpu::Buffer block(device, sizeof(gpu::Tick), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "tick");
-    const size_t count = std::max<size_t>(elements.size(), 1);
-    const gpu::Buffer buffer(device, count * sizeof(Element), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
+    const size_t count = std::max<size_t>(elements.size(), gpu::kMostObjects);
+    const gpu::Buffer buffer(device, count * sizeof(Element),
+                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
                              "elements");
     block.mapped<gpu::Tick>(1)[0] = tick;
     std::copy(elements.begin(), elements.end(), buffer.mapped<Element>(count).begin());

@@ -45,7 +45,7 @@ TEST_F(GpuTest, OpaqueShadowMapHoldsTheHeightsOfTheTopmost) {
             const gpu::Tick tick = tickOf(scene, {});
             recordAndWait(device(), tick, opaqueObjects(scene),
                           [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& objects) {
-                              shadow.record(commands, block, tick, objects);
+                              shadow.record(commands, block, tick, objects, opaqueObjects(scene));
                           });
             const std::vector<float> map = readImage(device(), shadow.image(), 1);
             const auto height = [&](glm::dvec2 at) {

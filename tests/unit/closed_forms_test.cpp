@@ -2,6 +2,7 @@
 // rounding), against 50 digits; and the forms that physics gets wrong in float, shown to fail.
 #include <gtest/gtest.h>
 
+#include "shaders/shared/srgb.h"
 #include "shaders/shared/transmittance.h"
 #include "tests/unit/exact.h"
 #include "tests/unit/worst.h"
@@ -202,6 +203,20 @@ TEST(Transmittance, HeightFog) {
         const float depth = density * std::exp(-falloff * start) * length * physics::phi(falloff * rise);
         EXPECT_NEAR(depth, exact, 2e-6 * exact) << rise;
     }
+}
+
+TEST(Srgb, WithinThreeHundredthsOfALevel) {
+    double worst = 0, last = 0;
+    for (int i = 0; i <= 1 << 20; ++i) {
+        const float x = float(i) / float(1 << 20);
+        const double exact = x > 0.0031308f ? 1.055 * std::pow(double(x), 1 / 2.4) - 0.055 : 12.92 * double(x);
+        const double got = double(physics::srgb(x));
+        worst = std::max(worst, std::abs(got - exact));
+        ASSERT_GE(got, last - 3e-7) << x; // roundings
+        last = got;
+    }
+    EXPECT_LT(255 * worst, 0.031);
+    EXPECT_EQ(physics::srgb(0.0f), 0);
 }
 
 } // namespace

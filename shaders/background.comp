@@ -1,0 +1,22 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Per viewer: what is behind the medium.
+#include "shaders/shared/types.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(rgba32f, binding = 5) writeonly uniform image2D radiance;
+layout(r32f, binding = 6) writeonly uniform image2D view_depth;
+
+#include "shaders/lib/background.glsl"
+
+void main() {
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, eye.size))) return;
+    float depth;
+    const vec3 colour = background(vec2(gl_GlobalInvocationID.xy) + 0.5, depth);
+    imageStore(radiance, ivec2(gl_GlobalInvocationID.xy), vec4(colour, 1));
+    imageStore(view_depth, ivec2(gl_GlobalInvocationID.xy), vec4(depth));
+}

@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Per viewer: what is behind the medium, as a draw over the whole picture: CPU drivers store to targets several times faster than to
+// storage images. background.comp is the same for GPUs.
+#include "shaders/shared/types.h"
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+
+layout(location = 0) out vec4 radiance;
+layout(location = 1) out float view_depth;
+
+#include "shaders/lib/background.glsl"
+
+void main() {
+    const vec3 colour = background(gl_FragCoord.xy, view_depth);
+    radiance = vec4(colour, 1);
+}

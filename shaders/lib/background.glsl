@@ -1,0 +1,103 @@
+// The sky and the opaque objects behind the medium, lit by the light through the medium. Declares the bindings that it reads; include
+// after the tick's and the eye's blocks.
+layout(scalar, binding = 2) uniform Objects { Opaque objects[kMostObjects]; };
+layout(binding = 3) uniform sampler2DArray shadow_volume;
+layout(binding = 4) uniform sampler2D opaque_shadow;
+
+// How many there are of each kind, which stand in this order: loops over a few are unrolled, and nothing is left of none.
+layout(constant_id = 0) const uint kPlanes = 1;
+layout(constant_id = 1) const uint kBoxes = 1;
+layout(constant_id = 2) const uint kSpheres = 1;
+
+#include "shaders/lib/objects.glsl"
+#include "shaders/lib/light.glsl"
+#include "shaders/lib/eye.glsl"
+#include "shaders/lib/sky.glsl"
+
+const uint kNone = ~0u;
+
+// What a ray meets first.
+struct Hit {
+    float depth; // view depth; kMiss when there is none
+    uint object; // kNone
+    vec3 normal, albedo;
+};
+
+// Boxes and spheres, by their number from 0, that a ray through any place of the pixel may hit; from the 32nd on all of them.
+uint mayHit(vec3 middle) {
+    const float pixel = 0.6 * (length(eye.ray_right) + length(eye.ray_down)); // samples are at most 3/8 pixels off each way
+    uint may = 0;
+    for (uint i = 0; i < min(kBoxes + kSpheres, 32); ++i) {
+        const Opaque o = objects[kPlanes + i];
+        const vec3 off = o.centre - eye.position, across = cross(off, middle);
+        const float reach = (i < kBoxes ? length(o.half_size) : o.half_size.x) + pixel * length(off);
+        if (dot(across, across) <= reach * reach * dot(middle, middle)) may |= 1u << i;
+    }
+    return may;
+}
+
+void meet(uint i, uint kind, vec3 dir, inout Hit hit) {
+    Opaque o = objects[i];
+    o.kind = kind;
+    vec3 n;
+    const float t = hitObject(o, eye.position, dir, n);
+    if (t >= eye.near_depth && t < hit.depth) hit = Hit(t, i, n, o.albedo);
+}
+
+Hit nearest(vec3 dir, uint may) {
+    Hit hit = Hit(kMiss, kNone, vec3(0, 1, 0), vec3(0));
+    for (uint i = 0; i < kPlanes; ++i) meet(i, kPlane, dir, hit);
+    for (uint i = 0; i < kBoxes; ++i)
+        if (i >= 32 || (may & 1u << i) != 0) meet(kPlanes + i, kBox, dir, hit);
+    for (uint i = 0; i < kSpheres; ++i)
+        if (kBoxes + i >= 32 || (may & 1u << (kBoxes + i)) != 0) meet(kPlanes + kBoxes + i, kSphere, dir, hit);
+    return hit;
+}
+
+// Lambert's law under the light, past objects and medium, and under the sky, whose mean radiance stands for its irradiance.
+vec3 lit(Hit hit, vec3 x) {
+    const vec3 n = hit.normal;
+    const float cosine = dot(n, tick.to_light);
+    const vec3 sky = mix(tick.sky_horizon, 0.5 * (tick.sky_horizon + tick.sky_zenith), 0.5 + 0.5 * n.y) * (0.5 + 0.5 * n.y);
+    float direct = max(cosine, 0) / 3.14159265;
+    if (kBoxes + kSpheres > 0)
+        if (direct > 0) {
+            const float texel = (tick.opaque_hi.x - tick.opaque_lo.x) / float(tick.opaque_size);
+            const float slope = texel * 2 * sqrt(max(1 - cosine * cosine, 0)) / max(cosine, 0.1);
+            direct *= visibilityFiltered(toLightSpace(x + n * 2 * texel), slope);
+        }
+    const vec3 at = toShadowVolume(x); // outside of the map and above it there is nothing
+    if (direct > 0 && at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5)))) direct *= exp(-lightDepth(at));
+    return hit.albedo * (sky + tick.irradiance * direct);
+}
+
+vec3 shade(vec3 dir, Hit hit) {
+    vec3 colour = skyRadiance(normalize(dir));
+    if (hit.object != kNone) colour = lit(hit, eye.position + hit.depth * dir);
+    return colour;
+}
+
+// Radiance of a pixel, and the view depth of what its centre hits. Edges are smoothed with four rays where they do not all hit the
+// centre's object.
+vec3 background(vec2 centre, out float view_depth) {
+    const vec2 offsets[4] = vec2[](vec2(-0.375, -0.125), vec2(0.125, -0.375), vec2(0.375, 0.125), vec2(-0.125, 0.375));
+    const vec3 middle = rayDirection(centre);
+    const uint may = mayHit(middle);
+    const Hit hit = nearest(middle, may);
+    view_depth = hit.depth;
+    bool edge = false;
+    if (kPlanes + kBoxes + kSpheres > 0)
+        edge = nearest(rayDirection(centre + offsets[0]), may).object != hit.object ||
+               nearest(rayDirection(centre + offsets[1]), may).object != hit.object ||
+               nearest(rayDirection(centre + offsets[2]), may).object != hit.object ||
+               nearest(rayDirection(centre + offsets[3]), may).object != hit.object;
+    vec3 colour = vec3(0);
+    const uint samples = edge ? 4 : 1;
+    for (uint i = 0; i < samples; ++i) {
+        const vec3 dir = edge ? rayDirection(centre + offsets[i]) : middle;
+        Hit here = hit;
+        if (edge) here = nearest(dir, may);
+        colour += shade(dir, here);
+    }
+    return colour / float(samples);
+}

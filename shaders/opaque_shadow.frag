@@ -1,0 +1,22 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Opaque shadow map: the height along to_light of a box's or sphere's top; blending keeps the largest.
+#include "shaders/shared/types.h"
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform Objects { Opaque objects[kMostObjects]; };
+layout(push_constant, scalar) uniform Push { uint object; } push;
+
+layout(location = 0) out float height;
+
+#include "shaders/lib/objects.glsl"
+
+void main() {
+    const Opaque o = objects[push.object];
+    const vec2 at = mix(tick.opaque_lo, tick.opaque_hi, gl_FragCoord.xy / float(tick.opaque_size));
+    const float start = dot(tick.to_light, o.centre) + length(o.half_size) + 1; // a ray from just above the object
+    vec3 n;
+    const float t = hitObject(o, at.x * tick.light_x + at.y * tick.light_y + start * tick.to_light, -tick.to_light, n);
+    height = t < kMiss ? start - t : -1e30;
+}

@@ -1,0 +1,177 @@
+// What is behind the medium: by draw and by compute, few objects and many, and edges.
+#include <cmath>
+
+#include "server/light/opaque_shadow.h"
+#include "server/light/shadow_volume.h"
+#include "server/render/background.h"
+#include "tests/gpu/closed_form.h"
+#include "tests/gpu/light_passes.h"
+
+namespace brume::test {
+namespace {
+
+constexpr VkImageUsageFlags kTarget = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                                      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+
+class BackgroundTest : public GpuTest {
+protected:
+    struct Seen {
+        std::vector<float> radiance, depth; // RGBA; view depth
+    };
+
+    static Seen see(const Scene& scene, const Pose& pose, uint32_t width, uint32_t height, bool by_draw) {
+        const std::vector<gpu::Particle> particles = particlesOf(scene);
+        const std::vector<gpu::Opaque> all = opaqueObjects(scene);
+        const gpu::Tick tick = tickOf(scene, particles);
+        const gpu::Buffer uniforms(device(), 512, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
+        uniforms.mapped<gpu::Tick>(1)[0] = tick;
+        gpu::Eye& eye = uniforms.mapped<gpu::Eye>(1, 256)[0];
+        eye = {};
+        eye.position = pose.position;
+        eye.near_depth = float(kNearDepth);
+        eye.size = {width, height};
+        eye.ray = glm::vec3(pixelDirection(pose, width, height, 0, 0));
+        eye.ray_right = glm::vec3(pixelDirection(pose, width, height, 1, 0)) - eye.ray;
+        eye.ray_down = glm::vec3(pixelDirection(pose, width, height, 0, 1)) - eye.ray;
+        eye.ray -= 0.5f * (eye.ray_right + eye.ray_down);
+        const gpu::Buffer objects(device(), gpu::kMostObjects * sizeof(gpu::Opaque),
+                                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
+                                  "objects");
+        std::copy(all.begin(), all.end(), objects.mapped<gpu::Opaque>(all.size()).begin());
+        const gpu::Buffer medium(device(), std::max<size_t>(particles.size(), 1) * sizeof(gpu::Particle),
+                                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "particles");
+        std::copy(particles.begin(), particles.end(), medium.mapped<gpu::Particle>(particles.size()).begin());
+        const gpu::Image radiance(device(), {VK_FORMAT_R32G32B32A32_SFLOAT, {width, height}, kTarget}, "radiance");
+        const gpu::Image depth(device(), {VK_FORMAT_R32_SFLOAT, {width, height}, kTarget}, "depth");
+        const gpu::Sampler linear(device(), VK_FILTER_LINEAR), nearest(device(), VK_FILTER_NEAREST);
+        ShadowVolume volume(device(), uint32_t(particles.size()));
+        OpaqueShadow casters(device());
+        const Background background(device(), scene, by_draw);
+
+        gpu::Commands commands(device(), "background");
+        const VkCommandBuffer cmd = commands.begin();
+        gpu::toGeneral(cmd, radiance);
+        gpu::toGeneral(cmd, depth);
+        const gpu::Resource block = gpu::uniformBuffer(0, uniforms, 0, sizeof(gpu::Tick));
+        casters.record(commands, block, tick, objects, all);
+        volume.record(commands, block, tick, medium);
+        EyeInputs in;
+        in.size = {width, height};
+        in.tick = block;
+        in.eye = gpu::uniformBuffer(1, uniforms, 256, sizeof(gpu::Eye));
+        in.objects = &objects;
+        in.shadow_volume = &volume.image();
+        in.opaque_shadow = &casters.image();
+        in.view_depth = &depth;
+        in.radiance = &radiance;
+        in.linear = &linear;
+        in.nearest = &nearest;
+        background.record(commands, in);
+        commands.submit();
+        waitFor(commands);
+        return {readImage(device(), radiance, 4), readImage(device(), depth, 1)};
+    }
+};
+
+// The draw and the compute pass have the same formulas; roundings may differ by where compilers put them.
+TEST_F(BackgroundTest, DrawAndComputeAgree) {
+    for (const char* name : {"props", "tubes", "plume", "cloud"}) {
+        SCOPED_TRACE(name);
+        const Scene scene = loadScene(std::string("server/scenes/") + name + ".toml");
+        const Pose pose = lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y);
+        const Seen drawn = see(scene, pose, 131, 77, true), computed = see(scene, pose, 131, 77, false);
+        for (size_t i = 0; i < drawn.radiance.size(); ++i)
+            ASSERT_NEAR(drawn.radiance[i], computed.radiance[i], 1e-4f * (1 + std::abs(computed.radiance[i]))) << i;
+        for (size_t i = 0; i < drawn.depth.size(); ++i) ASSERT_NEAR(drawn.depth[i] / computed.depth[i], 1, 1e-5f) << i;
+    }
+}
+
+// As many objects as a scene may have: more than are unrolled, and more than have a bit of their own.
+TEST_F(BackgroundTest, ManyObjects) {
+    Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});
+    Random random(7);
+    scene.planes = {{-3, glm::vec3(0.5f)}};
+    for (int i = 0; i < 64; ++i) {
+        scene.boxes.push_back({random.inCube(6), glm::vec3(0.2f) + random.inCube(0.1f), random.uniform(0, 3), glm::vec3(0.5f)});
+        scene.spheres.push_back({random.inCube(6), random.uniform(0.05f, 0.4f), glm::vec3(0.5f)});
+    }
+    const Pose pose = lookAt({1, 3, 15}, {0, 0, 0}, 0.8f);
+    const uint32_t width = 160, height = 90;
+    const auto depthAlong = [&](glm::dvec3 dir) {
+        const glm::dvec3 eye(pose.position);
+        double depth = dir.y < 0 ? (-3 - eye.y) / dir.y : 1e30;
+        for (const Sphere& sphere : scene.spheres) {
+            const glm::dvec3 off = glm::dvec3(sphere.centre) - eye;
+            const double a = glm::dot(dir, dir), b = glm::dot(off, dir),
+                         c = glm::dot(off, off) - double(sphere.radius) * double(sphere.radius);
+            if (b * b > a * c) depth = std::min(depth, (b - std::sqrt(b * b - a * c)) / a);
+        }
+        for (const Box& box : scene.boxes) {
+            const double c = std::cos(double(box.yaw)), s = std::sin(double(box.yaw));
+            const auto toBox = [&](glm::dvec3 v) { return glm::dvec3(c * v.x - s * v.z, v.y, s * v.x + c * v.z); };
+            const glm::dvec3 o = toBox(eye - glm::dvec3(box.centre)), d = toBox(dir), half = 0.5 * glm::dvec3(box.size);
+            const glm::dvec3 one = (-half - o) / d, two = (half - o) / d, in = glm::min(one, two), out = glm::max(one, two);
+            const double enter = std::max({in.x, in.y, in.z}), leave = std::min({out.x, out.y, out.z});
+            if (enter < leave) depth = std::min(depth, enter);
+        }
+        return depth;
+    };
+    for (const bool by_draw : {true, false}) {
+        SCOPED_TRACE(by_draw ? "draw" : "compute");
+        const Seen seen = see(scene, pose, width, height, by_draw);
+        int near = 0, edges = 0;
+        for (uint32_t y = 0; y < height; ++y)
+            for (uint32_t x = 0; x < width; ++x) {
+                const glm::dvec3 dir = pixelDirection(pose, width, height, x, y);
+                const glm::dvec3 right = pixelDirection(pose, width, height, x + 1, y) - dir,
+                                 down = pixelDirection(pose, width, height, x, y + 1) - dir;
+                const double exact = depthAlong(dir), got = double(seen.depth[y * width + x]);
+                double change = 0;
+                for (const glm::dvec3 step : {right, down, -right, -down})
+                    change = std::max(change, std::abs(depthAlong(dir + 1e-3 * step) / exact - 1));
+                if (change > 1e-2) {
+                    ++edges; // within a thousandth of a pixel
+                    continue;
+                }
+                ASSERT_NEAR(got / exact, 1, 1e-4) << x << ' ' << y;
+                near += exact < 30 && exact != (-3 - 3) / dir.y;
+            }
+        EXPECT_GT(near, 700);
+        EXPECT_LT(edges, 40);
+    }
+}
+
+// Across a straight edge between sky and a lit wall: a pixel's value is the part of its four samples that hit the wall.
+TEST_F(BackgroundTest, EdgesAreFourSamples) {
+    Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});
+    scene.sky = {glm::vec3(1), glm::vec3(1), glm::vec3(0)};
+    scene.lights[0].irradiance = glm::vec3(0);
+    scene.boxes = {{{50, 0, -1}, {100, 200, 2}, 0, glm::vec3(0)}}; // black, all x > 0
+    const Pose pose = lookAt({0, 0, 10}, {0.04f, 0, 0}, 0.5f);
+    const uint32_t width = 64, height = 48;
+    for (const bool by_draw : {true, false}) {
+        const Seen seen = see(scene, pose, width, height, by_draw);
+        int between = 0;
+        for (uint32_t y = 0; y < height; ++y)
+            for (uint32_t x = 0; x < width; ++x) {
+                double lit = 0, unclear = 0;
+                for (const glm::dvec2 offset : {glm::dvec2(-0.375, -0.125), glm::dvec2(0.125, -0.375), glm::dvec2(0.375, 0.125),
+                                                glm::dvec2(-0.125, 0.375)}) {
+                    const glm::dvec3 dir =
+                        pixelDirection(pose, width, height, x, y) +
+                        offset.x * (pixelDirection(pose, width, height, x + 1, y) - pixelDirection(pose, width, height, x, y)) +
+                        offset.y * (pixelDirection(pose, width, height, x, y + 1) - pixelDirection(pose, width, height, x, y));
+                    const double at = dir.x / -dir.z * 10; // where the ray meets the wall's front
+                    lit += at < 0 ? 0.25 : 0;
+                    unclear += std::abs(at) < 1e-4;
+                }
+                if (unclear > 0) continue;
+                ASSERT_NEAR(double(seen.radiance[4 * (y * width + x)]), lit, 1e-5) << x << ' ' << y;
+                between += lit > 0 && lit < 1;
+            }
+        EXPECT_GT(between, 10);
+    }
+}
+
+} // namespace
+} // namespace brume::test
