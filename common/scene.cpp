@@ -121,9 +121,17 @@ void readCamera(TableReader& in, SceneCamera& out, glm::dvec3 origin) {
 // The method's name is checked by the server, whose list of methods this library does not know.
 void readRender(TableReader& in, RenderSettings& out) {
     in.text("method", out.method, kLongestName);
+    in.number("error", out.error, limits::kError);
+    in.number("flip", out.flip, limits::kFlip);
     in.choice<std::string>("quadrature", out.quadrature,
-                           {{"simpson", "simpson"}, {"transmittance", "transmittance"}, {"analytic", "analytic"}});
+                           {{"simpson", "simpson"},
+                            {"transmittance", "transmittance"},
+                            {"analytic", "analytic"},
+                            {"cached", "cached"},
+                            {"hermite", "hermite"}});
     in.integer("steps", out.steps, out.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps);
+    in.integer("rate", out.rate, limits::kRayRate);
+    in.integer("slabs", out.slabs, limits::kSlabs);
     in.number("exposure", out.exposure, limits::kExposure);
     in.choice<std::string>("tone_map", out.tone_map, {{"filmic", "filmic"}, {"linear", "linear"}});
     in.integerOrZero("shadow_size", out.shadow_size, limits::kShadowSize);
@@ -131,6 +139,8 @@ void readRender(TableReader& in, RenderSettings& out) {
     in.number("shadow_error", out.shadow_error, limits::kShadowError);
     in.integer("opaque_shadow_size", out.opaque_shadow_size, limits::kOpaqueShadowSize);
     in.number("cutoff", out.cutoff, limits::kCutoff);
+    in.number("light_tolerance", out.light_tolerance, limits::kLightTolerance);
+    in.number("least_transmittance", out.least_transmittance, limits::kLeastTransmittance);
 }
 
 void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder) {

@@ -96,9 +96,13 @@ struct SceneCamera {
 
 // What the renderer is asked for; changed by commands while the server runs.
 struct RenderSettings {
-    std::string method = "sphere";      // a name of server/render/methods.cpp
-    std::string quadrature = "simpson"; // isv: simpson | transmittance | analytic
+    std::string method = "sphere";      // a name of server/render/methods.cpp, or auto: what server/plan chooses
+    float error = 5e-3f;                // auto: relative RMSE of a picture against the true medium, at most
+    float flip = 1e-2f;                 // auto: and mean FLIP
+    std::string quadrature = "simpson"; // isv: simpson | transmittance | analytic; tiles: cached | hermite
     uint32_t steps = 2;                 // simpson 1...10, transmittance 1...3
+    uint32_t rate = 0;                  // slabs: pixels between rays, 1, 2, 4, 8 or 16; 0: from the medium's band limit
+    uint32_t slabs = 0;                 // slabs: 8...512 along every ray; 0: from the band limit
     float exposure = 1;
     std::string tone_map = "filmic";    // filmic | linear
     uint32_t shadow_size = 0;           // volumetric shadow map: texels a side, 16...1024; 0: from the medium and shadow_error
@@ -106,6 +110,8 @@ struct RenderSettings {
     float shadow_error = 3e-3f;         // relative error of the light in the medium that the map may make where it follows it
     uint32_t opaque_shadow_size = 1024; // texels a side
     float cutoff = 5e-2f;               // optical depth: bound on the SUM that proxies leave out on any ray
+    float light_tolerance = 0.2f;       // tiles, cached: how far light may be from linear on a particle, as a part of 1
+    float least_transmittance = 1e-3f;  // tiles: where a ray may end; what lies behind counts for no more than that
 };
 
 struct Scene {

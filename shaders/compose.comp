@@ -1,52 +1,85 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Per viewer: exposure, tone map, sRGB, then full-range BT.601 Y, Cb, Cr planes with 4:2:0 chroma, as JPEG (JFIF) has them.
-// A lane makes 8x2 pixels: whole words of every plane.
+#extension GL_EXT_control_flow_attributes : require
+// Per viewer: background and medium where they are not drawn yet, exposure, tone map, sRGB, then full-range BT.601 Y, Cb, Cr planes
+// with 4:2:0 chroma, as JPEG (JFIF) has them. A lane makes 8x2 pixels: whole words of every plane.
 #include "shaders/shared/types.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+layout(constant_id = 0) const bool kHasOpaque = true;
+layout(constant_id = 1) const bool kHasCasters = true;
+layout(constant_id = 2) const bool kHasLobe = true;
+layout(constant_id = 3) const bool kHasAmbient = true;
+layout(constant_id = 23) const uint kRate = 1;     // of the field
+layout(constant_id = 24) const uint kSources = 1;  // of the field
+layout(constant_id = 25) const bool kDrawn = true; // the medium is in `radiance` already
+layout(constant_id = 26) const bool kKeep = false; // `radiance` is wanted afterwards
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(rgba32f, binding = 2) readonly uniform image2D radiance;
+layout(rgba32f, binding = 2) uniform image2D radiance;
 layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // bytes: Y, then Cb, then Cr
+layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // lib/slab_field.glsl
+layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
+layout(binding = 8) uniform sampler2D view_depth;
 
 layout(push_constant, scalar) uniform Push {
-    uint luma_words;   // of one row of Y: 8-pixel blocks * 2; a row of Cb or Cr has half
-    uint first_word;   // of this picture in the buffer
+    uint luma_words; // of one row of Y: 8-pixel blocks * 2; a row of Cb or Cr has half
+    uint first_word; // of this picture in the buffer
+    uint first, end; // rows of pixels
+    SlabGrid grid;   // of the field
 } push;
 
+#include "shaders/lib/eye.glsl"
+#include "shaders/lib/sky.glsl"
 #include "shaders/lib/display.glsl"
-
-vec3 pixel(uvec2 at) { return displayed(imageLoad(radiance, ivec2(min(at, eye.size - 1))).rgb); }
+#include "shaders/lib/medium_run.glsl"
 
 void main() {
-    const uvec2 block = gl_GlobalInvocationID.xy;
-    if (block.x * 8 >= eye.size.x || block.y * 2 >= eye.size.y) return;
-    const uint chroma_words = push.luma_words / 2, chroma_rows = (eye.size.y + 1) / 2;
-    uint luma[2][2] = uint[2][2](uint[2](0, 0), uint[2](0, 0));
-    uint cb = 0, cr = 0;
-    for (uint pair = 0; pair < 4; ++pair) {
-        vec3 sum = vec3(0);
-        for (uint row = 0; row < 2; ++row)
-            for (uint column = 0; column < 2; ++column) {
-                const uint x = pair * 2 + column;
-                const vec3 rgb = pixel(block * uvec2(8, 2) + uvec2(x, row));
-                luma[row][x / 4] |= uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5) << (8 * (x % 4));
-                sum += rgb;
-            }
-        sum *= 0.25;
-        cb |= uint(clamp(dot(sum, vec3(-0.168735892, -0.331264108, 0.5)) + 128.5, 0, 255)) << (8 * pair);
-        cr |= uint(clamp(dot(sum, vec3(0.5, -0.418687589, -0.081312411)) + 128.5, 0, 255)) << (8 * pair);
-    }
+    const uint block_x = gl_GlobalInvocationID.x, top = push.first + gl_GlobalInvocationID.y * 2;
+    if (block_x * 8 >= eye.size.x || top >= push.end) return;
+    vec3 chroma[4]; // sums of two pixels side by side, of both rows
+    [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] = vec3(0);
     for (uint row = 0; row < 2; ++row) {
-        const uint y = block.y * 2 + row;
-        if (y >= eye.size.y) break;
-        const uint at = push.first_word + y * push.luma_words + block.x * 2;
-        planes[at] = luma[row][0];
-        planes[at + 1] = luma[row][1];
+        const uint y = top + row;
+        if (y >= eye.size.y) { // an odd height: the last row counts twice
+            [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] *= 2;
+            break;
+        }
+        uint luma[2] = uint[2](0, 0);
+        MediumRun run;
+        if (!kDrawn) run = mediumRun(uvec2(block_x * 8, y));
+        vec3 rgb = vec3(0);
+        [[unroll]] for (uint i = 0; i < 8; ++i) {
+            const uvec2 at = uvec2(block_x * 8 + i, y);
+            if (at.x < eye.size.x) { // else the last pixel again
+                vec4 here;
+                if (kDrawn || kHasOpaque) here = imageLoad(radiance, ivec2(at));
+                if (!kDrawn) {
+                    const vec3 dir = rayDirection(vec2(at) + 0.5);
+                    if (!kHasOpaque) here = vec4(skyRadiance(normalize(dir)), 1);
+                    here = throughMedium(run, at, i, dir, here);
+                    if (kKeep) imageStore(radiance, ivec2(at), here);
+                }
+                rgb = displayed(here.rgb);
+            }
+            luma[i / 4] |= uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5) << (8 * (i % 4));
+            chroma[i / 2] += rgb;
+        }
+        const uint at = push.first_word + y * push.luma_words + block_x * 2;
+        planes[at] = luma[0];
+        planes[at + 1] = luma[1];
     }
-    const uint chroma = push.first_word + eye.size.y * push.luma_words + block.y * chroma_words + block.x;
-    planes[chroma] = cb;
-    planes[chroma + chroma_rows * chroma_words] = cr;
+    uint cb = 0, cr = 0;
+    [[unroll]] for (uint pair = 0; pair < 4; ++pair) {
+        const vec3 mean = 0.25 * chroma[pair];
+        cb |= uint(clamp(dot(mean, vec3(-0.168735892, -0.331264108, 0.5)) + 128.5, 0, 255)) << (8 * pair);
+        cr |= uint(clamp(dot(mean, vec3(0.5, -0.418687589, -0.081312411)) + 128.5, 0, 255)) << (8 * pair);
+    }
+    const uint chroma_words = push.luma_words / 2, chroma_rows = (eye.size.y + 1) / 2;
+    const uint at = push.first_word + eye.size.y * push.luma_words + top / 2 * chroma_words + block_x;
+    planes[at] = cb;
+    planes[at + chroma_rows * chroma_words] = cr;
 }

@@ -6,27 +6,41 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
+#include "common/camera.h"
 #include "common/scene.h"
 #include "server/gpu/commands.h"
 #include "server/gpu/program.h"
+#include "server/light/medium_extent.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
 
+class Compose;
+
 // What a method may read for one eye, and the target that holds the background and receives the medium.
 struct EyeInputs {
-    uint32_t view = 0;                         // its number in the submission, for the pass names
-    VkExtent2D size{};                         // pixels; the images may be larger
-    uint32_t particle_count = 0;               // live ones
-    bool eye_in_medium = true;                 // the near plane may cut particles
-    gpu::Resource tick, eye;                   // uniform blocks, bindings 0 and 1
-    const gpu::Buffer* particles = nullptr;    // gpu::Particle[particle_count]
-    const gpu::Buffer* objects = nullptr;      // gpu::Opaque[gpu::kMostObjects], also as a uniform block
-    const gpu::Image* shadow_volume = nullptr; // light depth
-    const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
-    const gpu::Image* view_depth = nullptr;    // of the nearest opaque surface
-    const gpu::Image* radiance = nullptr;      // RGBA32F: radiance, transmittance of the medium in front
+    uint32_t view = 0;                           // its number in the submission, for the pass names
+    VkExtent2D size{};                           // pixels; the images may be larger
+    uint32_t particle_count = 0;                 // live ones
+    bool eye_in_medium = true;                   // the near plane may cut particles
+    gpu::Resource tick, eye;                     // uniform blocks, bindings 0 and 1
+    const gpu::Buffer* particles = nullptr;      // gpu::Particle[particle_count]
+    const gpu::Buffer* objects = nullptr;        // gpu::Opaque[gpu::kMostObjects], also as a uniform block
+    uint32_t first_caster = 0;                   // of them: ground planes come first
+    const gpu::Buffer* particle_light = nullptr; // gpu::ParticleLight[particle_count], for methods that read it
+    const gpu::Image* shadow_volume = nullptr;   // light depth
+    const gpu::Image* opaque_shadow = nullptr;   // light-space height of the topmost caster
+    const gpu::Image* view_depth = nullptr;      // of the nearest opaque surface
+    const gpu::Image* radiance = nullptr;        // RGBA32F: radiance, transmittance of the medium in front
+    const MediumExtent* extent = nullptr;        // of all particles
+    const RenderSettings* settings = nullptr;
+    Pose pose;
+    bool lobe = true;                    // anisotropy > 0
+    const gpu::Buffer* planes = nullptr; // where the picture's bytes go, from
+    VkDeviceSize planes_at = 0;          // this byte on, as PlaneLayout
+    Compose* compose = nullptr;          // for methods that compose by themselves
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;
 };
@@ -42,9 +56,16 @@ class DepthOrder; // far-to-near order of what an eye can see
 class Method {
 public:
     virtual ~Method() = default;
+    // Called before the eyes of one submission are recorded, when nothing of the method is on the device: the place for buffers
+    // that must grow.
+    virtual void prepare(std::span<const EyeInputs> /*eyes*/) {}
+    // Whether record() calls Compose itself, with a field of the medium. Then nothing draws the sky of a scene without objects.
+    virtual bool composes() const { return false; }
     // Records the medium over the background. The target and the depth have been written by compute passes; afterwards compute
     // passes read the target: the method's last barrier makes its writes seen there.
     virtual void record(gpu::Commands& commands, const EyeInputs& inputs) = 0;
+    // Whether EyeInputs::particle_light has to be there.
+    virtual bool readsParticleLight() const { return false; }
 };
 
 struct MethodContext {
@@ -56,13 +77,17 @@ struct MethodContext {
 
 struct MethodInfo {
     const char* name;
-    const char* about; // one line: what it is, which support it renders
+    const char* about;                        // one line: what it is, which support it renders
+    std::span<const char* const> quadratures; // that it can choose from, its own first; empty: it has but one
     std::unique_ptr<Method> (*make)(const MethodContext&);
 };
 
-// All methods there are, and the quadratures of those that can choose.
+// All methods there are, and all quadratures of them.
 std::span<const MethodInfo> methods();
 std::span<const char* const> quadratures();
+
+// The quadrature that the settings' method uses: the chosen one, its own first where it lacks that; "" where it has no choice.
+std::string_view quadratureOf(const RenderSettings& settings);
 
 // Null text when the settings are usable; else what is wrong and what is allowed, in one line.
 std::string checkSettings(const RenderSettings& settings);

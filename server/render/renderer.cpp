@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "server/light/tick.h"
-#include "shaders/compose_comp.h"
 
 namespace brume {
 
@@ -69,21 +68,30 @@ bool eyeInMedium(const gpu::Tick& tick, const EyeRequest& eye) {
 
 } // namespace
 
+SceneFeatures featuresOf(const Scene& scene) {
+    SceneFeatures features;
+    features.opaque = !scene.planes.empty() || !scene.boxes.empty() || !scene.spheres.empty();
+    features.casters = !scene.boxes.empty() || !scene.spheres.empty();
+    features.ambient = scene.sky.ambient != glm::vec3(0);
+    return features;
+}
+
 std::span<const PictureView> Submission::pictures() {
     planes_.invalidate();
     return pictures_;
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity)
-    : device_(device), scene_(scene), capacity_(capacity), objects_(opaqueObjects(scene)),
-      compose_(device, {VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"}), shadow_volume_(device, capacity),
-      opaque_shadow_(device), background_(device, scene), depth_order_(device, capacity), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST) {
+    : device_(device), scene_(scene), capacity_(capacity), objects_(opaqueObjects(scene)), shadow_volume_(device, capacity),
+      opaque_shadow_(device), particle_light_(device, capacity), background_(device, scene), depth_order_(device, capacity),
+      features_(featuresOf(scene)), compose_(device, features_), linear_(device, VK_FILTER_LINEAR),
+      nearest_(device, VK_FILTER_NEAREST) {
     particles_ =
         gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, "particles");
-    objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
-                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
-                                  "objects");
+    objects_buffer_ =
+        gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "objects");
     std::copy(objects_.begin(), objects_.end(), objects_buffer_.mapped<gpu::Opaque>(objects_.size()).begin());
     objects_buffer_.flush();
 }
@@ -117,10 +125,11 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
         std::copy(particles.begin(), particles.end(), s.particles_.mapped<gpu::Particle>(particles.size()).begin());
         s.particles_.flush();
     }
-    tick_ = makeTick(scene_, simulation.now(), particles, objects_);
+    tick_ = makeTick(scene_, now_, particles, objects_);
+    extent_ = mediumExtent(particles, tick_.falloff, tick_.cut);
     s.uniforms_.mapped<gpu::Tick>(1)[0] = tick_;
     for (uint32_t i = 0; i < eyes.size(); ++i)
-        s.uniforms_.mapped<gpu::Eye>(1, eyeOffset(i))[0] = eyeBlock(eyes[i], tick_, simulation.now().render);
+        s.uniforms_.mapped<gpu::Eye>(1, eyeOffset(i))[0] = eyeBlock(eyes[i], tick_, now_.render);
     s.uniforms_.flush();
 }
 
@@ -136,11 +145,8 @@ void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes)
 }
 
 Method& Renderer::method(const SceneNow& now) {
-    SceneFeatures features;
-    features.opaque = !objects_.empty();
-    features.casters = !scene_.boxes.empty() || !scene_.spheres.empty();
+    SceneFeatures features = features_;
     features.lobe = now.medium.anisotropy > 0;
-    features.ambient = scene_.sky.ambient != glm::vec3(0);
     const std::string key =
         now.render.method + ' ' + now.render.quadrature + ' ' + std::to_string(now.render.steps) + (features.lobe ? " lobe" : "");
     std::unique_ptr<Method>& made = methods_[key];
@@ -148,9 +154,12 @@ Method& Renderer::method(const SceneNow& now) {
     return *made;
 }
 
-void Renderer::submit(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes) {
+void Renderer::submit(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes,
+                      const RenderSettings* settings) {
+    now_ = simulation.now();
+    if (settings) now_.render = *settings;
     fitBuffers(s, simulation, eyes);
-    Method& chosen = method(simulation.now());
+    Method& chosen = method(now_);
 
     const VkCommandBuffer cmd = s.commands.begin();
     fitTargets(cmd, eyes);
@@ -163,17 +172,18 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     }
     const gpu::Resource tick_block = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
     opaque_shadow_.record(s.commands, tick_block, tick_, objects_buffer_, objects_);
-    shadow_volume_.record(s.commands, tick_block, tick_, particles_, !moved_);
+    if (shadow_volume_.record(s.commands, tick_block, tick_, particles_, !moved_)) particle_light_.invalidate();
+    if (chosen.readsParticleLight())
+        particle_light_.record(s.commands, {tick_block, &objects_buffer_, &particles_, &shadow_volume_.image(), &linear_},
+                               tick_.particle_count, now_.render.light_tolerance);
 
-    VkDeviceSize planes_at = 0;
-    for (uint32_t i = 0; i < eyes.size(); ++i) {
-        recordEye(s, i, eyes[i], planes_at, chosen);
-        planes_at += s.pictures_[i].layout.bytes();
-    }
+    gatherInputs(s, now_, eyes);
+    chosen.prepare(inputs_);
+    for (const EyeInputs& in : inputs_) recordEye(s, in, chosen);
     {
         const gpu::Commands::Pass pass(s.commands, "read back");
         gpu::computeToTransfer(cmd);
-        const VkBufferCopy copy{0, 0, planes_at};
+        const VkBufferCopy copy{0, 0, inputs_.back().planes_at + s.pictures_.back().layout.bytes()};
         vkCmdCopyBuffer(cmd, planes_.handle(), s.planes_.handle(), 1, &copy);
         gpu::transferToHost(cmd);
     }
@@ -181,32 +191,44 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     std::swap(particles_now_, particles_then_);
 }
 
-void Renderer::recordEye(Submission& s, uint32_t index, const EyeRequest& eye, VkDeviceSize planes_at, Method& chosen) {
-    const VkCommandBuffer cmd = s.commands.handle();
-    EyeInputs in;
-    in.view = index;
-    in.size = {eye.width, eye.height};
-    in.particle_count = tick_.particle_count;
-    in.eye_in_medium = eyeInMedium(tick_, eye);
-    in.tick = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
-    in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(index), sizeof(gpu::Eye));
-    in.particles = &particles_;
-    in.objects = &objects_buffer_;
-    in.shadow_volume = &shadow_volume_.image();
-    in.opaque_shadow = &opaque_shadow_.image();
-    in.view_depth = &view_depth_;
-    in.radiance = &radiance_;
-    in.linear = &linear_;
-    in.nearest = &nearest_;
-    last_size_ = in.size;
-    background_.record(s.commands, in);
+void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const EyeRequest> eyes) {
+    inputs_.clear();
+    VkDeviceSize planes_at = 0;
+    for (const EyeRequest& eye : eyes) {
+        EyeInputs& in = inputs_.emplace_back();
+        in.view = uint32_t(inputs_.size() - 1);
+        in.size = {eye.width, eye.height};
+        in.particle_count = tick_.particle_count;
+        in.eye_in_medium = eyeInMedium(tick_, eye);
+        in.tick = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
+        in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(in.view), sizeof(gpu::Eye));
+        in.particles = &particles_;
+        in.objects = &objects_buffer_;
+        in.first_caster = uint32_t(scene_.planes.size());
+        in.particle_light = &particle_light_.buffer();
+        in.shadow_volume = &shadow_volume_.image();
+        in.opaque_shadow = &opaque_shadow_.image();
+        in.view_depth = &view_depth_;
+        in.radiance = &radiance_;
+        in.extent = &extent_;
+        in.settings = &now.render;
+        in.pose = eye.pose;
+        in.lobe = now.medium.anisotropy > 0;
+        in.planes = &planes_;
+        in.planes_at = planes_at;
+        in.compose = &compose_;
+        in.linear = &linear_;
+        in.nearest = &nearest_;
+        planes_at += s.pictures_[in.view].layout.bytes();
+        last_size_ = in.size;
+    }
+}
+
+void Renderer::recordEye(Submission& s, const EyeInputs& in, Method& chosen) {
+    const bool composes = in.particle_count > 0 && chosen.composes();
+    if (features_.opaque || !composes) background_.record(s.commands, in);
     if (in.particle_count > 0) chosen.record(s.commands, in);
-    const gpu::Commands::Pass pass(s.commands, "compose", index);
-    gpu::computeToCompute(cmd);
-    const PlaneLayout& layout = s.pictures_[index].layout;
-    const uint32_t push[] = {layout.lumaStride() / 4, uint32_t(planes_at / 4)};
-    compose_.bind(cmd, {in.eye, gpu::storageImage(2, radiance_), storageBuffer(3, planes_)}, push);
-    vkCmdDispatch(cmd, gpu::groups(layout.lumaStride() / 8, 8), gpu::groups(layout.chromaHeight(), 8), 1);
+    if (!composes) compose_.record(s.commands, in, 0, in.size.height, nullptr);
 }
 
 std::vector<glm::vec4> Renderer::readRadiance() {

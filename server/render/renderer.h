@@ -8,8 +8,10 @@
 
 #include "common/camera.h"
 #include "server/light/opaque_shadow.h"
+#include "server/light/particle_light.h"
 #include "server/light/shadow_volume.h"
 #include "server/render/background.h"
+#include "server/render/compose.h"
 #include "server/render/depth_order.h"
 #include "server/render/method.h"
 #include "server/render/picture.h"
@@ -50,37 +52,47 @@ public:
 
     // Records and submits everything for `eyes` at the simulation's present state.
     // Precondition: no other submission of this renderer is on the device.
-    void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
+    // `settings`: instead of the simulation's, whose method may be a choice that is still open.
+    void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
+                const RenderSettings* settings = nullptr);
 
     // For measurements: the next submission uploads and lights everything, also what rests since the last one.
     void forget() { particles_then_.clear(); }
 
-    // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly.
+    // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly. What
+    // keepRadiance(true) was called for before the submission; methods that need no such picture are slower then.
+    void keepRadiance(bool keep) { compose_.keepRadiance(keep); }
     std::vector<glm::vec4> readRadiance();
 
 private:
     void fitBuffers(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
     void fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes);
     Method& method(const SceneNow& now);
-    void recordEye(Submission& submission, uint32_t index, const EyeRequest& eye, VkDeviceSize planes_at, Method& method);
+    void gatherInputs(Submission& submission, const SceneNow& now, std::span<const EyeRequest> eyes);
+    void recordEye(Submission& submission, const EyeInputs& in, Method& method);
 
     const gpu::Device& device_;
     const Scene scene_;
     const uint32_t capacity_;
     const std::vector<gpu::Opaque> objects_;
-    gpu::ComputeProgram compose_;
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
+    ParticleLight particle_light_;
     Background background_;
     DepthOrder depth_order_;
+    const SceneFeatures features_; // but for the lobe, which commands turn on and off
+    Compose compose_;
+    std::vector<EyeInputs> inputs_;
     gpu::Sampler linear_, nearest_;
     gpu::Buffer particles_, objects_buffer_, planes_;
     gpu::Image radiance_, view_depth_;
     std::map<std::string, std::unique_ptr<Method>> methods_; // by their settings
     VkExtent2D last_size_{};
+    SceneNow now_; // of this submission
     gpu::Tick tick_{};
     std::vector<gpu::Particle> particles_now_, particles_then_; // of this submission; of the last one, on the device
     bool moved_ = true;                                         // whether they differ
+    MediumExtent extent_;
 };
 
 } // namespace brume

@@ -91,10 +91,12 @@ BRUME_FN BRUME_OF(ScatterNode) hermiteNode(real line, real k, int i) {
     return node;
 }
 
-// The same for a segment that the near plane or a wall cuts: nodes at mean -+ standard deviation of the truncated Gaussian, which
-// are Hermite's for the whole line; z counts from the segment's entry. The weights sum to 1 - T exactly. Cheaper than
-// transmittanceNode, which inverts erf.
-BRUME_FN BRUME_OF(ScatterNode) truncatedHermiteNode(BRUME_OF(GaussianSegment) segment, int i) {
+// Mean and standard deviation of the Gaussian on a segment, units of 1/k from the closest approach: 0 and sqrt(1/2) of a whole
+// line. Far out in the tail the mean is only known to lie beyond the nearer end.
+BRUME_STRUCT SegmentMoments {
+    real mean, deviation;
+};
+BRUME_FN BRUME_OF(SegmentMoments) segmentMoments(BRUME_OF(GaussianSegment) segment) {
     const real a = segment.a;
     const real c = segment.a + segment.h;
     const real gaussian_a = exp(-min(a * a, real(80)));
@@ -102,14 +104,30 @@ BRUME_FN BRUME_OF(ScatterNode) truncatedHermiteNode(BRUME_OF(GaussianSegment) se
     // 1 / (2 integral of exp(-q^2)) = 1 / (sqrt(pi) (erf c - erf a)); depth / line is half of erf c - erf a;
     // bounded where the segment lies so far out that the clamp below decides.
     const real scale = real(0.28209479177387814) * min(segment.line / max(segment.depth, real(1e-30)), real(1e15));
-    const real mean = (gaussian_a - gaussian_c) * scale;
-    const real variance = real(0.5) + (a * gaussian_a - c * gaussian_c) * scale - mean * mean;
-    const real deviation = sqrt(clamp(variance, real(0), real(0.5)));
+    BRUME_OF(SegmentMoments) moments;
+    moments.mean = (gaussian_a - gaussian_c) * scale;
+    const real variance = real(0.5) + (a * gaussian_a - c * gaussian_c) * scale - moments.mean * moments.mean;
+    moments.deviation = sqrt(clamp(variance, real(0), real(0.5)));
+    return moments;
+}
+
+// The same for a segment that the near plane or a wall cuts: nodes at mean -+ standard deviation of the truncated Gaussian, which
+// are Hermite's for the whole line; z counts from the segment's entry. The weights sum to 1 - T exactly. Cheaper than
+// transmittanceNode, which inverts erf.
+BRUME_FN BRUME_OF(ScatterNode) truncatedHermiteNode(BRUME_OF(GaussianSegment) segment, int i) {
+    const BRUME_OF(SegmentMoments) moments = segmentMoments(segment);
     const real ratio = exp(real(-0.6826894921370859) * segment.depth);
     BRUME_OF(ScatterNode) node;
     node.weight = (i == 0 ? real(1) : ratio) / (real(1) + ratio) * opacity(segment.depth);
-    node.z = min(clamp(mean + (i == 0 ? -deviation : deviation), a, c) - a, segment.h) / segment.k;
+    const real q = clamp(moments.mean + (i == 0 ? -moments.deviation : moments.deviation), segment.a, segment.a + segment.h);
+    node.z = min(q - segment.a, segment.h) / segment.k;
     return node;
+}
+
+// How far in front of the Gaussian's mean on a segment light is scattered on average, in sqrt(2) standard deviations: the nearer
+// half hides the farther. Exact for thin segments; of whole lines, error below 1e-3 up to a depth of 2.5, 0.05 up to 10.
+BRUME_FN real scatterShift(real depth) {
+    return real(0.19947114020071635) * depth / sqrt(real(1) + real(0.029) * depth * depth);
 }
 
 BRUME_PHYSICS_END

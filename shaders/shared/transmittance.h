@@ -62,17 +62,24 @@ BRUME_STRUCT GaussianSegment {
     real depth;          // optical depth of the segment
 };
 
-BRUME_FN BRUME_OF(GaussianSegment) gaussianSegment(real sigma_t, real k, real b2, real a, real h) {
+// The same from the optical depth of the whole line.
+BRUME_FN BRUME_OF(GaussianSegment) segmentOfLine(real line, real k, real a, real h) {
     BRUME_OF(GaussianSegment) segment;
-    const real across = gaussianAcross(k, b2);
     segment.k = max(k, real(1e-20));
     segment.a = clamp(a, real(-1e9), real(1e9));
     segment.h = clamp(h, real(0), real(2e9));
     segment.tail_a = erfcAbs(segment.a);
     segment.tail_c = erfcAbs(segment.a + segment.h);
+    segment.peak = min(line * segment.k * real(0.5641895835477563), real(1e30));
+    segment.line = line;
+    segment.depth = real(0.5) * line * erfDifference(segment.a, segment.h, segment.tail_a, segment.tail_c);
+    return segment;
+}
+
+BRUME_FN BRUME_OF(GaussianSegment) gaussianSegment(real sigma_t, real k, real b2, real a, real h) {
+    const real across = gaussianAcross(k, b2);
+    BRUME_OF(GaussianSegment) segment = segmentOfLine(lineDepth(sigma_t, k, across), k, a, h);
     segment.peak = min(sigma_t, real(1e30)) * across;
-    segment.line = lineDepth(sigma_t, k, across);
-    segment.depth = real(0.5) * segment.line * erfDifference(segment.a, segment.h, segment.tail_a, segment.tail_c);
     return segment;
 }
 

@@ -10,6 +10,7 @@
 namespace brume::gpu {
 using uint = uint32_t;
 using glm::uvec2;
+using glm::uvec3;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
@@ -89,6 +90,32 @@ struct Opaque {
 struct LightParticle {
     vec4 at; // its centre in columns, rows and planes, 0 where the first texel's centre is; half its optical depth
     vec3 k;  // 1 / (sqrt(2) standard deviations), along the same
+};
+
+// A particle as the slabs of one eye add it: an ellipsoidal Gaussian, as wide as rays and slabs can carry.
+struct SlabMember {
+    vec3 centre;  // right, down and view depth from the eye, m
+    float across; // log2(e) / (2 s^2), s = standard deviation across the view
+    float along;  // and along it
+    float sigma;  // 1/m, extinction at the centre
+    vec3 albedo;
+};
+
+const uint kSlabTile = 8u; // rays of a tile's side
+
+// The grid of rays and slabs of one eye, or of a band of its rows. The picture's node (0, 0) is the ray one spacing up and left of
+// the first pixel's.
+struct SlabGrid {
+    uvec2 nodes;
+    uint first_row;  // of the picture's nodes: the band's first
+    uint rate;       // pixels between neighbouring rays
+    float depth;     // m, view depth of the first slab's near face
+    float thickness; // m, of a slab
+    uint slabs;
+    uint sheet;      // slabs that are worked on together; divides slabs
+    uvec3 lines;     // columns of tiles, rows of tiles, sheets
+    uint first_caster; // of the objects: planes come first
+    vec3 albedo;     // of all particles
 };
 
 // Indirect arguments, written by the cull pass: of vkCmdDraw and of vkCmdDrawMeshTasksEXT.

@@ -88,6 +88,7 @@ double error(Bench& bench, const Scene& scene, reference::Model model, const Pos
         exact[model] = reference::render({particles, scene.medium.falloff, scene.medium.anisotropy, scene.medium.asymmetry},
                                          light, pose, width, height, model);
     }
+    bench.renderer.keepRadiance(true);
     bench.render({pose, uint32_t(width), uint32_t(height)});
     std::vector<glm::dvec3> got;
     for (const glm::vec4& pixel : bench.renderer.readRadiance()) got.emplace_back(pixel);

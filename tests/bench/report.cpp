@@ -180,7 +180,11 @@ void writeReport(const json& results, const std::filesystem::path& folder, const
     for (const json& series : results.at("series")) {
         out += "## " + series.at("name").get<std::string>() + "\n\n" + series.value("about", "");
         if (!series.at("set").empty()) out += " Settings: " + list(series.at("set")) + '.';
-        if (!series.value("error", "").empty()) out += " Errors at " + series.value("error", "") + '.';
+        if (!series.value("error", "").empty()) {
+            out += " Errors at " + series.value("error", "");
+            if (const int every = series.value("every", 1); every > 1) out += ", every " + std::to_string(every) + "th pixel";
+            out += '.';
+        }
         if (!series.value("published_on", "").empty()) out += " Published figures: " + series.value("published_on", "") + '.';
         out += "\n\n";
         const std::string kind = series.at("kind");

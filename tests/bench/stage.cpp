@@ -30,7 +30,7 @@ Pose turnedAbout(const Pose& pose, glm::vec3 target, float angle) {
 
 Scene sceneOf(const Case& wanted) {
     Scene scene = loadScene(findScene(wanted.scene, BRUME_SCENES), wanted.set);
-    const std::string wrong = checkSettings(scene.render);
+    const std::string wrong = checkWanted(scene.render);
     if (!wrong.empty()) throw SceneError(wanted.scene + ": render: " + wrong);
     return scene;
 }
@@ -64,7 +64,7 @@ glm::uvec2 sizeOf(const std::string& text) {
     throw std::runtime_error("no size \"" + text + "\"; allowed: 1x1 to 8192x8192");
 }
 
-Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks)
+Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, const CostModel& costs)
     : device_(device), bytes_before_(device.memoryInUse()), scene_(sceneOf(wanted)), simulation_(stepped(scene_, ticks)),
       renderer_(device, scene_, simulation_.capacity()), submission_(device, "bench") {
     const Pose first = poseOf(wanted.camera, scene_, simulation_);
@@ -72,10 +72,14 @@ Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks)
         const float angle = 2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers);
         eyes_.push_back({turnedAbout(first, scene_.camera.target, angle), wanted.size.x, wanted.size.y});
     }
+    PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = methodNames()};
+    for (const EyeRequest& eye : eyes_) inputs.views.push_back({eye.pose, eye.width, eye.height});
+    plan_ = makePlan(inputs, costs);
 }
 
 void Stage::submit(std::span<const EyeRequest> eyes) {
-    renderer_.submit(submission_, simulation_, eyes);
+    const bool open = scene_.render.method == kAutoMethod;
+    renderer_.submit(submission_, simulation_, eyes, open ? &plan_.chosen.settings : nullptr);
     while (!submission_.commands.wait(1'000'000'000)) {
     }
     if (device_bytes_ == 0) device_bytes_ = device_.memoryInUse() - bytes_before_; // before other stages take theirs
@@ -101,7 +105,9 @@ FrameCost Stage::frame() {
 
 RadianceImage Stage::picture(const Pose& pose, glm::uvec2 size) {
     const EyeRequest eye{pose, size.x, size.y};
+    renderer_.keepRadiance(true);
     submit({&eye, 1});
+    renderer_.keepRadiance(false);
     RadianceImage image{int(size.x), int(size.y), {}, {}};
     for (const glm::vec4& pixel : renderer_.readRadiance()) {
         image.radiance.emplace_back(pixel);

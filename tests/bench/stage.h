@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/image.h"
+#include "server/plan/planner.h"
 #include "server/render/renderer.h"
 
 namespace brume::bench {
@@ -46,13 +47,14 @@ struct FrameCost {
 
 class Stage {
 public:
-    // Steps the simulation by `ticks` first.
-    Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks = 0);
+    // Steps the simulation by `ticks` first. Method auto: as planned with `costs`.
+    Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks = 0, const CostModel& costs = builtInCosts());
 
     FrameCost frame();                                        // all viewers of the case
     RadianceImage picture(const Pose& pose, glm::uvec2 size); // one more view, read back
     std::span<const PictureView> planes();                    // of the last frame, as JPEG takes them
 
+    const Plan& plan() const { return plan_; }
     const Scene& scene() const { return scene_; }
     const Simulation& simulation() const { return simulation_; }
     const Pose& pose() const { return eyes_.front().pose; } // of the first viewer
@@ -68,6 +70,7 @@ private:
     Simulation simulation_;
     Renderer renderer_;
     Submission submission_;
+    Plan plan_;
     std::vector<EyeRequest> eyes_;
     uint64_t device_bytes_ = 0;
 };

@@ -37,6 +37,7 @@ void readSeries(TableReader& in, Series& out) {
     in.texts("viewers", out.viewers);
     in.texts("set", out.set);
     in.text("error", out.error, 16);
+    in.integer("every", out.every, {1, 99});
     in.text("baseline", out.baseline, 64);
     in.text("published_on", out.published_on, 100);
     in.texts("qualities", out.qualities);
@@ -96,8 +97,11 @@ struct Costs {
                 (first[p].shared ? shared : each)[f] += took;
                 if (!first[p].shared && first[p].name != "opaque" && first[p].name != "compose") medium[f] += took;
             }
-            passes.push_back(
-                {{"name", first[p].name}, {"shared", first[p].shared}, {"median", median(ms)}, {"p95", percentile(ms, 0.95)}});
+            passes.push_back({{"name", first[p].name},
+                              {"shared", first[p].shared},
+                              {"median", median(ms)},
+                              {"least", percentile(ms, 0)},
+                              {"p95", percentile(ms, 0.95)}});
         }
         for (const FrameCost& frame : frames) wall.push_back(frame.wall_ms);
         return {{"passes", passes},
@@ -146,9 +150,9 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
         if (series.variants[i].published_ms > 0) row["published_ms"] = series.variants[i].published_ms;
         if (!series.error.empty()) {
             const glm::uvec2 small = sizeOf(series.error);
-            const RadianceImage exact = truth.of(stage, stage.pose(), small);
+            const RadianceImage exact = truth.of(stage, stage.pose(), small, series.every);
             const RenderSettings& render = stage.scene().render;
-            row["error"] = errorsOf(compare(stage.picture(stage.pose(), small), exact,
+            row["error"] = errorsOf(compare(thinned(stage.picture(stage.pose(), small), series.every), exact,
                                             {render.exposure, render.tone_map == "filmic"}, mediumMask(exact)));
         }
         std::fprintf(stderr, "  %-12s %-8s %-10s x%s  %-28s %8.1f ms\n", scene.c_str(), camera.c_str(), size.c_str(),
@@ -218,13 +222,13 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
         for (const std::string& scene : series.scenes)
             for (const std::string& camera : series.cameras) {
                 if (series.kind == "orbit") take(orbitRows(device, series, scene, camera, truth, effort));
-                if (series.kind != "cost" && series.kind != "jpeg") continue;
                 if (series.kind == "light") {
                     std::vector<LightCase> cases;
                     for (const Variant& variant : series.variants)
                         cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
                     take(lightRows(device, cases, sizeOf(series.error), effort));
                 }
+                if (series.kind != "cost" && series.kind != "jpeg") continue;
                 for (const std::string& size : series.sizes) {
                     if (series.kind == "jpeg")
                         take(jpegRows(device, caseOf(series, series.variants.front(), scene, camera), sizeOf(size),
@@ -238,6 +242,7 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
                           {"about", series.about},
                           {"kind", series.kind},
                           {"error", series.error},
+                          {"every", series.every},
                           {"baseline", series.baseline.empty() ? series.variants.front().name : series.baseline},
                           {"published_on", series.published_on},
                           {"set", series.set},

@@ -27,6 +27,7 @@ struct Series {
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
     std::string error;            // size of the pictures whose error is measured; empty: none is
+    uint32_t every = 1;           // of those, only every so many-th pixel is compared, an odd number that divides the size
     std::string baseline;         // the variant that the report relates the others to; empty: the first
     std::string published_on;     // the device of the variants' published figures
     std::vector<Variant> variants;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <stdexcept>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -20,12 +21,14 @@ void add(XXH3_state_t& state, const T& values) {
 }
 
 // Of everything that the picture depends on; the version goes up when the reference itself changes.
-std::string nameOf(const reference::World& world, std::span<const gpu::Particle> particles, const Pose& pose, glm::uvec2 size) {
+std::string nameOf(const reference::World& world, std::span<const gpu::Particle> particles, const Pose& pose, glm::uvec2 size,
+                   uint32_t every) {
     XXH3_state_t state;
     XXH3_64bits_reset(&state);
     add(state, particles);
     std::vector<double> numbers = {
         2, double(size.x), double(size.y), kTolerance, world.anisotropy, world.asymmetry, double(pose.fov_y)};
+    if (every != 1) numbers.push_back(every);
     const auto list = [&](glm::dvec3 v) { numbers.insert(numbers.end(), {v.x, v.y, v.z}); };
     for (const auto& blob : world.blobs) numbers.push_back(blob.k);
     for (const auto& light : world.lights) list(light.colour), list(light.to_light), list(light.position);
@@ -46,11 +49,12 @@ std::string nameOf(const reference::World& world, std::span<const gpu::Particle>
 
 Truth::Truth(std::filesystem::path folder) : folder_(std::move(folder)) { std::filesystem::create_directories(folder_); }
 
-RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 size) {
+RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, uint32_t every) {
+    const glm::uvec2 size = thinned(whole, every);
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
     const reference::World world = reference::worldOf(stage.scene(), particles, now.medium, now.light);
-    const std::filesystem::path file = folder_ / nameOf(world, particles, pose, size);
+    const std::filesystem::path file = folder_ / nameOf(world, particles, pose, size, every);
     if (std::filesystem::exists(file)) return readExr(file);
 
     std::fprintf(stderr, "  reference %ux%u of %s ...", size.x, size.y, stage.scene().name.c_str());
@@ -58,8 +62,10 @@ RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 size) {
     reference::Settings settings;
     settings.tolerance = kTolerance;
     const int across = world.obstacles.empty() ? 1 : 2;
-    const reference::Picture exact =
-        reference::render(world, reference::perspective(pose, int(size.x) * across, int(size.y) * across, kNearDepth), settings);
+    reference::Camera camera = reference::perspective(pose, int(size.x) * across, int(size.y) * across, kNearDepth);
+    camera.cluster = across;
+    camera.cluster_part = 1.0 / every;
+    const reference::Picture exact = reference::render(world, camera, settings);
     RadianceImage image{int(size.x), int(size.y), {}, {}};
     const std::vector<glm::dvec3> total = exact.total();
     for (int y = 0; y < image.height; ++y)
@@ -79,6 +85,24 @@ RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 size) {
     std::filesystem::rename(part, file);
     std::fprintf(stderr, " %.1f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     return image;
+}
+
+glm::uvec2 thinned(glm::uvec2 size, uint32_t every) {
+    if (every % 2 == 0 || size.x % every != 0 || size.y % every != 0)
+        throw std::runtime_error("every " + std::to_string(every) + "th pixel: allowed: an odd number that divides the size");
+    return size / every;
+}
+
+RadianceImage thinned(const RadianceImage& image, uint32_t every) {
+    const glm::uvec2 size = thinned(glm::uvec2(image.width, image.height), every);
+    RadianceImage thin{int(size.x), int(size.y), {}, {}};
+    for (uint32_t y = 0; y < size.y; ++y)
+        for (uint32_t x = 0; x < size.x; ++x) {
+            const size_t at = (size_t(y) * every + every / 2) * image.width + size_t(x) * every + every / 2;
+            thin.radiance.push_back(image.radiance[at]);
+            thin.transmittance.push_back(image.transmittance[at]);
+        }
+    return thin;
 }
 
 } // namespace brume::bench

@@ -13,11 +13,16 @@ public:
     explicit Truth(std::filesystem::path folder);
 
     // The true overlapping medium of whole Gaussians, in double precision, as `pose` sees the stage's scene now. Where there are
-    // opaque objects a pixel is the mean of 2x2 rays, since their edges are no points; else its centre's.
-    RadianceImage of(const Stage& stage, const Pose& pose, glm::uvec2 size);
+    // opaque objects a pixel is the mean of 2x2 rays, since their edges are no points; else its centre's. `every`: only every so
+    // many-th pixel of the size, an odd number that divides it; see thinned().
+    RadianceImage of(const Stage& stage, const Pose& pose, glm::uvec2 size, uint32_t every = 1);
 
 private:
     std::filesystem::path folder_;
 };
+
+// The middle one of every so many pixels by as many. Throws std::runtime_error unless `every` is odd and divides the size.
+glm::uvec2 thinned(glm::uvec2 size, uint32_t every);
+RadianceImage thinned(const RadianceImage& image, uint32_t every);
 
 } // namespace brume::bench

@@ -109,7 +109,9 @@ std::vector<Point> randomPoints(uint32_t count, float extent, float scale, float
 }
 
 Stage::Stage(const gpu::Device& device, const Scene& fixed, uint32_t capacity)
-    : renderer_(device, fixed, capacity), submission_(device, "stage") {}
+    : renderer_(device, fixed, capacity), submission_(device, "stage") {
+    renderer_.keepRadiance(true);
+}
 
 Picture Stage::see(const Scene& scene, const Pose& pose, uint32_t width, uint32_t height) {
     const EyeRequest eye{pose, width, height};

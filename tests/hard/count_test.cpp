@@ -102,6 +102,7 @@ protected:
         scene.render.shadow_slices = 2;
         Simulation simulation(scene);
         Renderer renderer(device(), scene, simulation.capacity());
+        renderer.keepRadiance(true);
         Submission submission(device(), "count");
         Pose pose; // so far away that the heap lies on one ray
         pose.position = {0, 0, 100};

@@ -122,7 +122,7 @@ TEST_F(HardTest, LightDepthThatCancelsViewDepth) {
             forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
                       [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
                           if (depthOn(blobs[0], ray, wholeRay(ray)) < 1e-2 * depth) return;
-                          const double rule = scatteredBy(way, blobs[0], ray, [&](double t) { return field.depth(ray.at(t)); });
+                          const double rule = scatteredBy(way, blobs[0], ray, [&](glm::dvec3 at) { return field.depth(at); });
                           error = worse(error, std::abs(got.r / rule - 1));
                           if (x == kWidth / 2 && y == kHeight / 2 && way.quadrature == "analytic") {
                               EXPECT_NEAR(rule, depth * std::exp(-depth),
@@ -169,6 +169,7 @@ TEST_F(HardTest, RadianceOfAMillion) {
     for (glm::vec3* radiance : {&bright.sky.zenith, &bright.sky.horizon, &bright.sky.ambient}) *radiance *= million;
     Stage dim_stage(device(), dim, 60);
     Renderer renderer(device(), bright, 60);
+    renderer.keepRadiance(true);
     Submission submission(device(), "bright");
     const EyeRequest eye{lookAt({0, 1, 9}, {0, 0, 0}, 0.8f), kWidth, kHeight};
     for (const Way& way : ways()) {

@@ -16,7 +16,7 @@ struct Way {
     std::string name() const; // "isv, simpson-2"
 };
 
-// Every method that the renderer has; isv with every quadrature that there is.
+// Every method that the renderer has, with every quadrature that it has.
 std::vector<Way> ways();
 void choose(Scene& scene, const Way& way);
 
@@ -30,7 +30,9 @@ inline constexpr float kInside = 0.3f;
 
 // The integral of sigma T_V T_L over the support, by the way's own rule in double precision: a picture differs from it by float32
 // and by the shadow volume alone. For a method without a rule here: the integral itself.
-double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray, const std::function<double(double)>& light_depth);
+// `light_depth` is of a place.
+double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray,
+                   const std::function<double(glm::dvec3)>& light_depth);
 // Relative error that a way may have against scatteredBy() in exact arithmetic: 0 where its rule is known.
 double ruleError(const Way& way);
 

@@ -141,7 +141,7 @@ TEST_F(HardTest, LightAlongYUpAndDown) {
             choose(scene, way);
             double error = 0, largest = 0;
             forPixels(plain().see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
-                const double rule = scatteredBy(way, blobs[0], ray, [&](double t) { return field.depth(ray.at(t)); });
+                const double rule = scatteredBy(way, blobs[0], ray, [&](glm::dvec3 at) { return field.depth(at); });
                 error = worse(error, std::abs(got.r - rule));
                 largest = std::max(largest, rule);
             });
@@ -198,7 +198,7 @@ TEST_F(HardTest, AParticleInTheShadowOfOneSmallerThanASlice) {
             choose(scene, way);
             double error = 0;
             forPixels(plain().see(scene, pose, 5, 5), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
-                const double rule = scatteredBy(way, blobs[1], ray, [&](double t) { return field.depth(ray.at(t)); });
+                const double rule = scatteredBy(way, blobs[1], ray, [&](glm::dvec3 at) { return field.depth(at); });
                 error = worse(error, std::abs(got.r / rule - 1));
             });
             // Texels of 1/31 of the first one's 1/k; and its own shadow, which such planes blur.

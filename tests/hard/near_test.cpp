@@ -67,7 +67,7 @@ TEST_F(HardTest, LightInsideAThousandThinParticles) {
         double error = 0;
         forPixels(stage.see(scene, pose, 6, 4), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
             double sum = 0;
-            for (const reference::Blob& blob : blobs) sum += scatteredBy(way, blob, ray, [](double) { return 0; });
+            for (const reference::Blob& blob : blobs) sum += scatteredBy(way, blob, ray, [](glm::dvec3) { return 0; });
             error = worse(error, std::abs(got.r / sum - 1));
         });
         // Light is lost to one line at most, view to half of one.

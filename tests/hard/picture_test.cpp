@@ -56,6 +56,7 @@ TEST_F(HardTest, SixteenIdenticalViewers) {
     const std::vector<EyeRequest> sixteen(16, eye);
     const uint32_t capacity = Simulation(scene).capacity();
     Renderer renderer(device(), scene, capacity);
+    renderer.keepRadiance(true);
     Submission submission(device(), "eyes");
     for (const Way& way : ways()) {
         choose(scene, way);

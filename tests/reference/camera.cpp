@@ -5,10 +5,10 @@
 namespace brume::reference {
 
 Camera perspective(const Pose& pose, int width, int height, double near_depth) {
-    return {width,         height,
-            pose.position, glm::mat3_cast(glm::normalize(glm::dquat(pose.orientation))),
-            false,         std::tan(pose.fov_y / 2.0),
-            near_depth};
+    Camera camera{.width = width, .height = height, .position = pose.position, .near_depth = near_depth};
+    camera.world_from_view = glm::mat3_cast(glm::normalize(glm::dquat(pose.orientation)));
+    camera.half_height = std::tan(pose.fov_y / 2.0);
+    return camera;
 }
 
 Camera orthographic(const Pose& pose, int width, int height, double height_m) {
@@ -19,6 +19,12 @@ Camera orthographic(const Pose& pose, int width, int height, double height_m) {
 }
 
 Ray rayThrough(const Camera& camera, double x, double y) {
+    const auto drawnTogether = [&](double at) {
+        const double middle = (std::floor(at / camera.cluster) + 0.5) * camera.cluster;
+        return middle + (at - middle) * camera.cluster_part;
+    };
+    x = drawnTogether(x);
+    y = drawnTogether(y);
     const double right = (2 * x - camera.width) / camera.height * camera.half_height;
     const double up = (1 - 2 * y / camera.height) * camera.half_height;
     if (camera.orthographic)

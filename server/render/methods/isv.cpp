@@ -17,12 +17,8 @@ std::unique_ptr<Method> makeIsv(const MethodContext& context) {
     info.shaders.push_back({VK_SHADER_STAGE_FRAGMENT_BIT, isv_frag, "isv_frag"});
     info.vertices = 12;
     info.particles_per_group = 32; // as in isv.mesh
-    uint32_t quadrature = 0;
-    for (const char* name : quadratures()) {
-        if (context.settings.quadrature == name) break;
-        ++quadrature;
-    }
-    info.constants = {{10, quadrature}, {11, context.settings.steps}};
+    const std::string_view quadrature = quadratureOf(context.settings);
+    info.constants = {{10, quadrature == "simpson" ? 0u : quadrature == "transmittance" ? 1u : 2u}, {11, context.settings.steps}};
     return makeRaster(context, std::move(info));
 }
 

@@ -1,0 +1,34 @@
+#include "server/light/medium_extent.h"
+
+#include <cmath>
+
+#include "shaders/shared/support.h"
+
+namespace brume {
+
+MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float falloff, float cut) {
+    MediumExtent extent;
+    if (particles.empty()) return extent;
+    extent.albedo = particles.front().albedo;
+    extent.lo = glm::vec3(1e30f);
+    extent.hi = glm::vec3(-1e30f);
+    double mass = 0, fineness = 0; // sums of m and of m / s^4
+    for (const gpu::Particle& p : particles) {
+        extent.one_albedo = extent.one_albedo && p.albedo == extent.albedo;
+        const float u = p.scale * falloff, radius = physics::supportRadius(p.sigma_t, u, cut);
+        if (radius <= 0) continue;
+        extent.lo = glm::min(extent.lo, p.centre - radius);
+        extent.hi = glm::max(extent.hi, p.centre + radius);
+        const double s = std::max(0.1 * double(u), 1e-6);
+        mass += double(p.sigma_t) * s * s * s;
+        fineness += double(p.sigma_t) / s;
+    }
+    if (!(mass > 0)) {
+        extent.lo = extent.hi = glm::vec3(0);
+        return extent;
+    }
+    extent.deviation = float(std::pow(fineness / mass, -0.25));
+    return extent;
+}
+
+} // namespace brume

@@ -1,0 +1,22 @@
+// What a tick's particles are as a whole: where they end, how fine they are. From it follow the resolutions that methods work at.
+#pragma once
+
+#include <span>
+
+#include "shaders/shared/types.h"
+
+namespace brume {
+
+struct MediumExtent {
+    glm::vec3 lo{0}, hi{0}; // m, world space, with every particle's support; lo = hi = 0 when nothing is there
+    // m: the standard deviation whose interpolation error is that of the medium, (sum of m s^-4 / sum of m)^(-1/4) over the
+    // particles' own, m = their optical mass: a few thin small ones do not make the whole scene fine.
+    float deviation = 1;
+    bool one_albedo = true; // of all particles
+    glm::vec3 albedo{1};    // the first one's
+};
+
+// `cut` as gpu::Tick::cut.
+MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float falloff, float cut);
+
+} // namespace brume

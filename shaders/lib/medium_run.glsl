@@ -1,0 +1,81 @@
+// What the medium makes of the background in a run of pixels, from a field of coarse rays. Where a pixel's opaque surface is not what
+// the rays around it hit, and where shadows of objects begin and end in the medium, the field is looked up at the pixel's own depths.
+// Include after the tick, the eye, `field`, `objects`, `view_depth` and the constants of compose.comp are declared.
+#include "shaders/shared/phase.h"
+#include "shaders/shared/transmittance.h"
+#include "shaders/lib/objects.glsl"
+#include "shaders/lib/caster_shadow.glsl"
+#include "shaders/lib/slab_field.glsl"
+
+const float kSameFace = 0.1;              // of a slab: how far apart the pixel's surface and that of the rays around it may be
+const uint kLit = kSources == 1 ? 1 : 3; // sources of what is scattered from the light; the others are ambient light's
+
+// A run with what it has looked up.
+struct MediumRun {
+    FieldRun at;
+    float whole[kMostSources + 1][kMostColumns], ends[kMostColumns]; // rays up to what they hit, and the face of that
+    FieldFaces ended[kMostSources + 1], shadow_begin[3], shadow_end[3];
+};
+
+MediumRun mediumRun(uvec2 pixel) {
+    MediumRun run;
+    run.at = fieldRun(pixel);
+    const uint whole = kHasOpaque ? (push.grid.slabs + 1) * fieldNodes() : 0;
+    for (uint c = 0; c <= kSources; ++c) {
+        fieldColumns(c * fieldSet() + whole, run.at, run.whole[c]);
+        run.ended[c].below = -1;
+    }
+    for (uint c = 0; c < kLit; ++c) run.shadow_begin[c].below = run.shadow_end[c].below = -1;
+    if (kHasOpaque) fieldColumns((kSources + 1) * fieldSet(), run.at, run.ends);
+    return run;
+}
+
+// Takes away what objects' shadows leave out of the light scattered before `end` (face); nearest first, so that overlaps count once.
+void leaveOutShadows(inout float scattered[kMostSources], inout MediumRun run, vec3 dir, float end, uint x, uint i) {
+    float from = 0;
+    for (uint n = push.grid.first_caster; n < tick.opaque_count; ++n) {
+        vec2 next = vec2(1e30, 0);
+        for (uint o = push.grid.first_caster; o < tick.opaque_count; ++o) {
+            vec2 range = (shadowOf(objects[o], eye.position, dir) - push.grid.depth) / push.grid.thickness;
+            range = vec2(max(range.x, from), min(range.y, end));
+            if (range.x < range.y && range.x < next.x) next = range;
+        }
+        if (!(next.x < next.y)) break;
+        for (uint c = 0; c < kLit; ++c) {
+            const uint set = (c + 1) * fieldSet();
+            const float lost = fieldAt(run.shadow_end[c], set, run.at, next.y, x, i) - fieldAt(run.shadow_begin[c], set, run.at, next.x, x, i);
+            scattered[c] = max(scattered[c] - lost, 0);
+        }
+        from = next.y;
+    }
+}
+
+// `behind`: radiance and transmittance of what the pixel shows without the medium; the i-th of the run, looking along `dir` of unit
+// view depth.
+vec4 throughMedium(inout MediumRun run, uvec2 pixel, uint i, vec3 dir, vec4 behind) {
+    float depth = max(fieldAcross(run.whole[0], pixel.x, i), 0), scattered[kMostSources];
+    for (uint c = 0; c < kSources; ++c) scattered[c] = max(fieldAcross(run.whole[c + 1], pixel.x, i), 0) * opacity(depth);
+    if (kHasOpaque) {
+        const float z = texelFetch(view_depth, ivec2(pixel), 0).r;
+        const float end = clamp((z - push.grid.depth) / push.grid.thickness, 0, float(push.grid.slabs));
+        if (abs(fieldAcross(run.ends, pixel.x, i) - end) > kSameFace) {
+            depth = max(fieldAt(run.ended[0], 0, run.at, end, pixel.x, i), 0);
+            for (uint c = 0; c < kSources; ++c)
+                scattered[c] = max(fieldAt(run.ended[c + 1], (c + 1) * fieldSet(), run.at, end, pixel.x, i), 0);
+        }
+        if (kHasCasters && depth > 0) leaveOutShadows(scattered, run, dir, end, pixel.x, i);
+    }
+    float phase = 0.07957747154594767;
+    if (kHasLobe) phase = phaseMixture(-tick.to_light, -normalize(dir), tick.anisotropy, tick.asymmetry);
+    const float opaque_part = opacity(depth);
+    vec3 light;
+    if (kSources == 1) {
+        light = push.grid.albedo * tick.irradiance * (phase * scattered[0]);
+        if (kHasAmbient) light += push.grid.albedo * tick.ambient * opaque_part;
+    } else {
+        for (uint c = 0; c < 3; ++c) light[c] = tick.irradiance[c] * phase * scattered[c];
+        if (kSources == 6)
+            for (uint c = 0; c < 3; ++c) light[c] += tick.ambient[c] * scattered[min(c + 3, kSources - 1)];
+    }
+    return vec4(light, 0) + (1 - opaque_part) * behind;
+}

@@ -1,0 +1,146 @@
+// A splat added to the pixels of one lane: kPixels neighbours of a row. Include after the tick, the eye, the images of light.glsl, what
+// a scene may lack (kHas..., kMayBeCut, kOneAlbedo), kCached and kPixels are declared.
+#include "shaders/shared/scatter.h"
+#include "shaders/lib/light.glsl"
+#include "shaders/lib/eye.glsl"
+
+const uint kGroup = 4;             // pixels that a splat is tried on before it is evaluated
+const float kThin = -2;            // log2 of the depth of a splat's middle up to which thinOpacity() holds
+const float kShift = 0.19947114;   // scatterShift() of small depths
+const float kLog2e = 1.4426950408889634;
+
+// Of the lane's pixels.
+vec2 first;                                            // place of the first
+float inverse_length[kPixels], inverse_square[kPixels]; // 1 / |d|, 1 / d^2; d: the ray's direction of unit view depth
+float begin[kPixels], end[kPixels];                    // m along the ray: near plane and opaque surface
+float transmittance[kPixels];
+vec3 scattered[kPixels]; // sum of albedo T_V T_L (1 - T) over the splats, without the albedo where there is but one
+vec3 hidden[kPixels];    // sum of albedo T_V (1 - T), for ambient light
+float log_cut;           // log2 of Tick::cut
+
+// A splat on these pixels: affine functions as the value at the first pixel and the step to the next.
+struct Run {
+    vec2 x;
+    float y2; // of both across the line of sight, see Splat
+    vec2 along, slope;
+    float log_line, light, k;
+    vec3 albedo;
+};
+
+vec3 rayAt(uint p) { return rayDirection(first + vec2(p, 0)); }
+
+// log2 of the optical depths of the whole lines through kGroup pixels from p0; false when none reaches the cut.
+bool lines(Run s, uint p0, out float e[kGroup]) {
+    const float x0 = s.x.x + float(p0) * s.x.y;
+    float most = -1e30;
+    [[unroll]] for (uint r = 0; r < kGroup; ++r) {
+        const float x = x0 + float(r) * s.x.y;
+        e[r] = s.log_line - (x * x + s.y2) * inverse_square[p0 + r];
+        most = max(most, e[r]);
+    }
+    return most >= log_cut;
+}
+
+// Behind all splats so far. lit: the part of the opacity that light reaches.
+void add(uint p, vec3 albedo, float opacity, float lit) {
+    const float in_front = transmittance[p];
+    scattered[p] += kOneAlbedo ? vec3(in_front * lit, 0, 0) : in_front * lit * albedo;
+    if (kHasAmbient && !kOneAlbedo) hidden[p] += in_front * opacity * albedo;
+    transmittance[p] = in_front - in_front * opacity;
+}
+
+// (1 - e^-x) / x for 0 <= x <= 1/4, relative error 2.6e-7.
+float thinOpacity(float x) { return 0.99999977 - x * (0.49996999 - x * (0.16606225 - x * 0.03772897)); }
+
+// Thin, whole, its light cached: light that is linear in the place counts where it is scattered on average.
+void addThin(Run s) {
+    const float shift = kShift / s.k;
+    [[unroll]] for (uint p0 = 0; p0 < kPixels; p0 += kGroup) {
+        float e[kGroup];
+        if (lines(s, p0, e)) {
+            const float along0 = s.along.x + float(p0) * s.along.y, slope0 = s.slope.x + float(p0) * s.slope.y;
+            [[unroll]] for (uint r = 0; r < kGroup; ++r) {
+                const uint p = p0 + r;
+                const float depth = e[r] >= log_cut ? exp2(e[r]) : 0;
+                const float along = along0 + float(r) * s.along.y, slope = slope0 + float(r) * s.slope.y;
+                const float light = s.light + slope * (along * inverse_square[p] - depth * shift * inverse_length[p]);
+                const float opacity = depth * thinOpacity(depth);
+                add(p, s.albedo, opacity, opacity * clamp(light, 0, 1));
+            }
+        }
+    }
+}
+
+// The same, cut on one side of each line: at the near plane (side 1) or at the opaque surface (side -1).
+void addCut(Run s, float side) {
+    const float inverse_k = 1 / s.k;
+    [[unroll]] for (uint p0 = 0; p0 < kPixels; p0 += kGroup) {
+        float e[kGroup];
+        if (lines(s, p0, e)) {
+            const float along0 = s.along.x + float(p0) * s.along.y, slope0 = s.slope.x + float(p0) * s.slope.y;
+            [[unroll]] for (uint r = 0; r < kGroup; ++r) {
+                const uint p = p0 + r;
+                const float closest = (along0 + float(r) * s.along.y) * inverse_length[p];
+                const float bound = !kHasOpaque || side > 0 ? begin[p] : end[p];
+                const float y = side * s.k * (bound - closest); // what lies above y of exp(-q^2) is left
+                // erfc(|y|) by Abramowitz and Stegun 7.1.26, error 1.5e-7
+                const float gaussian = exp2(-kLog2e * y * y);
+                const float t = 1 / (1 + 0.3275911 * abs(y));
+                const float tail = gaussian * t *
+                                   (0.254829592 + t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429))));
+                const float left = y < 0 ? 2 - tail : tail;
+                const float half_line = e[r] >= log_cut ? 0.5 * exp2(e[r]) : 0;
+                const float depth = half_line * left, part = thinOpacity(depth), opacity = depth * part;
+                // opacity times the mean of q, less what the nearer part hides: as of a whole line, with `left` / 2 for the variance
+                const float moment = side * 0.5641895835477563 * half_line * part * gaussian - 0.5 * kShift * opacity * depth * left;
+                const float slope = (slope0 + float(r) * s.slope.y) * inverse_length[p];
+                const float lit = opacity * (s.light + slope * closest) + slope * inverse_k * moment;
+                add(p, s.albedo, opacity, clamp(lit, 0, opacity));
+            }
+        }
+    }
+}
+
+// T_L * visibility at `t` m along the ray of pixel p.
+float lightArriving(uint p, float t) {
+    const float depth = t * inverse_length[p]; // in view
+    const vec3 ray = eye.volume_ray + (first.x + float(p)) * eye.volume_right + first.y * eye.volume_down;
+    float light = exp(-lightDepth(eye.volume + depth * ray));
+    if (kHasCasters) light *= visibility(toLightSpace(eye.position + depth * rayAt(p)));
+    return light;
+}
+
+// Any splat: of any depth, cut or not, its light cached or looked up at the two points of Gauss and Hermite.
+void addAny(Run s, bool cut, bool look_up) {
+    [[unroll]] for (uint p0 = 0; p0 < kPixels; p0 += kGroup) {
+        float e[kGroup];
+        if (lines(s, p0, e)) {
+            [[unroll]] for (uint r = 0; r < kGroup; ++r) {
+                const uint p = p0 + r;
+                const float closest = (s.along.x + float(p) * s.along.y) * inverse_length[p];
+                const float line = e[r] >= log_cut ? exp2(e[r]) : 0;
+                float depth = line, a = -1e9, c = 1e9; // the segment, in units of 1/k from the closest approach
+                SegmentMoments moments = SegmentMoments(0, 0.7071067811865476);
+                if (kMayBeCut && cut) {
+                    const float half_length = sqrt(max(e[r] - log_cut, 0) / kLog2e); // in the support
+                    a = max(-half_length, s.k * (begin[p] - closest));
+                    c = kHasOpaque ? min(half_length, s.k * (end[p] - closest)) : half_length;
+                    const GaussianSegment segment = segmentOfLine(line, s.k, a, c - a);
+                    depth = c > a ? segment.depth : 0;
+                    moments = segmentMoments(segment);
+                }
+                float light;
+                if (look_up) {
+                    const float ratio = exp(-0.6826894921370859 * depth); // of T_V at the points: erf(1/sqrt 2)
+                    const float near = clamp(moments.mean - moments.deviation, a, c), far = clamp(moments.mean + moments.deviation, a, c);
+                    light = (lightArriving(p, closest + near / s.k) + ratio * lightArriving(p, closest + far / s.k)) / (1 + ratio);
+                } else {
+                    const float q = clamp(moments.mean - 1.4142135623730951 * moments.deviation * scatterShift(depth), a, c);
+                    light = clamp(s.light + (s.slope.x + float(p) * s.slope.y) * inverse_length[p] * (closest + q / s.k), 0, 1);
+                }
+                const float opaque_part = opacity(depth);
+                add(p, s.albedo, opaque_part, opaque_part * light);
+            }
+        }
+    }
+}

@@ -1,0 +1,75 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Slabs, first pass, per eye: every particle as the slabs add it, and which columns of tiles, rows of tiles and sheets of slabs it
+// may reach. One bit for a particle and a line: no lists, no order to keep. One workgroup per 32 particles.
+#include "shaders/shared/types.h"
+#include "shaders/shared/support.h"
+
+layout(local_size_x = 32) in;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
+layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
+layout(scalar, binding = 4) writeonly buffer Bins { uint bins[]; }; // [32 particles][columns, rows, sheets]
+
+layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
+
+const float kLog2e = 1.4426950408889634;
+// Standard deviation of a particle that rays and slabs can carry, in their spacings: narrower ones are widened, their optical mass
+// kept. Where every pixel has its ray nothing is widened: a pixel is then a point, as with every method.
+const float kLeastAcross = 0.7, kLeastAlong = 0.7;
+
+shared ivec2 reach[3][32]; // first and last column, row, sheet
+
+// Slabs from `lo` to `hi`, unbounded.
+ivec2 span(float lo, float hi, uint count) {
+    const ivec2 range = ivec2(clamp(vec2(floor(lo), floor(hi)), vec2(0, -1), vec2(float(count), float(count) - 1)));
+    return range;
+}
+
+void main() {
+    const SlabGrid grid = push.grid;
+    const uint i = gl_GlobalInvocationID.x, lane = gl_LocalInvocationIndex;
+    const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
+    const float tile = float(grid.rate * kSlabTile) * pixel;
+    for (uint axis = 0; axis < 3; ++axis) reach[axis][lane] = ivec2(1, 0);
+    if (i < tick.particle_count) {
+        const Particle p = particles[i];
+        const float u = p.scale * tick.falloff, own = max(0.1 * u, 1e-18);
+        const vec3 c = p.centre - eye.position;
+        SlabMember m;
+        m.centre = vec3(dot(eye.right, c), -dot(eye.up, c), -dot(eye.back, c));
+        const float least = grid.rate > 1 ? kLeastAcross * float(grid.rate) * pixel * m.centre.z : 0;
+        const float across = max(own, least), along = max(own, kLeastAlong * grid.thickness);
+        m.across = 0.5 * kLog2e / (across * across);
+        m.along = 0.5 * kLog2e / (along * along);
+        m.sigma = p.sigma_t * (own / across) * (own / across) * (own / along);
+        m.albedo = p.albedo;
+        members[i] = m;
+        const float radius = supportRadius(p.sigma_t, u, tick.cut);
+        const float wide = radius * across / own, deep = radius * along / own;
+        const float end = grid.depth + grid.thickness * float(grid.slabs);
+        const float near = max(m.centre.z - deep, grid.depth), far = min(m.centre.z + deep, end);
+        if (radius > 0 && far > near) {
+            // Where the box around it is seen, in tiles from node (0, 0).
+            const vec2 lo = m.centre.xy - wide, hi = m.centre.xy + wide;
+            const vec2 origin = vec2(-eye.tan_x, -eye.tan_y) + (0.5 + (vec2(0, grid.first_row) - 1) * float(grid.rate)) * pixel;
+            const vec2 first = (min(lo / near, lo / far) - origin) / tile - 1e-3, last = (max(hi / near, hi / far) - origin) / tile + 1e-3;
+            const float sheet = grid.thickness * float(grid.sheet);
+            reach[0][lane] = span(first.x, last.x, grid.lines.x);
+            reach[1][lane] = span(first.y, last.y, grid.lines.y);
+            reach[2][lane] = span((near - grid.depth) / sheet, (far - grid.depth) / sheet, grid.lines.z);
+        }
+    }
+    barrier();
+    const uvec3 end = uvec3(grid.lines.x, grid.lines.x + grid.lines.y, grid.lines.x + grid.lines.y + grid.lines.z);
+    for (uint line = lane; line < end.z; line += 32) {
+        const uint axis = uint(line >= end.x) + uint(line >= end.y);
+        const int at = int(line - (axis == 0 ? 0 : axis == 1 ? end.x : end.y));
+        uint bits = 0;
+        for (uint j = 0; j < 32; ++j) bits |= uint(at >= reach[axis][j].x && at <= reach[axis][j].y) << j;
+        bins[gl_WorkGroupID.x * end.z + line] = bits;
+    }
+}

@@ -1,0 +1,174 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_vote : require
+// Method `tiles`, per eye: the splats of a tile over its pixels, near to far. A workgroup is a tile, a lane owns a run of pixels of a
+// row, so that what it knows of a splat serves all of them. Splats go round a subgroup, whatever its size: each lane loads one, all
+// add it. (A load that all lanes share is as slow as one for each on CPU drivers.)
+#include "shaders/shared/types.h"
+#include "shaders/shared/phase.h"
+#include "shaders/shared/splat.h"
+
+layout(local_size_x_id = 12) in;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(rgba32f, binding = 2) uniform image2D radiance;
+layout(binding = 3) uniform sampler2DArray shadow_volume;
+layout(binding = 4) uniform sampler2D opaque_shadow;
+layout(scalar, binding = 5) readonly buffer Arguments { DrawArguments arguments; };
+layout(binding = 6) uniform sampler2D view_depth;
+layout(scalar, binding = 7) readonly buffer Cones { SplatCone cones[]; };
+layout(scalar, binding = 8) readonly buffer Splats { Splat splats[]; };
+layout(scalar, binding = 9) readonly buffer Masks { uint masks[]; }; // [word][block]
+
+layout(push_constant, scalar) uniform Push { SplatGrid grid; } push;
+
+// What a scene does not have is compiled out.
+layout(constant_id = 0) const bool kHasOpaque = true;  // objects that hide and shadow
+layout(constant_id = 1) const bool kHasCasters = true; // of them, some that cast shadows on the medium
+layout(constant_id = 2) const bool kHasLobe = true;    // anisotropy > 0
+layout(constant_id = 3) const bool kHasAmbient = true;
+layout(constant_id = 4) const bool kMayBeCut = true; // opaque objects or the near plane may end a line inside a particle
+layout(constant_id = 5) const bool kOneAlbedo = false;
+layout(constant_id = 10) const bool kCached = true;
+layout(constant_id = 11) const uint kPixels = 16; // of a lane
+
+#include "shaders/lib/splat_run.glsl"
+#include "shaders/lib/tiles.glsl"
+
+const uint kAny = 1, kCutNear = 2, kCutFar = 4, kLookedUp = 8; // what adding a splat to this tile takes
+
+// The next splats of a block, near to far: one for each lane.
+struct Candidates {
+    uint words, word; // in the masks; the next one
+    uint first, mine; // of the words that the lanes hold; this lane's
+    uint bits;        // of the last word, what is left
+};
+
+// How many lanes got one.
+uint take(inout Candidates from, uint block, uint lane, uint lanes, out uint splat) {
+    uint taken = 0;
+    splat = 0;
+    while (taken < lanes) {
+        if (from.bits != 0) {
+            if (lane == taken) splat = 32 * (from.word - 1) + findLSB(from.bits);
+            from.bits &= from.bits - 1;
+            ++taken;
+        } else if (from.word < from.words) {
+            if (from.word == from.first + lanes || from.word == 0) {
+                from.first = from.word;
+                from.mine = from.word + lane < from.words ? masks[(from.word + lane) * push.grid.blocks.x * push.grid.blocks.y + block] : 0;
+            }
+            from.bits = subgroupShuffle(from.mine, from.word - from.first);
+            ++from.word;
+        } else {
+            break;
+        }
+    }
+    return taken;
+}
+
+// A function that is affine in the pixel, on the lane's pixels.
+vec2 onRun(float value, float right, float down) { return vec2(value + first.x * right + first.y * down, right); }
+
+void main() {
+    const uvec2 corner = gl_WorkGroupID.xy * kTile;
+    const uint lanes_across = kTile.x / kPixels;
+    const uvec2 pixel = corner + uvec2(gl_LocalInvocationIndex % lanes_across * kPixels, gl_LocalInvocationIndex / lanes_across);
+    const uint lane = gl_SubgroupInvocationID, lanes = subgroupBallotBitCount(subgroupBallot(true));
+    first = vec2(pixel) + 0.5;
+    log_cut = log2(tick.cut);
+    float nearest_end = 1e30, farthest_end = 0;
+    [[unroll]] for (uint p = 0; p < kPixels; ++p) {
+        const vec3 d = rayAt(p);
+        inverse_square[p] = 1 / dot(d, d);
+        inverse_length[p] = inversesqrt(dot(d, d));
+        begin[p] = eye.near_depth * length(d);
+        transmittance[p] = 1;
+        scattered[p] = hidden[p] = vec3(0);
+        if (kHasOpaque) {
+            end[p] = texelFetch(view_depth, min(ivec2(pixel) + ivec2(p, 0), ivec2(eye.size) - 1), 0).r * length(d);
+            nearest_end = min(nearest_end, end[p]);
+            farthest_end = max(farthest_end, end[p]);
+        }
+    }
+    if (kHasOpaque) {
+        const vec2 mine = vec2(nearest_end, farthest_end);
+        for (uint l = 0; l < lanes; ++l) {
+            nearest_end = min(nearest_end, subgroupShuffle(mine.x, l));
+            farthest_end = max(farthest_end, subgroupShuffle(mine.y, l));
+        }
+    }
+    const PixelCone cone = pixelCone(corner, corner + kTile);
+    const float last_begin = eye.near_depth * length(vec3(eye.tan_x, eye.tan_y, 1));
+
+    const uvec2 block = corner / push.grid.block;
+    Candidates candidates = Candidates((arguments.instance_count + 31) / 32, 0, 0, 0, 0);
+    for (bool more = true; more;) {
+        uint candidate;
+        const uint taken = take(candidates, block.y * push.grid.blocks.x + block.x, lane, lanes, candidate);
+        more = taken == lanes;
+        bool meets = false;
+        if (lane < taken) {
+            const SplatCone splat = cones[candidate];
+            const vec3 apart = splat.direction - cone.direction;
+            const float reach = splat.chord + cone.chord;
+            meets = dot(apart, apart) <= reach * reach;
+        }
+        Splat mine;
+        uint kind = 0;
+        if (meets) {
+            mine = splats[candidate];
+            if (kMayBeCut) {
+                // By the near plane; or part of it lies behind the eye.
+                if (mine.nearest < last_begin || mine.chord + 2 * cone.chord > 1.4) kind |= kCutNear;
+                if (kHasOpaque && mine.nearest + 2 * mine.radius > nearest_end) kind |= kCutFar;
+                if (kHasOpaque && mine.nearest > farthest_end) meets = false;
+            }
+            if (!kCached || mine.transmittance >= kLookUp) kind |= kLookedUp | kAny;
+            if (mine.log_line > kThin || kind == (kCutNear | kCutFar)) kind |= kAny;
+        }
+        const uvec4 met = subgroupBallot(meets);
+        for (uint part = 0; part < lanes; part += 32)
+            for (uint left = met[part / 32]; left != 0; left &= left - 1) {
+                const uint from = part + findLSB(left);
+                #define ITS(x) subgroupShuffle(mine.x, from)
+                Run s;
+                s.x = onRun(ITS(across_x.x), ITS(across_x.y), ITS(across_x.z));
+                const float y = ITS(across_y.x) + first.y * ITS(across_y.y);
+                s.y2 = y * y;
+                s.along = onRun(ITS(along.x), ITS(along.y), ITS(along.z));
+                s.log_line = ITS(log_line);
+                s.k = ITS(k);
+                s.albedo = kOneAlbedo ? vec3(1) : vec3(ITS(albedo.x), ITS(albedo.y), ITS(albedo.z));
+                s.light = kCached ? ITS(transmittance) : 0;
+                s.slope = kCached ? onRun(ITS(slope.x), ITS(slope.y), ITS(slope.z)) : vec2(0);
+                const uint its_kind = kCached ? subgroupShuffle(kind, from) : subgroupShuffle(kind, from) | kLookedUp | kAny;
+                if ((its_kind & kAny) != 0)
+                    addAny(s, (its_kind & (kCutNear | kCutFar)) != 0, (its_kind & kLookedUp) != 0);
+                else if (kMayBeCut && its_kind != 0)
+                    addCut(s, its_kind == kCutNear ? 1 : -1);
+                else
+                    addThin(s);
+            }
+        float most = 0;
+        [[unroll]] for (uint p = 0; p < kPixels; ++p) most = max(most, transmittance[p]);
+        if (subgroupAll(most < push.grid.least)) more = false;
+    }
+
+    const vec3 albedo = splats[0].albedo;
+    [[unroll]] for (uint p = 0; p < kPixels; ++p) {
+        const ivec2 at = ivec2(pixel) + ivec2(p, 0);
+        if (transmittance[p] < 1 && all(lessThan(at, ivec2(eye.size)))) {
+            float phase = 0.07957747154594767;
+            if (kHasLobe) phase = phaseMixture(-tick.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);
+            vec3 medium = tick.irradiance * phase * (kOneAlbedo ? albedo * scattered[p].x : scattered[p]);
+            if (kHasAmbient) medium += tick.ambient * (kOneAlbedo ? albedo * (1 - transmittance[p]) : hidden[p]);
+            imageStore(radiance, at, vec4(medium, 0) + transmittance[p] * imageLoad(radiance, at));
+        }
+    }
+}

@@ -1,0 +1,58 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Method `tiles`, per eye: the particles that can be seen, near to far, as functions of the pixel.
+#include "shaders/shared/types.h"
+#include "shaders/shared/splat.h"
+#include "shaders/shared/support.h"
+#include "shaders/shared/transmittance.h"
+
+layout(local_size_x = 64) in;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
+layout(scalar, binding = 4) readonly buffer Order { uint order[]; }; // far to near
+layout(scalar, binding = 5) readonly buffer Arguments { DrawArguments arguments; };
+layout(scalar, binding = 6) readonly buffer Lights { ParticleLight lights[]; };
+layout(scalar, binding = 7) writeonly buffer Cones { SplatCone cones[]; };
+layout(scalar, binding = 8) writeonly buffer Splats { Splat splats[]; };
+
+layout(constant_id = 10) const bool kCached = true;
+
+// v . d as a function of the pixel.
+vec3 affine(vec3 v) { return vec3(dot(v, eye.ray), dot(v, eye.ray_right), dot(v, eye.ray_down)); }
+
+void main() {
+    const uint j = gl_GlobalInvocationID.x, visible = arguments.instance_count;
+    if (j >= visible) return;
+    const uint i = order[visible - 1 - j];
+    const Particle p = particles[i];
+    const vec3 c = p.centre - eye.position;
+    const float u = p.scale * tick.falloff, distance = length(c);
+    const vec3 axis = distance > 0 ? c / distance : -eye.back;
+    // Across the line of sight: up the picture, so that it does not change along a row, and sideways.
+    const vec3 over = cross(eye.right, axis);
+    const vec3 up = dot(over, over) > 1e-6 ? normalize(over) : eye.up;
+
+    Splat splat;
+    splat.k = gaussianK(p.scale, tick.falloff);
+    splat.radius = supportRadius(p.sigma_t, u, tick.cut);
+    splat.nearest = distance - splat.radius;
+    splat.across_x = affine(splat.k * distance * 1.2011224 * cross(up, axis));
+    splat.across_y = affine(splat.k * distance * 1.2011224 * up).xz;
+    splat.along = affine(c);
+    splat.albedo = p.albedo;
+    splat.log_line = log2(lineDepth(p.sigma_t, splat.k, 1.0));
+    splat.slope = vec3(0);
+    splat.transmittance = kLookUp;
+    if (kCached) {
+        const ParticleLight light = lights[i];
+        splat.slope = affine(light.gradient);
+        splat.transmittance = light.transmittance == kLookUp ? kLookUp : light.transmittance - dot(light.gradient, c);
+    }
+    const float sine = min(splat.radius / max(distance, 1e-30), 1.0), cosine = sqrt(max(1 - sine * sine, 0));
+    splat.chord = splat.nearest > 0 ? sine * sqrt(2 / (1 + cosine)) + 1e-6 : 2; // and what directions round by
+    splats[j] = splat;
+    cones[j] = SplatCone(axis, splat.chord);
+}
