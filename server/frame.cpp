@@ -1,6 +1,7 @@
 #include "server/frame.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 
@@ -33,7 +34,7 @@ struct FrameLoop::Batch {
 
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options)
     : audience_(audience), metrics_(metrics), scene_(scene), simulation_(scene), renderer_(device, scene, simulation_.capacity()),
-      workers_(options.encode_threads) {
+      planner_(scene_, options.costs, options.frame_ms), workers_(options.encode_threads) {
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
 }
@@ -43,7 +44,8 @@ void FrameLoop::warmUp() {
     const SceneCamera& camera = scene_.camera;
     const EyeRequest eye{lookAt(camera.position, camera.target, camera.fov_y), 64, 36};
     Submission& submission = batches_.front()->submission;
-    renderer_.submit(submission, simulation_, {&eye, 1});
+    const PlanView own = ownView(scene_);
+    renderer_.submit(submission, simulation_, {&eye, 1}, &planner_.settings(simulation_, {&own, 1}, false, Clock::now()));
     while (!submission.commands.wait(1'000'000'000)) {
     }
 }
@@ -103,7 +105,7 @@ void FrameLoop::tick() {
     const Clock::time_point begin = Clock::now();
     audience_.commands().drain(commands_);
     simulation_.step(commands_);
-    if (!commands_.empty()) changed_ = true;
+    if (!commands_.empty()) changed_ = replan_ = true;
     metrics_.ticked(Millis(Clock::now() - begin).count());
 }
 
@@ -130,7 +132,10 @@ bool FrameLoop::render(Batch& batch) {
     if (batch.jobs.empty()) return false;
     rendered_tick_ = batch.tick = simulation_.tick();
     batch.state_hash = simulation_.stateHash();
-    renderer_.submit(batch.submission, simulation_, eyes_);
+    views_.clear();
+    for (const EyeRequest& eye : eyes_) views_.push_back({eye.pose, eye.width, eye.height});
+    const RenderSettings& settings = planner_.settings(simulation_, views_, std::exchange(replan_, false), batch.taken);
+    renderer_.submit(batch.submission, simulation_, eyes_, &settings);
     return true;
 }
 
@@ -138,6 +143,7 @@ bool FrameLoop::render(Batch& batch) {
 void FrameLoop::encode(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
+    planner_.took(double(Millis(batch.done - batch.taken).count()), batch.done);
     const std::span<const PictureView> pictures = batch.submission.pictures();
     const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
 
@@ -196,6 +202,8 @@ void FrameLoop::report(Clock::time_point now) {
     report->light = scene.light;
     report->medium = scene.medium;
     report->render = scene.render;
+    const Plan& plan = planner_.plan();
+    report->plan = {plan.chosen.settings, plan.chosen.error, plan.relaxed};
     report->passes = passes_;
     audience_.publish(std::move(report));
 }

@@ -11,6 +11,7 @@
 
 #include "server/encode/workers.h"
 #include "server/net/metrics.h"
+#include "server/plan/planner.h"
 #include "server/render/renderer.h"
 #include "server/viewer/audience.h"
 
@@ -21,6 +22,8 @@ public:
     struct Options {
         unsigned encode_threads = 2;
         unsigned batches = 3; // one on the device, the others being encoded
+        double frame_ms = 50; // that a frame of all viewers may take before accuracy is given up
+        CostModel costs = builtInCosts();
     };
 
     // Throws SceneError, gpu::Error. `device`, `audience` and `metrics` outlive the loop.
@@ -51,6 +54,7 @@ private:
     const Scene scene_;
     Simulation simulation_;
     Renderer renderer_;
+    Planner planner_;
 
     std::vector<std::unique_ptr<Batch>> batches_;
     Batch* on_device_ = nullptr;
@@ -58,6 +62,8 @@ private:
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     std::vector<EyeRequest> eyes_;
+    std::vector<PlanView> views_; // the same, for the plan
+    bool replan_ = false;         // a command came since the last frame
     std::vector<PassTime> passes_;
     Clock::time_point reported_{};
     bool changed_ = true; // a command came since the last report

@@ -31,15 +31,37 @@ std::string address(const net::NetOptions& options, uint16_t port) {
     return "http://" + host + ":" + std::to_string(port);
 }
 
+CostModel costsOf(const ServerOptions& options, const gpu::Device& device) {
+    std::string complaint;
+    CostModel costs = loadCosts(costFile(options.costs, device.name(), device.driver()), complaint);
+    if (!complaint.empty()) spdlog::warn("{}", complaint);
+    return costs;
+}
+
+std::string explained(const Scene& scene, const CostModel& costs) {
+    PlanInputs inputs;
+    inputs.scene = planScene(scene, Simulation(scene));
+    inputs.views = {ownView(scene)};
+    inputs.methods = methodNames();
+    return explain(makePlan(inputs, costs), inputs, costs);
+}
+
 void serve(const ServerOptions& options, const sigset_t& signals) {
     const Scene scene = loadScene(options);
     const gpu::Device device(options.device);
-    SceneFacts facts{scene.name, device.name(), scene.camera, {}, {}};
+    const CostModel costs = costsOf(options, device);
+    if (options.explain) {
+        std::cout << explained(scene, costs);
+        return;
+    }
+    SceneFacts facts{scene.name, device.name(), scene.camera, {kAutoMethod}, {}};
     for (const MethodInfo& method : methods()) facts.methods.emplace_back(method.name);
     for (const char* quadrature : quadratures()) facts.quadratures.emplace_back(quadrature);
     Audience audience(facts, options.max_viewers, options.max_in_flight);
     Metrics metrics;
-    FrameLoop frames(scene, device, audience, metrics, options.frame);
+    FrameLoop::Options frame = options.frame;
+    frame.costs = costs;
+    FrameLoop frames(scene, device, audience, metrics, frame);
     NetServer network(options.net, audience, metrics);
 
     network.start(); // a taken port ends it here, before the first frame

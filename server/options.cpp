@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/scene_limits.h"
-#include "server/render/method.h"
+#include "server/plan/plan.h"
 
 namespace brume {
 namespace {
@@ -29,6 +29,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     ServerOptions o;
     o.scene_dir = findFolder("scenes", "server/scenes");
     o.net.web_root = findFolder("web", "client/web/dist");
+    o.costs = defaultCostFolder();
     CLI::App app{"brume-server: simulates one cloud, lights it once and renders it for every viewer."};
     app.set_version_flag("--version", "brume-server " BRUME_VERSION);
     app.option_defaults()->always_capture_default()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -48,7 +49,8 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         ->type_name("KEY=VALUE")
         ->default_str("")
         ->group(group);
-    app.add_option("--method", o.method, "medium method instead of the scene's")->group(group);
+    app.add_option("--method", o.method, "medium method instead of the scene's; auto: the cheapest within render.error")
+        ->group(group);
     app.add_option("--quadrature", o.quadrature, "simpson | transmittance | analytic, for method isv")->group(group);
     app.add_option("--steps", o.steps, "of the quadrature")->group(group)->check(within(limits::kSteps));
     app.add_option("--exposure", o.exposure, "factor before the tone map")->group(group)->check(within(limits::kExposure));
@@ -104,6 +106,14 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_flag("--validation", o.device.validation, "run under the Vulkan validation layer")->group(group);
     bool no_mesh = false;
     app.add_flag("--no-mesh-shaders", no_mesh, "use the vertex path even where mesh shaders exist")->group(group);
+    app.add_option("--costs", o.costs, "folder of what brume-bench calibrate measured; without its file built-in costs hold")
+        ->group(group);
+    app.add_option("--frame-budget", o.frame.frame_ms, "that a frame of all viewers may take before accuracy is given up")
+        ->group(group)
+        ->check(CLI::Range(1.0, 10'000.0))
+        ->type_name("MS");
+    app.add_flag("--explain", o.explain, "print what is rendered with, and why, for the scene's own camera, and end")
+        ->group(group);
     app.add_option("--encode-threads", o.frame.encode_threads, "JPEG encoders")->group(group)->check(CLI::Range(1, 64));
 
     group = "Log";
@@ -137,7 +147,7 @@ Scene loadScene(const ServerOptions& o) {
     if (o.shadow_slices) render.shadow_slices = *o.shadow_slices;
     if (o.shadow_error) render.shadow_error = *o.shadow_error;
     if (o.paused) scene.simulation.paused = *o.paused;
-    const std::string wrong = checkSettings(render);
+    const std::string wrong = checkWanted(render);
     if (!wrong.empty()) throw SceneError(file.string() + ": render: " + wrong);
     return scene;
 }

@@ -26,6 +26,8 @@ struct ServerOptions {
     std::optional<uint32_t> steps, shadow_size, shadow_slices;
     std::optional<float> exposure, cutoff, shadow_error;
     std::optional<bool> paused;
+    std::filesystem::path costs; // folder of the device's constants, as brume-bench calibrate writes them
+    bool explain = false;        // print the plan and end
     std::string log_level = "info";
     std::filesystem::path log_file;        // empty: standard error
     std::chrono::milliseconds grace{3000}; // to end what is open when told to stop

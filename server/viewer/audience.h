@@ -20,8 +20,13 @@ struct SceneReport {
     uint32_t particles = 0;
     bool paused = false;
     Light light;
-    Medium medium; // extinction, falloff, anisotropy, asymmetry, albedo are current
-    RenderSettings render;
+    Medium medium;         // extinction, falloff, anisotropy, asymmetry, albedo are current
+    RenderSettings render; // as asked for
+    struct {
+        RenderSettings settings; // in use
+        double error = 0;        // relative RMSE, predicted
+        uint32_t relaxed = 0;    // steps of accuracy given up under overload
+    } plan;
     std::vector<PassTime> passes;
 };
 

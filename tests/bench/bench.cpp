@@ -14,6 +14,7 @@
 
 #include "common/metrics.h"
 #include "common/metrics_flip.h"
+#include "tests/bench/predict.h"
 #include "tests/bench/report.h"
 #include "tests/bench/sweep.h"
 
@@ -108,6 +109,26 @@ void sweep(const gpu::DeviceOptions& device_options, const std::vector<std::stri
     std::cout << out.string() << '\n';
 }
 
+void calibrateDevice(const gpu::DeviceOptions& options, const std::filesystem::path& folder, double seconds) {
+    const gpu::Device device(options);
+    const CostModel model = calibrate(device, seconds);
+    const std::filesystem::path file = costFile(folder, device.name(), device.driver());
+    saveCosts(file, model, device.name(), device.driver());
+    for (size_t i = 0; i < kCosts; ++i)
+        std::printf("%-15s %10.4f ns per unit, built in %10.4f\n", info(Cost(i)).key, model.ns[i], info(Cost(i)).built_in);
+    std::cout << file.string() << '\n';
+}
+
+void plan(const gpu::DeviceOptions& options, const std::filesystem::path& folder, const std::filesystem::path& cache,
+          const std::vector<std::string>& scenes, const std::vector<std::string>& set) {
+    const gpu::Device device(options);
+    std::string complaint;
+    const CostModel model = loadCosts(costFile(folder, device.name(), device.driver()), complaint);
+    if (!complaint.empty()) std::cerr << complaint << '\n';
+    Truth truth(cache);
+    std::cout << "costs: " << model.source << "\n\n" << planTable(device, model, truth, scenes, set);
+}
+
 int run(int argc, char** argv) {
     CLI::App app{"brume-bench: renders a view, compares pictures, sweeps settings, reports speed against error."};
     app.set_version_flag("--version", "brume-bench " BRUME_VERSION);
@@ -151,6 +172,19 @@ int run(int argc, char** argv) {
     sweep_command->add_option("--least", effort.least, "frames per variant, at least")->check(CLI::Range(1, 1000));
     sweep_command->add_option("--only", effort.only, "series whose name holds this");
 
+    std::string costs = defaultCostFolder().string();
+    double calibrate_seconds = 15;
+    CLI::App* calibrate_command =
+        app.add_subcommand("calibrate", "measures what the plan's predictions need to know of this device, for brume-server");
+    calibrate_command->add_option("--costs", costs, "folder of the file");
+    calibrate_command->add_option("--seconds", calibrate_seconds, "of frames, beside start-up")->check(CLI::Range(0.0, 600.0));
+
+    std::vector<std::string> scenes{"cloud", "cloud-5000", "tubes", "props", "plume"}, plan_set;
+    CLI::App* plan_command = app.add_subcommand("plan", "the plan's choices: predicted against measured, as a table");
+    plan_command->add_option("scenes", scenes, "shipped scenes, or paths");
+    plan_command->add_option("--set", plan_set, "key=value instead of the scenes', as in their files")->default_str("");
+    plan_command->add_option("--costs", costs, "folder of what calibrate wrote");
+
     std::string json_file, before;
     std::string folder = "docs/results", name = "speed-error";
     CLI::App* report_command =
@@ -173,6 +207,8 @@ int run(int argc, char** argv) {
     if (*render_command) render(device, picture, cache);
     if (*compare_command) return comparePictures(value, reference, map, most, all_pixels);
     if (*sweep_command) sweep(device, files, effort, results, cache, command);
+    if (*calibrate_command) calibrateDevice(device, costs, calibrate_seconds);
+    if (*plan_command) plan(device, costs, cache, scenes, plan_set);
     if (*report_command) {
         if (before.empty())
             writeReport(readJson(json_file), folder, name);

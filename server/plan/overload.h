@@ -1,0 +1,32 @@
+// When frames take longer than viewers can wait: how many steps of accuracy to give up. Times are the caller's, so that a test
+// has its own.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace brume {
+
+class Overload {
+public:
+    using Time = std::chrono::steady_clock::time_point;
+    // `budget_ms`: that a frame of all viewers may take.
+    explicit Overload(double budget_ms) : budget_ms_(budget_ms) {}
+
+    // A frame took `ms` at the present level. `restored`: what it would take one level lower over what it takes, predicted, >= 1.
+    // True when the level changed: by one, up after frames of a second that were all too long, down after five seconds in which
+    // all would have been short enough one level lower, by a fifth. A pause of more than a second starts anew.
+    bool took(double ms, double restored, Time now);
+    // The last step changed nothing, since there is nothing left to give up.
+    void stepBack() { level_ -= level_ > 0; }
+
+    uint32_t level() const { return level_; }
+
+private:
+    double budget_ms_;
+    uint32_t level_ = 0;
+    Time last_{}, long_since_{}, short_since_{};
+    bool long_ = false, short_ = false;
+};
+
+} // namespace brume

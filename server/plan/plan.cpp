@@ -1,0 +1,245 @@
+#include "server/plan/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <span>
+
+#include <fmt/format.h>
+
+namespace brume {
+namespace {
+
+constexpr uint32_t kRates[] = {1, 2, 4, 8, 16};
+constexpr uint32_t kSlabCounts[] = {8, 16, 24, 32, 48, 64, 96, 128, 192, 256};
+
+// What is in use stays while it is at most so much dearer, and its error so much larger, than what would be chosen anew: a camera
+// on the edge between two ways does not change them every tick.
+constexpr double kDearer = 1.25, kWorse = 1.1;
+// Overload trades error away up to so many times the budget.
+constexpr double kMostRelaxed = 10;
+
+// Cheapest first is not known: all combinations of what is left open.
+std::vector<RenderSettings> waysOf(const PlanInputs& inputs) {
+    const RenderSettings& wanted = inputs.scene.wanted;
+    std::vector<RenderSettings> ways;
+    for (const std::string& method : inputs.methods) {
+        if (wanted.method != kAutoMethod && wanted.method != method) continue;
+        RenderSettings way = wanted;
+        way.method = method;
+        if (method == "slabs") {
+            for (const uint32_t rate : kRates)
+                for (const uint32_t slabs : kSlabCounts) {
+                    way.rate = wanted.rate ? wanted.rate : rate;
+                    way.slabs = wanted.slabs ? wanted.slabs : slabs;
+                    const bool again = (wanted.rate && rate != kRates[0]) || (wanted.slabs && slabs != kSlabCounts[0]);
+                    if (!again) ways.push_back(way);
+                }
+        } else if (method == "tiles" && wanted.method == kAutoMethod) {
+            for (const char* quadrature : {"cached", "hermite"}) {
+                way.quadrature = quadrature;
+                ways.push_back(way);
+            }
+        } else {
+            if (method == "isv" && wanted.method == kAutoMethod) way.quadrature = "transmittance", way.steps = 2;
+            ways.push_back(way);
+        }
+    }
+    return ways;
+}
+
+double msOf(const Work& work, const CostModel& model) {
+    double ns = 0;
+    for (size_t i = 0; i < kCosts; ++i) ns += work[i] * model.ns[i];
+    return ns * 1e-6;
+}
+
+double errorOf(const RenderSettings& way, const ViewWork& view) {
+    if (!view.sees()) return 0;
+    const double own = methodError(way, view.inside());
+    if (way.method != "slabs") return own;
+    return std::hypot(own, rayError(view.raySpacing(way.rate)), slabError(view.slabThickness(way.slabs), view.inside()));
+}
+
+// Costs and errors; what several ways have in common is counted once.
+class Prices {
+public:
+    Prices(const PlanInputs& inputs, const CostModel& model) : scene_(inputs.scene), model_(model) {
+        for (const PlanView& view : inputs.views) views_.emplace_back(scene_, view);
+        for (const PlanScene::Shadow& shadow : scene_.shadows) shadow_ms_.push_back(msOf(shadowWork(scene_, shadow), model));
+    }
+
+    // A candidate for each shadow map that the settings allow.
+    void add(const RenderSettings& way, std::vector<Candidate>& all) const {
+        const Candidate bare = withoutShadow(way);
+        for (size_t i = 0; i < scene_.shadows.size(); ++i)
+            if (scene_.shadows[i].wanted <= scene_.wanted.shadow_error) all.push_back(with(bare, i));
+    }
+    Candidate of(const RenderSettings& settings) const { return with(withoutShadow(settings), shadowOf(settings)); }
+
+    std::vector<PassCost> passes(const RenderSettings& settings) const {
+        Work shared = sharedWork(scene_, settings), each{};
+        const Work shadow = shadowWork(scene_, scene_.shadows[shadowOf(settings)]);
+        for (size_t i = 0; i < kCosts; ++i) shared[i] += shadow[i];
+        for (const ViewWork& view : views_) {
+            const Work work = view.of(settings);
+            for (size_t i = 0; i < kCosts; ++i) each[i] += work[i];
+        }
+        std::vector<PassCost> all;
+        for (size_t i = 0; i < kCosts; ++i) {
+            if (shared[i] > 0) all.push_back({info(Cost(i)).pass, true, shared[i] * model_.ns[i] * 1e-6});
+            if (each[i] > 0) all.push_back({info(Cost(i)).pass, false, each[i] * model_.ns[i] * 1e-6});
+        }
+        return all;
+    }
+
+private:
+    size_t shadowOf(const RenderSettings& settings) const {
+        const auto same = [&](const PlanScene::Shadow& s) { return s.wanted == settings.shadow_error; };
+        return size_t(std::find_if(scene_.shadows.begin(), std::prev(scene_.shadows.end()), same) - scene_.shadows.begin());
+    }
+    Candidate withoutShadow(const RenderSettings& way) const {
+        Candidate c{.settings = way, .shared_ms = msOf(sharedWork(scene_, way), model_)};
+        for (const ViewWork& view : views_) {
+            c.views_ms += msOf(view.of(way), model_);
+            c.error = std::max(c.error, errorOf(way, view));
+        }
+        return c;
+    }
+    Candidate with(Candidate c, size_t shadow) const {
+        c.settings.shadow_error = scene_.shadows[shadow].wanted;
+        c.error = c.error > 0 ? std::hypot(c.error, scene_.shadows[shadow].resolution.error) : 0; // 0: nothing is seen
+        c.flip = flipOf(c.error);
+        c.shared_ms += shadow_ms_[shadow];
+        return c;
+    }
+
+    const PlanScene& scene_;
+    const CostModel& model_;
+    std::vector<ViewWork> views_;
+    std::vector<double> shadow_ms_;
+};
+
+bool sameWay(const RenderSettings& a, const RenderSettings& b) {
+    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.quadrature == b.quadrature && a.steps == b.steps &&
+           a.shadow_error == b.shadow_error;
+}
+
+// The best of each method and rate but the chosen one, with why it was not taken.
+std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candidate& chosen, const RenderSettings& wanted,
+                                const std::function<bool(const Candidate&)>& holds) {
+    std::vector<Candidate> others;
+    for (const Candidate& c : all) {
+        RenderSettings otherwise = c.settings; // another shadow map alone is no other way
+        otherwise.shadow_error = chosen.settings.shadow_error;
+        if (sameWay(otherwise, chosen.settings)) continue;
+        const auto alike = [&](const Candidate& o) {
+            return o.settings.method == c.settings.method && o.settings.rate == c.settings.rate &&
+                   o.settings.quadrature == c.settings.quadrature;
+        };
+        const auto rival = std::find_if(others.begin(), others.end(), alike);
+        if (rival == others.end()) {
+            others.push_back(c);
+            continue;
+        }
+        const bool better = holds(c) != holds(*rival) ? holds(c) : holds(c) ? c.ms() < rival->ms() : c.error < rival->error;
+        if (better) *rival = c;
+    }
+    for (Candidate& c : others)
+        c.why_not = c.error > double(wanted.error) ? fmt::format("error above {:.2g} %", 100 * wanted.error)
+                    : c.flip > double(wanted.flip) ? fmt::format("FLIP above {:.2g}", wanted.flip)
+                    : c.ms() > chosen.ms()         ? fmt::format("{:.1f} times the time", c.ms() / chosen.ms())
+                                                   : "not clearly better than what is in use";
+    return others;
+}
+
+} // namespace
+
+std::string checkWanted(const RenderSettings& wanted) {
+    RenderSettings named = wanted;
+    if (wanted.method == kAutoMethod) named.method = methods().front().name;
+    std::string wrong = checkSettings(named);
+    if (const size_t at = wrong.find("there are: "); at != wrong.npos && wrong.starts_with("no method"))
+        wrong.insert(at + 11, std::string(kAutoMethod) + ", ");
+    return wrong;
+}
+
+// Measured at 640x360, every fifth pixel, on cloud, cloud-5000, tubes and plume from outside and from within.
+double rayError(double spacing) { return 0.0065 * std::pow(spacing, 4); }
+double slabError(double thickness, bool inside) {
+    // Above 1.43 standard deviations slabs widen the particles: from there on the error grows as its fourth power.
+    return (inside ? 0.014 : 0.0084) * thickness * thickness * (1 + std::pow(thickness / 2, 4));
+}
+double methodError(const RenderSettings& settings, bool inside) {
+    if (settings.method == "slabs") return 2e-4;
+    if (settings.method == "sphere" || quadratureOf(settings) == "hermite") return inside ? 0.025 : 0.015;
+    if (settings.method == "tiles") return inside ? 0.055 : 0.03;
+    return 0.1; // tetrahedra leave out what is beyond their faces
+}
+double flipOf(double error) { return 1.1 * std::pow(error, 0.83); }
+
+std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step) {
+    RenderSettings coarser = settings;
+    const bool slabs = settings.method == "slabs";
+    for (uint32_t tries = 0; tries < 3; ++tries) {
+        const uint32_t what = (step + tries) % 3;
+        if (what == 0 && slabs && settings.slabs > kSlabCounts[0]) {
+            for (const uint32_t fewer : kSlabCounts)
+                if (fewer < settings.slabs) coarser.slabs = fewer;
+            return coarser;
+        }
+        if (what == 1 && slabs && settings.rate < kRates[4]) {
+            coarser.rate *= 2;
+            return coarser;
+        }
+        if (what == 2 && 2 * settings.shadow_error <= kCoarsestShadow) {
+            coarser.shadow_error = 2 * settings.shadow_error;
+            return coarser;
+        }
+    }
+    return {};
+}
+
+Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
+    const RenderSettings& wanted = inputs.scene.wanted;
+    const Prices prices(inputs, model);
+    std::vector<Candidate> all;
+    for (const RenderSettings& way : waysOf(inputs)) prices.add(way, all);
+
+    const auto holds = [&](const Candidate& c) { return c.error <= double(wanted.error) && c.flip <= double(wanted.flip); };
+    const auto better = [&](const Candidate& a, const Candidate& b) {
+        if (holds(a) != holds(b)) return holds(a);
+        return holds(a) ? std::pair(a.ms(), a.error) < std::pair(b.ms(), b.error) : a.error < b.error;
+    };
+    Plan plan;
+    plan.views = inputs.views.size();
+    plan.chosen = *std::min_element(all.begin(), all.end(), better);
+    if (inputs.before) {
+        const auto used =
+            std::find_if(all.begin(), all.end(), [&](const Candidate& c) { return sameWay(c.settings, *inputs.before); });
+        const bool stays = used != all.end() && used->ms() <= kDearer * plan.chosen.ms() &&
+                           used->error <= kWorse * std::max(plan.chosen.error, double(wanted.error)) &&
+                           used->flip <= kWorse * std::max(plan.chosen.flip, double(wanted.flip));
+        if (stays) {
+            plan.kept = !sameWay(used->settings, plan.chosen.settings);
+            plan.chosen = *used;
+        }
+    }
+    plan.base = plan.chosen.settings;
+    while (plan.relaxed < inputs.relaxed) {
+        const auto next = relaxed(plan.chosen.settings, plan.relaxed);
+        if (!next) break;
+        const Candidate coarser = prices.of(*next);
+        if (coarser.error > kMostRelaxed * double(wanted.error)) break;
+        plan.finer_ms = plan.chosen.ms();
+        plan.chosen = coarser;
+        ++plan.relaxed;
+    }
+    plan.within = holds(plan.chosen);
+    plan.passes = prices.passes(plan.chosen.settings);
+    plan.others = othersOf(all, plan.chosen, wanted, holds);
+    return plan;
+}
+
+} // namespace brume

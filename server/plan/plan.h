@@ -1,0 +1,78 @@
+// What to render with: of all ways, the cheapest whose predicted error is within the budget. A pure function of the scene, the
+// viewers and what the device's work costs.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/plan/cost_model.h"
+#include "server/plan/work.h"
+
+namespace brume {
+
+// The method's name that leaves the choice to the plan.
+inline constexpr const char* kAutoMethod = "auto";
+
+// As checkSettings() of server/render/method.h, with "auto" allowed.
+std::string checkWanted(const RenderSettings& wanted);
+
+struct PlanInputs {
+    PlanScene scene;
+    std::vector<PlanView> views;          // with none: as if the scene's camera looked
+    std::vector<std::string> methods;     // that there are
+    uint32_t relaxed = 0;                 // steps of relaxed(), under overload
+    std::optional<RenderSettings> before; // Plan::base in use: kept unless another way is clearly better
+};
+
+// One way to render, predicted.
+struct Candidate {
+    RenderSettings settings; // method, rate, slabs, shadow_error and so on, all resolved
+    double error = 0;        // relative RMSE of the worst view
+    double flip = 0;         // mean FLIP that comes with it
+    double shared_ms = 0;    // per tick
+    double views_ms = 0;     // of all views together
+    std::string why_not;     // empty: the plan
+
+    double ms() const { return shared_ms + views_ms; }
+};
+
+struct PassCost {
+    const char* pass;
+    bool shared;
+    double ms; // of all views together
+};
+
+struct Plan {
+    Candidate chosen;
+    std::vector<PassCost> passes;  // that the frame has
+    std::vector<Candidate> others; // the best of each method and rate that was not taken
+    size_t views = 1;
+    bool within = true;   // the budget holds; else the most accurate way was taken
+    bool kept = false;    // as before, though another way is a little cheaper
+    RenderSettings base;  // before overload
+    uint32_t relaxed = 0; // steps that overload took, of those asked for: its error ends at ten times the budget
+    double finer_ms = 0;  // what one step less would take
+};
+
+// `wanted.method` and settings other than 0 are kept whatever they cost: the plan only chooses what is left open.
+Plan makePlan(const PlanInputs& inputs, const CostModel& model);
+
+// Errors that approximations leave (relative RMSE), as measured against the double-precision reference: brume-bench plan.
+double rayError(double spacing);                                 // of rays, in projected standard deviations
+double slabError(double thickness, bool inside);                 // of slabs, in standard deviations
+double methodError(const RenderSettings& settings, bool inside); // what remains however fine the rest is
+double flipOf(double error);                                     // mean FLIP of pictures with such an error
+
+// The next coarser settings, in the order in which overload gives up accuracy: slabs, rays, shadow volume, and again; what is at
+// its end is passed over. Empty when all are. `step` counts from 0.
+std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step);
+
+// The plan for people: each choice with its cost and error, then what was not taken and why.
+std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel& model);
+// In one line, for a log.
+std::string summary(const Plan& plan);
+// A way, in a few words.
+std::string wayText(const RenderSettings& settings);
+
+} // namespace brume

@@ -1,0 +1,108 @@
+#include "server/plan/planner.h"
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "server/light/tick.h"
+
+namespace brume {
+namespace {
+
+constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000};
+constexpr size_t kSample = 256; // particles: an estimate of the work to about a tenth
+
+bool sameSizes(std::span<const PlanView> a, std::span<const PlanView> b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const PlanView& x, const PlanView& y) { return x.width == y.width && x.height == y.height; });
+}
+
+} // namespace
+
+std::vector<std::string> methodNames() {
+    std::vector<std::string> names;
+    for (const MethodInfo& method : methods()) names.emplace_back(method.name);
+    return names;
+}
+
+PlanView ownView(const Scene& scene) {
+    return {lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y), 640, 360};
+}
+
+PlanScene planScene(const Scene& scene, const Simulation& simulation) {
+    const SceneNow& now = simulation.now();
+    std::vector<gpu::Particle> particles(simulation.liveCount());
+    simulation.write(particles);
+    const std::vector<gpu::Opaque> objects = opaqueObjects(scene);
+    PlanScene out;
+    out.wanted = now.render;
+    out.features.opaque = !objects.empty();
+    out.features.casters = !scene.boxes.empty() || !scene.spheres.empty();
+    out.features.lobe = now.medium.anisotropy > 0;
+    out.features.ambient = scene.sky.ambient != glm::vec3(0);
+    out.objects = uint32_t(objects.size());
+    out.casters = uint32_t(scene.boxes.size() + scene.spheres.size());
+    out.tick = makeTick(scene, now, particles, objects);
+    out.particles = uint32_t(particles.size());
+    out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);
+    const size_t stride = std::max<size_t>((particles.size() + kSample - 1) / kSample, 1);
+    for (size_t i = 0; i < particles.size(); i += stride) out.sample.push_back(particles[i]);
+
+    const glm::mat3 basis(out.tick.light_x, out.tick.light_y, out.tick.to_light);
+    const ShadowedMedium medium(particles, out.tick.falloff, basis);
+    RenderSettings settings = now.render;
+    const auto add = [&](float error) {
+        settings.shadow_error = error;
+        out.shadows.push_back({error, shadowResolution(settings, medium, out.tick.shadow_hi - out.tick.shadow_lo)});
+    };
+    const float most = now.render.shadow_error;
+    for (float error = most; error >= kFinestShadow || error == most; error /= 2) add(error);
+    for (float error = 2 * most; error <= kCoarsestShadow; error *= 2) add(error);
+    return out;
+}
+
+Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms)
+    : scene_(scene), model_(std::move(model)), overload_(frame_budget_ms) {
+    inputs_.methods = methodNames();
+}
+
+const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed, Time now) {
+    if (changed || stale_ || now - looked_ >= kLookEvery) {
+        inputs_.scene = planScene(scene_, simulation);
+        looked_ = now;
+        stale_ = true;
+    }
+    if (stale_ || now - planned_ >= kPlanEvery || !sameSizes(views, inputs_.views)) {
+        inputs_.views.assign(views.begin(), views.end());
+        planned_ = now;
+        stale_ = false;
+        make();
+    }
+    return plan_.chosen.settings;
+}
+
+void Planner::make() {
+    const RenderSettings then = plan_.chosen.settings;
+    const bool first = plan_.passes.empty();
+    inputs_.relaxed = overload_.level();
+    plan_ = makePlan(inputs_, model_);
+    inputs_.before = plan_.base;
+    const RenderSettings& now = plan_.chosen.settings;
+    if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
+        spdlog::debug("plan: {}", summary(plan_));
+}
+
+void Planner::took(double ms, Time now) {
+    const double finer = plan_.relaxed > 0 ? plan_.finer_ms / plan_.chosen.ms() : 1;
+    const uint32_t level = overload_.level();
+    if (!overload_.took(ms, finer, now)) return;
+    make();
+    if (plan_.relaxed < overload_.level()) { // nothing is left to give up
+        overload_.stepBack();
+        return;
+    }
+    const char* what = overload_.level() > level ? "frames take too long" : "frames are short enough again";
+    spdlog::warn("{} ({:.1f} ms): {}", what, ms, summary(plan_));
+}
+
+} // namespace brume

@@ -1,0 +1,148 @@
+#include "tests/bench/predict.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "common/metrics.h"
+#include "server/plan/planner.h"
+
+namespace brume::bench {
+namespace {
+
+struct Sample {
+    const char *scene, *camera, *method;
+    uint32_t rate, slabs;
+    glm::uvec2 size;
+};
+// Few large and many small particles, from outside and within, with and without objects. Methods that draw get small pictures: a
+// fragment costs the same.
+constexpr Sample kSamples[] = {
+    {"cloud", "outside", "slabs", 8, 32, {640, 360}},      {"cloud", "inside", "slabs", 16, 24, {640, 360}},
+    {"cloud-5000", "outside", "slabs", 8, 32, {640, 360}}, {"cloud-5000", "inside", "slabs", 16, 24, {640, 360}},
+    {"plume", "outside", "slabs", 4, 96, {640, 360}},      {"props", "outside", "slabs", 8, 32, {640, 360}},
+    {"cloud", "outside", "sphere", 0, 0, {320, 180}},      {"cloud-5000", "inside", "sphere", 0, 0, {96, 54}},
+    {"plume", "outside", "sphere", 0, 0, {320, 180}},      {"cloud", "outside", "isv", 0, 0, {320, 180}},
+    {"cloud-5000", "inside", "isv", 0, 0, {96, 54}},       {"cloud", "outside", "tiles", 0, 0, {640, 360}},
+    {"cloud-5000", "outside", "tiles", 0, 0, {640, 360}},  {"plume", "outside", "tiles", 0, 0, {640, 360}},
+};
+
+// Median of each pass, ms.
+std::vector<FrameCost::Pass> passesOf(Stage& stage, double seconds) {
+    stage.frame(); // compiles shaders, fits buffers
+    std::vector<FrameCost> frames;
+    for (double spent = 0; frames.size() < 3 || spent < seconds; spent += frames.back().wall_ms * 1e-3)
+        frames.push_back(stage.frame());
+    std::vector<FrameCost::Pass> passes = frames.front().passes;
+    for (size_t p = 0; p < passes.size(); ++p) {
+        std::vector<double> ms;
+        for (const FrameCost& frame : frames)
+            if (p < frame.passes.size()) ms.push_back(frame.passes[p].ms);
+        passes[p].ms = median(ms);
+    }
+    return passes;
+}
+
+// What one sample took: of the shared passes, each; of the view's, their sum. A CPU driver runs passes later than it says, so
+// that the time of one may count for its neighbour.
+struct Timed {
+    Work shared{}, view{};
+    std::array<double, kCosts> shared_ms{};
+    double view_ms = 0;
+};
+
+Timed timed(Stage& stage, glm::uvec2 size, double seconds) {
+    const PlanScene scene = planScene(stage.scene(), stage.simulation());
+    const RenderSettings& settings = stage.scene().render;
+    Timed out;
+    out.shared = sharedWork(scene, settings);
+    const Work shadow = shadowWork(scene, scene.shadows.front());
+    for (size_t i = 0; i < kCosts; ++i) out.shared[i] += shadow[i];
+    out.view = ViewWork(scene, {stage.pose(), size.x, size.y}).of(settings);
+    for (const FrameCost::Pass& pass : passesOf(stage, seconds)) {
+        if (!pass.shared) out.view_ms += pass.ms;
+        for (size_t i = 0; i < kCosts; ++i)
+            if (pass.shared && pass.name == info(Cost(i)).pass) out.shared_ms[i] += pass.ms;
+    }
+    return out;
+}
+
+// Constants with which the samples' sums come out right, as close as may be to those it starts from: each round multiplies every
+// constant by how much longer the samples took than predicted, weighted by its part in them. It stays positive.
+void fitViews(const std::vector<Timed>& samples, CostModel& model) {
+    for (int round = 0; round < 20; ++round) {
+        std::array<double, kCosts> weight{}, ratio{};
+        for (const Timed& sample : samples) {
+            double predicted = 0;
+            for (size_t i = 0; i < kCosts; ++i) predicted += sample.view[i] * model.ns[i] * 1e-6;
+            for (size_t i = 0; i < kCosts; ++i) {
+                const double part = sample.view[i] * model.ns[i] * 1e-6 / predicted;
+                weight[i] += part;
+                ratio[i] += part * sample.view_ms / predicted;
+            }
+        }
+        for (size_t i = 0; i < kCosts; ++i)
+            if (weight[i] > 0 && ratio[i] > 0) model.ns[i] *= ratio[i] / weight[i];
+    }
+}
+
+} // namespace
+
+CostModel calibrate(const gpu::Device& device, double seconds) {
+    CostModel model = builtInCosts();
+    std::vector<Timed> samples;
+    std::array<double, kCosts> ms{}, units{};
+    for (const Sample& sample : kSamples) {
+        Case wanted{.scene = sample.scene, .set = {}, .camera = sample.camera, .size = sample.size};
+        wanted.set.push_back(std::string("render.method=") + sample.method);
+        if (sample.rate) wanted.set.push_back("render.rate=" + std::to_string(sample.rate));
+        if (sample.slabs) wanted.set.push_back("render.slabs=" + std::to_string(sample.slabs));
+        Stage stage(device, wanted);
+        samples.push_back(timed(stage, sample.size, seconds / double(std::size(kSamples))));
+        for (size_t i = 0; i < kCosts; ++i) ms[i] += samples.back().shared_ms[i], units[i] += samples.back().shared[i];
+    }
+    for (size_t i = 0; i < kCosts; ++i)
+        if (ms[i] > 0 && units[i] > 0) model.ns[i] = 1e6 * ms[i] / units[i];
+    fitViews(samples, model);
+    for (size_t s = 0; s < samples.size(); ++s) {
+        double predicted = 0;
+        for (size_t i = 0; i < kCosts; ++i) predicted += samples[s].view[i] * model.ns[i] * 1e-6;
+        std::fprintf(stderr, "  %-11s %-8s %-7s %4u x %-4u view %9.3f ms, fitted %9.3f ms\n", kSamples[s].scene,
+                     kSamples[s].camera, kSamples[s].method, kSamples[s].size.x, kSamples[s].size.y, samples[s].view_ms,
+                     predicted);
+    }
+    model.source = "calibrated now";
+    model.calibrated = true;
+    return model;
+}
+
+std::string planTable(const gpu::Device& device, const CostModel& model, Truth& truth, const std::vector<std::string>& scenes,
+                      const std::vector<std::string>& set) {
+    std::string out =
+        "| scene, camera | plan | shared, ms | measured | view, ms | measured | error, % | measured | FLIP | measured |\n"
+        "|---|---|---|---|---|---|---|---|---|---|\n";
+    constexpr glm::uvec2 kSize{640, 360};
+    constexpr uint32_t kEvery = 5; // of the pixels compared
+    for (const std::string& name : scenes)
+        for (const char* camera : {"outside", "inside"}) {
+            Case wanted{
+                .scene = name, .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]"}, .camera = camera};
+            wanted.set.insert(wanted.set.end(), set.begin(), set.end());
+            Stage stage(device, wanted, 0, model);
+            const Plan& plan = stage.plan();
+            double shared = 0, view = 0;
+            for (const FrameCost::Pass& pass : passesOf(stage, 0.5)) (pass.shared ? shared : view) += pass.ms;
+            const RadianceImage exact = truth.of(stage, stage.pose(), kSize, kEvery);
+            const RenderSettings& render = stage.scene().render;
+            const Errors errors = compare(thinned(stage.picture(stage.pose(), kSize), kEvery), exact,
+                                          {render.exposure, render.tone_map == "filmic"}, mediumMask(exact));
+            const Candidate& c = plan.chosen;
+            out += fmt::format("| {}, {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.2f} | {:.2f} | {:.4f} | {:.4f} |\n", name,
+                               camera, wayText(c.settings), c.shared_ms, shared, c.views_ms, view, 100 * c.error,
+                               100 * errors.relative_rmse, c.flip, errors.flip);
+        }
+    return out;
+}
+
+} // namespace brume::bench

@@ -1,0 +1,256 @@
+// The plan without a device: laws that every choice must keep, whatever the constants are.
+#include <algorithm>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "server/plan/overload.h"
+#include "server/plan/planner.h"
+
+namespace brume {
+namespace {
+
+Scene cube(uint32_t count = 500, float scale = 6) {
+    Scene scene;
+    scene.medium.count = count;
+    scene.medium.scale = {scale, scale};
+    scene.medium.extinction = 52;
+    scene.lights.emplace_back();
+    scene.render.method = kAutoMethod;
+    return scene;
+}
+
+PlanInputs inputsOf(const Scene& scene) {
+    PlanInputs inputs;
+    inputs.scene = planScene(scene, Simulation(scene));
+    inputs.views = {ownView(scene)};
+    inputs.methods = methodNames();
+    return inputs;
+}
+
+bool hasPass(const Plan& plan, std::string_view name) {
+    return std::any_of(plan.passes.begin(), plan.passes.end(), [&](const PassCost& p) { return p.pass == name; });
+}
+
+TEST(Plan, ATighterBudgetNeverPredictsLessTimeOrMoreError) {
+    for (const uint32_t count : {50u, 500u, 5000u}) {
+        PlanInputs inputs = inputsOf(cube(count, count > 500 ? 3 : 6));
+        double ms = 1e30, error = 0;
+        for (const float budget : {1e-5f, 1e-3f, 2e-3f, 5e-3f, 1e-2f, 3e-2f, 0.1f, 1.0f}) {
+            inputs.scene.wanted.error = budget;
+            inputs.scene.wanted.flip = 1;
+            const Plan plan = makePlan(inputs, builtInCosts());
+            EXPECT_LE(plan.chosen.ms(), ms) << count << ' ' << budget;
+            EXPECT_GE(plan.chosen.error, error) << count << ' ' << budget;
+            EXPECT_EQ(plan.within, plan.chosen.error <= double(budget));
+            ms = plan.chosen.ms(), error = plan.chosen.error;
+        }
+    }
+}
+
+TEST(Plan, AnUnsatisfiableBudgetTakesTheMostAccurateWayAndSaysSo) {
+    PlanInputs inputs = inputsOf(cube());
+    inputs.scene.wanted.error = 1e-5f; // below what any method leaves
+    const Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_FALSE(plan.within);
+    for (const Candidate& other : plan.others) EXPECT_GE(other.error, plan.chosen.error);
+    EXPECT_NE(explain(plan, inputs, builtInCosts()).find("NOT within the budget"), std::string::npos);
+}
+
+TEST(Plan, TheBudgetOfFlipCountsToo) {
+    PlanInputs inputs = inputsOf(cube());
+    inputs.scene.wanted.flip = 2e-3f;
+    const Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_TRUE(plan.within);
+    EXPECT_LE(plan.chosen.flip, 2e-3);
+}
+
+// Whatever the constants: a device on which slabs are dear takes something else when its error is allowed.
+TEST(Plan, TakesWhatIsCheapestOnTheDevice) {
+    PlanInputs inputs = inputsOf(cube());
+    inputs.scene.wanted.error = inputs.scene.wanted.flip = 1;
+    for (const char* method : {"slabs", "sphere", "isv", "tiles"}) {
+        CostModel model = builtInCosts();
+        for (size_t i = 0; i < kCosts; ++i)
+            if (const char* whose = info(Cost(i)).method) model.ns[i] = std::string_view(whose) == method ? 1e-6 : 1e3;
+        EXPECT_EQ(makePlan(inputs, model).chosen.settings.method, method);
+    }
+}
+
+TEST(Plan, WhatIsAskedForIsKept) {
+    PlanInputs inputs = inputsOf(cube());
+    RenderSettings& wanted = inputs.scene.wanted;
+    for (const std::string& method : methodNames()) {
+        wanted.method = method;
+        const Plan plan = makePlan(inputs, builtInCosts());
+        EXPECT_EQ(plan.chosen.settings.method, method);
+        for (const Candidate& other : plan.others) EXPECT_EQ(other.settings.method, method);
+    }
+    wanted.method = "slabs";
+    wanted.rate = 2;
+    EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.rate, 2u);
+    wanted.slabs = 100; // none of those that the plan would try
+    EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.slabs, 100u);
+    wanted.method = "isv", wanted.quadrature = "simpson", wanted.steps = 7;
+    EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.steps, 7u);
+}
+
+TEST(Plan, EverythingThatIsLeftOpenIsResolved) {
+    const Plan plan = makePlan(inputsOf(cube()), builtInCosts());
+    EXPECT_EQ(checkSettings(plan.chosen.settings), "");
+    EXPECT_GT(plan.chosen.ms(), 0);
+    if (plan.chosen.settings.method == "slabs") {
+        EXPECT_GT(plan.chosen.settings.rate, 0u);
+        EXPECT_GT(plan.chosen.settings.slabs, 0u);
+    }
+}
+
+TEST(Plan, ASceneWithoutObjectsHasNoPassOfTheirs) {
+    Scene scene = cube();
+    EXPECT_FALSE(hasPass(makePlan(inputsOf(scene), builtInCosts()), "opaque shadow"));
+    scene.planes.push_back({-10, {}}); // receives, casts nothing
+    EXPECT_FALSE(hasPass(makePlan(inputsOf(scene), builtInCosts()), "opaque shadow"));
+    scene.boxes.push_back({{0, 8, 0}, {4, 1, 4}, 0, {}});
+    const PlanInputs inputs = inputsOf(scene);
+    const Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_TRUE(hasPass(plan, "opaque shadow"));
+    EXPECT_EQ(explain(plan, inputs, builtInCosts()).find("opaque objects"), std::string::npos);
+    const PlanInputs bare = inputsOf(cube());
+    EXPECT_NE(explain(makePlan(bare, builtInCosts()), bare, builtInCosts()).find("opaque objects"), std::string::npos);
+}
+
+// There and back, step by step: a way that is left is not taken again at once.
+TEST(Plan, AMovingCameraDoesNotChangeTheWayEveryTick) {
+    PlanInputs inputs = inputsOf(cube());
+    const auto look = [&](float distance) { inputs.views[0].pose = lookAt({0, 2, distance}, {0, 0, 0}, 0.8f); };
+    int changes = 0, changes_without = 0;
+    RenderSettings last, last_without;
+    for (int i = 0; i < 400; ++i) {
+        look(20 + 30 * float(i) / 400 + (i % 2 ? 0.4f : -0.4f)); // away, trembling
+        const Plan plan = makePlan(inputs, builtInCosts());
+        const RenderSettings& now = plan.base;
+        changes += now.rate != last.rate || now.slabs != last.slabs || now.method != last.method;
+        last = now;
+        const std::optional<RenderSettings> before = std::exchange(inputs.before, std::nullopt);
+        const RenderSettings without = makePlan(inputs, builtInCosts()).base;
+        changes_without += without.rate != last_without.rate || without.slabs != last_without.slabs;
+        last_without = without;
+        inputs.before = now;
+    }
+    EXPECT_GT(changes_without, 2 * changes) << "the walk meets no edge where it would tremble";
+    EXPECT_LE(changes, 12); // of 400; 30 m are a factor of 2.5 in distance: two rates and some counts of slabs
+}
+
+TEST(Plan, FartherViewersAskForMoreRays) {
+    PlanInputs inputs = inputsOf(cube(5000, 3));
+    double spacing = 0;
+    for (const float distance : {15.0f, 40.0f, 120.0f}) {
+        inputs.views[0].pose = lookAt({0, 2, distance}, {0, 0, 0}, 0.8f);
+        const double now = ViewWork(inputs.scene, inputs.views[0]).raySpacing(1);
+        EXPECT_GT(now, spacing);
+        spacing = now;
+        const RenderSettings s = makePlan(inputs, builtInCosts()).chosen.settings;
+        ASSERT_EQ(s.method, "slabs");
+        EXPECT_LE(rayError(now * s.rate), 5e-3);
+    }
+}
+
+TEST(Plan, WorkOfTheSampleStandsForAllParticles) {
+    const Scene scene = cube(5000, 3);
+    PlanInputs inputs = inputsOf(scene);
+    ASSERT_LT(inputs.scene.sample.size(), 300u);
+    const RenderSettings way = makePlan(inputs, builtInCosts()).chosen.settings;
+    const Work some = ViewWork(inputs.scene, inputs.views[0]).of(way);
+    PlanScene whole = inputs.scene;
+    whole.sample.resize(5000);
+    Simulation(scene).write(whole.sample);
+    const Work all = ViewWork(whole, inputs.views[0]).of(way);
+    for (size_t i = 0; i < kCosts; ++i) // 1/sqrt(256) of a spread that is no wider than the mean
+        EXPECT_NEAR(some[i], all[i], 0.1 * all[i]) << info(Cost(i)).key;
+}
+
+TEST(Plan, AnEmptyMediumIsPlannedToo) {
+    Scene scene = cube(1);
+    scene.medium.extinction = 0;
+    const Plan plan = makePlan(inputsOf(scene), builtInCosts());
+    EXPECT_TRUE(plan.within);
+    EXPECT_TRUE(std::isfinite(plan.chosen.ms()));
+}
+
+TEST(Relaxed, SlabsThenRaysThenShadowsUntilNothingIsLeft) {
+    RenderSettings s;
+    s.method = "slabs", s.rate = 4, s.slabs = 32, s.shadow_error = 3e-3f;
+    RenderSettings now = *relaxed(s, 0);
+    EXPECT_TRUE(now.slabs < s.slabs && now.rate == 4 && now.shadow_error == s.shadow_error);
+    now = *relaxed(now, 1);
+    EXPECT_TRUE(now.slabs == 24 && now.rate == 8 && now.shadow_error == s.shadow_error);
+    now = *relaxed(now, 2);
+    EXPECT_TRUE(now.slabs == 24 && now.rate == 8 && now.shadow_error == 2 * s.shadow_error);
+    uint32_t step = 3;
+    for (; step < 100; ++step) {
+        const auto next = relaxed(now, step);
+        if (!next) break;
+        now = *next;
+    }
+    EXPECT_LT(step, 100u);
+    EXPECT_EQ(now.rate, 16u);
+    EXPECT_EQ(now.slabs, 8u);
+}
+
+TEST(Relaxed, OverloadPredictsLessTimeAndMoreErrorWithinTenBudgets) {
+    PlanInputs inputs = inputsOf(cube(5000, 3));
+    Plan last = makePlan(inputs, builtInCosts());
+    for (inputs.relaxed = 1; inputs.relaxed < 20; ++inputs.relaxed) {
+        const Plan plan = makePlan(inputs, builtInCosts());
+        EXPECT_LE(plan.chosen.ms(), last.chosen.ms());
+        EXPECT_GE(plan.chosen.error, last.chosen.error);
+        EXPECT_LE(plan.chosen.error, 10 * 5e-3);
+        if (plan.relaxed == inputs.relaxed) {
+            EXPECT_DOUBLE_EQ(plan.finer_ms, last.chosen.ms());
+        }
+        last = plan;
+    }
+    EXPECT_LT(last.relaxed, 19u);
+    EXPECT_GT(last.relaxed, 1u);
+}
+
+// Frames of `ms` for `seconds`, twenty a second; how often the level changed.
+int feed(Overload& overload, Overload::Time& now, double ms, double restored, double seconds) {
+    int changes = 0;
+    for (int i = 0; i < int(seconds * 20); ++i) {
+        now += std::chrono::milliseconds(50);
+        changes += overload.took(ms, restored, now);
+    }
+    return changes;
+}
+
+TEST(OverloadLevel, RisesAfterASecondAndFallsAfterFiveOfSpareTime) {
+    Overload overload(33);
+    Overload::Time now{std::chrono::hours(1)};
+    EXPECT_EQ(feed(overload, now, 20, 1, 60), 0);
+    EXPECT_EQ(feed(overload, now, 40, 1, 0.95), 0);
+    EXPECT_EQ(feed(overload, now, 20, 1, 0.05), 0); // one short frame: not sustained
+    EXPECT_EQ(feed(overload, now, 40, 1, 0.95), 0);
+    EXPECT_EQ(feed(overload, now, 40, 1, 0.2), 1);
+    EXPECT_EQ(overload.level(), 1u);
+    EXPECT_EQ(feed(overload, now, 40, 1, 2.2), 2); // one by one
+    EXPECT_EQ(overload.level(), 3u);
+    EXPECT_EQ(feed(overload, now, 25, 1.5, 60), 0); // one level lower would take 37 ms
+    EXPECT_EQ(feed(overload, now, 15, 1.5, 4.5), 0);
+    EXPECT_EQ(feed(overload, now, 15, 1.5, 1), 1);
+    EXPECT_EQ(overload.level(), 2u);
+    EXPECT_EQ(feed(overload, now, 15, 1.5, 30), 2);
+    EXPECT_EQ(overload.level(), 0u);
+}
+
+TEST(OverloadLevel, APauseBetweenFramesIsNoOverload) {
+    Overload overload(33);
+    Overload::Time now{std::chrono::hours(1)};
+    for (int i = 0; i < 20; ++i) { // a snapshot every two seconds
+        now += std::chrono::seconds(2);
+        EXPECT_FALSE(overload.took(100, 1, now));
+    }
+}
+
+} // namespace
+} // namespace brume
