@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -9,9 +10,11 @@ namespace brume {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr size_t kMostSamples = 16384;
+constexpr size_t kMostSamples = 4096;
 constexpr double kMostCells = 1 << 22;
-constexpr int kBins = 160, kBinsPerOctave = 4, kBinOfOne = 100; // of standard deviations, 1e-7 ... 3e4 m
+// Bins of standard deviations, by the exponent and two bits of the float: four an octave.
+constexpr int kBinShift = 21;
+constexpr size_t kBins = 1024;
 
 // Shares of the estimates that pictures show, from the measured errors of the shipped scenes (sweeps/shadow.toml): a line of
 // sight crosses many texels, whose errors are independent, but follows planes.
@@ -47,7 +50,7 @@ double widest(const Error& error, double wanted, double least, double most) {
 
 ShadowedMedium::ShadowedMedium(std::span<const gpu::Particle> particles, float falloff, const glm::mat3& basis) {
     const size_t stride = (particles.size() + kMostSamples - 1) / kMostSamples;
-    std::array<Size, kBins> bins; // by log2(s)
+    std::array<Size, kBins> bins;
     glm::dvec3 first(0), second(0);
     double mass = 0, depths = 0, deviations = 0;
     for (size_t i = 0; i < particles.size(); i += stride) {
@@ -55,7 +58,7 @@ ShadowedMedium::ShadowedMedium(std::span<const gpu::Particle> particles, float f
         const double s = 0.1 * double(p.scale) * double(falloff), a = std::sqrt(2 * kPi) * double(p.sigma_t) * s;
         if (!(a > 0) || !(s > 0)) continue;
         const double square = a * a * s * s * double(stride), m = 2 * kPi * a * s * s * double(stride);
-        Size& bin = bins[size_t(std::clamp(int(std::floor(kBinsPerOctave * std::log2(s))) + kBinOfOne, 0, kBins - 1))];
+        Size& bin = bins[std::bit_cast<uint32_t>(float(s)) >> kBinShift];
         bin.squares += square;
         bin.deviation += square * s;
         const glm::dvec3 at(p.centre * basis); // in light space

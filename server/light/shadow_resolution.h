@@ -14,7 +14,7 @@ namespace brume {
 // deviation.
 class ShadowedMedium {
 public:
-    // `basis`: light_x, light_y, to_light. Looks at 16,384 particles at most, evenly chosen.
+    // `basis`: light_x, light_y, to_light. Looks at 4,096 particles at most, evenly chosen.
     ShadowedMedium(std::span<const gpu::Particle> particles, float falloff, const glm::mat3& basis);
 
     // RMS error of the light that reaches the medium, relative, that linear interpolation leaves between texels (planes) that are

@@ -38,12 +38,16 @@ bool sameVolume(const gpu::Tick& a, const gpu::Tick& b) {
 
 } // namespace
 
-ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity)
-    : device_(device), lanes_(std::min(std::bit_floor(device.subgroupSize()), 8u)),
-      tiles_per_group_(device.isCpu() ? 1 : 64 / lanes_),
-      particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"}, {{1, lanes_}}),
+ShadowVolume::Shape ShadowVolume::shapeFor(const gpu::Device& device) {
+    const uint32_t lanes = std::min(std::bit_floor(device.subgroupSize()), 8u);
+    return {lanes, device.isCpu() ? 1 : 64 / lanes};
+}
+
+ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape shape)
+    : device_(device), shape_(shape),
+      particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"}, {{1, shape.lanes}}),
       volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
-              {{0, lanes_ * tiles_per_group_}, {1, lanes_}}) {
+              {{0, shape.lanes * shape.tiles}, {1, shape.lanes}}) {
     light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
 }
@@ -67,7 +71,7 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "shadow volume");
     fit(cmd, tick);
-    const Bins bins{{gpu::groups(tick.shadow_size.x, lanes_), gpu::groups(tick.shadow_size.y, kRows),
+    const Bins bins{{gpu::groups(tick.shadow_size.x, shape_.lanes), gpu::groups(tick.shadow_size.y, kRows),
                      gpu::groups(tick.shadow_slices - 1, kGroup)},
                     gpu::groups(std::max(tick.particle_count, 1u), 256) * 8};
     const VkDeviceSize bytes = VkDeviceSize(bins.tiles.x + bins.tiles.y + bins.tiles.z) * bins.words * sizeof(uint32_t);
@@ -89,7 +93,7 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
         const Band band{bins, first, std::min(most_rows, bins.tiles.y - first)};
         volume_.bind(cmd, {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)},
                      band);
-        vkCmdDispatch(cmd, gpu::groups(gpu::groups(bins.tiles.x * band.rows, 8) * 8, tiles_per_group_), 1, 1);
+        vkCmdDispatch(cmd, gpu::groups(gpu::groups(bins.tiles.x * band.rows, 8) * 8, shape_.tiles), 1, 1);
         gpu::computeToTransfer(cmd);
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, image_.layers()};

@@ -11,7 +11,14 @@ namespace brume {
 
 class ShadowVolume {
 public:
-    ShadowVolume(const gpu::Device& device, uint32_t capacity);
+    // How a device works on the map: lanes that exchange values, a power of two up to 8, and tiles of them in a workgroup.
+    struct Shape {
+        uint32_t lanes, tiles;
+    };
+    static Shape shapeFor(const gpu::Device& device);
+
+    ShadowVolume(const gpu::Device& device, uint32_t capacity) : ShadowVolume(device, capacity, shapeFor(device)) {}
+    ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape shape);
 
     // Records the volume of tick.particle_count particles, unless it is that of the last time: `same_particles` says that they
     // are, the rest is seen from the tick. Makes a new image when the size changed: the device must be idle with the old one.
@@ -27,7 +34,7 @@ private:
 
     static constexpr uint32_t kRows = 8, kGroup = 6, kNewPlanesPerLayer = 3; // as in the shaders
     const gpu::Device& device_;
-    const uint32_t lanes_, tiles_per_group_;
+    const Shape shape_;
     gpu::ComputeProgram particles_, volume_;
     gpu::Buffer light_particles_, bits_, texels_;
     gpu::Image image_;

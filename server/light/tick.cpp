@@ -27,6 +27,28 @@ struct LightBounds {
     }
 };
 
+glm::vec3 inLightSpace(const gpu::Tick& tick, glm::vec3 x) {
+    return {glm::dot(tick.light_x, x), glm::dot(tick.light_y, x), glm::dot(tick.to_light, x)};
+}
+
+// Of every particle's support. Most lie so far inside that no radius of theirs can matter.
+LightBounds mediumBounds(std::span<const gpu::Particle> particles, const gpu::Tick& tick) {
+    LightBounds bounds;
+    float largest_scale = 0, largest_sigma_t = 0;
+    for (const gpu::Particle& p : particles) {
+        largest_scale = std::max(largest_scale, p.scale);
+        largest_sigma_t = std::max(largest_sigma_t, p.sigma_t);
+    }
+    const float most = std::max(physics::supportRadius(largest_sigma_t, largest_scale * tick.falloff, tick.cut), 0.0f);
+    for (const gpu::Particle& p : particles) {
+        const glm::vec3 at = inLightSpace(tick, p.centre);
+        if (glm::all(glm::greaterThan(at - most, bounds.lo)) && glm::all(glm::lessThan(at + most, bounds.hi))) continue;
+        bounds.add(at, std::max(physics::supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut), 0.0f));
+    }
+    bounds.fallback();
+    return bounds;
+}
+
 } // namespace
 
 std::vector<gpu::Opaque> opaqueObjects(const Scene& scene) {
@@ -56,13 +78,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.sky_zenith = scene.sky.zenith;
     tick.sky_horizon = scene.sky.horizon;
 
-    const auto inLightSpace = [&](glm::vec3 x) {
-        return glm::vec3(glm::dot(tick.light_x, x), glm::dot(tick.light_y, x), glm::dot(tick.to_light, x));
-    };
-    LightBounds medium;
-    for (const gpu::Particle& p : particles)
-        medium.add(inLightSpace(p.centre), std::max(physics::supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut), 0.0f));
-    medium.fallback();
+    const LightBounds medium = mediumBounds(particles, tick);
     tick.shadow_lo = medium.lo;
     tick.shadow_hi = medium.hi;
     const glm::vec3 size = medium.hi - medium.lo;
@@ -78,13 +94,13 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
 
     LightBounds casters;
     for (const gpu::Opaque& o : objects) {
-        if (o.kind == gpu::kSphere) casters.add(inLightSpace(o.centre), o.half_size.x);
+        if (o.kind == gpu::kSphere) casters.add(inLightSpace(tick, o.centre), o.half_size.x);
         if (o.kind != gpu::kBox) continue;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::vec3 h = o.half_size * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-            casters.add(
-                inLightSpace(o.centre + glm::vec3(o.yaw_cos * h.x + o.yaw_sin * h.z, h.y, -o.yaw_sin * h.x + o.yaw_cos * h.z)),
-                0);
+            casters.add(inLightSpace(tick, o.centre + glm::vec3(o.yaw_cos * h.x + o.yaw_sin * h.z, h.y,
+                                                                -o.yaw_sin * h.x + o.yaw_cos * h.z)),
+                        0);
         }
     }
     tick.opaque_size = casters.lo.x <= casters.hi.x ? now.render.opaque_shadow_size : 1;

@@ -42,17 +42,22 @@ class ShadowVolumeTest : public GpuTest {
 protected:
     // The texels of all planes of `scene`'s volume, plane after plane.
     std::vector<float> texelsOf(const Scene& scene, const std::vector<gpu::Particle>& particles, gpu::Tick& tick) {
+        return texelsOf(volume_, scene, particles, tick);
+    }
+
+    static std::vector<float> texelsOf(ShadowVolume& volume, const Scene& scene, const std::vector<gpu::Particle>& particles,
+                                       gpu::Tick& tick) {
         tick = tickOf(scene, particles);
         recordAndWait(device(), tick, particles,
                       [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
-                          EXPECT_TRUE(volume_.record(commands, block, tick, buffer));
+                          EXPECT_TRUE(volume.record(commands, block, tick, buffer));
                       });
-        const std::vector<float> stored = readImage(device(), volume_.image(), 4);
+        const std::vector<float> stored = readImage(device(), volume.image(), 4);
         const size_t area = size_t(tick.shadow_size.x) * tick.shadow_size.y;
         std::vector<float> texels(area * tick.shadow_slices);
         for (uint32_t plane = 0; plane < tick.shadow_slices; ++plane) {
             // Planes 3, 6, ... are in two layers: the last of one, the first of the next.
-            for (uint32_t layer = 0; layer < volume_.image().layers(); ++layer) {
+            for (uint32_t layer = 0; layer < volume.image().layers(); ++layer) {
                 if (plane < 3 * layer || plane > 3 * layer + 3) continue;
                 for (size_t i = 0; i < area; ++i) {
                     const float value = stored[(layer * area + i) * 4 + (plane - size_t(3) * layer)];
@@ -202,6 +207,28 @@ TEST_F(ShadowVolumeTest, InterpolationErrsByNoMoreThanItIsReckonedToErr) {
         const double q = texel.x / s, reckoned = q * q * (0.0456 + 0.0155 * q * q);
         EXPECT_LT(error, 1.06 * reckoned + 1e-4) << "texels of " << q << " standard deviations";
         EXPECT_GT(error, 0.9 * reckoned - 1e-4) << "texels of " << q << " standard deviations";
+    }
+}
+
+// Every way that some device works on the map. Fewer lanes make narrower tiles, which leave out a little more and add in another
+// order.
+TEST_F(ShadowVolumeTest, AnyShape) {
+    Scene scene = loadScene("server/scenes/cloud.toml");
+    scene.render.cutoff = 1e-5f;
+    const std::vector<gpu::Particle> particles = particlesOf(scene);
+    for (const uint32_t size : {0u, 37u}) {
+        scene.render.shadow_size = size;
+        gpu::Tick tick;
+        const std::vector<float> usual = texelsOf(scene, particles, tick);
+        for (const auto& [lanes, tiles] : {std::pair(8u, 8u), std::pair(8u, 3u), std::pair(4u, 1u), std::pair(4u, 16u),
+                                           std::pair(2u, 1u), std::pair(1u, 8u)}) {
+            SCOPED_TRACE(testing::Message() << lanes << " lanes, " << tiles << " tiles");
+            ShadowVolume other(device(), uint32_t(particles.size()), {lanes, tiles});
+            const std::vector<float> texels = texelsOf(other, scene, particles, tick);
+            ASSERT_EQ(texels.size(), usual.size());
+            const float left_out = lanes == 8 ? 0 : tick.cut * float(particles.size()), relative = lanes == 8 ? 0 : 2e-6f;
+            for (size_t i = 0; i < usual.size(); ++i) ASSERT_NEAR(texels[i], usual[i], left_out + relative * usual[i]) << i;
+        }
     }
 }
 
