@@ -48,29 +48,33 @@ void main() {
             [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] *= 2;
             break;
         }
-        uint luma[2] = uint[2](0, 0);
-        MediumRun run;
-        if (!kDrawn) run = mediumRun(uvec2(block_x * 8, y));
+        uvec2 luma = uvec2(0);
         vec3 rgb = vec3(0);
-        [[unroll]] for (uint i = 0; i < 8; ++i) {
-            const uvec2 at = uvec2(block_x * 8 + i, y);
-            if (at.x < eye.size.x) { // else the last pixel again
-                vec4 here;
-                if (kDrawn || kHasOpaque) here = imageLoad(radiance, ivec2(at));
-                if (!kDrawn) {
-                    const vec3 dir = rayDirection(vec2(at) + 0.5);
-                    if (!kHasOpaque) here = vec4(skyRadiance(normalize(dir)), 1);
-                    here = throughMedium(run, at, i, dir, here);
-                    if (kKeep) imageStore(radiance, ivec2(at), here);
+        for (uint cell = 0; cell < 8; cell += kRun) {
+            MediumRun run;
+            if (!kDrawn) run = mediumRun(uvec2(block_x * 8 + cell, y));
+            for (uint i = cell; i < cell + kRun; ++i) {
+                const uvec2 at = uvec2(block_x * 8 + i, y);
+                if (at.x < eye.size.x) { // else the last pixel again
+                    vec4 here;
+                    if (kDrawn || kHasOpaque) here = imageLoad(radiance, ivec2(at));
+                    if (!kDrawn) {
+                        const vec3 dir = rayDirection(vec2(at) + 0.5);
+                        if (!kHasOpaque) here = vec4(skyRadiance(normalize(dir)), 1);
+                        here = throughMedium(run, at, dir, here);
+                        if (kKeep) imageStore(radiance, ivec2(at), here);
+                    }
+                    rgb = displayed(here.rgb);
                 }
-                rgb = displayed(here.rgb);
+                const uint byte = uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5) << (8 * (i % 4));
+                if (i < 4) luma.x |= byte;
+                else luma.y |= byte;
+                chroma[i / 2] += rgb;
             }
-            luma[i / 4] |= uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5) << (8 * (i % 4));
-            chroma[i / 2] += rgb;
         }
         const uint at = push.first_word + y * push.luma_words + block_x * 2;
-        planes[at] = luma[0];
-        planes[at + 1] = luma[1];
+        planes[at] = luma.x;
+        planes[at + 1] = luma.y;
     }
     uint cb = 0, cr = 0;
     [[unroll]] for (uint pair = 0; pair < 4; ++pair) {

@@ -35,7 +35,7 @@ void Compose::record(gpu::Commands& commands, const EyeInputs& in, uint32_t firs
     const Push push{layout.lumaStride() / 4, uint32_t(in.planes_at / 4), first, first + count,
                     field ? field->grid : gpu::SlabGrid{}};
     const Variant variant =
-        field ? Variant{false, keep_, in.lobe, field->grid.rate, field->sources} : Variant{true, false, false, 1, 1};
+        field ? Variant{false, keep_, in.lobe, field->grid.rate, field->sources} : Variant{true, false, false, 8, 1};
     program(variant).bind(cmd,
                           {in.tick, in.eye, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
                            gpu::storageBuffer(4, field ? *field->buffer : none_),

@@ -13,7 +13,7 @@ const uint kLit = kSources == 1 ? 1 : 3; // sources of what is scattered from th
 // A run with what it has looked up.
 struct MediumRun {
     FieldRun at;
-    float whole[kMostSources + 1][kMostColumns], ends[kMostColumns]; // rays up to what they hit, and the face of that
+    vec4 whole[kMostSources + 1], ends; // rays up to what they hit, and the face of that
     FieldFaces ended[kMostSources + 1], shadow_begin[3], shadow_end[3];
 };
 
@@ -22,16 +22,16 @@ MediumRun mediumRun(uvec2 pixel) {
     run.at = fieldRun(pixel);
     const uint whole = kHasOpaque ? (push.grid.slabs + 1) * fieldNodes() : 0;
     for (uint c = 0; c <= kSources; ++c) {
-        fieldColumns(c * fieldSet() + whole, run.at, run.whole[c]);
+        run.whole[c] = fieldColumns(c * fieldSet() + whole, run.at);
         run.ended[c].below = -1;
     }
     for (uint c = 0; c < kLit; ++c) run.shadow_begin[c].below = run.shadow_end[c].below = -1;
-    if (kHasOpaque) fieldColumns((kSources + 1) * fieldSet(), run.at, run.ends);
+    if (kHasOpaque) run.ends = fieldColumns((kSources + 1) * fieldSet(), run.at);
     return run;
 }
 
 // Takes away what objects' shadows leave out of the light scattered before `end` (face); nearest first, so that overlaps count once.
-void leaveOutShadows(inout float scattered[kMostSources], inout MediumRun run, vec3 dir, float end, uint x, uint i) {
+void leaveOutShadows(inout float scattered[kMostSources], inout MediumRun run, vec3 dir, float end, vec4 across) {
     float from = 0;
     for (uint n = push.grid.first_caster; n < tick.opaque_count; ++n) {
         vec2 next = vec2(1e30, 0);
@@ -43,27 +43,27 @@ void leaveOutShadows(inout float scattered[kMostSources], inout MediumRun run, v
         if (!(next.x < next.y)) break;
         for (uint c = 0; c < kLit; ++c) {
             const uint set = (c + 1) * fieldSet();
-            const float lost = fieldAt(run.shadow_end[c], set, run.at, next.y, x, i) - fieldAt(run.shadow_begin[c], set, run.at, next.x, x, i);
+            const float lost = fieldAt(run.shadow_end[c], set, run.at, next.y, across) - fieldAt(run.shadow_begin[c], set, run.at, next.x, across);
             scattered[c] = max(scattered[c] - lost, 0);
         }
         from = next.y;
     }
 }
 
-// `behind`: radiance and transmittance of what the pixel shows without the medium; the i-th of the run, looking along `dir` of unit
-// view depth.
-vec4 throughMedium(inout MediumRun run, uvec2 pixel, uint i, vec3 dir, vec4 behind) {
-    float depth = max(fieldAcross(run.whole[0], pixel.x, i), 0), scattered[kMostSources];
-    for (uint c = 0; c < kSources; ++c) scattered[c] = max(fieldAcross(run.whole[c + 1], pixel.x, i), 0) * opacity(depth);
+// `behind`: radiance and transmittance of what a pixel of the run shows without the medium, looking along `dir` of unit view depth.
+vec4 throughMedium(inout MediumRun run, uvec2 pixel, vec3 dir, vec4 behind) {
+    const vec4 across = fieldAcross(pixel.x);
+    float depth = max(dot(across, run.whole[0]), 0), scattered[kMostSources];
+    for (uint c = 0; c < kSources; ++c) scattered[c] = max(dot(across, run.whole[c + 1]), 0) * opacity(depth);
     if (kHasOpaque) {
         const float z = texelFetch(view_depth, ivec2(pixel), 0).r;
         const float end = clamp((z - push.grid.depth) / push.grid.thickness, 0, float(push.grid.slabs));
-        if (abs(fieldAcross(run.ends, pixel.x, i) - end) > kSameFace) {
-            depth = max(fieldAt(run.ended[0], 0, run.at, end, pixel.x, i), 0);
+        if (abs(dot(across, run.ends) - end) > kSameFace) {
+            depth = max(fieldAt(run.ended[0], 0, run.at, end, across), 0);
             for (uint c = 0; c < kSources; ++c)
-                scattered[c] = max(fieldAt(run.ended[c + 1], (c + 1) * fieldSet(), run.at, end, pixel.x, i), 0);
+                scattered[c] = max(fieldAt(run.ended[c + 1], (c + 1) * fieldSet(), run.at, end, across), 0);
         }
-        if (kHasCasters && depth > 0) leaveOutShadows(scattered, run, dir, end, pixel.x, i);
+        if (kHasCasters && depth > 0) leaveOutShadows(scattered, run, dir, end, across);
     }
     float phase = 0.07957747154594767;
     if (kHasLobe) phase = phaseMixture(-tick.to_light, -normalize(dir), tick.anisotropy, tick.asymmetry);

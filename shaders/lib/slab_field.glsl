@@ -13,54 +13,49 @@ vec4 cubic(float t) {
 uint fieldNodes() { return push.grid.nodes.x * push.grid.nodes.y; }
 uint fieldSet() { return (kHasOpaque ? push.grid.slabs + 2 : 1) * fieldNodes(); }
 
-const uint kRun = 8;                                           // pixels side by side that are interpolated together
-const uint kColumns = (kRate < kRun ? kRun / kRate : 1) + 3; // nodes that they need
-const uint kRowsOfNodes = kRate == 1 ? 1 : 4;                 // where every pixel has its ray, there is nothing to interpolate
-// Arrays have the largest size: GLSL does not copy those whose size is a specialisation constant.
-const uint kMostColumns = 11, kMostSources = 6;
+const uint kRun = kRate < 8 ? kRate : 8; // pixels side by side in one cell that are made together
+const uint kMostSources = 6;      // arrays have this size: GLSL does not copy those of specialised sizes
 
 // Where a run of pixels lies among the nodes.
 struct FieldRun {
-    uint first; // node, up and left
+    uint first; // node: up and left; at rate 1, where there is nothing to interpolate, the pixel's own
     vec4 down;  // weights of the rows
 };
 
 FieldRun fieldRun(uvec2 pixel) {
-    const uvec2 cell = pixel / kRate - uvec2(0, push.grid.first_row);
-    return FieldRun((cell.y + (kRate == 1 ? 1 : 0)) * push.grid.nodes.x + cell.x, cubic(float(pixel.y % kRate) / float(kRate)));
+    const uvec2 cell = pixel / kRate - uvec2(0, push.grid.first_row) + (kRate == 1 ? 1 : 0);
+    return FieldRun(cell.y * push.grid.nodes.x + cell.x, cubic(float(pixel.y % kRate) / float(kRate)));
 }
 
-// The nodes' columns at the run's height. `plane`: where it begins.
-void fieldColumns(uint plane, FieldRun run, out float columns[kMostColumns]) {
+// The nodes' four columns at the run's height. `plane`: where it begins.
+vec4 fieldColumns(uint plane, FieldRun run) {
     const uint at = plane + run.first;
-    for (uint k = 0; k < kColumns; ++k) {
-        columns[k] = 0;
-        for (uint j = 0; j < kRowsOfNodes; ++j)
-            columns[k] += (kRate == 1 ? 1 : run.down[j]) * field[at + j * push.grid.nodes.x + k];
+    if (kRate == 1) return vec4(field[at]);
+    vec4 columns = vec4(0);
+    for (uint j = 0; j < 4; ++j) {
+        const uint row = at + j * push.grid.nodes.x;
+        columns += run.down[j] * vec4(field[row], field[row + 1], field[row + 2], field[row + 3]);
     }
+    return columns;
 }
 
-// At pixel `x` of the picture, the i-th of the run.
-float fieldAcross(float columns[kMostColumns], uint x, uint i) {
-    if (kRate == 1) return columns[i + 1];
-    const vec4 across = cubic(float(x % kRate) / float(kRate));
-    const uint k = kRate < kRun ? i / kRate : 0;
-    return across.x * columns[k] + across.y * columns[k + 1] + across.z * columns[k + 2] + across.w * columns[k + 3];
-}
+// Weights of the columns for the pixel column `x` of the picture.
+vec4 fieldAcross(uint x) { return kRate == 1 ? vec4(1, 0, 0, 0) : cubic(float(x % kRate) / float(kRate)); }
 
 // The columns of two neighbouring faces, kept while a run's pixels need the same ones.
 struct FieldFaces {
     float below; // the nearer face; < 0: none yet
-    float near[kMostColumns], far[kMostColumns];
+    vec4 near, far;
 };
 
 // Up to a face and parts of one. `set`: where its planes begin.
-float fieldAt(inout FieldFaces faces, uint set, FieldRun run, float face, uint x, uint i) {
+float fieldAt(inout FieldFaces faces, uint set, FieldRun run, float face, vec4 across) {
     const float below = min(floor(face), float(push.grid.slabs - 1));
     if (below != faces.below) {
-        fieldColumns(set + uint(below) * fieldNodes(), run, faces.near);
-        fieldColumns(set + uint(below) * fieldNodes() + fieldNodes(), run, faces.far);
+        const uint plane = set + uint(below) * fieldNodes();
+        faces.near = fieldColumns(plane, run);
+        faces.far = fieldColumns(plane + fieldNodes(), run);
         faces.below = below;
     }
-    return mix(fieldAcross(faces.near, x, i), fieldAcross(faces.far, x, i), face - below);
+    return dot(across, mix(faces.near, faces.far, face - below));
 }
