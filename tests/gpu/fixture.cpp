@@ -93,6 +93,7 @@ Scene sceneOf(const std::vector<Point>& points, float falloff) {
     light.irradiance = glm::vec3(1);
     scene.lights = {light};
     scene.sky = {glm::vec3(0), glm::vec3(0), glm::vec3(0)};
+    scene.render.method = "sphere";
     scene.render.cutoff = 1e-6f;
     scene.render.shadow_size = 256; // tolerances presume so many
     scene.render.shadow_slices = 16;

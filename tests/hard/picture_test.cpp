@@ -51,6 +51,7 @@ TEST_F(HardTest, PicturesOf8192) {
 // Naive: scratch that eyes share is read before it is written, and the second eye sees the first one's order.
 TEST_F(HardTest, SixteenIdenticalViewers) {
     Scene scene = loadScene("server/scenes/props.toml");
+    scene.render.method = "sphere";
     scene.render.shadow_size = 64;
     const EyeRequest eye{lookAt({4, 2, 9}, {0, 0, 0}, 1), 49, 27};
     const std::vector<EyeRequest> sixteen(16, eye);

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
 
@@ -125,6 +126,29 @@ TEST(Lifecycle, ATakenPortEndsInOneClearLine) {
     Watcher watcher(server.endpoint()); // the first one goes on
     watcher.look(kPose);
     EXPECT_TRUE(watch({&watcher}, [&] { return !watcher.frames.empty(); }));
+}
+
+TEST(Lifecycle, ExplainSaysThePlanOfEveryScene) {
+    for (const std::string scene : {"plume", "cloud", "cloud-5000", "cumulus", "props", "tubes"}) {
+        SCOPED_TRACE(scene);
+        const auto process = startServer({"--scene", scene, "--explain", "--costs", "/nowhere"});
+        EXPECT_EQ(process->exitCode(), 0) << process->err();
+        const std::string out = process->out();
+        for (const char* what : {"built in", "relative RMSE 0.5 %", "plan  ", "shadow volume", "taken", "sphere"})
+            EXPECT_NE(out.find(what), out.npos) << what << '\n' << out;
+        EXPECT_EQ(out.find("listening"), out.npos);
+    }
+}
+
+TEST(Lifecycle, APlannedServerShowsItsPlanInMetrics) {
+    RunningServer server({"--method", "auto"});
+    Watcher watcher(server.endpoint());
+    watcher.look(kPose);
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 3; }));
+    const auto error = metric(server.port(), "brume_plan_error"), relaxed = metric(server.port(), "brume_plan_relaxed");
+    ASSERT_TRUE(error && relaxed);
+    EXPECT_TRUE(*error > 0 && *error < 0.05); // the budget, or ten of them under overload
+    EXPECT_GE(*relaxed, 0);
 }
 
 TEST(Lifecycle, HelpAndVersion) {

@@ -21,6 +21,9 @@ export interface Panel {
 }
 
 const METHOD_NAMES: Record<string, string> = {
+  auto: 'By error budget',
+  slabs: 'Slabs',
+  tiles: 'Tiles',
   isv: 'Interval shading',
   sphere: 'Sphere proxies',
 };
@@ -29,8 +32,8 @@ const QUADRATURES: Record<string, { text: string; steps: number }> = {
   transmittance: { text: 'Transmittance space', steps: 3 },
   analytic: { text: 'Analytical', steps: 0 },
 };
-// The method that shades with its own fixed quadrature.
-const OWN_QUADRATURE = 'sphere';
+// The method whose quadrature these are.
+const FREE_QUADRATURE = 'isv';
 const QUALITIES = [0, 50, 65, 80, 90, 95];
 const NUDGE = 0.03; // of the camera's distance
 
@@ -242,7 +245,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosenQuality: nu
       method.follow(scene.method);
       quadrature.follow(scene.quadrature);
       const most = QUADRATURES[scene.quadrature]?.steps ?? 10;
-      const free = scene.method !== OWN_QUADRATURE;
+      const free = scene.method === FREE_QUADRATURE;
       quadrature.enable(free);
       steps.enable(free && most > 0);
       steps.range(Math.max(most, 1));
