@@ -177,7 +177,7 @@ double methodError(const RenderSettings& settings, bool inside) {
     if (settings.method == "tiles") return inside ? 0.055 : 0.03;
     return 0.1; // tetrahedra leave out what is beyond their faces
 }
-double flipOf(double error) { return 1.1 * std::pow(error, 0.83); }
+double flipOf(double error) { return std::min(1.1 * std::pow(error, 0.83), 1.0); }
 
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step) {
     RenderSettings coarser = settings;
