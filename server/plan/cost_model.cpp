@@ -38,7 +38,7 @@ const CostInfo& info(Cost cost) { return kInfo[size_t(cost)]; }
 CostModel builtInCosts() {
     CostModel model;
     for (size_t i = 0; i < kCosts; ++i) model.ns[i] = kInfo[i].built_in;
-    model.source = "built in, measured on lavapipe; brume-bench calibrate measures this device";
+    model.source = "built in, estimated on lavapipe; brume-bench calibrate measures this device";
     return model;
 }
 
