@@ -3,7 +3,6 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#extension GL_KHR_shader_subgroup_vote : require
 // Volumetric shadow map, second pass: the light's optical depth at every texel of every plane. The light is parallel, so
 // tau_L(x) = [sigma sqrt(pi)/(2k) erfc(k s)] exp(-k^2 b^2) (physics: light depth) is a factor per axis: each of kLanes lanes takes a
 // particle and computes its rows and planes, then all add each other's particles to their own column of texels.
@@ -28,6 +27,58 @@ layout(push_constant, scalar) uniform Push {
 #include "shaders/lib/shadow_bins.glsl"
 
 float of(uint lane, float value) { return subgroupShuffle(value, gl_SubgroupInvocationID / kLanes * kLanes + lane); }
+uint of(uint lane, uint value) { return subgroupShuffle(value, gl_SubgroupInvocationID / kLanes * kLanes + lane); }
+
+// The particles of a tile and group, in order: windows of a word a lane.
+struct Walk {
+    uint next;        // window
+    uint bits;        // this lane's word of the present window
+    uint upto;        // set bits of this lane's and all lower lanes' words
+    uint total, used; // set bits of the window, and how many of them have had their turn
+};
+
+// Place of the n-th set bit, n from 0.
+uint nthBit(uint bits, uint n) {
+    uint place = 0;
+    for (uint part = 16; part > 0; part /= 2) {
+        const uint low = bitCount(bits >> place & ((1u << part) - 1));
+        if (n >= low) {
+            n -= low;
+            place += part;
+        }
+    }
+    return place;
+}
+
+// Gives every lane the next particle of its own, as long as there are some: how many lanes have one. The others get particle 0.
+uint nextParticles(inout Walk walk, uvec2 tile, uint group, uint lane, out uint particle) {
+    particle = 0;
+    uint filled = 0;
+    while (filled < kLanes) {
+        if (walk.used == walk.total) {
+            if (walk.next >= push.words) break;
+            const uint word = walk.next + lane;
+            walk.bits = bits[columnWords(tile.x) + word] & bits[rowWords(tile.y) + word] & bits[groupWords(group) + word];
+            walk.upto = bitCount(walk.bits);
+            for (uint step = 1; step < kLanes; step *= 2) {
+                const uint lower = of(max(lane, step) - step, walk.upto);
+                if (lane >= step) walk.upto += lower;
+            }
+            walk.total = of(kLanes - 1, walk.upto);
+            walk.used = 0;
+            walk.next += kLanes;
+        }
+        const uint take = min(walk.total - walk.used, kLanes - filled), rank = walk.used + lane - filled;
+        uint from = 0; // the lane whose word has it
+        for (uint step = kLanes / 2; step > 0; step /= 2)
+            if (of(from + step - 1, walk.upto) <= rank) from += step;
+        const uint word = of(from, walk.bits), before = of(from, walk.upto) - bitCount(word);
+        if (lane >= filled && lane < filled + take) particle = particleAt(walk.next - kLanes + from, nthBit(word, rank - before));
+        walk.used += take;
+        filled += take;
+    }
+    return filled;
+}
 
 void main() {
     const uint lane = gl_SubgroupInvocationID % kLanes;
@@ -46,19 +97,13 @@ void main() {
         for (uint r = 0; r < kRows; ++r)
             for (uint g = 0; g < kGroup; ++g) added[r][g] = 0;
 
-        uint word = lane, left = 0, taken = 0;
+        Walk walk = Walk(0, 0, 0, 0, 0);
         for (;;) {
-            while (left == 0 && word < push.words) {
-                left = bits[columnWords(tile.x) + word] & bits[rowWords(tile.y) + word] & bits[groupWords(group) + word];
-                taken = word;
-                word += kLanes;
-            }
-            if (!subgroupAny(left != 0)) break;
-            const bool some = left != 0; // else this lane has no particle: one of no depth
-            const LightParticle p = light_particles[some ? particleAt(taken, findLSB(left)) : 0];
-            left &= left - 1;
-
-            const float half_column = some ? p.at.w : 0;
+            uint particle;
+            const uint some = nextParticles(walk, tile, group, lane, particle);
+            if (some == 0) break;
+            const LightParticle p = light_particles[particle];
+            const float half_column = lane < some ? p.at.w : 0; // 0: this lane has none
             const float above = p.at.z - float(group * kGroup);
             float plane[kGroup], row[kRows];
             float before = group == 0 ? 0 : half_column * erfc(p.k.z * above);

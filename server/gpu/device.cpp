@@ -54,8 +54,8 @@ struct Features {
     Features& operator=(const Features&) = delete;
 };
 
-constexpr VkSubgroupFeatureFlags kSubgroupOperations = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
-                                                       VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+constexpr VkSubgroupFeatureFlags kSubgroupOperations =
+    VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
 
 struct Subgroups {
     VkSubgroupFeatureFlags operations; // in compute shaders
@@ -83,7 +83,7 @@ std::string missing(VkPhysicalDevice device) {
     if (!f.v12.timelineSemaphore) return "timelineSemaphore";
     if (!f.v13.dynamicRendering) return "dynamicRendering";
     if (!f.v13.synchronization2) return "synchronization2";
-    if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations) return "subgroup shuffles and votes";
+    if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations) return "subgroup ballots and shuffles";
     VkFormatProperties format;
     for (const VkFormat target : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT}) {
         vkGetPhysicalDeviceFormatProperties(device, target, &format);

@@ -1,6 +1,5 @@
 // Which particles reach a tile of the volumetric shadow map: a tile is where a column of tiles, a row of tiles and a group of planes
 // meet, each of these lines has a bit per particle, and the three words are and-ed. Setting bits commutes: the same on every run.
-// Neighbouring particles are in different words of eight, so that lanes which walk a word each have equally much to do.
 // Include after the push constants.
 
 layout(constant_id = 1) const uint kLanes = 8; // that work on one tile together, texels of its width; a power of two, at most 8
