@@ -4,6 +4,7 @@
 
 #include "server/light/particle_light.h"
 #include "server/light/shadow_volume.h"
+#include "shaders/shared/support.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 
