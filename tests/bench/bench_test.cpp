@@ -81,9 +81,11 @@ TEST_F(OnDevice, TruthIsNearTheRenderersPictureAndKept) {
 }
 
 TEST_F(OnDevice, FrameCountsPassesFragmentsAndMemory) {
-    Case two = smallCloud();
+    Case drawn = smallCloud();
+    drawn.set.emplace_back("render.method=sphere"); // has fragments
+    Case two = drawn;
     two.viewers = 2;
-    Stage one(device(), smallCloud());
+    Stage one(device(), drawn);
     const FrameCost a = one.frame();
     Stage both(device(), two);
     const FrameCost b = both.frame();
