@@ -49,21 +49,24 @@ void main() {
             break;
         }
         uvec2 luma = uvec2(0);
+        if (kDrawn) // little to do: all pixels side by side
+            [[unroll]] for (uint i = 0; i < 8; ++i) {
+                const vec3 rgb = displayed(imageLoad(radiance, ivec2(min(block_x * 8 + i, eye.size.x - 1), y)).rgb);
+                luma[i / 4] |= uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5) << (8 * (i % 4));
+                chroma[i / 2] += rgb;
+            }
         vec3 rgb = vec3(0);
-        for (uint cell = 0; cell < 8; cell += kRun) {
-            MediumRun run;
-            if (!kDrawn) run = mediumRun(uvec2(block_x * 8 + cell, y));
+        for (uint cell = 0; !kDrawn && cell < 8; cell += kRun) {
+            MediumRun run = mediumRun(uvec2(block_x * 8 + cell, y));
             for (uint i = cell; i < cell + kRun; ++i) {
                 const uvec2 at = uvec2(block_x * 8 + i, y);
                 if (at.x < eye.size.x) { // else the last pixel again
+                    const vec3 dir = rayDirection(vec2(at) + 0.5);
                     vec4 here;
-                    if (kDrawn || kHasOpaque) here = imageLoad(radiance, ivec2(at));
-                    if (!kDrawn) {
-                        const vec3 dir = rayDirection(vec2(at) + 0.5);
-                        if (!kHasOpaque) here = vec4(skyRadiance(normalize(dir)), 1);
-                        here = throughMedium(run, at, dir, here);
-                        if (kKeep) imageStore(radiance, ivec2(at), here);
-                    }
+                    if (kHasOpaque) here = imageLoad(radiance, ivec2(at));
+                    else here = vec4(skyRadiance(normalize(dir)), 1);
+                    here = throughMedium(run, at, dir, here);
+                    if (kKeep) imageStore(radiance, ivec2(at), here);
                     rgb = displayed(here.rgb);
                 }
                 const uint byte = uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5) << (8 * (i % 4));
