@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Once per tick: the light that reaches every particle, T_L(x) = T + G . (x - centre), fitted by least squares with the particle's own
-// Gaussian as the weight. Six points at sqrt(3) standard deviations along the axes do that exactly for a cubic T_L.
-// Where a line is not enough, kLookUp is written and methods look the light up point by point: where the mean of two opposite points
-// disagrees with the centre (after seed 001's test: what samples and interpolation differ by), where the particle shadows itself,
-// and where the edge of an opaque shadow may cut it.
+// Once per tick: the light that reaches every particle, T_L = T + G . r + C k^2 r^2, r = place - centre, from the centre and six points
+// at sqrt(3) standard deviations around it: it has their mean and first moments, those of T_L over the particle's Gaussian. Where that
+// is not enough, kLookUp is written and methods look the light up point by point: where the points disagree with the fit (after seed
+// 001's test: what samples and interpolation differ by), where the particle shadows itself, and where the edge of an opaque shadow
+// may cut it.
 #include "shaders/shared/types.h"
 #include "shaders/shared/splat.h"
 #include "shaders/shared/support.h"
@@ -26,8 +26,8 @@ layout(push_constant, scalar) uniform Push {
 
 #include "shaders/lib/light.glsl"
 
-// Optical depth of a particle whose lit side, which its far side does not show, is brighter than a line says: by 0.08 of 1 at most here.
-const float kOwnShadow = 1.2;
+// Optical depth of a particle beyond which its own shadow is no such polynomial: by 5 % of what it scatters.
+const float kOwnShadow = 0.55;
 
 const int kLit = 0, kDark = 1, kPartly = 2;
 
@@ -73,21 +73,21 @@ void main() {
     const vec2 texel = (tick.opaque_hi - tick.opaque_lo) / float(tick.opaque_size); // as coarse is the map that points look up
     const int shadow = shade(toLightSpace(p.centre), max(supportRadius(p.sigma_t, u, tick.cut), 0) + length(texel));
 
-    const float reach = 0.173205081 * u;
+    const float reach = 0.173205081 * u; // k reach = sqrt(3/2)
     const float centre = exp(-lightDepth(toShadowVolume(p.centre)));
-    float mean = 0, deviation = 0;
-    vec3 gradient = vec3(0);
+    vec3 gradient, bend; // bend: how far above the centre the mean of two opposite points is
     for (int j = 0; j < 3; ++j) {
         vec3 step = vec3(0);
         step[j] = reach;
         const float above = exp(-lightDepth(toShadowVolume(p.centre + step)));
         const float below = exp(-lightDepth(toShadowVolume(p.centre - step)));
-        mean += (above + below) / 6;
         gradient[j] = (above - below) / (2 * reach);
-        deviation = max(deviation, abs(0.5 * (above + below) - centre));
+        bend[j] = 0.5 * (above + below) - centre;
     }
-    const bool look_up =
-        shadow == kPartly || deviation > push.tolerance || lineDepth(p.sigma_t, gaussianK(p.scale, tick.falloff), 1) > kOwnShadow;
-    if (shadow == kDark) lights[i] = ParticleLight(vec3(0), 0);
-    else lights[i] = ParticleLight(gradient, look_up ? kLookUp : mean);
+    const float mean_bend = (bend.x + bend.y + bend.z) / 3;
+    const vec3 apart = abs(bend - mean_bend);
+    const bool look_up = shadow == kPartly || max(max(apart.x, apart.y), apart.z) > push.tolerance ||
+                         lineDepth(p.sigma_t, gaussianK(p.scale, tick.falloff), 1) > kOwnShadow;
+    if (shadow == kDark) lights[i] = ParticleLight(vec3(0), 0, 0);
+    else lights[i] = ParticleLight(gradient, look_up ? kLookUp : centre, mean_bend / 1.5);
 }

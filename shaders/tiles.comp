@@ -129,7 +129,7 @@ void main() {
                 if (kHasOpaque && mine.nearest + 2 * mine.radius > nearest_end) kind |= kCutFar;
                 if (kHasOpaque && mine.nearest > farthest_end) meets = false;
             }
-            if (!kCached || mine.transmittance >= kLookUp) kind |= kLookedUp | kAny;
+            if (!kCached || mine.light >= kLookUp) kind |= kLookedUp | kAny;
             if (mine.log_line > kThin || kind == (kCutNear | kCutFar)) kind |= kAny;
         }
         const uvec4 met = subgroupBallot(meets);
@@ -145,7 +145,8 @@ void main() {
                 s.log_line = ITS(log_line);
                 s.k = ITS(k);
                 s.albedo = kOneAlbedo ? vec3(1) : vec3(ITS(albedo.x), ITS(albedo.y), ITS(albedo.z));
-                s.light = kCached ? ITS(transmittance) : 0;
+                s.light = kCached ? ITS(light) : 0;
+                s.curvature = kCached ? ITS(curvature) / kLog2e : 0;
                 s.slope = kCached ? onRun(ITS(slope.x), ITS(slope.y), ITS(slope.z)) : vec2(0);
                 const uint its_kind = kCached ? subgroupShuffle(kind, from) : subgroupShuffle(kind, from) | kLookedUp | kAny;
                 if ((its_kind & kAny) != 0)
@@ -163,7 +164,8 @@ void main() {
     const vec3 albedo = splats[0].albedo;
     [[unroll]] for (uint p = 0; p < kPixels; ++p) {
         const ivec2 at = ivec2(pixel) + ivec2(p, 0);
-        if (transmittance[p] < 1 && all(lessThan(at, ivec2(eye.size)))) {
+        const bool changed = transmittance[p] < 1 || scattered[p] != vec3(0); // many thin splats may leave T at 1
+        if (changed && all(lessThan(at, ivec2(eye.size)))) {
             float phase = 0.07957747154594767;
             if (kHasLobe) phase = phaseMixture(-tick.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);
             vec3 medium = tick.irradiance * phase * (kOneAlbedo ? albedo * scattered[p].x : scattered[p]);

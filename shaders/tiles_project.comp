@@ -45,11 +45,13 @@ void main() {
     splat.albedo = p.albedo;
     splat.log_line = log2(lineDepth(p.sigma_t, splat.k, 1.0));
     splat.slope = vec3(0);
-    splat.transmittance = kLookUp;
+    splat.light = kLookUp;
+    splat.curvature = 0;
     if (kCached) {
         const ParticleLight light = lights[i];
         splat.slope = affine(light.gradient);
-        splat.transmittance = light.transmittance == kLookUp ? kLookUp : light.transmittance - dot(light.gradient, c);
+        splat.curvature = light.curvature;
+        if (light.transmittance != kLookUp) splat.light = light.transmittance + 0.5 * light.curvature - dot(light.gradient, c);
     }
     const float sine = min(splat.radius / max(distance, 1e-30), 1.0), cosine = sqrt(max(1 - sine * sine, 0));
     splat.chord = splat.nearest > 0 ? sine * sqrt(2 / (1 + cosine)) + 1e-6 : 2; // and what directions round by

@@ -5,16 +5,18 @@
 #include "server/render/methods/isv.h"
 #include "server/render/methods/slabs.h"
 #include "server/render/methods/sphere.h"
+#include "server/render/methods/tiles.h"
 
 namespace brume {
 namespace {
 
 constexpr const char* kQuadratures[] = {"simpson", "transmittance", "analytic", "cached", "hermite"};
-constexpr std::span kOfIsv = std::span(kQuadratures).first(3);
+constexpr std::span kOfIsv = std::span(kQuadratures).first(3), kOfTiles = std::span(kQuadratures).last(2);
 
 constexpr MethodInfo kMethods[] = {
     {"slabs", "order-independent slabs on a coarse grid of rays, the full Gaussian, no sort", {}, makeSlabs},
     {"sphere", "sphere proxies, the full Gaussian, 2-point Gauss-Hermite", {}, makeSphere},
+    {"tiles", "compute tiles, the full Gaussian, light cached on particles or 2-point Gauss-Hermite", kOfTiles, makeTiles},
     {"isv", "interval shaded volumetrics, tetrahedron support (seed 000)", kOfIsv, makeIsv},
 };
 

@@ -23,7 +23,7 @@ struct Run {
     vec2 x;
     float y2; // of both across the line of sight, see Splat
     vec2 along, slope;
-    float log_line, light, k;
+    float log_line, light, curvature, k; // curvature: times log_e 2
     vec3 albedo;
 };
 
@@ -52,7 +52,7 @@ void add(uint p, vec3 albedo, float opacity, float lit) {
 // (1 - e^-x) / x for 0 <= x <= 1/4, relative error 2.6e-7.
 float thinOpacity(float x) { return 0.99999977 - x * (0.49996999 - x * (0.16606225 - x * 0.03772897)); }
 
-// Thin, whole, its light cached: light that is linear in the place counts where it is scattered on average.
+// Thin, whole, its light cached. Of light's linear part counts where it is scattered on average.
 void addThin(Run s) {
     const float shift = kShift / s.k;
     [[unroll]] for (uint p0 = 0; p0 < kPixels; p0 += kGroup) {
@@ -63,7 +63,7 @@ void addThin(Run s) {
                 const uint p = p0 + r;
                 const float depth = e[r] >= log_cut ? exp2(e[r]) : 0;
                 const float along = along0 + float(r) * s.along.y, slope = slope0 + float(r) * s.slope.y;
-                const float light = s.light + slope * (along * inverse_square[p] - depth * shift * inverse_length[p]);
+                const float light = s.light + s.curvature * (s.log_line - e[r]) + slope * (along * inverse_square[p] - depth * shift * inverse_length[p]);
                 const float opacity = depth * thinOpacity(depth);
                 add(p, s.albedo, opacity, opacity * clamp(light, 0, 1));
             }
@@ -91,10 +91,12 @@ void addCut(Run s, float side) {
                 const float left = y < 0 ? 2 - tail : tail;
                 const float half_line = e[r] >= log_cut ? 0.5 * exp2(e[r]) : 0;
                 const float depth = half_line * left, part = thinOpacity(depth), opacity = depth * part;
-                // opacity times the mean of q, less what the nearer part hides: as of a whole line, with `left` / 2 for the variance
-                const float moment = side * 0.5641895835477563 * half_line * part * gaussian - 0.5 * kShift * opacity * depth * left;
+                const float moment = 0.5641895835477563 * half_line * part * gaussian; // opacity * mean of |q|; of q^2 - 1/2: times y
+                // What the nearer part hides: as of a whole line, with left / 2 for the variance.
+                const float mean = side * moment - 0.5 * kShift * opacity * depth * left;
                 const float slope = (slope0 + float(r) * s.slope.y) * inverse_length[p];
-                const float lit = opacity * (s.light + slope * closest) + slope * inverse_k * moment;
+                const float lit = opacity * (s.light + s.curvature * (s.log_line - e[r]) + slope * closest) + slope * inverse_k * mean +
+                                  kLog2e * s.curvature * y * moment;
                 add(p, s.albedo, opacity, clamp(lit, 0, opacity));
             }
         }
@@ -136,7 +138,8 @@ void addAny(Run s, bool cut, bool look_up) {
                     light = (lightArriving(p, closest + near / s.k) + ratio * lightArriving(p, closest + far / s.k)) / (1 + ratio);
                 } else {
                     const float q = clamp(moments.mean - 1.4142135623730951 * moments.deviation * scatterShift(depth), a, c);
-                    light = clamp(s.light + (s.slope.x + float(p) * s.slope.y) * inverse_length[p] * (closest + q / s.k), 0, 1);
+                    const float squares = moments.mean * moments.mean + moments.deviation * moments.deviation - 0.5;
+                    light = clamp(s.light + s.curvature * (s.log_line - e[r] + kLog2e * squares) + (s.slope.x + float(p) * s.slope.y) * inverse_length[p] * (closest + q / s.k), 0, 1);
                 }
                 const float opaque_part = opacity(depth);
                 add(p, s.albedo, opaque_part, opaque_part * light);

@@ -12,10 +12,11 @@ using glm::vec2;
 using glm::vec3;
 #endif
 
-// Light cached on a particle: T_L(x) = transmittance + gradient . (x - centre), times visibility past opaque objects.
+// Light cached on a particle: T_L = transmittance + gradient . r + curvature k^2 r^2 at r from the centre.
 struct ParticleLight {
     vec3 gradient;       // 1/m
-    float transmittance; // at the centre; kLookUp: a line is not enough, look the light up at every point
+    float transmittance; // kLookUp: such a fit is not enough, look the light up at every point
+    float curvature;
 };
 const float kLookUp = 1e30f;
 
@@ -30,15 +31,16 @@ struct SplatCone {
 struct Splat {
     vec3 across_x; // k (c x d) in two axes across c, times sqrt(log2 e): k^2 b^2 log2 e = (x^2 + y^2) / d^2
     vec2 across_y; // constant along a row: the value at pixel (0, 0), the step down
-    vec3 along;              // c . d, m
-    vec3 slope;              // gradient . d
+    vec3 along;    // c . d, m
+    vec3 slope;    // gradient . d
     vec3 albedo;
-    float transmittance; // of the light at the eye if it were a line up to there; kLookUp as above
-    float log_line;      // log2 of the optical depth of the line through the centre
-    float k;             // 1/m
-    float radius;        // m, of the support
-    float nearest;       // m from the eye to the support; negative when the eye is inside
-    float chord;         // of its cone
+    float light;     // mean on a line of transmittance + curvature (k^2 r^2 - k^2 b^2), less gradient . c; kLookUp as above
+    float curvature; // as above
+    float log_line;  // log2 of the optical depth of the line through the centre
+    float k;         // 1/m
+    float radius;    // m, of the support
+    float nearest;   // m from the eye to the support; negative when the eye is inside
+    float chord;     // of its cone
 };
 
 // The blocks of tiles of a picture, and when a ray ends.
@@ -49,7 +51,7 @@ struct SplatGrid {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ParticleLight) == 16 && sizeof(SplatCone) == 16 && sizeof(Splat) == 80);
+static_assert(sizeof(ParticleLight) == 20 && sizeof(SplatCone) == 16 && sizeof(Splat) == 84);
 } // namespace brume::gpu
 #endif
 

@@ -14,8 +14,10 @@ struct Way { // to render
     const char *method, *quadrature;
     uint32_t steps;
 };
-constexpr Way kWays[] = {{"sphere", "simpson", 2},    {"isv", "simpson", 1},       {"isv", "simpson", 10},
-                         {"isv", "transmittance", 1}, {"isv", "transmittance", 3}, {"isv", "analytic", 1}};
+constexpr Way kWays[] = {{"sphere", "", 1},       {"isv", "simpson", 1},       {"isv", "simpson", 10},
+                         {"tiles", "cached", 1},  {"isv", "transmittance", 1}, {"isv", "transmittance", 3},
+                         {"tiles", "hermite", 1}, {"isv", "analytic", 1}};
+bool isWhole(const Way& way) { return way.method != std::string("isv"); } // the Gaussian that it sees
 
 void choose(Scene& scene, const Way& way) {
     scene.render.method = way.method;
@@ -174,7 +176,11 @@ TEST_F(MediumTest, CloudAgreesWithTheDoublePrecisionReference) {
     const struct {
         Way way;
         double bound; // on the relative RMSE of radiance; the shadow volume of 256 x 256 x 16 alone makes 0.7 %
-    } cases[] = {{{"sphere", "simpson", 2}, 0.015}, {{"isv", "simpson", 2}, 0.15}, {{"isv", "transmittance", 2}, 0.018}};
+    } cases[] = {{{"sphere", "", 1}, 0.015},
+                 {{"tiles", "hermite", 1}, 0.015},
+                 {{"tiles", "cached", 1}, 0.025},
+                 {{"isv", "simpson", 2}, 0.15},
+                 {{"isv", "transmittance", 2}, 0.018}};
     for (const Pose& pose : {lookAt({0, 2, 26}, {0, 0, 0}, 0.8f), lookAt({-9, 4, 12}, {1, 0, 0}, 0.9f)}) {
         const auto exactly = [&](reference::Model model) {
             return reference::render({particles, double(scene.medium.falloff), 0, 0}, scene.lights[0], pose, kSmallWidth,
@@ -184,7 +190,7 @@ TEST_F(MediumTest, CloudAgreesWithTheDoublePrecisionReference) {
                                  cut = exactly(reference::Model::sequential_tetrahedron);
         for (const auto& [way, bound] : cases) {
             choose(scene, way);
-            const bool is_whole = way.method == std::string("sphere");
+            const bool is_whole = isWhole(way);
             const reference::Picture& exact = is_whole ? whole : cut;
             std::vector<glm::dvec3> radiance;
             forPixels(plain().see(scene, pose, kSmallWidth, kSmallHeight), pose,
@@ -228,8 +234,9 @@ TEST_F(MediumTest, AmbientFurnace) {
 TEST_F(MediumTest, FurnaceOfTheNormalisedQuadratures) {
     const double depth = 1e-4;
     const float falloff = 1.6f;
-    for (const Way& way : {Way{"sphere", "simpson", 2}, Way{"isv", "transmittance", 1}, Way{"isv", "transmittance", 2},
-                           Way{"isv", "transmittance", 3}, Way{"isv", "analytic", 1}}) {
+    for (const Way& way :
+         {Way{"sphere", "", 1}, Way{"tiles", "cached", 1}, Way{"tiles", "hermite", 1}, Way{"isv", "transmittance", 1},
+          Way{"isv", "transmittance", 2}, Way{"isv", "transmittance", 3}, Way{"isv", "analytic", 1}}) {
         Scene scene = sceneOf({thick({0, 0, 0}, 2, depth, falloff)}, falloff);
         scene.render.cutoff = 1e-9f;
         choose(scene, way);
@@ -237,17 +244,16 @@ TEST_F(MediumTest, FurnaceOfTheNormalisedQuadratures) {
         const reference::Blob blob = blobsOf(scene)[0];
         for (const Pose& pose : {lookAt({0.3f, 0.5f, 7}, {0, 0, 0}, 0.4f), lookAt({0.1f, 0.2f, 0.4f}, {0, 0, -1}, 1)}) {
             int compared = 0;
-            forPixels(
-                plain().see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
-                    const Interval interval = way.method == std::string("sphere") ? wholeRay(ray) : insideTetrahedron(blob, ray);
-                    const double opacity = -std::expm1(-depthOn(blob, ray, interval));
-                    if (way.method == std::string("isv") && interval.length() < 0.05)
-                        return; // silhouettes are drawn to 1/256 pixel
-                    // At most 1e-4 of the light is lost; isv's interval errs by 1e-5 of its distance.
-                    ASSERT_NEAR(got.r, opacity, opacity * (depth + 3e-4) + 2e-9)
-                        << way.method << ' ' << way.quadrature << ' ' << x << ' ' << y;
-                    compared += opacity > 1e-6;
-                });
+            forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
+                      [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                          const Interval interval = isWhole(way) ? wholeRay(ray) : insideTetrahedron(blob, ray);
+                          const double opacity = -std::expm1(-depthOn(blob, ray, interval));
+                          if (!isWhole(way) && interval.length() < 0.05) return; // silhouettes are drawn to 1/256 pixel
+                          // At most 1e-4 of the light is lost; isv's interval errs by 1e-5 of its distance.
+                          ASSERT_NEAR(got.r, opacity, opacity * (depth + 3e-4) + 2e-9)
+                              << way.method << ' ' << way.quadrature << ' ' << x << ' ' << y;
+                          compared += opacity > 1e-6;
+                      });
             EXPECT_GT(compared, 500);
         }
     }
@@ -259,7 +265,7 @@ TEST_F(MediumTest, TheLobeScalesEveryPixel) {
     Scene scene = sceneOf(randomPoints(40, 6, 2, 0.6f), 1.6f);
     scene.lights[0].to_light = glm::normalize(glm::vec3(0.2f, 0.1f, -1)); // in view: the lobe's peak too
     const Pose pose = lookAt({0, 0, 9}, {0, 0, 0}, 1.3f);
-    for (const Way& way : {kWays[0], kWays[2]}) {
+    for (const Way& way : {kWays[0], kWays[2], kWays[3], kWays[6]}) {
         choose(scene, way);
         scene.medium.anisotropy = 0;
         const Picture isotropic = plain().see(scene, pose, kWidth, kHeight);

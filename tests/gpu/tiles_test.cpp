@@ -52,9 +52,10 @@ const Pose kPoses[] = {lookAt({0, 2, 20}, {0, 0, 0}, 0.7f),   lookAt({1, 0, 2}, 
                        lookAt({0.3f, 0.2f, 0}, {0, 0, 1}, 2), lookAt({0, 30, 0}, {0, 0, 0}, 0.4f),
                        lookAt({4, 3, 5}, {9, 9, 0}, 2.6f),    lookAt({300, 200, 700}, {0, 0, 0}, 0.02f)};
 
-// Of each of 300 particles the roundings of 1 - its opacity and of the product, and as many of the sum; and of thin ones the
-// opacity's series.
+// What two methods may differ by that add 300 particles in opposite orders: of each the roundings of its opacity, of the product
+// and of the sum. And places, rounded to an ulp of the distance: see allowed() for T, light changes by up to 3 k there.
 constexpr double kRounding = 300 * 2.0 / double(1 << 24);
+double rounding(const Pose& pose) { return kRounding + 6 * 2e-7 * double(glm::length(pose.position)); }
 
 TEST_F(TilesTest, HermiteIsWhatSphereDraws) {
     for (const float lobe : {0.0f, 0.8f})
@@ -62,11 +63,10 @@ TEST_F(TilesTest, HermiteIsWhatSphereDraws) {
             Scene scene = sceneOf(colourful(3), 1.6f);
             scene.medium.anisotropy = lobe;
             scene.medium.asymmetry = 0.6f;
+            scene.render.least_transmittance = 0;
             const Difference d = compare(see(plain(), scene, "sphere", "", pose), see(plain(), scene, "tiles", "hermite", pose));
-            EXPECT_LT(d.transmittance, kRounding) << pose.position.x << ' ' << lobe;
-            // Places where light is looked up err by an ulp of the distance, and light changes by up to 3 k there.
-            EXPECT_LT(d.radiance, kRounding + 3 * 2 * 2e-7 * double(glm::length(pose.position)))
-                << pose.position.x << ' ' << lobe;
+            EXPECT_LT(d.transmittance, rounding(pose)) << pose.position.x << ' ' << lobe;
+            EXPECT_LT(d.radiance, rounding(pose)) << pose.position.x << ' ' << lobe;
             EXPECT_LT(d.darkest, 0.5) << pose.position.x;
         }
 }
@@ -78,12 +78,13 @@ TEST_F(TilesTest, HermiteIsWhatSphereDrawsAmongObjects) {
     scene.boxes = {{{1, 2, 0}, {3, 0.5f, 1}, 0.7f, glm::vec3(0.5f)}, {{-2, -1, 1}, {1, 2, 1.5f}, -0.3f, glm::vec3(0.5f)}};
     scene.spheres = {{{0, 0.5f, 3}, 0.9f, glm::vec3(0.5f)}};
     scene.sky = {glm::vec3(0.3f, 0.5f, 0.9f), glm::vec3(0.7f), glm::vec3(0.2f)};
+    scene.render.least_transmittance = 0;
     Stage stage(device(), scene, 300);
     for (const Pose& pose : kPoses) {
         if (pose.position.y < 1) continue; // below the ground's middle
         const Picture sphere = see(stage, scene, "sphere", "", pose), tiles = see(stage, scene, "tiles", "hermite", pose);
         const Difference d = compare(sphere, tiles);
-        EXPECT_LT(d.transmittance, kRounding + 2e-5) << pose.position.x; // and surfaces, rounded to an ulp of the distance
+        EXPECT_LT(d.transmittance, 2 * rounding(pose)) << pose.position.x; // surfaces too have places
         // A point on the edge of the opaque map's texel is rounded to either side: one point of one particle each.
         EXPECT_LT(d.radiance, 0.1) << pose.position.x;
         EXPECT_LT(d.far, int(kWidth * kHeight) / 20) << pose.position.x;
@@ -102,52 +103,54 @@ TEST_F(TilesTest, CachedWithoutToleranceIsHermite) {
     }
 }
 
-// A thin particle where the light falls off evenly: one plane of light in the half shadow of a particle a hundred times its size.
-// Its line whole, cut by the near plane, cut by a wall.
+// A particle where the light falls off evenly: in the half shadow of one ten times its size. Its line whole, cut by the near
+// plane, by the ground through its middle, by both.
 TEST_F(TilesTest, CachedIsExactWhereLightIsLinear) {
-    const double half = std::sqrt(0.5); // units of 1/k from the axis: the Gaussian's turning point
-    const Point blocker = thick({0, 0, 0}, 100, 1.5, 1.6f);
-    const double k = std::sqrt(50.0) / 160;
-    for (const double depth : {0.02, 0.2, 0.9})
-        for (const bool wall : {false, true})
-            for (const glm::vec3 to_light : {glm::vec3(0, 1, 0), glm::normalize(glm::vec3(1, 2, 1))}) {
-                const glm::vec3 side = glm::normalize(glm::cross(to_light, glm::vec3(0.2f, 0.1f, 1)));
-                const glm::vec3 at = side * float(half / k) - to_light * 100.0f;
-                Scene scene = sceneOf({blocker, thick(at, 1, depth, 1.6f)}, 1.6f);
-                scene.lights[0].to_light = to_light;
-                scene.lights[0].irradiance = glm::vec3(float(4 * kPi));
-                scene.render.shadow_slices = 128;
-                scene.render.shadow_size = 1024;
-                scene.render.least_transmittance = 0;
-                if (wall) scene.boxes = {{at - glm::vec3(0, 0, 50.05f), {200, 200, 100}, 0, glm::vec3(0)}};
-                Stage stage(device(), scene, 2);
-                const auto blobs = blobsOf(scene);
-                const reference::LightField field(blobs, glm::dvec3(to_light));
+    const Point blocker = thick({0, 0, 0}, 10, 1.5, 1.6f);
+    const double k = std::sqrt(50.0) / 16;
+    for (const bool ground : {false, true})
+        for (const glm::vec3 to_light : {glm::vec3(0, 1, 0), glm::normalize(glm::vec3(1, 2, 1))}) {
+            const glm::vec3 side = glm::normalize(glm::cross(to_light, glm::vec3(0.2f, 0.1f, 1)));
+            const glm::vec3 at = side * float(std::sqrt(0.5) / k) - to_light * 9.0f; // where a Gaussian's slope is largest
+            Scene scene = sceneOf({blocker, thick(at, 1, 1, 1.6f)}, 1.6f);
+            if (ground) scene.planes = {{at.y, glm::vec3(0)}};
+            Stage stage(device(), scene, 2);
+            for (const double depth : {0.02, 0.2, 0.5}) {
+                const Point point = thick(at, 1, depth, 1.6f);
                 for (const float away : {4.0f, 0.1f}) {
-                    const Pose pose = lookAt(at + glm::vec3(0.02f, 0.05f, away), at, 0.3f);
-                    // Without the small particle; what it adds is the rest.
-                    Scene alone = scene;
-                    alone.medium.file = sceneOf({blocker, {at, 1, 0}}, 1.6f).medium.file;
-                    const Picture with = see(stage, scene, "tiles", "cached", pose),
-                                  without = see(stage, alone, "tiles", "cached", pose);
+                    const Pose pose = lookAt(at + glm::vec3(0.02f, away, 0.05f), at, 0.1f);
+                    const auto seen = [&](const Point& p) {
+                        Scene now = sceneOf({blocker, p}, 1.6f);
+                        now.lights[0].to_light = to_light;
+                        now.lights[0].irradiance = glm::vec3(float(4 * kPi));
+                        now.render.shadow_size = 256;
+                        now.render.shadow_slices = 64;
+                        now.render.least_transmittance = 0;
+                        return see(stage, now, "tiles", "cached", pose);
+                    };
+                    const Picture with = seen(point), without = seen({at, 1, 0}); // what it adds is the rest
+                    const auto blobs = blobsOf(sceneOf({blocker, point}, 1.6f));
+                    const reference::LightField field(blobs, glm::dvec3(to_light));
                     double error = 0, largest = 0;
                     for (uint32_t y = 0; y < kHeight; ++y)
                         for (uint32_t x = 0; x < kWidth; ++x) {
                             const Ray ray = rayThrough(pose, kWidth, kHeight, x, y);
-                            Interval seen = wholeRay(ray);
-                            if (wall) seen.end = (double(at.z) - 0.05 - ray.eye.z) / ray.w.z;
+                            Interval part = wholeRay(ray);
+                            if (ground) part.end = (double(at.y) - ray.eye.y) / ray.w.y;
                             const double exact =
-                                scatteredOn(blobs[1], ray, seen, [&](double t) { return field.depth(ray.at(t)); });
-                            const double opacity = 1 - double(with.at(x, y).a / without.at(x, y).a);
-                            const double behind = double(without.at(x, y).r) * (1 - opacity);
-                            error = std::max(error, std::abs(double(with.at(x, y).r) - behind - exact));
+                                scatteredOn(blobs[1], ray, part, [&](double t) { return field.depth(ray.at(t)); });
+                            const double through = double(with.at(x, y).a / without.at(x, y).a);
+                            const double added = double(with.at(x, y).r) - double(without.at(x, y).r) * through;
+                            error = std::max(error, std::abs(added - exact));
                             largest = std::max(largest, exact);
                         }
-                    EXPECT_GT(largest, 0.2 * depth);
-                    // The light is linear but for its own shadow, which is depth / 2 of it on average, bent by 0.07 depth^2 / 4.
-                    EXPECT_LT(error / largest, 2e-3 + 0.1 * depth * depth) << depth << ' ' << wall << ' ' << away;
+                    EXPECT_GT(largest, 0.02 * depth) << ground << ' ' << away;
+                    // The blocker's light bends by (0.22 / 1.6)^2 / 2 of itself within 1/k of the particle. Its own shadow is a
+                    // polynomial but for terms of third order, up to depth / 6 where half of it is seen.
+                    EXPECT_LT(error / largest, 0.01 + depth / 6) << depth << ' ' << ground << ' ' << away;
                 }
             }
+        }
 }
 
 // What the particles' common albedo saves changes nothing.
@@ -156,7 +159,7 @@ TEST_F(TilesTest, OneAlbedoIsAsMany) {
         std::vector<Point> points = randomPoints(200, 8, 2.5f, 0.9f);
         for (Point& p : points) p.albedo = {0.9f, 0.6f, 0.3f};
         const Scene one = sceneOf(points, 1.6f);
-        points.push_back({{0, 0, 0}, 1, 0, {1, 1, 1}}); // clear
+        points[7].albedo.r = std::nextafter(0.9f, 1.0f);
         const Scene many = sceneOf(points, 1.6f);
         for (const char* quadrature : {"cached", "hermite"}) {
             const Difference d =
@@ -211,15 +214,15 @@ TEST_F(TilesTest, AMillionParticlesInTwoMegapixels) {
     const Picture picture = stage.see(scene, pose, kWide, kTall);
     const auto blobs = blobsOf(scene);
     int dark = 0;
-    for (uint32_t y = 3; y < kTall; y += 17)
-        for (uint32_t x = 5; x < kWide; x += 17) {
+    for (uint32_t y = 3; y < kTall; y += 7)
+        for (uint32_t x = 5; x < kWide; x += 7) {
             const Ray ray = rayThrough(pose, kWide, kTall, x, y);
             double depth = 0;
             for (size_t i = kCount - 4; i < kCount; ++i) depth += depthOn(blobs[i], ray, wholeRay(ray));
             ASSERT_NEAR(picture.at(x, y).a, std::exp(-depth), allowed(20, blobs.back().k, 1)) << x << ' ' << y;
             dark += depth > 0.1;
         }
-    EXPECT_GT(dark, 100);
+    EXPECT_GT(dark, 50);
 }
 
 } // namespace

@@ -83,24 +83,28 @@ Interval supportOf(const Way& way, const reference::Blob& blob, const Ray& ray) 
 
 namespace {
 
-// The light that the tiles' cached quadrature sees on a particle, as server/light/particle_light.h makes it.
-struct LinearLight {
-    double mean = 0; // T_L
-    glm::dvec3 gradient{0};
-    double deviation = 0; // of the middle of two opposite points from the centre
+// The light that the tiles' cached quadrature sees on a particle: the polynomial of shaders/particle_light.comp.
+struct CachedLight {
+    double centre = 0, curvature = 0; // T_L; of k^2 r^2
+    glm::dvec3 gradient{0};           // 1/m
+    double deviation = 0;             // of the points from the fit
 };
 
-LinearLight fitted(const reference::Blob& blob, const std::function<double(glm::dvec3)>& light_depth) {
-    LinearLight fit;
-    const double reach = std::sqrt(1.5) / blob.k, centre = std::exp(-light_depth(blob.centre));
+CachedLight fitted(const reference::Blob& blob, const std::function<double(glm::dvec3)>& light_depth) {
+    CachedLight fit;
+    const double reach = std::sqrt(1.5) / blob.k;
+    fit.centre = std::exp(-light_depth(blob.centre));
+    glm::dvec3 bend;
     for (int axis = 0; axis < 3; ++axis) {
         glm::dvec3 step(0);
         step[axis] = reach;
         const double above = std::exp(-light_depth(blob.centre + step)), below = std::exp(-light_depth(blob.centre - step));
-        fit.mean += (above + below) / 6;
         fit.gradient[axis] = (above - below) / (2 * reach);
-        fit.deviation = std::max(fit.deviation, std::abs((above + below) / 2 - centre));
+        bend[axis] = (above + below) / 2 - fit.centre;
     }
+    const double mean = (bend.x + bend.y + bend.z) / 3;
+    for (int axis = 0; axis < 3; ++axis) fit.deviation = std::max(fit.deviation, std::abs(bend[axis] - mean));
+    fit.curvature = mean / 1.5;
     return fit;
 }
 
@@ -112,14 +116,18 @@ double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray,
     const auto light_depth = [&](double t) { return light_depth_at(ray.at(t)); };
     if (way.method == "sphere" || way.quadrature == "hermite") return twoPoints(blob, ray, inside, light_depth);
     if (way.quadrature == "cached") {
-        const LinearLight light = fitted(blob, light_depth_at);
-        if (light.deviation > double(RenderSettings().light_tolerance) || 2 * blob.half_line > 1.2)
+        const CachedLight light = fitted(blob, light_depth_at);
+        if (light.deviation > double(RenderSettings().light_tolerance) || 2 * blob.half_line > 0.55)
             return twoPoints(blob, ray, inside, light_depth);
-        // The light at the mean place of scattering.
-        const double whole = -std::expm1(-depthOn(blob, ray, inside)), far = 20 / blob.k + glm::length(blob.centre - ray.eye);
-        if (!(whole > 0)) return 0;
-        const double place = far * scatteredOn(blob, ray, inside, [&](double t) { return -std::log(t / far); }) / whole;
-        return whole * std::clamp(light.mean + glm::dot(light.gradient, ray.at(place) - blob.centre), 0.0, 1.0);
+        const auto polynomial = [&](double t) {
+            const glm::dvec3 r = ray.at(t) - blob.centre;
+            return light.centre + glm::dot(light.gradient, r) + light.curvature * blob.k * blob.k * glm::dot(r, r);
+        };
+        // May be negative at some places, not as a whole: the integral of it and enough, less that of enough.
+        constexpr double kEnough = 100;
+        const double opacity = -std::expm1(-depthOn(blob, ray, inside));
+        const double lit = scatteredOn(blob, ray, inside, [&](double t) { return -std::log(polynomial(t) + kEnough); });
+        return std::clamp(lit - kEnough * opacity, 0.0, opacity);
     }
     if (way.method != "isv") return scatteredOn(blob, ray, inside, light_depth);
     if (!(inside.length() > 0)) return 0;
@@ -133,7 +141,7 @@ double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray,
 }
 
 double ruleError(const Way& way) {
-    // Where the light is scattered on average: 0.02 / k at most where a line is cut, and there T_L changes by itself within 1/k.
+    // Where the light is scattered on average is known to 0.02 / k where a line is cut, and T_L changes by itself within 1/k.
     if (way.quadrature == "cached") return 0.02;
     return way.method == "sphere" || !way.quadrature.empty() ? 0 : 0.15;
 }

@@ -69,7 +69,7 @@ TEST(Plan, TheBudgetOfFlipCountsToo) {
 TEST(Plan, TakesWhatIsCheapestOnTheDevice) {
     PlanInputs inputs = inputsOf(cube());
     inputs.scene.wanted.error = inputs.scene.wanted.flip = 1;
-    for (const char* method : {"slabs", "sphere", "isv"}) {
+    for (const char* method : {"slabs", "sphere", "isv", "tiles"}) {
         CostModel model = builtInCosts();
         for (size_t i = 0; i < kCosts; ++i)
             if (const char* whose = info(Cost(i)).method) model.ns[i] = std::string_view(whose) == method ? 1e-6 : 1e3;
