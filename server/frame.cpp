@@ -23,7 +23,8 @@ struct FrameLoop::Batch {
     struct Job {
         std::shared_ptr<Viewer> viewer;
         Viewer::Due due;
-        uint32_t first_eye;
+        uint32_t pictures;  // number of the first job with the same pictures, which makes them
+        uint32_t first_eye; // of them
     };
     Submission submission;
     std::vector<Job> jobs;
@@ -124,7 +125,13 @@ bool FrameLoop::render(Batch& batch) {
     for (const auto& viewer : viewers_) {
         const auto due = viewer->takeDue();
         if (!due) continue;
-        batch.jobs.push_back({viewer, *due, uint32_t(eyes_.size())});
+        const auto same = std::find_if(batch.jobs.begin(), batch.jobs.end(),
+                                       [&](const Batch::Job& job) { return samePictures(job.due.request, due->request); });
+        if (same != batch.jobs.end()) {
+            batch.jobs.push_back({viewer, *due, same->pictures, same->first_eye});
+            continue;
+        }
+        batch.jobs.push_back({viewer, *due, uint32_t(batch.jobs.size()), uint32_t(eyes_.size())});
         for (int eye = 0; eye < due->request.views; ++eye)
             eyes_.push_back({eyePose(due->request.pose, eye, due->request.views), due->request.width, due->request.height});
     }
@@ -159,34 +166,56 @@ void FrameLoop::encode(Batch& batch) {
         if (std::none_of(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == sample.name; }))
             passes_.push_back({sample.name, sample.ms});
 
-    batch.pending = uint32_t(batch.jobs.size());
+    const auto makes = [&](const Batch::Job& job) { return &job == &batch.jobs[job.pictures]; };
+    batch.pending = uint32_t(std::count_if(batch.jobs.begin(), batch.jobs.end(), makes));
     for (const Batch::Job& job : batch.jobs) {
+        if (!makes(job)) continue;
         const PoseRequest& request = job.due.request;
-        auto frame = std::make_shared<EncodedFrame>();
-        frame->id = job.due.frame_id;
-        frame->tick = batch.tick;
-        frame->state_hash = batch.state_hash;
-        frame->request = request;
-        frame->wait_ms = Millis(batch.taken - request.received).count();
-        frame->render_ms = Millis(batch.done - batch.taken).count();
+        float gpu_ms = 0;
         for (const gpu::PassSample& sample : samples)
-            if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views) frame->gpu_ms += sample.ms;
-        workers_.give([this, &batch, viewer = job.viewer, frame,
-                       views = pictures.subspan(job.first_eye, request.views)](JpegEncoder& jpeg) {
-            try {
-                for (size_t eye = 0; eye < views.size(); ++eye)
-                    frame->jpeg[eye] = jpeg.encode(views[eye], frame->request.quality);
-                frame->encoded = Clock::now();
-                frame->encode_ms = Millis(frame->encoded - batch.done).count();
-                metrics_.rendered(*frame);
-                viewer->deliver(frame);
-            } catch (const std::exception& e) {
-                spdlog::error("frame {} of viewer {} is lost: {}", frame->id, viewer->id(), e.what());
-                metrics_.failed();
-                viewer->abandon(frame->id);
-            }
+            if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views) gpu_ms += sample.ms;
+        workers_.give([this, &batch, &job, gpu_ms, views = pictures.subspan(job.first_eye, request.views)](JpegEncoder& jpeg) {
+            deliver(batch, job.pictures, gpu_ms, views, jpeg);
             batch.pending.fetch_sub(1);
         });
+    }
+}
+
+// Encodes one job's pictures, for all viewers that asked for the same ones. On an encoder's thread.
+void FrameLoop::deliver(const Batch& batch, uint32_t job, float gpu_ms, std::span<const PictureView> views, JpegEncoder& jpeg) {
+    std::array<Jpeg, 2> bytes;
+    std::string failure;
+    try {
+        for (size_t eye = 0; eye < views.size(); ++eye)
+            bytes[eye] =
+                std::make_shared<const std::vector<uint8_t>>(jpeg.encode(views[eye], batch.jobs[job].due.request.quality));
+        metrics_.encoded(uint32_t(views.size()));
+    } catch (const std::exception& e) {
+        failure = e.what();
+    }
+    const Clock::time_point encoded = Clock::now();
+    for (size_t i = job; i < batch.jobs.size(); ++i) {
+        const auto& [viewer, due, pictures, first_eye] = batch.jobs[i];
+        if (pictures != job) continue;
+        if (!failure.empty()) {
+            spdlog::error("frame {} of viewer {} is lost: {}", due.frame_id, viewer->id(), failure);
+            metrics_.failed();
+            viewer->abandon(due.frame_id);
+            continue;
+        }
+        auto frame = std::make_shared<EncodedFrame>();
+        frame->id = due.frame_id;
+        frame->tick = batch.tick;
+        frame->state_hash = batch.state_hash;
+        frame->request = due.request;
+        frame->wait_ms = Millis(batch.taken - due.request.received).count();
+        frame->render_ms = Millis(batch.done - batch.taken).count();
+        frame->encode_ms = Millis(encoded - batch.done).count();
+        frame->gpu_ms = gpu_ms;
+        frame->encoded = encoded;
+        frame->jpeg = bytes;
+        metrics_.rendered(*frame);
+        viewer->deliver(std::move(frame));
     }
 }
 

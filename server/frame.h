@@ -47,6 +47,7 @@ private:
     Batch* freeBatch();
     bool render(Batch& batch);
     void encode(Batch& batch);
+    void deliver(const Batch& batch, uint32_t job, float gpu_ms, std::span<const PictureView> views, JpegEncoder& jpeg);
     void report(Clock::time_point now);
 
     Audience& audience_;

@@ -37,47 +37,78 @@ layout(push_constant, scalar) uniform Push {
 #include "shaders/lib/display.glsl"
 #include "shaders/lib/medium_run.glsl"
 
+// What the display shows of a pixel; beyond the right edge `before`, what it shows of the one before.
+vec3 pixelOf(inout MediumRun run, uvec2 at, vec3 before) {
+    const vec3 dir = rayDirection(vec2(at) + 0.5);
+    vec4 here;
+    if (kHasOpaque) here = imageLoad(radiance, ivec2(at));
+    else here = vec4(skyRadiance(normalize(dir)), 1);
+    here = throughMedium(run, at, dir, here);
+    if (at.x >= eye.size.x) return before;
+    if (kKeep) imageStore(radiance, ivec2(at), here);
+    return displayed(here.rgb);
+}
+
+uint lumaByte(vec3 rgb) { return uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5); }
+
 void main() {
     const uint block_x = gl_GlobalInvocationID.x, top = push.first + gl_GlobalInvocationID.y * 2;
     if (block_x * 8 >= eye.size.x || top >= push.end) return;
+    const bool odd = top + 1 == eye.size.y; // the last row counts twice
+    uvec2 luma[2];
     vec3 chroma[4]; // sums of two pixels side by side, of both rows
     [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] = vec3(0);
-    for (uint row = 0; row < 2; ++row) {
-        const uint y = top + row;
-        if (y >= eye.size.y) { // an odd height: the last row counts twice
-            [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] *= 2;
-            break;
+    if (!kDrawn && !kHasOpaque && kRate % 2 == 0) { // both rows at once: they share what they look up
+        MediumRun run, next;
+        vec3 above = vec3(0), below = vec3(0);
+        luma[0] = luma[1] = uvec2(0);
+        [[unroll]] for (uint i = 0; i < 8; ++i) {
+            const uvec2 at = uvec2(block_x * 8 + i, top);
+            if (i % kRun == 0) mediumRuns(at, run, next);
+            above = pixelOf(run, at, above);
+            below = pixelOf(next, at + uvec2(0, 1), below);
+            luma[0][i / 4] |= lumaByte(above) << (8 * (i % 4));
+            luma[1][i / 4] |= lumaByte(below) << (8 * (i % 4));
+            chroma[i / 2] += above + (odd ? above : below);
         }
-        uvec2 luma = uvec2(0);
-        if (kDrawn) // little to do: all pixels side by side
+    } else if (kDrawn) {
+        [[unroll]] for (uint row = 0; row < 2; ++row) {
+            luma[row] = uvec2(0);
             [[unroll]] for (uint i = 0; i < 8; ++i) {
-                const vec3 rgb = displayed(imageLoad(radiance, ivec2(min(block_x * 8 + i, eye.size.x - 1), y)).rgb);
-                luma[i / 4] |= uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5) << (8 * (i % 4));
-                chroma[i / 2] += rgb;
-            }
-        vec3 rgb = vec3(0);
-        for (uint cell = 0; !kDrawn && cell < 8; cell += kRun) {
-            MediumRun run = mediumRun(uvec2(block_x * 8 + cell, y));
-            for (uint i = cell; i < cell + kRun; ++i) {
-                const uvec2 at = uvec2(block_x * 8 + i, y);
-                if (at.x < eye.size.x) { // else the last pixel again
-                    const vec3 dir = rayDirection(vec2(at) + 0.5);
-                    vec4 here;
-                    if (kHasOpaque) here = imageLoad(radiance, ivec2(at));
-                    else here = vec4(skyRadiance(normalize(dir)), 1);
-                    here = throughMedium(run, at, dir, here);
-                    if (kKeep) imageStore(radiance, ivec2(at), here);
-                    rgb = displayed(here.rgb);
-                }
-                const uint byte = uint(dot(rgb, vec3(0.299, 0.587, 0.114)) + 0.5) << (8 * (i % 4));
-                if (i < 4) luma.x |= byte;
-                else luma.y |= byte;
+                const uvec2 at = min(uvec2(block_x * 8 + i, top + row), eye.size - 1);
+                const vec3 rgb = displayed(imageLoad(radiance, ivec2(at)).rgb);
+                luma[row][i / 4] |= lumaByte(rgb) << (8 * (i % 4));
                 chroma[i / 2] += rgb;
             }
         }
-        const uint at = push.first_word + y * push.luma_words + block_x * 2;
-        planes[at] = luma.x;
-        planes[at + 1] = luma.y;
+    } else { // so much code that it is there only once
+        for (uint row = 0; row < 2; ++row) {
+            if (row == 1 && odd) {
+                [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] *= 2;
+                break;
+            }
+            MediumRun run;
+            uvec2 now = uvec2(0);
+            vec3 rgb = vec3(0);
+            for (uint i = 0; i < 8; ++i) {
+                const uvec2 at = uvec2(block_x * 8 + i, top + row);
+                if (i % kRun == 0) run = mediumRun(at);
+                rgb = pixelOf(run, at, rgb);
+                const uint byte = lumaByte(rgb) << (8 * (i % 4));
+                if (i < 4) now.x |= byte;
+                else now.y |= byte;
+                chroma[i / 2] += rgb;
+            }
+            if (row == 0) luma[0] = now;
+            luma[1] = now;
+        }
+    }
+    const uint y_at = push.first_word + top * push.luma_words + block_x * 2;
+    planes[y_at] = luma[0].x;
+    planes[y_at + 1] = luma[0].y;
+    if (!odd) {
+        planes[y_at + push.luma_words] = luma[1].x;
+        planes[y_at + push.luma_words + 1] = luma[1].y;
     }
     uint cb = 0, cr = 0;
     [[unroll]] for (uint pair = 0; pair < 4; ++pair) {

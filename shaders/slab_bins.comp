@@ -55,7 +55,7 @@ void main() {
         if (radius > 0 && far > near) {
             // Where the box around it is seen, in tiles from node (0, 0).
             const vec2 lo = m.centre.xy - wide, hi = m.centre.xy + wide;
-            const vec2 origin = vec2(-eye.tan_x, -eye.tan_y) + (0.5 + (vec2(0, grid.first_row) - 1) * float(grid.rate)) * pixel;
+            const vec2 origin = vec2(-eye.tan_x, -eye.tan_y) + (0.5 + (vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate)) * pixel;
             const vec2 first = (min(lo / near, lo / far) - origin) / tile - 1e-3, last = (max(hi / near, hi / far) - origin) / tile + 1e-3;
             const float sheet = grid.thickness * float(grid.sheet);
             reach[0][lane] = span(first.x, last.x, grid.lines.x);

@@ -34,7 +34,7 @@ void main() {
     const uint plane = grid.nodes.x * grid.nodes.y, mine = node.y * grid.nodes.x + node.x;
     const uint set = kHasOpaque ? (grid.slabs + 2) * plane : plane;
     const bool inside = all(lessThan(node, grid.nodes));
-    const vec2 at = (vec2(node) + vec2(0, grid.first_row) - 1) * float(grid.rate) + 0.5;
+    const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;
     const float length_of_slab = length(rayDirection(at)) * grid.thickness;
     const vec3 volume_dir = eye.volume_ray + at.x * eye.volume_right + at.y * eye.volume_down;
     float depth = 0, light = 0, scattered[kSources];

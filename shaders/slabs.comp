@@ -74,7 +74,7 @@ void main() {
     const uint lane = gl_LocalInvocationIndex;
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
     const uvec2 first = gl_WorkGroupID.xy * kSlabTile;
-    const vec2 corner = vec2(-eye.tan_x, -eye.tan_y) + ((vec2(first) + vec2(0, grid.first_row) - 1) * float(grid.rate) + 0.5) * pixel;
+    const vec2 corner = vec2(-eye.tan_x, -eye.tan_y) + ((vec2(first) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5) * pixel;
     const uint sheet = gl_WorkGroupID.z % grid.lines.z, what = gl_WorkGroupID.z / grid.lines.z;
     const float z = grid.depth + (float(sheet * kLanes + lane) + 0.5) * grid.thickness; // of the lane's slab
     const vec2 at = z * corner;

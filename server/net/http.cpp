@@ -235,10 +235,10 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::
         frame = co_await nextFrame(*seat);
     }
     if (!frame) co_return co_await send503("no frame came in time: see /readyz");
-    context_.metrics.sent(frame->jpeg[0].size(), 0);
+    context_.metrics.sent(frame->jpeg[0]->size(), 0);
     Reply reply;
     reply.content_type = "image/jpeg";
-    reply.body.assign(frame->jpeg[0].begin(), frame->jpeg[0].end());
+    reply.body.assign(frame->jpeg[0]->begin(), frame->jpeg[0]->end());
     reply.headers = {{"Cache-Control", "no-store"}};
     co_return co_await send(request, "snapshot", std::move(reply));
 }
@@ -280,7 +280,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / wish.fps));
     auto due = Clock::now();
     while (frame && !context_.stopping) {
-        const std::vector<uint8_t>& jpeg = frame->jpeg[0];
+        const std::vector<uint8_t>& jpeg = *frame->jpeg[0];
         head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.size());
         context_.metrics.sent(jpeg.size(), 0);
         const Parts part{asio::buffer(head), asio::buffer(jpeg), asio::buffer(tail)};

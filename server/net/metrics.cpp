@@ -42,6 +42,11 @@ struct Metrics::Families {
     pm::Counter& sent = frames.Add({{"fate", "sent"}});
     pm::Counter& superseded = frames.Add({{"fate", "superseded"}});
     pm::Counter& failed = frames.Add({{"fate", "failed"}});
+    pm::Counter& pictures = pm::BuildCounter()
+                                .Name("brume_pictures_total")
+                                .Help("Pictures drawn and encoded; frames of viewers with the same camera share one.")
+                                .Register(registry)
+                                .Add({});
     pm::Counter& bytes =
         pm::BuildCounter().Name("brume_frame_bytes_total").Help("Bytes of frames handed to sockets.").Register(registry).Add({});
     pm::Family<pm::Histogram>& stages = pm::BuildHistogram()
@@ -78,6 +83,8 @@ void Metrics::rendered(const EncodedFrame& frame) {
     families_->encode.Observe(frame.encode_ms * 1e-3);
     families_->gpu.Observe(frame.gpu_ms * 1e-3);
 }
+
+void Metrics::encoded(uint32_t pictures) { families_->pictures.Increment(pictures); }
 
 void Metrics::failed() { families_->failed.Increment(); }
 

@@ -17,6 +17,7 @@ public:
     // --- the frame loop's side ---
     void ticked(float work_ms);               // one tick of the shared work: commands, simulation, light
     void rendered(const EncodedFrame& frame); // a frame is encoded; times its wait, render, encode and gpu stages
+    void encoded(uint32_t pictures);          // viewers with the same camera share one
     void failed();                            // a due frame was abandoned
 
     // --- the connections' side ---

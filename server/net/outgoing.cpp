@@ -50,7 +50,7 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
         const wire::Quat orientation = toWire(request.pose.orientation);
         const wire::Stages stages(frame.wait_ms, frame.render_ms, frame.encode_ms, queue_ms, frame.gpu_ms);
         uint32_t lengths[wire::kMaxViews];
-        for (uint32_t view = 0; view < request.views; ++view) lengths[view] = uint32_t(frame.jpeg[view].size());
+        for (uint32_t view = 0; view < request.views; ++view) lengths[view] = uint32_t(frame.jpeg[view]->size());
         const auto jpeg_bytes = b.CreateVector(lengths, request.views);
         return wire::CreateFrame(b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us, &position,
                                  &orientation, request.pose.fov_y, request.width, request.height, request.quality, &stages,

@@ -169,8 +169,8 @@ asio::awaitable<void> WebSocketSession::write() {
 asio::awaitable<error_code> WebSocketSession::sendFrame(FramePtr frame) {
     const float queue_ms = millisecondsSince(frame->encoded);
     const wire::Packed header = packFrameHeader(*frame, queue_ms);
-    const Parts parts{asio::buffer(header.data(), header.size()), asio::buffer(frame->jpeg[0]),
-                      frame->request.views > 1 ? asio::buffer(frame->jpeg[1]) : asio::const_buffer()};
+    const Parts parts{asio::buffer(header.data(), header.size()), asio::buffer(*frame->jpeg[0]),
+                      frame->request.views > 1 ? asio::buffer(*frame->jpeg[1]) : asio::const_buffer()};
     context_.metrics.sent(asio::buffer_size(parts), queue_ms);
     co_return co_await send(parts);
 }

@@ -24,6 +24,9 @@ struct PoseRequest {
     Clock::time_point received{};
 };
 
+// Bytes of one picture; frames of viewers that ask for the same picture share them.
+using Jpeg = std::shared_ptr<const std::vector<uint8_t>>;
+
 // One encoded answer to one pose; immutable once delivered. JPEG bytes stay in `jpeg` until the socket has sent them.
 struct EncodedFrame {
     uint32_t id = 0; // grows by one per viewer
@@ -31,8 +34,11 @@ struct EncodedFrame {
     PoseRequest request;
     float wait_ms = 0, render_ms = 0, encode_ms = 0, gpu_ms = 0;
     Clock::time_point encoded{};
-    std::array<std::vector<uint8_t>, 2> jpeg; // [request.views]
+    std::array<Jpeg, 2> jpeg; // [request.views]
 };
+// Whether both ask for the same pictures, however they are numbered.
+bool samePictures(const PoseRequest& a, const PoseRequest& b);
+
 using FramePtr = std::shared_ptr<const EncodedFrame>;
 
 struct PassTime {

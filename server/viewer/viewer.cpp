@@ -10,6 +10,12 @@ bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
 
 } // namespace
 
+bool samePictures(const PoseRequest& a, const PoseRequest& b) {
+    return a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation && a.pose.fov_y == b.pose.fov_y &&
+           a.pose.eye_separation == b.pose.eye_separation && a.width == b.width && a.height == b.height && a.views == b.views &&
+           a.quality == b.quality;
+}
+
 Viewer::Viewer(uint32_t id, uint32_t max_in_flight, std::function<void()> notify)
     : id_(id), max_in_flight_(std::max(max_in_flight, 1u)), notify_(std::move(notify)) {
     in_flight_.reserve(max_in_flight_);

@@ -4,43 +4,64 @@
 // then the same of ambient light. A set is one plane without opaque objects: the whole ray. With them slabs + 1, one per face from
 // near to far, then that of the ray up to the surface that it hits; and behind all sets a plane says at which face that is. What a
 // whole ray scatters is divided by its opacity: both are then smooth where the medium is band-limited, however dense it is.
-
-// Catmull-Rom: of the nodes at -1, 0, 1, 2.
-vec4 cubic(float t) {
-    return 0.5 * vec4(((2 - t) * t - 1) * t, (3 * t - 5) * t * t + 2, ((4 - 3 * t) * t + 1) * t, (t - 1) * t * t);
-}
+// Last, where rays are more than a pixel apart, the planes of whole rays once more, as coefficients of a cubic B-spline.
 
 uint fieldNodes() { return push.grid.nodes.x * push.grid.nodes.y; }
 uint fieldSet() { return (kHasOpaque ? push.grid.slabs + 2 : 1) * fieldNodes(); }
+// Where the planes begin: of whole rays, of the faces at which they end, of the spline's coefficients of the same, in this order.
+uint fieldWhole(uint c) { return c * fieldSet() + (kHasOpaque ? (push.grid.slabs + 1) * fieldNodes() : 0); }
+uint fieldEnds() { return (kSources + 1) * fieldSet(); }
+uint fieldSpline(uint c) { return (kSources + 1) * fieldSet() + (c + (kHasOpaque ? 1 : 0)) * fieldNodes(); }
 
-const uint kRun = kRate < 8 ? kRate : 8; // pixels side by side in one cell that are made together
+// Weights of the nodes at -1, 0, 1, 2: of a cubic B-spline's coefficients, and of Catmull-Rom's for values.
+vec4 spline(float t) {
+    const float r = 1 - t;
+    return vec4(r * r * r, (3 * t - 6) * t * t + 4, (3 * r - 6) * r * r + 4, t * t * t) * (1.0 / 6.0);
+}
+vec4 through(float t) {
+    return 0.5 * vec4(((2 - t) * t - 1) * t, (3 * t - 5) * t * t + 2, ((4 - 3 * t) * t + 1) * t, (t - 1) * t * t);
+}
+
+// Pixels side by side in one cell that are made together: the largest power of two that divides the rate, 8 at most.
+const uint kRun = (kRate & 7u) == 0u ? 8u : kRate & (~kRate + 1u);
 const uint kMostSources = 6;      // arrays have this size: GLSL does not copy those of specialised sizes
 
-// Where a run of pixels lies among the nodes.
+// Where a row of pixels in a cell lies among the nodes.
 struct FieldRun {
     uint first; // node: up and left; at rate 1, where there is nothing to interpolate, the pixel's own
-    vec4 down;  // weights of the rows
+    float down; // part of the cell above it
 };
 
+float fieldPart(uint pixel) { return float(pixel % kRate) / float(kRate); }
+
 FieldRun fieldRun(uvec2 pixel) {
-    const uvec2 cell = pixel / kRate - uvec2(0, push.grid.first_row) + (kRate == 1 ? 1 : 0);
-    return FieldRun(cell.y * push.grid.nodes.x + cell.x, cubic(float(pixel.y % kRate) / float(kRate)));
+    const uvec2 cell = pixel / kRate + push.grid.margin - uvec2(0, push.grid.first_row) - (kRate == 1 ? 0 : 1);
+    return FieldRun(cell.y * push.grid.nodes.x + cell.x, fieldPart(pixel.y));
 }
 
 // The nodes' four columns at the run's height. `plane`: where it begins.
-vec4 fieldColumns(uint plane, FieldRun run) {
+vec4 fieldColumns(uint plane, FieldRun run, vec4 down) {
     const uint at = plane + run.first;
     if (kRate == 1) return vec4(field[at]);
     vec4 columns = vec4(0);
     for (uint j = 0; j < 4; ++j) {
         const uint row = at + j * push.grid.nodes.x;
-        columns += run.down[j] * vec4(field[row], field[row + 1], field[row + 2], field[row + 3]);
+        columns += down[j] * vec4(field[row], field[row + 1], field[row + 2], field[row + 3]);
     }
     return columns;
 }
 
-// Weights of the columns for the pixel column `x` of the picture.
-vec4 fieldAcross(uint x) { return kRate == 1 ? vec4(1, 0, 0, 0) : cubic(float(x % kRate) / float(kRate)); }
+// The same of a spline for this row of pixels and the next one of the cell: .x and .y of every column.
+mat4x2 fieldColumnsOfTwo(uint plane, FieldRun run, FieldRun next) {
+    const uint at = plane + run.first;
+    const vec4 here = spline(run.down), there = spline(next.down);
+    mat4x2 columns = mat4x2(0);
+    [[unroll]] for (uint j = 0; j < 4; ++j) {
+        const uint row = at + j * push.grid.nodes.x;
+        [[unroll]] for (uint i = 0; i < 4; ++i) columns[i] += field[row + i] * vec2(here[j], there[j]);
+    }
+    return columns;
+}
 
 // The columns of two neighbouring faces, kept while a run's pixels need the same ones.
 struct FieldFaces {
@@ -48,14 +69,15 @@ struct FieldFaces {
     vec4 near, far;
 };
 
-// Up to a face and parts of one. `set`: where its planes begin.
-float fieldAt(inout FieldFaces faces, uint set, FieldRun run, float face, vec4 across) {
+// Up to a face and parts of one, at a part of the cell's width. `set`: where its planes begin.
+float fieldAt(inout FieldFaces faces, uint set, FieldRun run, float face, float part) {
     const float below = min(floor(face), float(push.grid.slabs - 1));
     if (below != faces.below) {
         const uint plane = set + uint(below) * fieldNodes();
-        faces.near = fieldColumns(plane, run);
-        faces.far = fieldColumns(plane + fieldNodes(), run);
+        faces.near = fieldColumns(plane, run, through(run.down));
+        faces.far = fieldColumns(plane + fieldNodes(), run, through(run.down));
         faces.below = below;
     }
-    return dot(across, mix(faces.near, faces.far, face - below));
+    const vec4 columns = mix(faces.near, faces.far, face - below);
+    return kRate == 1 ? columns.x : dot(through(part), columns);
 }

@@ -103,10 +103,11 @@ struct SlabMember {
 
 const uint kSlabTile = 8u; // rays of a tile's side
 
-// The grid of rays and slabs of one eye, or of a band of its rows. The picture's node (0, 0) is the ray one spacing up and left of
-// the first pixel's.
+// The grid of rays and slabs of one eye, or of a band of its rows. Its node (0, 0) is `margin` spacings up and left of the picture's
+// first pixel.
 struct SlabGrid {
     uvec2 nodes;
+    uint margin;     // nodes before the first pixel's, in rows and columns
     uint first_row;  // of the picture's nodes: the band's first
     uint rate;       // pixels between neighbouring rays
     float depth;     // m, view depth of the first slab's near face

@@ -1,6 +1,7 @@
 // One cloud for all: every viewer has its own view of the same ticks, and what one does all see.
 #include <gtest/gtest.h>
 
+#include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
 
@@ -104,6 +105,12 @@ TEST_F(SharedCloud, TwoEqualCamerasGetEqualBytes) {
     a.session.sendPush(push);
     ASSERT_TRUE(watch({&a, &b}, [&] { return commonTicks(a, b, moving).size() >= 3; }));
     for (const auto& [x, y] : commonTicks(a, b, moving)) EXPECT_EQ(x->jpegs, y->jpegs) << "at tick " << x->tick;
+
+    // Pictures that both see are drawn and encoded once.
+    const auto pictures = metric(server().port, "brume_pictures_total");
+    const auto frames = metric(server().port, "brume_frames_total{fate=\"rendered\"}");
+    ASSERT_TRUE(pictures && frames);
+    EXPECT_LE(*pictures + double(commonTicks(a, b, moving).size()), *frames);
 }
 
 TEST_F(SharedCloud, AnImpulseOfOneIsSeenByAll) {

@@ -80,7 +80,8 @@ private:
         frame->state_hash = report.state_hash;
         frame->request = due.request;
         frame->wait_ms = 1, frame->render_ms = 2, frame->encode_ms = 3, frame->gpu_ms = 1.5f;
-        for (int view = 0; view < due.request.views; ++view) frame->jpeg[size_t(view)] = fakeJpeg(due.request, view, jpeg_bytes);
+        for (int view = 0; view < due.request.views; ++view)
+            frame->jpeg[size_t(view)] = std::make_shared<const std::vector<uint8_t>>(fakeJpeg(due.request, view, jpeg_bytes));
         frame->encoded = Clock::now();
         metrics_.rendered(*frame);
         ++made;

@@ -8,6 +8,7 @@
 #include "server/render/compose.h"
 #include "shaders/slab_bins_comp.h"
 #include "shaders/slab_light_comp.h"
+#include "shaders/slab_spline_comp.h"
 #include "shaders/slabs_comp.h"
 
 namespace brume {
@@ -18,6 +19,9 @@ constexpr float kRaysPerDeviation = 0.8f;  // spacing of rays in projected stand
 constexpr float kSlabsPerDeviation = 0.7f; // thickness of slabs in standard deviations
 constexpr uint32_t kMostRate = 16, kLeastSlabs = 8, kMostSlabs = 256;
 
+// Nodes before the first pixel's: one that cubic interpolation needs, two that the spline's coefficients need; as many behind,
+// and one.
+constexpr uint32_t kMargin = 3;
 constexpr uint32_t kRays = gpu::kSlabTile * gpu::kSlabTile;
 constexpr VkDeviceSize kMostBytes = 96 << 20; // of a buffer: every device can bind 128 MiB
 constexpr float kNearDepth = 0.05f;
@@ -66,12 +70,14 @@ private:
         uint32_t sources;
     };
 
+    // Of a row or column of nodes: those that are not a cell's first.
+    static uint32_t nodesBeyond(const gpu::SlabGrid& grid) { return 2 * grid.margin + 1; }
     static uint32_t lines(const gpu::SlabGrid& grid) { return grid.lines.x + grid.lines.y + grid.lines.z; }
     static VkDeviceSize addedBytes(const gpu::SlabGrid& grid, uint32_t sources) {
         return VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * kRays * (sources > 1 ? 4 : 1) * sizeof(float);
     }
     VkDeviceSize fieldBytes(const gpu::SlabGrid& grid, uint32_t sources) const { // lib/slab_field.glsl
-        const uint32_t planes = (sources + 1) * (features_.opaque ? grid.slabs + 2 : 1) + 1;
+        const uint32_t planes = (sources + 1) * (features_.opaque ? grid.slabs + 3 : 2) + 2;
         return VkDeviceSize(grid.nodes.x) * grid.nodes.y * planes * sizeof(float);
     }
 
@@ -86,12 +92,12 @@ private:
             grid.lines.y = rows;
             grid.nodes.y = rows * gpu::kSlabTile;
         };
-        rowsOfTiles(gpu::groups(bands.cells + 3, gpu::kSlabTile));
-        while (grid.lines.y > 1 && tooLarge()) rowsOfTiles(gpu::groups(grid.lines.y, 2));
+        const uint32_t beyond = nodesBeyond(grid);
+        rowsOfTiles(gpu::groups(bands.cells + beyond, gpu::kSlabTile));
+        while (grid.lines.y > 2 && tooLarge()) rowsOfTiles(gpu::groups(grid.lines.y, 2));
         while (tooLarge()) coarsen(grid);
-        // Cubic interpolation reaches three rows of nodes beyond a cell, which the next band has again; even, since compose makes
-        // two rows of pixels at a time.
-        bands.step = grid.nodes.y - 4;
+        // The next band has the rows again that lie beyond its cells; even, since compose makes two rows of pixels at a time.
+        bands.step = grid.nodes.y < bands.cells + beyond ? (grid.nodes.y - beyond) & ~1u : bands.cells;
         return bands;
     }
 
@@ -114,7 +120,8 @@ private:
         const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
         const uint32_t slabs = in.settings->slabs ? in.settings->slabs : uint32_t(std::clamp(wanted, 1.0f, float(kMostSlabs)));
         grid.sheet = 8;
-        grid.nodes = {gpu::groups(in.size.width, grid.rate) + 3, 0};
+        grid.margin = grid.rate > 1 ? kMargin : 1;
+        grid.nodes = {gpu::groups(in.size.width, grid.rate) + nodesBeyond(grid), 0};
         grid.lines = {gpu::groups(grid.nodes.x, gpu::kSlabTile), 0, gpu::groups(std::max(slabs, kLeastSlabs), grid.sheet)};
         grid.slabs = grid.lines.z * grid.sheet;
         grid.depth = near;
@@ -170,6 +177,12 @@ private:
             vkCmdDispatch(cmd, grid.lines.x, grid.lines.y, 1);
             gpu::computeToCompute(cmd);
         }
+        if (grid.rate > 1) {
+            const gpu::Commands::Pass pass(commands, "spline", in.view);
+            spline(sources).bind(cmd, {gpu::storageBuffer(2, field_)}, grid);
+            vkCmdDispatch(cmd, gpu::groups(grid.nodes.x * grid.nodes.y, 64), 1, 1);
+            gpu::computeToCompute(cmd);
+        }
     }
 
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
@@ -188,6 +201,10 @@ private:
     const gpu::ComputeProgram& light(uint32_t sources) {
         return made({1, sources}, slab_light_comp, "slab_light", {{0, features_.opaque}, {24, sources}});
     }
+    const gpu::ComputeProgram& spline(uint32_t sources) {
+        return made({2, sources}, slab_spline_comp, "slab_spline", {{0, features_.opaque}, {24, sources}});
+    }
+
     const gpu::Device& device_;
     SceneFeatures features_;
     gpu::ComputeProgram bins_program_;
