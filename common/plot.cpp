@@ -1,10 +1,10 @@
-#include "tests/bench/plot.h"
+#include "common/plot.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-namespace brume::bench {
+namespace brume {
 namespace {
 
 constexpr double kWidth = 760, kHeight = 460, kLeft = 70, kRight = 20, kTop = 40, kBottom = 50;
@@ -129,4 +129,4 @@ std::string svg(const Plot& plot) {
     return out + "</svg>\n";
 }
 
-} // namespace brume::bench
+} // namespace brume

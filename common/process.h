@@ -1,4 +1,4 @@
-// A program under test as a child process: its output is kept, its end is awaited with a deadline, and it never outlives us.
+// A program as a child process: its output is kept, its end is awaited with a deadline, and it never outlives us.
 #pragma once
 
 #include <chrono>
@@ -11,15 +11,14 @@
 
 #include <sys/types.h>
 
-namespace brume::test {
-
-using std::chrono::milliseconds;
-
-// Nothing here should take this long; a loaded machine with sanitizers may.
-constexpr milliseconds kPatience{30'000};
+namespace brume {
 
 class Process {
 public:
+    using milliseconds = std::chrono::milliseconds;
+    // Nothing should take this long; a loaded machine with sanitizers may.
+    static constexpr milliseconds kPatience{30'000};
+
     // `environment`: NAME=value sets, NAME alone removes. Throws std::system_error when it cannot be started.
     explicit Process(const std::vector<std::string>& command, const std::vector<std::string>& environment = {});
     ~Process(); // SIGKILL if it still runs
@@ -48,4 +47,4 @@ private:
     std::thread reader_;
 };
 
-} // namespace brume::test
+} // namespace brume

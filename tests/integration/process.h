@@ -1,0 +1,12 @@
+// Programs under test as child processes, and how long to wait for them.
+#pragma once
+
+#include "common/process.h"
+
+namespace brume::test {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPatience = Process::kPatience;
+
+} // namespace brume::test
