@@ -127,8 +127,8 @@ Json jsonOf(const Run& run) {
 std::string tableHead() {
     return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | kB/s each | server, cores | "
            "ms "
-           "a frame | device, ms a frame: shared | view | batches/s | load, cores | others, cores |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+           "a frame | device, ms a frame: shared | view | batches/s | error, % | load, cores | others, cores |\n"
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 
 std::string tableLine(const Run& run) {
@@ -138,7 +138,7 @@ std::string tableLine(const Run& run) {
          {run.leastFps(), run.medianFps(), run.mostFps(), run.latencyMs(0.5), run.latencyMs(0.95), run.latencyMs(0.99),
           double(run.bytes) * 1e-3 / run.seconds / run.viewers, cost.cpu_s / run.seconds, run.cpuMsPerFrame(),
           1e3 * cost.shared_s / cost.rendered, 1e3 * cost.views_s / cost.rendered, cost.batches / run.seconds,
-          run.own_cpu_s / run.seconds, (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
+          100 * cost.plan_error, run.own_cpu_s / run.seconds, (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
         line += ' ' + digits(value) + " |";
     return line + '\n';
 }
@@ -151,10 +151,9 @@ std::string markdown(const Report& report, const Options& options) {
     out += tableHead();
     for (const Run& run : report.runs) out += tableLine(run);
     out +=
-        "\nPose to frame: from every pose that a viewer sends, 60 a second, to the first frame of that pose or a later one. "
-        "Shared: "
-        "passes once a\nbatch for all viewers of it; view: passes of each. Load: this program; others: whatever else the machine "
-        "did meanwhile.\n";
+        "\nPose to frame: from every pose that a viewer sends, 60 a second, to the first frame of that pose or a later one.\n"
+        "Shared: passes once a batch for all viewers of it; view: passes of each. Error: relative RMSE that the server's plan\n"
+        "predicts, which grows when it gives up accuracy under load. Load: this program; others: what else the machine did.\n";
     if (const Run* const one = ofOneViewer(report)) out += beside(report, *one);
     if (!report.broken.empty()) out += "\n## Budgets that do not hold\n\n";
     for (const std::string& line : report.broken) out += "- " + line + '\n';
@@ -178,7 +177,7 @@ Json json(const Report& report, const Options& options) {
 
 std::string plot(const Report& report) {
     const Run* const one = ofOneViewer(report);
-    Plot plot{"Cost of a viewer", "viewers", "CPU, ms a frame", {}, false, true};
+    Plot plot{"Cost of a viewer against the number of viewers", "viewers", "CPU, ms a frame", {}, false, true};
     const auto add = [&](const char* name, int group, double viewers, double cost, bool last) {
         plot.points.push_back({last ? name : "", viewers, cost, group});
     };

@@ -120,7 +120,9 @@ TEST_F(Load, AServerThatDiesEndsInOneLineAndKeepsWhatWasMeasured) {
 TEST_F(Load, CtrlCEndsInOneLine) {
     const RunningServer server;
     const auto load = this->load({"--server", server.url(), "--viewers", "2", "--seconds", "60"});
-    while (metric(server.port(), "brume_viewers") != 2) std::this_thread::sleep_for(milliseconds(20));
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (metric(server.port(), "brume_viewers") != 2 && std::chrono::steady_clock::now() < deadline)
+        std::this_thread::sleep_for(milliseconds(20));
     load->signal(SIGINT);
     expectOneLine(*load, "interrupted");
 }
