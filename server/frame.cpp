@@ -166,6 +166,10 @@ void FrameLoop::encode(Batch& batch) {
         if (std::none_of(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == sample.name; }))
             passes_.push_back({sample.name, sample.ms});
 
+    double shared_ms = 0, views_ms = 0;
+    for (const gpu::PassSample& sample : samples) (sample.view == gpu::kShared ? shared_ms : views_ms) += double(sample.ms);
+    metrics_.drawn(shared_ms, views_ms);
+
     const auto makes = [&](const Batch::Job& job) { return &job == &batch.jobs[job.pictures]; };
     batch.pending = uint32_t(std::count_if(batch.jobs.begin(), batch.jobs.end(), makes));
     for (const Batch::Job& job : batch.jobs) {

@@ -6,7 +6,6 @@
 namespace brume::client {
 namespace {
 
-constexpr double kOrbitSeconds = 20, kFlySeconds = 40;
 constexpr double kLookAhead = 0.6; // rad of the figure eight
 
 glm::vec3 aroundY(glm::vec3 v, double angle) {

@@ -8,10 +8,12 @@
 
 namespace brume::client {
 
+inline constexpr double kOrbitSeconds = 20, kFlySeconds = 40; // once around
+
 enum class PathKind {
     still,
-    orbit, // around the target, once in 20 s, at the start's height
-    fly,   // a figure eight through the target, once in 40 s, looking ahead
+    orbit, // around the target, at the start's height
+    fly,   // a figure eight through the target, looking ahead
 };
 
 struct CameraPath {

@@ -30,10 +30,21 @@ std::string reasonOf(error_code error) {
 
 } // namespace
 
-struct Connection::Socket {
+struct Loop::Io {
+    asio::io_context context{1};
+};
+
+Loop::Loop() : io_(std::make_shared<Io>()) {}
+
+void Loop::wait(std::chrono::microseconds timeout) {
+    if (io_->context.run_one_until(std::chrono::steady_clock::now() + timeout) > 0) io_->context.poll();
+}
+
+// What waits for the socket holds it (`self`), since a loop that is shared goes on when the connection is gone.
+struct Connection::Socket : std::enable_shared_from_this<Socket> {
     Endpoint endpoint;
     std::chrono::milliseconds timeout;
-    asio::io_context io{1};
+    asio::io_context& io;
     tcp::resolver resolver{io};
     websocket::stream<beast::tcp_stream> stream{io};
     websocket::response_type response;
@@ -43,12 +54,14 @@ struct Connection::Socket {
     bool parted = false; // the closing handshake is over
     std::string closed_because;
 
-    Socket(Endpoint where, std::chrono::milliseconds time) : endpoint(std::move(where)), timeout(time) { resolve(); }
+    Socket(Endpoint where, std::chrono::milliseconds time, asio::io_context& context)
+        : endpoint(std::move(where)), timeout(time), io(context) {}
 
     void closedNow(std::string why) {
         if (state == State::closed) return;
         state = State::closed;
         closed_because = std::move(why);
+        resolver.cancel();
         beast::get_lowest_layer(stream).close();
     }
 
@@ -59,7 +72,8 @@ struct Connection::Socket {
     // Resolve, connect, shake hands, then read for ever: each step starts the next.
     void resolve() {
         resolver.async_resolve(endpoint.host, std::to_string(endpoint.port),
-                               [this](error_code error, const tcp::resolver::results_type& addresses) {
+                               [this, self = shared_from_this()](error_code error, const tcp::resolver::results_type& addresses) {
+                                   if (state == State::closed) return;
                                    if (error) return cannotConnect(error.message(), "is the host's name right?");
                                    connect(addresses);
                                });
@@ -68,13 +82,15 @@ struct Connection::Socket {
     void connect(const tcp::resolver::results_type& addresses) {
         auto& tcp_stream = beast::get_lowest_layer(stream);
         tcp_stream.expires_after(timeout);
-        tcp_stream.async_connect(addresses, [this, &tcp_stream](error_code error, const tcp::endpoint&) {
-            if (error) return cannotConnect(reasonOf(error), "is the server running there?");
-            error_code ignored; // a socket that cannot do it still works, only later
-            tcp_stream.socket().set_option(tcp::no_delay(true), ignored);
-            tcp_stream.expires_never();
-            shakeHands();
-        });
+        tcp_stream.async_connect(addresses,
+                                 [this, self = shared_from_this(), &tcp_stream](error_code error, const tcp::endpoint&) {
+                                     if (state == State::closed) return;
+                                     if (error) return cannotConnect(reasonOf(error), "is the server running there?");
+                                     error_code ignored; // a socket that cannot do it still works, only later
+                                     tcp_stream.socket().set_option(tcp::no_delay(true), ignored);
+                                     tcp_stream.expires_never();
+                                     shakeHands();
+                                 });
     }
 
     void shakeHands() {
@@ -86,7 +102,8 @@ struct Connection::Socket {
         stream.read_message_max(kMaxMessageBytes);
         stream.binary(true);
         const std::string host = endpoint.host + ":" + std::to_string(endpoint.port);
-        stream.async_handshake(response, host, endpoint.path, [this](error_code error) {
+        stream.async_handshake(response, host, endpoint.path, [this, self = shared_from_this()](error_code error) {
+            if (state == State::closed) return;
             if (error == websocket::error::upgrade_declined)
                 return cannotConnect("it answers HTTP " + std::to_string(response.result_int()) + " " +
                                          std::string(response.reason()),
@@ -101,7 +118,8 @@ struct Connection::Socket {
     }
 
     void read() {
-        stream.async_read(incoming, [this](error_code error, size_t) {
+        stream.async_read(incoming, [this, self = shared_from_this()](error_code error, size_t) {
+            if (state == State::closed) return;
             if (error == websocket::error::closed) {
                 const auto& reason = stream.reason().reason;
                 return closedNow("the server closed the connection" + (reason.empty() ? "" : ": " + std::string(reason.c_str())));
@@ -116,8 +134,8 @@ struct Connection::Socket {
     }
 
     void write() {
-        stream.async_write(asio::buffer(outbox.front()), [this](error_code error, size_t) {
-            if (error) return; // the reader meets the same error, and tells it
+        stream.async_write(asio::buffer(outbox.front()), [this, self = shared_from_this()](error_code error, size_t) {
+            if (error || state == State::closed) return; // the reader meets the same error, and tells it
             outbox.pop_front();
             if (!outbox.empty()) write();
         });
@@ -133,11 +151,28 @@ struct Connection::Socket {
     }
 };
 
-Connection::Connection(Endpoint endpoint, std::chrono::milliseconds timeout)
-    : socket_(std::make_unique<Socket>(std::move(endpoint), timeout)) {}
-Connection::~Connection() = default;
+Connection::Connection(Endpoint endpoint, std::chrono::milliseconds timeout) : Connection(std::move(endpoint), timeout, Loop()) {
+    shared_ = false;
+}
+
+Connection::Connection(Endpoint endpoint, std::chrono::milliseconds timeout, const Loop& loop)
+    : io_(loop.io_), socket_(std::make_shared<Socket>(std::move(endpoint), timeout, io_->context)), shared_(true) {
+    if (io_->context.stopped()) io_->context.restart(); // every socket before this one is closed
+    socket_->resolve();
+}
+
+Connection::~Connection() {
+    if (socket_) socket_->closedNow("dropped by this client");
+}
+
 Connection::Connection(Connection&&) noexcept = default;
-Connection& Connection::operator=(Connection&&) noexcept = default;
+
+Connection& Connection::operator=(Connection&& other) noexcept {
+    std::swap(io_, other.io_); // what was here closes with `other`
+    std::swap(socket_, other.socket_);
+    std::swap(shared_, other.shared_);
+    return *this;
+}
 
 const Endpoint& Connection::endpoint() const { return socket_->endpoint; }
 Connection::State Connection::state() const { return socket_->state; }
@@ -147,7 +182,8 @@ size_t Connection::unsent() const { return socket_->outbox.size(); }
 std::optional<Bytes> Connection::receive(std::chrono::milliseconds timeout) {
     Socket& socket = *socket_;
     const State before = socket.state;
-    if (socket.inbox.empty() && before != State::closed)
+    const bool only_look = shared_ && timeout.count() <= 0;
+    if (!only_look && socket.inbox.empty() && before != State::closed)
         socket.work(timeout, [&] { return !socket.inbox.empty() || socket.state != before; });
     if (socket.inbox.empty()) return {};
     Bytes message = std::move(socket.inbox.front());
@@ -171,7 +207,7 @@ void Connection::close(std::chrono::milliseconds deadline) {
         const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
         // Frames that are on their way are read and dropped until the server's half of the handshake comes.
         if (socket.state == State::open) {
-            socket.stream.async_close(websocket::close_code::normal, [&socket](error_code) { socket.parted = true; });
+            socket.stream.async_close(websocket::close_code::normal, [self = socket_](error_code) { self->parted = true; });
             socket.work(deadline - spent, [&] { return socket.parted; });
         }
     }

@@ -15,12 +15,27 @@ namespace brume::client {
 
 using Bytes = std::vector<uint8_t>;
 
+// What works on sockets. Connections may share one, so that a single thread waits for all of them.
+class Loop {
+public:
+    Loop();
+    // Works on all sockets until one of them has moved or the time is over; at once when none is open.
+    void wait(std::chrono::microseconds timeout);
+
+private:
+    friend class Connection;
+    struct Io;
+    std::shared_ptr<Io> io_;
+};
+
 class Connection {
 public:
     enum class State { connecting, open, closed };
 
     // Starts to connect; receive() drives it. Resolving, connecting and the handshake get `timeout` each.
     Connection(Endpoint endpoint, std::chrono::milliseconds timeout);
+    // The same in a loop that others share: its wait() drives it too, and receive() with a timeout of 0 only looks.
+    Connection(Endpoint endpoint, std::chrono::milliseconds timeout, const Loop& loop);
     ~Connection(); // drops the socket: close() first to part politely
     Connection(Connection&&) noexcept;
     Connection& operator=(Connection&&) noexcept;
@@ -48,7 +63,9 @@ public:
 
 private:
     struct Socket;
-    std::unique_ptr<Socket> socket_;
+    std::shared_ptr<Loop::Io> io_; // before the socket, which lives in it
+    std::shared_ptr<Socket> socket_;
+    bool shared_ = false;
 };
 
 } // namespace brume::client

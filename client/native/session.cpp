@@ -27,6 +27,9 @@ uint64_t nowUs() {
 Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout)
     : connection_(std::move(endpoint), timeout), wishes_(wishes) {}
 
+Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop)
+    : connection_(std::move(endpoint), timeout, loop), wishes_(wishes) {}
+
 std::optional<Received> Session::next(std::chrono::milliseconds timeout) {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
     for (;;) {

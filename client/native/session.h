@@ -67,6 +67,8 @@ struct Push {
 class Session {
 public:
     Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout);
+    // The same in a loop that other sessions share: connection.h.
+    Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop);
 
     // The next message for the caller, if one comes in time. Says hello, answers pings and takes note of welcome and goodbye
     // by itself; these are returned too, pings and pongs are not.

@@ -1,10 +1,14 @@
 #include "server/net/metrics.h"
 
+#include <ctime>
+#include <fstream>
+
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
+#include <unistd.h>
 
 namespace brume {
 namespace {
@@ -19,6 +23,21 @@ pm::MetricFamily gauge(const char* name, const char* help, double value) {
     pm::ClientMetric metric;
     metric.gauge.value = value;
     return {name, help, pm::MetricType::Gauge, {metric}};
+}
+
+// The two of the process that every exporter has, under the names that dashboards know.
+pm::MetricFamily processCpu() {
+    timespec spent{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &spent);
+    pm::ClientMetric metric;
+    metric.counter.value = double(spent.tv_sec) + double(spent.tv_nsec) * 1e-9;
+    return {"process_cpu_seconds_total", "User and system CPU time of all threads.", pm::MetricType::Counter, {metric}};
+}
+
+pm::MetricFamily processMemory() {
+    double all_pages = 0, resident_pages = 0;
+    std::ifstream("/proc/self/statm") >> all_pages >> resident_pages;
+    return gauge("process_resident_memory_bytes", "Memory that is in RAM.", resident_pages * double(::sysconf(_SC_PAGESIZE)));
 }
 
 pm::MetricFamily passGauges(const SceneReport& report) {
@@ -47,6 +66,17 @@ struct Metrics::Families {
                                 .Help("Pictures drawn and encoded; frames of viewers with the same camera share one.")
                                 .Register(registry)
                                 .Add({});
+    pm::Counter& batches = pm::BuildCounter()
+                               .Name("brume_batches_total")
+                               .Help("Submissions to the device; each draws every viewer that is due.")
+                               .Register(registry)
+                               .Add({});
+    pm::Family<pm::Counter>& device = pm::BuildCounter()
+                                          .Name("brume_device_seconds_total")
+                                          .Help("Device time of passes: once a batch for all its viewers, and for each view.")
+                                          .Register(registry);
+    pm::Counter& shared_passes = device.Add({{"part", "shared"}});
+    pm::Counter& view_passes = device.Add({{"part", "view"}});
     pm::Counter& bytes =
         pm::BuildCounter().Name("brume_frame_bytes_total").Help("Bytes of frames handed to sockets.").Register(registry).Add({});
     pm::Family<pm::Histogram>& stages = pm::BuildHistogram()
@@ -75,6 +105,12 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) {}
 Metrics::~Metrics() = default;
 
 void Metrics::ticked(float work_ms) { families_->tick.Observe(work_ms * 1e-3); }
+
+void Metrics::drawn(double shared_ms, double views_ms) {
+    families_->batches.Increment();
+    families_->shared_passes.Increment(shared_ms * 1e-3);
+    families_->view_passes.Increment(views_ms * 1e-3);
+}
 
 void Metrics::rendered(const EncodedFrame& frame) {
     families_->rendered.Increment();
@@ -123,6 +159,8 @@ std::string Metrics::text(const Audience& audience) const {
         gauge("brume_plan_relaxed", "Steps of accuracy given up under overload; 0 when there is none.", report->plan.relaxed));
     all.push_back(gauge("brume_ready", "1 when frames can be had.", audience.ready ? 1 : 0));
     all.push_back(passGauges(*report));
+    all.push_back(processCpu());
+    all.push_back(processMemory());
     return pm::TextSerializer().Serialize(all);
 }
 

@@ -19,6 +19,10 @@ public:
     void rendered(const EncodedFrame& frame); // a frame is encoded; times its wait, render, encode and gpu stages
     void encoded(uint32_t pictures);          // viewers with the same camera share one
     void failed();                            // a due frame was abandoned
+    void ticked(float work_ms);                    // one tick of the shared work: commands, simulation, light
+    void drawn(double shared_ms, double views_ms); // the device is done with a batch: its passes for all, and for each view
+    void rendered(const EncodedFrame& frame);      // a frame is encoded; times its wait, render, encode and gpu stages
+    void failed();                                 // a due frame was abandoned
 
     // --- the connections' side ---
     void sent(size_t bytes, float queue_ms); // a frame went to a viewer; queue: JPEG ready -> handed to the socket
@@ -27,7 +31,7 @@ public:
     void requested(std::string_view route, unsigned status);
     void connected(int change); // +1 or -1 open connections
 
-    // The exposition text: all of the above, and the audience and the passes as they are now.
+    // The exposition text: all of the above, and the audience, the passes and the process as they are now.
     std::string text(const Audience& audience) const;
 
 private:

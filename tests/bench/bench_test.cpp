@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/metrics.h"
-#include "tests/bench/plot.h"
+#include "common/plot.h"
 #include "tests/bench/report.h"
 #include "tests/bench/sweep.h"
 

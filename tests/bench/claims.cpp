@@ -17,7 +17,7 @@
 #include "server/encode/jpeg.h"
 #include "server/light/tick.h"
 #include "server/render/renderer.h"
-#include "tests/integration/process.h"
+#include "common/process.h"
 #include "tests/reference/medium_reference.h"
 
 namespace brume {
@@ -190,7 +190,7 @@ void jpeg(const gpu::Device& device, const Scene& scene) {
             seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         }
         ours.push_back(frames / seconds);
-        test::Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup",
+        Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup",
                                "0.2", "-nowrite", "-componly"});
         tjbench.exitCode();
         const std::string text = tjbench.out();
@@ -213,11 +213,11 @@ void jpeg(const gpu::Device& device, const Scene& scene) {
 
 // Frames per second, all clients together, of `servers` servers with `clients` clients each.
 double streamed(const std::filesystem::path& bin, const std::string& scene, int servers, int clients, double seconds) {
-    std::vector<std::unique_ptr<test::Process>> running, watching;
+    std::vector<std::unique_ptr<Process>> running, watching;
     std::vector<std::filesystem::path> folders;
     std::vector<std::string> ports;
     for (int s = 0; s < servers; ++s)
-        running.push_back(std::make_unique<test::Process>(
+        running.push_back(std::make_unique<Process>(
             std::vector<std::string>{(bin / "brume-server").string(), "--scene", scene, "--port", "0"}));
     for (const auto& server : running)
         ports.push_back(server->lineStarting("listening on http://127.0.0.1:", std::chrono::minutes(2)).value());
@@ -225,7 +225,7 @@ double streamed(const std::filesystem::path& bin, const std::string& scene, int 
         for (int c = 0; c < clients; ++c) {
             folders.push_back(std::filesystem::temp_directory_path() /
                               ("brume-claims-" + std::to_string(::getpid()) + "-" + std::to_string(folders.size())));
-            watching.push_back(std::make_unique<test::Process>(
+            watching.push_back(std::make_unique<Process>(
                 std::vector<std::string>{(bin / "brume-client").string(), "--headless", "--url", "ws://127.0.0.1:" + port,
                                          "--size", "640x360", "--path", "orbit", "--seconds", std::to_string(seconds), "--out",
                                          folders.back().string(), "--no-save", "--timeout", "60"}));

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/bench/plot.h"
+#include "common/plot.h"
 
 namespace brume::bench {
 namespace {

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/http.h"
+#include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
 
@@ -18,16 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-client::Bytes contentOf(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 std::unique_ptr<Process> startClient(const std::vector<std::string>& arguments,
                                      const std::vector<std::string>& environment = {}) {
-    std::vector<std::string> command{BRUME_CLIENT};
-    command.insert(command.end(), arguments.begin(), arguments.end());
-    return std::make_unique<Process>(command, environment);
+    return startProgram(BRUME_CLIENT, arguments, environment);
 }
 
 class ClientProgram : public testing::Test {
@@ -58,16 +51,6 @@ void waitForFrames(const RunningServer& server) {
         if (std::chrono::steady_clock::now() >= deadline) throw std::runtime_error("the client gets no frames");
         std::this_thread::sleep_for(milliseconds(20));
     }
-}
-
-void expectOneLine(Process& process, const std::string& words) {
-    SCOPED_TRACE(words);
-    const auto code = process.exitCode();
-    ASSERT_TRUE(code) << "it goes on";
-    EXPECT_GT(*code, 0) << "exited with 0 or was ended by a signal";
-    const std::string err = process.err();
-    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
-    EXPECT_NE(err.find(words), err.npos) << err;
 }
 
 TEST_F(ClientProgram, FiveFramesAndTheirStatistics) {

@@ -92,6 +92,32 @@ TEST_F(Http, MetricsCountWhatHappens) {
     EXPECT_EQ(metric(port(), "brume_viewers"), 1);
 }
 
+TEST_F(Http, MetricsTimeTheDeviceAndTheProcess) {
+    const auto value = [](const std::string& name) { return metric(port(), name).value_or(-1); };
+    const std::string cpu = "process_cpu_seconds_total", batches = "brume_batches_total",
+                      views = "brume_device_seconds_total{part=\"view\"}", of_frames = "brume_stage_seconds_sum{stage=\"gpu\"}";
+    const auto begin = std::chrono::steady_clock::now();
+    const double cpu_before = value(cpu), batches_before = value(batches), views_before = value(views);
+    ASSERT_GE(std::min({cpu_before, batches_before, views_before}), 0);
+    {
+        Watcher watcher(server());
+        watcher.look(lookAt({0, 2, 26}, {0, 0, 0}, 0.8f));
+        ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 5; }));
+    }
+    EXPECT_GE(value(batches), batches_before + 5); // a batch has one frame of a viewer at most
+    EXPECT_GT(value(views), views_before);
+    EXPECT_GE(value("brume_device_seconds_total{part=\"shared\"}"), 0);
+    EXPECT_GT(value(cpu), cpu_before);
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+    EXPECT_LE(value(cpu) - cpu_before, passed.count() * std::thread::hardware_concurrency() + 0.1);
+    EXPECT_GT(value("process_resident_memory_bytes"), 1e6);
+    // Counted by batches and counted by frames, device time of views is the same once the last frame is encoded.
+    const auto deadline = begin + kPatience;
+    while (std::abs(value(views) / value(of_frames) - 1) > 1e-5 && std::chrono::steady_clock::now() < deadline)
+        std::this_thread::sleep_for(milliseconds(20));
+    EXPECT_NEAR(value(views), value(of_frames), 1e-5 * value(views)); // floats of milliseconds
+}
+
 TEST_F(Http, ASnapshotIsOnePicture) {
     const HttpReply reply = get(port(), "/snapshot.jpg?w=160&h=96");
     ASSERT_EQ(reply.status, 200) << reply.body;

@@ -1,10 +1,10 @@
-// Scatter plots as SVG text: time against error, both on logarithmic axes.
+// Scatter plots as SVG text, both axes logarithmic: time against error, cost against viewers.
 #pragma once
 
 #include <string>
 #include <vector>
 
-namespace brume::bench {
+namespace brume {
 
 struct Point {
     std::string label;
@@ -25,4 +25,4 @@ std::vector<size_t> paretoFront(const std::vector<Point>& points);
 // Leaves out points that are not positive and finite.
 std::string svg(const Plot& plot);
 
-} // namespace brume::bench
+} // namespace brume

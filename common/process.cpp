@@ -1,4 +1,4 @@
-#include "tests/integration/process.h"
+#include "common/process.h"
 
 #include <array>
 #include <cerrno>
@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace brume::test {
+namespace brume {
 namespace {
 
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
@@ -137,4 +137,4 @@ std::string Process::err() const {
     return err_;
 }
 
-} // namespace brume::test
+} // namespace brume

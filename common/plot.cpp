@@ -1,10 +1,10 @@
-#include "tests/bench/plot.h"
+#include "common/plot.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-namespace brume::bench {
+namespace brume {
 namespace {
 
 constexpr double kWidth = 760, kHeight = 460, kLeft = 70, kRight = 20, kTop = 40, kBottom = 50;
@@ -123,10 +123,12 @@ std::string svg(const Plot& plot) {
                       kColours[p.group % 6], best ? " stroke=\"#2b2f36\" stroke-width=\"1.5\"" : "");
         const Box at = placed(x.at(p.x), y.at(p.y), 6.6 * double(p.label.size()), taken);
         taken.push_back(at);
-        out += format("<text x=\"%.1f\" y=\"%.1f\"%s>", at.x, at.y + 11, best ? " font-weight=\"bold\"" : "") + escaped(p.label) +
-               "</text>\n";
+        const char* const colour = plot.joined ? kColours[p.group % 6] : "#000"; // a label may be of a whole line
+        out +=
+            format("<text x=\"%.1f\" y=\"%.1f\" fill=\"%s\"%s>", at.x, at.y + 11, colour, best ? " font-weight=\"bold\"" : "") +
+            escaped(p.label) + "</text>\n";
     }
     return out + "</svg>\n";
 }
 
-} // namespace brume::bench
+} // namespace brume

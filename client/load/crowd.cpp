@@ -1,0 +1,177 @@
+#include "client/load/crowd.h"
+
+#include <algorithm>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "client/native/options.h"
+
+namespace brume::load {
+namespace {
+
+using client::nowUs;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+constexpr uint64_t kPoseEveryUs = 16'667;  // as a display of 60 Hz
+constexpr uint64_t kLookEveryUs = 100'000; // for what does not happen: frames that do not come
+constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may show shaders being compiled
+
+milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1e3)); }
+
+} // namespace
+
+struct Crowd::Viewer {
+    uint32_t number; // from 1
+    client::Session session;
+    Path path;
+    double phase; // of its way, in [0, 1)
+    client::CameraPath camera;
+    uint64_t next_pose_us = 0, heard_us = nowUs(), frames = 0;
+    struct Sent {
+        uint32_t seq;
+        uint64_t us;
+    };
+    std::deque<Sent> unanswered;
+};
+
+Crowd::Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt)
+    : options_(options), interrupt_(interrupt), start_us_(nowUs()) {
+    for (uint32_t i = 0; i < viewers; ++i) {
+        const Path path = options.paths[i % options.paths.size()];
+        client::Wishes wishes = options.wishes;
+        wishes.views = path.stereo ? 2 : 1;
+        viewers_.push_back(std::make_unique<Viewer>(
+            Viewer{i + 1, client::Session(server, wishes, millis(options.timeout), loop_), path, double(i) / viewers, {}, 0}));
+    }
+}
+
+Crowd::~Crowd() = default;
+
+const client::Granted& Crowd::granted() const { return viewers_.front()->session.granted(); }
+
+double Crowd::enter() {
+    const uint64_t begin = nowUs();
+    const auto ready = [](const auto& viewer) { return viewer->frames >= kFirstFrames; };
+    while (double(nowUs() - begin) < options_.warm_up * 1e6 || !std::all_of(viewers_.begin(), viewers_.end(), ready)) step();
+    return double(nowUs() - begin) * 1e-6;
+}
+
+Run Crowd::watch(double seconds) {
+    Run run;
+    run.viewers = uint32_t(viewers_.size());
+    run.frames.resize(viewers_.size());
+    run_ = &run;
+    const uint64_t begin = nowUs();
+    while (double(nowUs() - begin) < seconds * 1e6) step();
+    const uint64_t end = nowUs();
+    run_ = nullptr;
+    run.seconds = double(end - begin) * 1e-6;
+    for (const auto& viewer : viewers_)
+        if (!viewer->unanswered.empty())
+            run.oldest_unanswered_ms = std::max(run.oldest_unanswered_ms, double(end - viewer->unanswered.front().us) * 1e-3);
+    if (const auto frames = double(run.allFrames()); frames > 0)
+        for (double StageMeans::*mean : {&StageMeans::wait, &StageMeans::render, &StageMeans::gpu, &StageMeans::encode,
+                                         &StageMeans::queue, &StageMeans::decode})
+            run.stages.*mean /= frames;
+    return run;
+}
+
+void Crowd::step() {
+    if (interrupt_.asked()) throw std::runtime_error("interrupted");
+    uint64_t now = nowUs(), next = now + kLookEveryUs;
+    const Viewer *refused = nullptr, *awaited = nullptr; // one of those that were, or have no answer yet
+    const bool look = now >= next_look_us_;
+    if (look) next_look_us_ = now + kLookEveryUs;
+    for (const auto& viewer : viewers_) {
+        listen(*viewer);
+        if (viewer->session.welcomed()) {
+            if (viewer->session.closed()) fail(*viewer, viewer->session.closedBecause());
+            talk(*viewer, now);
+            next = std::min(next, viewer->next_pose_us);
+        } else {
+            (viewer->session.closed() ? refused : awaited) = viewer.get();
+        }
+        if (look && double(now - std::min(now, viewer->heard_us)) > options_.timeout * 1e6)
+            fail(*viewer, fmt::format("no frame in {:g} s", options_.timeout));
+    }
+    if (refused && !awaited) fail(*refused, refused->session.closedBecause());
+    now = nowUs();
+    if (next > now) loop_.wait(microseconds(next - now));
+}
+
+void Crowd::talk(Viewer& viewer, uint64_t now) {
+    if (now < viewer.next_pose_us) return;
+    const double period = viewer.path.kind == client::PathKind::fly ? client::kFlySeconds : client::kOrbitSeconds;
+    Pose pose = viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period);
+    if (viewer.path.stereo) pose.eye_separation = client::kEyeSeparation;
+    if (const auto seq = viewer.session.sendPose(pose)) viewer.unanswered.push_back({*seq, now});
+    // 60 a second on average, but none to make up for a time in which this program did not run.
+    viewer.next_pose_us = std::max(viewer.next_pose_us + kPoseEveryUs, now + kPoseEveryUs / 2);
+}
+
+void Crowd::listen(Viewer& viewer) {
+    while (const auto message = viewer.session.next(milliseconds(0))) {
+        if (message->as<wire::Frame>()) {
+            take(viewer, *message);
+        } else if (message->as<wire::Welcome>()) {
+            welcome(viewer);
+        } else if (const auto* error = message->as<wire::Error>(); error && run_) {
+            if (run_->errors++ == 0) run_->first_error = error->text() ? error->text()->str() : "";
+        }
+    }
+}
+
+void Crowd::welcome(Viewer& viewer) {
+    const client::Granted& granted = viewer.session.granted();
+    viewer.camera = {client::PathKind::orbit, granted.position, granted.target, granted.fov_y};
+    if (viewer.path.kind == client::PathKind::still) // each at another place of the orbit
+        viewer.camera.position = viewer.camera.at(viewer.phase * client::kOrbitSeconds).position;
+    viewer.camera.kind = viewer.path.kind;
+    viewer.heard_us = nowUs();
+    viewer.next_pose_us = viewer.heard_us + uint64_t(viewer.phase * kPoseEveryUs); // not all in one moment
+}
+
+void Crowd::take(Viewer& viewer, const client::Received& message) {
+    const auto& frame = *message.as<wire::Frame>();
+    const uint64_t decode_begin = nowUs();
+    if (options_.decode)
+        for (uint32_t view = 0; view < frame.jpeg_bytes()->size(); ++view)
+            if (!decoder_.decode(message.parsed().view(view), frame.width(), frame.height(), picture_))
+                fail(viewer, "a picture is broken: " + decoder_.error());
+    const uint64_t shown = nowUs();
+    viewer.session.acknowledge(frame.id());
+    viewer.heard_us = shown;
+    ++viewer.frames;
+    // Serial numbers that wrap around: this frame answers all poses up to its own.
+    while (!viewer.unanswered.empty() && int32_t(frame.pose_seq() - viewer.unanswered.front().seq) >= 0) {
+        if (run_) run_->latencies_ms.push_back(float(shown - viewer.unanswered.front().us) * 1e-3f);
+        viewer.unanswered.pop_front();
+    }
+    if (!run_) return;
+    ++run_->frames[viewer.number - 1];
+    run_->bytes += message.size();
+    const auto& stages = *frame.stages();
+    StageMeans& sums = run_->stages; // divided at the end
+    sums.wait += double(stages.wait());
+    sums.render += double(stages.render());
+    sums.gpu += double(stages.gpu());
+    sums.encode += double(stages.encode());
+    sums.queue += double(stages.queue());
+    sums.decode += double(shown - decode_begin) * 1e-3;
+}
+
+void Crowd::fail(const Viewer& viewer, const std::string& why) const {
+    const auto in = std::count_if(viewers_.begin(), viewers_.end(), [](const auto& other) { return other->session.welcomed(); });
+    if (size_t(in) < viewers_.size())
+        throw std::runtime_error(fmt::format("{} of {} viewers got in: {}", in, viewers_.size(), why));
+    throw std::runtime_error(fmt::format("viewer {} of {}: {}", viewer.number, viewers_.size(), why));
+}
+
+void Crowd::leave() {
+    for (const auto& viewer : viewers_) viewer->session.leave("done");
+}
+
+} // namespace brume::load

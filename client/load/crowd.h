@@ -1,0 +1,54 @@
+// Many viewers of one server in one thread, each with a camera of its own: poses at 60 Hz, every frame acknowledged at once.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "client/load/options.h"
+#include "client/load/run.h"
+#include "client/native/interrupt.h"
+#include "client/native/jpeg.h"
+
+namespace brume::load {
+
+// Every failure throws std::runtime_error: one line.
+class Crowd {
+public:
+    // `options` and `interrupt` outlive it.
+    Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt);
+    ~Crowd();
+
+    // Until every viewer is welcomed, has had a few frames, and the warm-up is over. Returns how long that took, in seconds.
+    double enter();
+    // Watches for so long and counts. Precondition: enter() has returned.
+    Run watch(double seconds);
+    // Says goodbye.
+    void leave();
+
+    const client::Granted& granted() const; // of the first viewer
+
+private:
+    struct Viewer;
+
+    // Moves everybody on, once.
+    void step();
+    void talk(Viewer& viewer, uint64_t now);
+    void listen(Viewer& viewer);
+    void take(Viewer& viewer, const client::Received& message);
+    void welcome(Viewer& viewer);
+    [[noreturn]] void fail(const Viewer& viewer, const std::string& why) const;
+
+    const Options& options_;
+    client::Interrupt& interrupt_;
+    client::Loop loop_;
+    std::vector<std::unique_ptr<Viewer>> viewers_;
+    client::JpegDecoder decoder_;
+    client::Picture picture_;
+    uint64_t next_look_us_ = 0;
+    uint64_t start_us_ = 0; // of the cameras' ways
+    Run* run_ = nullptr;    // where to count, while it counts
+};
+
+} // namespace brume::load

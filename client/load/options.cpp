@@ -1,0 +1,116 @@
+#include "client/load/options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <arpa/inet.h>
+#include <wordexp.h>
+
+namespace brume::load {
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& why) {
+    throw CLI::ValidationError(option, "'" + text + "' " + why);
+}
+
+Path pathNamed(const std::string& name) {
+    if (name == "stereo") return {client::PathKind::orbit, true};
+    const auto kind = client::pathNamed(name);
+    if (!kind) refuse("--paths", name, "is not one of orbit, fly, still, stereo, or several of them: orbit,fly");
+    return {*kind, false};
+}
+
+// Words as a shell would make them of it, without running anything.
+std::vector<std::string> wordsOf(const std::string& text) {
+    wordexp_t words{};
+    if (wordexp(text.c_str(), &words, WRDE_NOCMD | WRDE_UNDEF) != 0)
+        refuse("--start", text, "cannot be split into words: quotes in pairs, nothing that a shell would run");
+    std::vector<std::string> all(words.we_wordv, words.we_wordv + words.we_wordc);
+    wordfree(&words);
+    return all;
+}
+
+bool isLoopback(const std::string& host) {
+    in_addr v4{};
+    in6_addr v6{};
+    if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
+    if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6) != 0;
+    return host == "localhost";
+}
+
+} // namespace
+
+std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code) {
+    Options options;
+    std::vector<std::string> paths{"orbit"}, budgets;
+    std::string server, start = "--scene cloud", out;
+    bool anywhere = false;
+
+    CLI::App app("Watches a brume server as many viewers at once, and measures what each gets and what they cost.", "brume-load");
+    app.set_version_flag("--version", "brume-load " BRUME_VERSION);
+    app.add_option("--viewers", options.viewers, "Numbers of viewers, one run each")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->default_str("1,2,4,8,16,32")
+        ->check(CLI::Range(1u, kMostViewers));
+    app.add_option("--seconds", options.seconds, "Length of each run")->capture_default_str()->check(CLI::Range(0.5, 3600.0));
+    app.add_option("--warm-up", options.warm_up, "Seconds before each run that are not measured; every viewer has frames by then")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 600.0));
+    app.add_option("--paths", paths, "Where viewers go, in turn: orbit, fly, still, stereo (orbit with two eyes)")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->default_str("orbit");
+    app.add_option("--width", options.wishes.width, "Pixels of one eye")->capture_default_str()->check(CLI::Range(16, 8192));
+    app.add_option("--height", options.wishes.height)->capture_default_str()->check(CLI::Range(16, 8192));
+    app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's")
+        ->check(CLI::Range(0, 100));
+    app.add_flag("--decode", options.decode, "Decode the pictures too, as a real viewer does; costs CPU time here");
+    auto* const running = app.add_option("--server", server, "A server that runs already: ws://127.0.0.1:8080");
+    app.add_flag("--anywhere", anywhere, "Let --server be another machine");
+    app.add_option("--start", start, "Arguments of the server that is started, on a free port, when --server is not given")
+        ->capture_default_str()
+        ->excludes(running);
+    app.add_option("--timeout", options.timeout, "Give up when a viewer gets no frame for so many seconds")
+        ->capture_default_str()
+        ->check(CLI::Range(0.1, 3600.0));
+    app.add_option("--out", out, "Write load.json, load.md and load.svg to this folder");
+    app.add_option("--assert", budgets, "Fail unless this holds: fps>=15@16, p95<=200; repeatable")->allow_extra_args(false);
+
+    try {
+        app.parse(argc, argv);
+        for (const double seconds : {options.seconds, options.warm_up, options.timeout})
+            if (!std::isfinite(seconds)) throw CLI::ValidationError("a time", "is a number of seconds");
+        options.paths.clear();
+        for (const auto& name : paths) options.paths.push_back(pathNamed(name));
+        for (const auto& text : budgets) {
+            try {
+                options.budgets.push_back(parseBudget(text));
+            } catch (const std::invalid_argument& error) {
+                throw CLI::ValidationError("--assert", error.what());
+            }
+            const auto& viewers = options.budgets.back().viewers;
+            if (viewers && std::find(options.viewers.begin(), options.viewers.end(), *viewers) == options.viewers.end())
+                refuse("--assert", text, "is about a number of viewers that --viewers does not have");
+        }
+        if (!server.empty()) {
+            options.server = client::parseUrl(server);
+            if (!anywhere && !isLoopback(options.server->host))
+                refuse("--server", server, "is not this machine; say --anywhere if you may load it");
+        }
+        options.server_arguments = wordsOf(start);
+        options.out = out;
+    } catch (const CLI::Success& success) { // --help, --version
+        exit_code = app.exit(success);
+        return {};
+    } catch (const std::exception& error) {
+        std::cerr << "brume-load: " << error.what() << "; --help lists what there is\n";
+        exit_code = 2;
+        return {};
+    }
+    return options;
+}
+
+} // namespace brume::load

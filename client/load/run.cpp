@@ -1,0 +1,24 @@
+#include "client/load/run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "client/native/statistics.h"
+
+namespace brume::load {
+
+uint64_t Run::allFrames() const { return std::accumulate(frames.begin(), frames.end(), uint64_t(0)); }
+
+double Run::leastFps() const { return double(*std::min_element(frames.begin(), frames.end())) / seconds; }
+
+double Run::medianFps() const {
+    const std::vector<float> values(frames.begin(), frames.end());
+    return double(client::percentile(values, 0.5).value_or(NAN)) / seconds;
+}
+
+double Run::mostFps() const { return double(*std::max_element(frames.begin(), frames.end())) / seconds; }
+
+double Run::latencyMs(double fraction) const { return double(client::percentile(latencies_ms, fraction).value_or(NAN)); }
+
+} // namespace brume::load
