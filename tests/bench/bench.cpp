@@ -14,6 +14,7 @@
 
 #include "common/metrics.h"
 #include "common/metrics_flip.h"
+#include "tests/bench/native/compare.h"
 #include "tests/bench/predict.h"
 #include "tests/bench/report.h"
 #include "tests/bench/sweep.h"
@@ -39,6 +40,30 @@ std::string said(const char* command) {
     text.resize(std::fread(text.data(), 1, text.size(), pipe));
     ::pclose(pipe);
     return text.substr(0, text.find('\n'));
+}
+
+std::string cpu() {
+    return said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
+}
+
+std::string today() {
+    const std::time_t now = std::time(nullptr);
+    char date[16];
+    std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
+    return date;
+}
+
+// To standard output where `file` is empty. Throws std::runtime_error, one line.
+void writeText(const std::filesystem::path& file, const std::string& text) {
+    if (file.empty()) {
+        std::cout << text;
+        return;
+    }
+    std::filesystem::create_directories(file.parent_path().empty() ? "." : file.parent_path());
+    std::ofstream out(file);
+    out << text;
+    if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+    std::cout << file.string() << '\n';
 }
 
 struct RenderOptions {
@@ -96,17 +121,9 @@ void sweep(const gpu::DeviceOptions& device_options, const std::vector<std::stri
     results["peak_mib"] = double(usage.ru_maxrss) / 1024;
     results["commit"] = said("git rev-parse --short HEAD 2>/dev/null") +
                         (said("git status --porcelain -- . ':!docs/results' 2>/dev/null").empty() ? "" : " with changes");
-    results["cpu"] =
-        said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
-    const std::time_t now = std::time(nullptr);
-    char date[16];
-    std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
-    results["date"] = date;
-    std::filesystem::create_directories(out.parent_path().empty() ? "." : out.parent_path());
-    std::ofstream file(out);
-    file << results.dump(1) << '\n';
-    if (!file.flush()) throw std::runtime_error(out.string() + ": cannot be written");
-    std::cout << out.string() << '\n';
+    results["cpu"] = cpu();
+    results["date"] = today();
+    writeText(out, results.dump(1) + '\n');
 }
 
 void calibrateDevice(const gpu::DeviceOptions& options, const std::filesystem::path& folder, double seconds) {
@@ -127,6 +144,26 @@ void plan(const gpu::DeviceOptions& options, const std::filesystem::path& folder
     if (!complaint.empty()) std::cerr << complaint << '\n';
     Truth truth(cache);
     std::cout << "costs: " << model.source << "\n\n" << planTable(device, model, truth, scenes, set);
+}
+
+struct NativeOptions {
+    std::string instructions, out;
+    uint32_t frames = 30, threads = 2;
+};
+
+// Says and does nothing where the CPU lacks the instructions.
+void nativeSlabs(const gpu::DeviceOptions& options, const NativeOptions& o, const std::filesystem::path& cache,
+                 const std::string& command) {
+    const native::Kernel* kernel = NativeSlabs::named(o.instructions);
+    if (!kernel) {
+        const std::string wanted = o.instructions.empty() ? "AVX-512 or AVX2" : o.instructions;
+        std::cout << "skipped: this CPU (" << cpu() << ") does not have " << wanted << '\n';
+        return;
+    }
+    const gpu::Device device(options);
+    Truth truth(cache);
+    const std::string table = nativeTable(device, truth, *kernel, o.frames, o.threads);
+    writeText(o.out, nativeReport(*kernel, {cpu(), device.name() + ", " + device.driver(), today(), command}, table));
 }
 
 int run(int argc, char** argv) {
@@ -185,6 +222,16 @@ int run(int argc, char** argv) {
     plan_command->add_option("--set", plan_set, "key=value instead of the scenes', as in their files")->default_str("");
     plan_command->add_option("--costs", costs, "folder of what calibrate wrote");
 
+    NativeOptions native;
+    CLI::App* native_command =
+        app.add_subcommand("native", "slabs on Vulkan beside the same maths written for this CPU's vector units: a table");
+    native_command->add_option("--instructions", native.instructions, "AVX-512 or AVX2; default: the widest that the CPU has")
+        ->check(CLI::IsMember({"AVX-512", "AVX2"}))
+        ->default_str("");
+    native_command->add_option("--frames", native.frames, "of each")->check(CLI::Range(1, 10000));
+    native_command->add_option("--threads", native.threads, "of the native program")->check(CLI::Range(1, 256));
+    native_command->add_option("--out", native.out, "Markdown instead of standard output")->default_str("");
+
     std::string json_file, before;
     std::string folder = "docs/results", name = "speed-error";
     CLI::App* report_command =
@@ -209,6 +256,7 @@ int run(int argc, char** argv) {
     if (*sweep_command) sweep(device, files, effort, results, cache, command);
     if (*calibrate_command) calibrateDevice(device, costs, calibrate_seconds);
     if (*plan_command) plan(device, costs, cache, scenes, plan_set);
+    if (*native_command) nativeSlabs(device, native, cache, command);
     if (*report_command) {
         if (before.empty())
             writeReport(readJson(json_file), folder, name);
