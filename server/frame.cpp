@@ -236,7 +236,8 @@ void FrameLoop::report(Clock::time_point now) {
     report->medium = scene.medium;
     report->render = scene.render;
     const Plan& plan = planner_.plan();
-    report->plan = {plan.chosen.settings, plan.chosen.error, plan.relaxed};
+    report->plan = {plan.chosen.settings, plan.chosen.error, plan.chosen.ms(), plan.relaxed};
+    report->plan.settings.quadrature = quadratureOf(plan.chosen.settings);
     report->passes = passes_;
     audience_.publish(std::move(report));
 }

@@ -15,12 +15,9 @@ public:
     ~Metrics();
 
     // --- the frame loop's side ---
-    void ticked(float work_ms);               // one tick of the shared work: commands, simulation, light
-    void rendered(const EncodedFrame& frame); // a frame is encoded; times its wait, render, encode and gpu stages
-    void encoded(uint32_t pictures);          // viewers with the same camera share one
-    void failed();                            // a due frame was abandoned
     void ticked(float work_ms);                    // one tick of the shared work: commands, simulation, light
     void drawn(double shared_ms, double views_ms); // the device is done with a batch: its passes for all, and for each view
+    void encoded(uint32_t pictures);               // viewers with the same camera share one
     void rendered(const EncodedFrame& frame);      // a frame is encoded; times its wait, render, encode and gpu stages
     void failed();                                 // a due frame was abandoned
 

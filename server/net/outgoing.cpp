@@ -11,6 +11,15 @@ using Builder = flatbuffers::FlatBufferBuilder;
 auto packStrings(Builder& b, const std::vector<std::string>& strings) { return b.CreateVectorOfStrings(strings); }
 auto packText(Builder& b, std::string_view text) { return b.CreateString(text.data(), text.size()); }
 
+// Rays and slabs are of one method.
+auto packPlan(Builder& b, const SceneReport& report) {
+    const RenderSettings& used = report.plan.settings;
+    const bool slabs = used.method == "slabs";
+    const auto method = packText(b, used.method), quadrature = packText(b, used.quadrature);
+    return wire::CreatePlan(b, method, quadrature, slabs ? used.rate : 0, slabs ? used.slabs : 0, float(report.plan.error),
+                            float(report.plan.ms), report.plan.relaxed);
+}
+
 } // namespace
 
 wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience) {
@@ -36,10 +45,11 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers) {
         passes.reserve(report.passes.size());
         for (const PassTime& pass : report.passes) passes.push_back(wire::CreatePassTime(b, packText(b, pass.name), pass.ms));
         const auto packed_passes = b.CreateVector(passes);
+        const auto plan = packPlan(b, report);
         return wire::CreateSceneState(b, report.tick, report.state_hash, viewers, report.particles, report.paused, &to_light,
                                       &irradiance, report.light.rotate, report.medium.extinction, report.medium.falloff,
                                       report.medium.anisotropy, report.medium.asymmetry, &albedo, method, quadrature,
-                                      report.render.steps, report.render.exposure, packed_passes);
+                                      report.render.steps, report.render.exposure, packed_passes, plan);
     });
 }
 

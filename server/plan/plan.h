@@ -58,11 +58,18 @@ struct Plan {
 // `wanted.method` and settings other than 0 are kept whatever they cost: the plan only chooses what is left open.
 Plan makePlan(const PlanInputs& inputs, const CostModel& model);
 
-// Errors that approximations leave (relative RMSE), as measured against the double-precision reference: brume-bench plan.
-double rayError(double spacing);                                 // of rays, in projected standard deviations
-double slabError(double thickness, bool inside);                 // of slabs, in standard deviations
-double methodError(const RenderSettings& settings, bool inside); // what remains however fine the rest is
-double flipOf(double error);                                     // mean FLIP of pictures with such an error
+// Errors that approximations leave (relative RMSE), as measured against the double-precision reference: docs/results/plan.md.
+// `inside`: the eye is in the medium.
+// Of rays, in projected standard deviations.
+double rayError(double spacing);
+// Of slabs, in standard deviations; `depth`: mean optical depth of one.
+double slabError(double thickness, double depth, bool inside);
+// Of the light's map, by its own estimate for the light in the medium.
+double lightError(double estimated);
+// What remains of a method however fine the rest is.
+double methodError(const RenderSettings& settings, bool inside);
+// Mean FLIP of pictures with such an error.
+double flipOf(double error, bool inside);
 
 // The next coarser settings, in the order in which overload gives up accuracy: slabs, rays, shadow volume, and again; what is at
 // its end is passed over. Empty when all are. `step` counts from 0.

@@ -98,6 +98,8 @@ double ViewWork::raySpacing(uint32_t rate) const {
 
 double ViewWork::slabThickness(uint32_t slabs) const { return (far_ - near_) / (slabs * double(scene_.extent.deviation)); }
 
+double ViewWork::deviationDepth() const { return scene_.extinction * double(scene_.extent.deviation); }
+
 // Pixels of the particles' discs, `area` of the boxes around them.
 double ViewWork::fragments(double area) const {
     double sum = 0;

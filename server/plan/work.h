@@ -30,6 +30,7 @@ struct PlanScene {
     uint32_t particles = 0;
     std::vector<gpu::Particle> sample; // evenly chosen, each stands for particles / sample.size()
     MediumExtent extent;
+    double extinction = 0; // 1/m, that the medium meets on average, by its optical mass
     // Resolutions of the volumetric shadow map, errors from wanted.shadow_error by halves and doubles: coarser ones are for
     // overload.
     struct Shadow {
@@ -60,6 +61,7 @@ public:
     bool sees() const { return far_ > near_; }     // some of the medium is before the eye
     double raySpacing(uint32_t rate) const;        // of neighbouring rays, in projected standard deviations
     double slabThickness(uint32_t slabs) const;    // in standard deviations
+    double deviationDepth() const;                 // mean optical depth of a standard deviation's length
 
     static constexpr double kNear = 0.05; // m, as the renderer's near plane
 

@@ -49,6 +49,9 @@ struct EyeInputs {
 struct SceneFeatures {
     bool opaque = false, casters = false, lobe = false, ambient = false;
     bool operator==(const SceneFeatures&) const = default;
+    SceneFeatures operator|(const SceneFeatures& o) const {
+        return {opaque || o.opaque, casters || o.casters, lobe || o.lobe, ambient || o.ambient};
+    }
 };
 
 class DepthOrder; // far-to-near order of what an eye can see

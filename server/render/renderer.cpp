@@ -81,10 +81,10 @@ std::span<const PictureView> Submission::pictures() {
     return pictures_;
 }
 
-Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity)
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), capacity_(capacity), objects_(opaqueObjects(scene)), shadow_volume_(device, capacity),
       opaque_shadow_(device), particle_light_(device, capacity), background_(device, scene), depth_order_(device, capacity),
-      features_(featuresOf(scene)), compose_(device, features_), linear_(device, VK_FILTER_LINEAR),
+      features_(featuresOf(scene) | besides), compose_(device, features_), linear_(device, VK_FILTER_LINEAR),
       nearest_(device, VK_FILTER_NEAREST) {
     particles_ =
         gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
@@ -146,7 +146,7 @@ void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes)
 
 Method& Renderer::method(const SceneNow& now) {
     SceneFeatures features = features_;
-    features.lobe = now.medium.anisotropy > 0;
+    features.lobe = features.lobe || now.medium.anisotropy > 0;
     const std::string key =
         now.render.method + ' ' + now.render.quadrature + ' ' + std::to_string(now.render.steps) + (features.lobe ? " lobe" : "");
     std::unique_ptr<Method>& made = methods_[key];
@@ -213,7 +213,7 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         in.extent = &extent_;
         in.settings = &now.render;
         in.pose = eye.pose;
-        in.lobe = now.medium.anisotropy > 0;
+        in.lobe = features_.lobe || now.medium.anisotropy > 0;
         in.planes = &planes_;
         in.planes_at = planes_at;
         in.compose = &compose_;

@@ -46,8 +46,9 @@ public:
     // of optical depth 2e-4 changes nothing, and ten thousand of those are T = 0.14.
     static constexpr VkFormat kRadianceFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
-    // For at most `capacity` particles. Throws gpu::Error.
-    Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity);
+    // For at most `capacity` particles. `besides`: for measurements, what shaders are compiled for though the scene has none of
+    // it. Throws gpu::Error.
+    Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides = {});
     ~Renderer();
 
     // Records and submits everything for `eyes` at the simulation's present state.

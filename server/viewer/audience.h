@@ -25,6 +25,7 @@ struct SceneReport {
     struct {
         RenderSettings settings; // in use
         double error = 0;        // relative RMSE, predicted
+        double ms = 0;           // of a frame of all viewers, predicted
         uint32_t relaxed = 0;    // steps of accuracy given up under overload
     } plan;
     std::vector<PassTime> passes;

@@ -9,11 +9,14 @@
 #include <thread>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "common/metrics.h"
 #include "common/metrics_flip.h"
+#include "tests/bench/features.h"
+#include "tests/bench/native/compare.h"
 #include "tests/bench/predict.h"
 #include "tests/bench/report.h"
 #include "tests/bench/sweep.h"
@@ -39,6 +42,30 @@ std::string said(const char* command) {
     text.resize(std::fread(text.data(), 1, text.size(), pipe));
     ::pclose(pipe);
     return text.substr(0, text.find('\n'));
+}
+
+std::string cpu() {
+    return said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
+}
+
+std::string today() {
+    const std::time_t now = std::time(nullptr);
+    char date[16];
+    std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
+    return date;
+}
+
+// To standard output where `file` is empty. Throws std::runtime_error, one line.
+void writeText(const std::filesystem::path& file, const std::string& text) {
+    if (file.empty()) {
+        std::cout << text;
+        return;
+    }
+    std::filesystem::create_directories(file.parent_path().empty() ? "." : file.parent_path());
+    std::ofstream out(file);
+    out << text;
+    if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+    std::cout << file.string() << '\n';
 }
 
 struct RenderOptions {
@@ -96,17 +123,9 @@ void sweep(const gpu::DeviceOptions& device_options, const std::vector<std::stri
     results["peak_mib"] = double(usage.ru_maxrss) / 1024;
     results["commit"] = said("git rev-parse --short HEAD 2>/dev/null") +
                         (said("git status --porcelain -- . ':!docs/results' 2>/dev/null").empty() ? "" : " with changes");
-    results["cpu"] =
-        said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
-    const std::time_t now = std::time(nullptr);
-    char date[16];
-    std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
-    results["date"] = date;
-    std::filesystem::create_directories(out.parent_path().empty() ? "." : out.parent_path());
-    std::ofstream file(out);
-    file << results.dump(1) << '\n';
-    if (!file.flush()) throw std::runtime_error(out.string() + ": cannot be written");
-    std::cout << out.string() << '\n';
+    results["cpu"] = cpu();
+    results["date"] = today();
+    writeText(out, results.dump(1) + '\n');
 }
 
 void calibrateDevice(const gpu::DeviceOptions& options, const std::filesystem::path& folder, double seconds) {
@@ -120,13 +139,50 @@ void calibrateDevice(const gpu::DeviceOptions& options, const std::filesystem::p
 }
 
 void plan(const gpu::DeviceOptions& options, const std::filesystem::path& folder, const std::filesystem::path& cache,
-          const std::vector<std::string>& scenes, const std::vector<std::string>& set) {
+          const PlanTable& wanted, const std::filesystem::path& out, const std::string& command) {
     const gpu::Device device(options);
     std::string complaint;
     const CostModel model = loadCosts(costFile(folder, device.name(), device.driver()), complaint);
     if (!complaint.empty()) std::cerr << complaint << '\n';
     Truth truth(cache);
-    std::cout << "costs: " << model.source << "\n\n" << planTable(device, model, truth, scenes, set);
+    const std::string about =
+        fmt::format("# The plan: predicted against measured\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}. "
+                    "Costs: {}.\n\n",
+                    command, today(), cpu(), device.name(), device.driver(), model.source);
+    writeText(out, about + planTable(device, model, truth, wanted));
+}
+
+void features(const gpu::DeviceOptions& options, uint32_t frames, const std::filesystem::path& out, const std::string& command) {
+    const gpu::Device device(options);
+    const std::string about = fmt::format("# What is saved by compiling out what a scene does not have\n\nWritten by `{}` on {}. "
+                                          "CPU: {}. Vulkan device: {}, {}.\n\n"
+                                          "Scenes without objects, lobe and ambient light, 640x360 from outside, with shaders "
+                                          "specialised for what is there and, besides, for "
+                                          "things that are not; the pictures are the same. Least of {} frames each, in turns. "
+                                          "There is one light in every scene, so that "
+                                          "nothing is specialised for more.\n\n",
+                                          command, today(), cpu(), device.name(), device.driver(), frames);
+    writeText(out, about + featuresTable(device, frames));
+}
+
+struct NativeOptions {
+    std::string instructions, out;
+    uint32_t frames = 30, threads = 2;
+};
+
+// Says and does nothing where the CPU lacks the instructions.
+void nativeSlabs(const gpu::DeviceOptions& options, const NativeOptions& o, const std::filesystem::path& cache,
+                 const std::string& command) {
+    const native::Kernel* kernel = NativeSlabs::named(o.instructions);
+    if (!kernel) {
+        const std::string wanted = o.instructions.empty() ? "AVX-512 or AVX2" : o.instructions;
+        std::cout << "skipped: this CPU (" << cpu() << ") does not have " << wanted << '\n';
+        return;
+    }
+    const gpu::Device device(options);
+    Truth truth(cache);
+    const std::string table = nativeTable(device, truth, *kernel, o.frames, o.threads);
+    writeText(o.out, nativeReport(*kernel, {cpu(), device.name() + ", " + device.driver(), today(), command}, table));
 }
 
 int run(int argc, char** argv) {
@@ -179,11 +235,31 @@ int run(int argc, char** argv) {
     calibrate_command->add_option("--costs", costs, "folder of the file");
     calibrate_command->add_option("--seconds", calibrate_seconds, "of frames, beside start-up")->check(CLI::Range(0.0, 600.0));
 
-    std::vector<std::string> scenes{"cloud", "cloud-5000", "tubes", "props", "plume"}, plan_set;
+    PlanTable planned;
+    std::string plan_out;
     CLI::App* plan_command = app.add_subcommand("plan", "the plan's choices: predicted against measured, as a table");
-    plan_command->add_option("scenes", scenes, "shipped scenes, or paths");
-    plan_command->add_option("--set", plan_set, "key=value instead of the scenes', as in their files")->default_str("");
+    plan_command->add_option("scenes", planned.scenes, "shipped scenes, or paths");
+    plan_command->add_option("--cameras", planned.cameras, "as render's");
+    plan_command->add_option("--set", planned.set, "key=value instead of the scenes', as in their files")->default_str("");
     plan_command->add_option("--costs", costs, "folder of what calibrate wrote");
+    plan_command->add_option("--out", plan_out, "Markdown instead of standard output")->default_str("");
+
+    uint32_t feature_frames = 10;
+    std::string features_out;
+    CLI::App* features_command =
+        app.add_subcommand("features", "what shaders save that are compiled without what a scene does not have: a table");
+    features_command->add_option("--frames", feature_frames, "of each")->check(CLI::Range(1, 10000));
+    features_command->add_option("--out", features_out, "Markdown instead of standard output")->default_str("");
+
+    NativeOptions native;
+    CLI::App* native_command =
+        app.add_subcommand("native", "slabs on Vulkan beside the same maths written for this CPU's vector units: a table");
+    native_command->add_option("--instructions", native.instructions, "AVX-512 or AVX2; default: the widest that the CPU has")
+        ->check(CLI::IsMember({"AVX-512", "AVX2"}))
+        ->default_str("");
+    native_command->add_option("--frames", native.frames, "of each")->check(CLI::Range(1, 10000));
+    native_command->add_option("--threads", native.threads, "of the native program")->check(CLI::Range(1, 256));
+    native_command->add_option("--out", native.out, "Markdown instead of standard output")->default_str("");
 
     std::string json_file, before;
     std::string folder = "docs/results", name = "speed-error";
@@ -208,7 +284,9 @@ int run(int argc, char** argv) {
     if (*compare_command) return comparePictures(value, reference, map, most, all_pixels);
     if (*sweep_command) sweep(device, files, effort, results, cache, command);
     if (*calibrate_command) calibrateDevice(device, costs, calibrate_seconds);
-    if (*plan_command) plan(device, costs, cache, scenes, plan_set);
+    if (*plan_command) plan(device, costs, cache, planned, plan_out, command);
+    if (*features_command) features(device, feature_frames, features_out, command);
+    if (*native_command) nativeSlabs(device, native, cache, command);
     if (*report_command) {
         if (before.empty())
             writeReport(readJson(json_file), folder, name);

@@ -10,9 +10,15 @@ namespace brume::bench {
 // error how well that went.
 CostModel calibrate(const gpu::Device& device, double seconds);
 
-// A table of the shipped scenes, seen from outside and from within, 640x360: what the plan chooses, the times and the error that
-// it predicts, and those that are measured. Markdown.
-std::string planTable(const gpu::Device& device, const CostModel& model, Truth& truth, const std::vector<std::string>& scenes,
-                      const std::vector<std::string>& set);
+struct PlanTable {
+    std::vector<std::string> scenes{"cloud", "cloud-5000", "tubes", "props", "plume", "cumulus", "cloud-65535"};
+    std::vector<std::string> cameras{"outside", "inside"}; // poseOf()
+    std::vector<std::string> set;                          // key=value instead of the scenes'
+};
+
+// Scenes seen from everywhere, 640x360, every fifth pixel compared: what the plan chooses, the times and errors that it predicts,
+// and those that are measured; and how far they are apart at worst, by whether the laws of server/plan/plan.cpp were fitted on
+// the view. Markdown.
+std::string planTable(const gpu::Device& device, const CostModel& model, Truth& truth, const PlanTable& wanted);
 
 } // namespace brume::bench

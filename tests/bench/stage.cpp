@@ -66,7 +66,7 @@ glm::uvec2 sizeOf(const std::string& text) {
 
 Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, const CostModel& costs)
     : device_(device), bytes_before_(device.memoryInUse()), scene_(sceneOf(wanted)), simulation_(stepped(scene_, ticks)),
-      renderer_(device, scene_, simulation_.capacity()), submission_(device, "bench") {
+      renderer_(device, scene_, simulation_.capacity(), wanted.besides), submission_(device, "bench") {
     const Pose first = poseOf(wanted.camera, scene_, simulation_);
     for (uint32_t i = 0; i < wanted.viewers; ++i) {
         const float angle = 2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers);

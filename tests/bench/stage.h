@@ -17,7 +17,8 @@ struct Case {
     std::vector<std::string> set;   // key=value, instead of the scene's
     std::string camera = "outside"; // see poseOf()
     glm::uvec2 size{640, 360};
-    uint32_t viewers = 1; // around the target, evenly
+    uint32_t viewers = 1;       // around the target, evenly
+    SceneFeatures besides = {}; // that shaders are compiled for though the scene has none of it
 };
 
 // The scene with the case's settings. Throws SceneError, also for a method that does not exist.

@@ -22,13 +22,14 @@ void add(XXH3_state_t& state, const T& values) {
 
 // Of everything that the picture depends on; the version goes up when the reference itself changes.
 std::string nameOf(const reference::World& world, std::span<const gpu::Particle> particles, const Pose& pose, glm::uvec2 size,
-                   uint32_t every) {
+                   uint32_t every, bool centres) {
     XXH3_state_t state;
     XXH3_64bits_reset(&state);
     add(state, particles);
     std::vector<double> numbers = {
         2, double(size.x), double(size.y), kTolerance, world.anisotropy, world.asymmetry, double(pose.fov_y)};
     if (every != 1) numbers.push_back(every);
+    if (centres && !world.obstacles.empty()) numbers.push_back(-1);
     const auto list = [&](glm::dvec3 v) { numbers.insert(numbers.end(), {v.x, v.y, v.z}); };
     for (const auto& blob : world.blobs) numbers.push_back(blob.k);
     for (const auto& light : world.lights) list(light.colour), list(light.to_light), list(light.position);
@@ -49,19 +50,19 @@ std::string nameOf(const reference::World& world, std::span<const gpu::Particle>
 
 Truth::Truth(std::filesystem::path folder) : folder_(std::move(folder)) { std::filesystem::create_directories(folder_); }
 
-RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, uint32_t every) {
+RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, uint32_t every, bool centres) {
     const glm::uvec2 size = thinned(whole, every);
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
     const reference::World world = reference::worldOf(stage.scene(), particles, now.medium, now.light);
-    const std::filesystem::path file = folder_ / nameOf(world, particles, pose, size, every);
+    const std::filesystem::path file = folder_ / nameOf(world, particles, pose, size, every, centres);
     if (std::filesystem::exists(file)) return readExr(file);
 
     std::fprintf(stderr, "  reference %ux%u of %s ...", size.x, size.y, stage.scene().name.c_str());
     const auto begin = std::chrono::steady_clock::now();
     reference::Settings settings;
     settings.tolerance = kTolerance;
-    const int across = world.obstacles.empty() ? 1 : 2;
+    const int across = world.obstacles.empty() || centres ? 1 : 2;
     reference::Camera camera = reference::perspective(pose, int(size.x) * across, int(size.y) * across, kNearDepth);
     camera.cluster = across;
     camera.cluster_part = 1.0 / every;

@@ -14,8 +14,9 @@ public:
 
     // The true overlapping medium of whole Gaussians, in double precision, as `pose` sees the stage's scene now. Where there are
     // opaque objects a pixel is the mean of 2x2 rays, since their edges are no points; else its centre's. `every`: only every so
-    // many-th pixel of the size, an odd number that divides it; see thinned().
-    RadianceImage of(const Stage& stage, const Pose& pose, glm::uvec2 size, uint32_t every = 1);
+    // many-th pixel of the size, an odd number that divides it; see thinned(). `centres`: a pixel is its centre's ray in any
+    // case, as the renderer draws it, so that what is left of an error is the medium's.
+    RadianceImage of(const Stage& stage, const Pose& pose, glm::uvec2 size, uint32_t every = 1, bool centres = false);
 
 private:
     std::filesystem::path folder_;

@@ -213,6 +213,31 @@ describe('one server', () => {
     await two.leave();
   });
 
+  test('the panel says what is rendered with', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await page.locator('#tool-panel').click();
+    const plan = page.locator('#plan');
+    const shows = async (pattern) => {
+      let text = '';
+      for (const deadline = Date.now() + 10_000; !pattern.test(text) && Date.now() < deadline; ) {
+        await page.waitForTimeout(100);
+        text = await plan.textContent();
+      }
+      assert.match(text, pattern);
+    };
+    const way = /(slabs, \d+ px, \d+ slabs|tiles, \w+|sphere|isv, \w+), [\d.]+ %(, relaxed \d+)?$/;
+    const method = page.getByRole('combobox', { name: 'Method' });
+    const asked = await method.inputValue();
+    await method.selectOption('auto');
+    await shows(new RegExp(`^auto: ${way.source}`));
+    assert.ok(await plan.isVisible());
+    await method.selectOption('sphere');
+    await shows(/^sphere, [\d.]+ %/);
+    await method.selectOption(asked);
+    await page.leave();
+  });
+
   test('a setting changed in one page is followed by the other’s panel', async (t) => {
     const [one, two] = [await openPage(t, browser, server.url), await openPage(t, browser, server.url)];
     await Promise.all([connected(one), connected(two)]);

@@ -59,10 +59,10 @@ TEST(Plan, AnUnsatisfiableBudgetTakesTheMostAccurateWayAndSaysSo) {
 
 TEST(Plan, TheBudgetOfFlipCountsToo) {
     PlanInputs inputs = inputsOf(cube());
-    inputs.scene.wanted.flip = 2e-3f;
+    inputs.scene.wanted.flip = 5e-3f; // 0.14 % of error, within what the finest maps of the light allow
     const Plan plan = makePlan(inputs, builtInCosts());
     EXPECT_TRUE(plan.within);
-    EXPECT_LE(plan.chosen.flip, 2e-3);
+    EXPECT_LE(plan.chosen.flip, 5e-3);
 }
 
 // Whatever the constants: a device on which slabs are dear takes something else when its error is allowed.
@@ -153,6 +153,54 @@ TEST(Plan, FartherViewersAskForMoreRays) {
         ASSERT_EQ(s.method, "slabs");
         EXPECT_LE(rayError(now * s.rate), 5e-3);
     }
+}
+
+// Errors of one cause by itself, measured at 640x360 against the double-precision reference, every fifth pixel. Where a law is
+// below what was measured it is by no more than this: the plan's error is then off by less than a third.
+constexpr double kBelow = 1.3;
+
+TEST(ErrorLaws, OfSlabsBoundWhatWasMeasured) {
+    struct Measured {
+        const char* view;
+        double depth, thickness; // of a standard deviation; in standard deviations
+        bool inside;
+        double error;
+    };
+    for (const Measured& m :
+         {Measured{"cloud", 0.258, 1.193, false, 0.01235}, Measured{"cloud", 0.258, 0.596, false, 0.00295},
+          Measured{"cloud", 0.258, 0.593, true, 0.00452}, Measured{"cloud", 0.258, 0.296, true, 0.0012},
+          Measured{"cloud-5000", 0.217, 1.593, false, 0.0343}, Measured{"cloud-5000", 0.217, 0.796, false, 0.00512},
+          Measured{"cloud-5000", 0.217, 0.791, true, 0.00893}, Measured{"tubes", 0.345, 0.693, true, 0.00412},
+          Measured{"props", 0.0476, 1.298, false, 0.00435}, Measured{"props", 0.0476, 0.648, true, 0.00097},
+          Measured{"plume", 0.41, 1.572, false, 0.0294}, Measured{"plume", 0.41, 0.786, false, 0.00363}}) {
+        const double law = slabError(m.thickness, m.depth, m.inside);
+        EXPECT_GT(kBelow * law, m.error) << m.view << ' ' << m.thickness;
+        EXPECT_LT(law, 3 * m.error) << m.view << ' ' << m.thickness << ": needlessly fine";
+    }
+    EXPECT_LT(slabError(0.5, 0.001, false), 1e-4) << "a thin medium is nearly linear";
+}
+
+TEST(ErrorLaws, OfRaysBoundWhatWasMeasured) {
+    // Spacing in projected standard deviations and error: cloud, cloud-5000, tubes, props, plume from outside.
+    for (const auto& [spacing, error] : {std::pair(0.51, 0.00065), std::pair(1.02, 0.00736), std::pair(0.765, 0.00145),
+                                         std::pair(1.531, 0.0276), std::pair(0.643, 0.00187), std::pair(1.286, 0.0197),
+                                         std::pair(1.078, 0.005), std::pair(0.881, 0.00413), std::pair(1.762, 0.0598)}) {
+        EXPECT_GT(kBelow * rayError(spacing), error) << spacing;
+        EXPECT_LT(rayError(spacing), 3 * error) << spacing;
+    }
+}
+
+TEST(ErrorLaws, TheExtinctionOfLoneParticlesIsTheirOwnAndOverlapAdds) {
+    Scene scene = cube(1);
+    const Simulation one(scene);
+    std::vector<gpu::Particle> particles(1);
+    one.write(particles);
+    EXPECT_NEAR(planScene(scene, one).extinction, double(particles[0].sigma_t), 1e-9);
+    scene = cube(200);
+    const double few = planScene(scene, Simulation(scene)).extinction;
+    scene = cube(2000); // all but the first term grows tenfold; the sample holds an eighth of them
+    const double many = planScene(scene, Simulation(scene)).extinction;
+    EXPECT_NEAR(many / few, 10, 2.5);
 }
 
 TEST(Plan, WorkOfTheSampleStandsForAllParticles) {

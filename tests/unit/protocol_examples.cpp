@@ -151,24 +151,30 @@ Json of(const SceneState& m) {
     Json passes = Json::array();
     if (m.passes())
         for (const auto* pass : *m.passes()) passes.push_back({{"name", text(pass->name())}, {"ms", pass->ms()}});
-    return Json::object({{"tick", number(m.tick())},
-                         {"state_hash", number(m.state_hash())},
-                         {"viewers", m.viewers()},
-                         {"particles", m.particles()},
-                         {"paused", m.paused()},
-                         {"to_light", vec(m.to_light())},
-                         {"irradiance", vec(m.irradiance())},
-                         {"rotate", m.rotate()},
-                         {"extinction", m.extinction()},
-                         {"falloff", m.falloff()},
-                         {"anisotropy", m.anisotropy()},
-                         {"asymmetry", m.asymmetry()},
-                         {"albedo", vec(m.albedo())},
-                         {"method", text(m.method())},
-                         {"quadrature", text(m.quadrature())},
-                         {"steps", m.steps()},
-                         {"exposure", m.exposure()},
-                         {"passes", std::move(passes)}});
+    Json out = Json::object({{"tick", number(m.tick())},
+                             {"state_hash", number(m.state_hash())},
+                             {"viewers", m.viewers()},
+                             {"particles", m.particles()},
+                             {"paused", m.paused()},
+                             {"to_light", vec(m.to_light())},
+                             {"irradiance", vec(m.irradiance())},
+                             {"rotate", m.rotate()},
+                             {"extinction", m.extinction()},
+                             {"falloff", m.falloff()},
+                             {"anisotropy", m.anisotropy()},
+                             {"asymmetry", m.asymmetry()},
+                             {"albedo", vec(m.albedo())},
+                             {"method", text(m.method())},
+                             {"quadrature", text(m.quadrature())},
+                             {"steps", m.steps()},
+                             {"exposure", m.exposure()},
+                             {"passes", std::move(passes)}});
+    if (const Plan* plan = m.plan()) // later than the first examples
+        out["plan"] = {{"method", text(plan->method())}, {"quadrature", text(plan->quadrature())},
+                       {"rate", plan->rate()},           {"slabs", plan->slabs()},
+                       {"error", plan->error()},         {"ms", plan->ms()},
+                       {"relaxed", plan->relaxed()}};
+    return out;
 }
 
 Json of(const Frame& m) {
@@ -249,6 +255,11 @@ std::vector<Example> makeExamples() {
                                                                 CreatePassTimeDirect(b, "medium", 7.25f)};
         return CreateSceneStateDirect(b, 123'456'789'012, 0xfedc'ba98'7654'3210, 3, 65'535, true, &to_light, &irradiance, 0.25f,
                                       15, 1.5f, 0.5f, -0.25f, &albedo, "sphere", "simpson", 2, 1.25f, &passes);
+    }));
+    all.push_back(example("scene_state_plan", [&](Builder& b) {
+        const auto plan = CreatePlanDirect(b, "slabs", "", 8, 32, 0.00390625f, 7.5f, 2);
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0, 15, 1.5f, 0, 0, &albedo, "auto",
+                                      "simpson", 2, 1, nullptr, plan);
     }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));

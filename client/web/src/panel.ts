@@ -2,8 +2,9 @@
 import { axes } from './camera';
 import type { Camera } from './camera';
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex } from './colour';
-import { el } from './dom';
+import { el, setText } from './dom';
 import { button, colour, group, select, slider } from './fields';
+import { planText } from './plan';
 import type { Command, SceneState, Vec3, Welcome } from './protocol';
 import { SIZE_CAPS } from './size';
 
@@ -173,6 +174,11 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosenQuality: nu
     change: (value) => host.command({ kind: 'render', exposure: value }),
   });
 
+  const plan = el('small', {
+    id: 'plan',
+    title: 'What is rendered with now, its predicted error, and how many steps of accuracy overload has taken',
+  });
+
   let paused = false;
   const pause = button('Pause', 'Stop the particles, for everyone', () =>
     host.command({ kind: 'simulation', paused: !paused }),
@@ -215,7 +221,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosenQuality: nu
     el('header', {}, el('h2', {}, 'Settings'), el('small', {}, 'shared by all viewers'), close),
     group('Light', true, azimuth.element, elevation.element, strength.element, lightColour.element, rotate.element),
     group('Medium', true, extinction.element, falloff.element, albedo.element, anisotropy.element, asymmetry.element),
-    group('Method', true, method.element, quadrature.element, steps.element, exposure.element),
+    group('Method', true, method.element, plan, quadrature.element, steps.element, exposure.element),
     group('Cloud', true, el('div', { class: 'actions' }, pause, restart), nudges),
     group('Picture, yours alone', true, size.element, quality.element),
     group('Keys', false, keyList()),
@@ -251,6 +257,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosenQuality: nu
       steps.range(Math.max(most, 1));
       steps.follow(scene.steps);
       exposure.follow(scene.exposure);
+      setText(plan, planText(scene));
       paused = scene.paused;
       pause.textContent = paused ? 'Resume' : 'Pause';
       pause.setAttribute('aria-pressed', String(paused));

@@ -17,6 +17,7 @@ import { Pong as WirePong } from './wire/brume/wire/pong';
 import { Pose as WirePose } from './wire/brume/wire/pose';
 import { Quat as WireQuat } from './wire/brume/wire/quat';
 import { Restart } from './wire/brume/wire/restart';
+import type { Plan as WirePlan } from './wire/brume/wire/plan';
 import { SceneState as WireSceneState } from './wire/brume/wire/scene-state';
 import { SetLight } from './wire/brume/wire/set-light';
 import { SetMedium } from './wire/brume/wire/set-medium';
@@ -102,6 +103,17 @@ export interface SceneState {
   steps: number;
   exposure: number;
   passes: { name: string; ms: number }[];
+  plan?: Plan; // what is rendered with now; servers before it had none do not say
+}
+
+export interface Plan {
+  method: string;
+  quadrature: string; // '' where the method has but one
+  rate: number; // slabs: pixels between rays
+  slabs: number;
+  error: number; // relative RMSE, predicted
+  ms: number; // of a frame of all viewers, predicted
+  relaxed: number; // steps of accuracy given up under overload
 }
 
 export interface Frame {
@@ -311,7 +323,20 @@ function decodeWelcome(w: WireWelcome): Welcome {
   };
 }
 
+function decodePlan(p: WirePlan): Plan {
+  return {
+    method: p.method() ?? '',
+    quadrature: p.quadrature() ?? '',
+    rate: p.rate(),
+    slabs: p.slabs(),
+    error: p.error(),
+    ms: p.ms(),
+    relaxed: p.relaxed(),
+  };
+}
+
 function decodeScene(s: WireSceneState): SceneState {
+  const plan = s.plan();
   return {
     kind: 'scene',
     tick: s.tick(),
@@ -335,6 +360,7 @@ function decodeScene(s: WireSceneState): SceneState {
       const pass = s.passes(i);
       return { name: pass?.name() ?? '', ms: pass?.ms() ?? 0 };
     }),
+    ...(plan ? { plan: decodePlan(plan) } : {}),
   };
 }
 

@@ -2,6 +2,7 @@ import { describe, expect, test } from 'vitest';
 import { Backoff } from '../src/backoff';
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex, toLinear, toSrgb } from '../src/colour';
 import { LatencyAverage, Rate, STAGES, splitLatency } from '../src/latency';
+import { planText } from '../src/plan';
 import type { Command, Vec3 } from '../src/protocol';
 import { Pusher } from '../src/pusher';
 import { SIZE_CAPS, defaultCap, requestedSize } from '../src/size';
@@ -27,6 +28,23 @@ describe('back-off', () => {
       expect(wait).toBeLessThan(21);
     }
     expect(new Backoff(() => 0).next(1e9)).toBeLessThan(301);
+  });
+});
+
+describe('the plan in words', () => {
+  const plan = { method: 'slabs', quadrature: '', rate: 8, slabs: 32, error: 0.003141, ms: 12, relaxed: 0 };
+
+  test('says what is used and how wrong it may be', () => {
+    expect(planText({ method: 'auto', plan })).toBe('auto: slabs, 8 px, 32 slabs, 0.31 %');
+    expect(planText({ method: 'auto', plan: { ...plan, relaxed: 2 } })).toMatch(/, relaxed 2$/);
+    const sphere = { ...plan, method: 'sphere', rate: 0, slabs: 0, error: 0.015 };
+    expect(planText({ method: 'sphere', plan: sphere })).toBe('sphere, 1.5 %');
+    const tiles = { ...sphere, method: 'tiles', quadrature: 'cached', error: 0.1234 };
+    expect(planText({ method: 'auto', plan: tiles })).toBe('auto: tiles, cached, 12 %');
+  });
+
+  test('is silent where the server is', () => {
+    expect(planText({ method: 'auto' })).toBe('');
   });
 });
 

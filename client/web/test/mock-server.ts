@@ -25,6 +25,7 @@ import { Ping } from '../src/wire/brume/wire/ping';
 import { Pong } from '../src/wire/brume/wire/pong';
 import { Pose } from '../src/wire/brume/wire/pose';
 import { Quat } from '../src/wire/brume/wire/quat';
+import { Plan } from '../src/wire/brume/wire/plan';
 import { SceneState } from '../src/wire/brume/wire/scene-state';
 import { SetLight } from '../src/wire/brume/wire/set-light';
 import { SetMedium } from '../src/wire/brume/wire/set-medium';
@@ -115,6 +116,7 @@ const sceneState = (): Uint8Array =>
       ).map(([name, ms]) => PassTime.createPassTime(b, b.createString(name), ms)),
     );
     const method = b.createString(scene.method);
+    const plan = Plan.createPlan(b, method, b.createString(''), 0, 0, 0.015, 11.4, 0);
     const quadrature = b.createString(scene.quadrature);
     SceneState.startSceneState(b);
     SceneState.addTick(b, BigInt(scene.tick));
@@ -135,6 +137,7 @@ const sceneState = (): Uint8Array =>
     SceneState.addSteps(b, scene.steps);
     SceneState.addExposure(b, scene.exposure);
     SceneState.addPasses(b, passes);
+    SceneState.addPlan(b, plan);
     return SceneState.endSceneState(b);
   });
 

@@ -161,6 +161,13 @@ describe('decode', () => {
     });
   });
 
+  test('scene state with its plan', () => {
+    const scene = decode(bytesOf('scene_state_plan'));
+    if (scene.kind !== 'scene') throw new Error('not a scene state');
+    expect(scene.plan).toEqual(body('scene_state_plan')['plan']);
+    expect(scene.method).toBe('auto');
+  });
+
   test.each(['frame', 'frame_stereo'])('%s, with the bytes of each view', (name) => {
     const b = body(name);
     const frame = decode(bytesOf(name));
