@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
 // The medium's grid, second pass, once per tick: what all particles together hold at each node. One workgroup per brick, a lane is a
 // plane of it. Bricks that nobody reads keep what they had.
@@ -36,11 +36,11 @@ void main() {
     [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
     for (uint chunk = 0; chunk < words; chunk += kChunk) {
         const uint count = listMembers(chunk, line, words);
-        for (uint base = 0; base < count; base += gl_SubgroupSize) {
+        for (uint base = 0; base < count; base += held()) {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
             if (base + gl_SubgroupInvocationID < count) mine = members[list[base + gl_SubgroupInvocationID]];
             if (what > 0) mine.sigma *= mine.albedo[what - 1];
-            addMembers(sum, mine, min(gl_SubgroupSize, count - base), vec3(first), 1, float(kSlabTile));
+            addMembers(sum, mine, min(held(), count - base), vec3(first), 1, float(kSlabTile));
         }
         barrier();
     }

@@ -8,7 +8,8 @@
 layout(local_size_x = 64) in; // kSlabTile * kSlabTile
 
 layout(constant_id = 0) const bool kHasOpaque = true;
-layout(constant_id = 24) const uint kSources = 1; // as in lib/slab_field.glsl
+layout(constant_id = 24) const uint kSources = 1;  // as in lib/slab_field.glsl
+layout(constant_id = 21) const bool kCubic = true; // else linear, of a finer grid
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
@@ -33,10 +34,28 @@ void startRay(uvec2 tile, uint ray, vec2 pixel) {
     ray_dir = (eye.ray + pixel.x * eye.ray_right + pixel.y * eye.ray_down) / push.medium.spacing;
 }
 
-// Cubic B-spline: of the nodes at -1, 0, 1, 2.
+// B-spline of third order: of the nodes at -1, 0, 1, 2.
 vec4 spline(float t) {
     const float u = 1 - t;
     return vec4(u * u * u, 4 - 3 * t * t * (2 - t), 4 - 3 * u * u * (2 - u), t * t * t) / 6;
+}
+
+// Sampled at place `t` of the cell whose nodes begin at `first`.
+float linear(uint first, uint row, uint sheet, vec3 t) {
+    const vec4 below = vec4(nodes[first], nodes[first + 1], nodes[first + row], nodes[first + row + 1]);
+    const vec4 above = vec4(nodes[first + sheet], nodes[first + sheet + 1], nodes[first + sheet + row], nodes[first + sheet + row + 1]);
+    const vec4 here = mix(below, above, t.z);
+    return mix(mix(here.x, here.y, t.x), mix(here.z, here.w, t.x), t.y);
+}
+float cubic(uint first, uint row, uint sheet, vec3 t) {
+    const vec4 x = spline(t.x), y = spline(t.y), z = spline(t.z);
+    float sum = 0;
+    [[unroll]] for (uint k = 0; k < 4; ++k)
+        [[unroll]] for (uint j = 0; j < 4; ++j) {
+            const uint n = first + k * sheet + j * row - (sheet + row + 1);
+            sum += z[k] * y[j] * dot(x, vec4(nodes[n], nodes[n + 1], nodes[n + 2], nodes[n + 3]));
+        }
+    return sum;
 }
 
 vec4 mediumAt(uint s) {
@@ -47,19 +66,10 @@ vec4 mediumAt(uint s) {
         const uvec3 cell = uvec3(at), brick = cell / kSlabTile;
         if ((marks[markWord(kSampled, brick)] >> (brick.x % 32) & 1) != 0) {
             const vec3 t = at - vec3(cell);
-            const vec4 x = spline(t.x), y = spline(t.y), z = spline(t.z);
-            const uint first = ((cell.z - 1) * size.y + cell.y - 1) * size.x + cell.x - 1;
+            const uint row = size.x, sheet = size.y * row, first = cell.z * sheet + cell.y * row + cell.x;
             for (uint c = 0; c < (kSources > 1 ? 4 : 1); ++c) {
-                float sum = 0;
-                [[unroll]] for (uint k = 0; k < 4; ++k) {
-                    float sheet = 0;
-                    [[unroll]] for (uint j = 0; j < 4; ++j) {
-                        const uint n = first + (c * size.z + k) * size.y * size.x + j * size.x;
-                        sheet += y[j] * dot(x, vec4(nodes[n], nodes[n + 1], nodes[n + 2], nodes[n + 3]));
-                    }
-                    sum += z[k] * sheet;
-                }
-                medium[c] = sum;
+                const uint from = first + c * size.z * sheet;
+                medium[c] = kCubic ? cubic(from, row, sheet, t) : linear(from, row, sheet, t);
             }
         }
     }

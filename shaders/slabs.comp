@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
 // Slabs, second pass: the optical depth that all particles together add to each slab of each ray, sampled at the slab's middle.
 // One workgroup per tile of 8x8 rays and sheet of slabs; a lane is a slab. On its plane the rays' points are equally spaced, so
@@ -43,13 +43,13 @@ void main() {
     for (uint chunk = 0; chunk < words; chunk += kChunk) {
         const uint count = listMembers(chunk, line, words);
         // A lane of the subgroup loads a member, all add it: uniform loads inside loops are as slow as scattered ones on CPU drivers.
-        for (uint base = 0; base < count; base += gl_SubgroupSize) {
+        for (uint base = 0; base < count; base += held()) {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
             if (base + gl_SubgroupInvocationID < count) mine = members[list[base + gl_SubgroupInvocationID]];
             if (what > 0) mine.sigma *= mine.albedo[what - 1];
             // Across a tile, on the farthest of its planes that the member reaches.
             const float widest = max(mine.centre.z, 0) * pixel * float(grid.rate) * float(kSlabTile);
-            addMembers(sum, mine, min(gl_SubgroupSize, count - base), vec3(at, z), spacing, widest);
+            addMembers(sum, mine, min(held(), count - base), vec3(at, z), spacing, widest);
         }
         barrier();
     }

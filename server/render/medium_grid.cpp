@@ -11,13 +11,13 @@
 namespace brume {
 namespace {
 
-constexpr float kSplineVariance = 1.0f / 3; // of a cubic B-spline, spacings^2
-constexpr float kRim = 3;                   // nodes beyond the medium that its samples read
+constexpr float kLinearVariance = 1.0f / 6, kCubicVariance = 1.0f / 3; // of what interpolates, spacings^2
+constexpr float kRim = 3;                                              // nodes beyond the medium that its samples read
 
-gpu::MediumGrid gridOf(const MediumExtent& extent, float spacing) {
+gpu::MediumGrid gridOf(const MediumExtent& extent, float spacing, bool cubic) {
     gpu::MediumGrid grid{};
     grid.spacing = spacing;
-    grid.variance = kSplineVariance;
+    grid.variance = cubic ? kCubicVariance : kLinearVariance;
     const glm::vec3 first = glm::floor(extent.lo / spacing) - kRim, last = glm::ceil(extent.hi / spacing) + kRim;
     grid.origin = first * spacing;
     // Beyond any that fits where the medium is enormous: to be refused, not to be wrapped around.
@@ -37,13 +37,14 @@ void grow(gpu::Buffer& buffer, const gpu::Device& device, VkDeviceSize bytes, co
 }
 
 bool same(const gpu::MediumGrid& a, const gpu::MediumGrid& b) {
-    return a.origin == b.origin && a.spacing == b.spacing && a.bricks == b.bricks;
+    return a.origin == b.origin && a.spacing == b.spacing && a.bricks == b.bricks && a.variance == b.variance;
 }
 
 } // namespace
 
 gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings) {
-    return gridOf(extent, (settings.grid > 0 ? settings.grid : kGridSpacing) * extent.deviation);
+    const float spacing = settings.grid > 0 ? settings.grid : kGridSpacing;
+    return gridOf(extent, spacing * extent.deviation, isCubic(settings));
 }
 
 uint64_t gridBytes(const gpu::MediumGrid& grid, bool one_albedo) {
@@ -66,7 +67,8 @@ GridPass::GridPass(const gpu::Device& device)
 
 void GridPass::record(gpu::Commands& commands, const Inputs& in) {
     gpu::MediumGrid grid = mediumGrid(*in.extent, *in.settings);
-    while (gridBytes(grid, in.extent->one_albedo) > kMostGridBytes) grid = gridOf(*in.extent, 1.25f * grid.spacing);
+    while (gridBytes(grid, in.extent->one_albedo) > kMostGridBytes)
+        grid = gridOf(*in.extent, 1.25f * grid.spacing, isCubic(*in.settings));
     if (version_ == in.version && same(grid, grid_) && one_albedo_ == in.extent->one_albedo) return;
     version_ = in.version;
     grid_ = grid;

@@ -5,6 +5,8 @@
 const uint kPoints = kSlabTile * kSlabTile;
 const uint kWords = 64 / kLanes; // of 32 particles, looked at by a lane at a time
 const uint kChunk = kLanes * kWords;
+// Members that the lanes of a subgroup hold, one each; a subgroup may be larger than the workgroup.
+uint held() { return min(gl_SubgroupSize, kLanes); }
 const float kMostSpread = 80; // log2 of a Gaussian across a tile, at most, for the recurrences: 2^-80 twice is still a float32
 
 shared uint list[kChunk * 32];
@@ -43,8 +45,8 @@ struct Splat {
 
 // The member that lane `j` of the subgroup holds; `at`: the tile's first point on the lane's plane, as SlabMember::centre.
 Splat splat(SlabMember mine, uint j, vec3 at, float spacing) {
-    const vec3 d = at - vec3(subgroupShuffle(mine.centre.x, j), subgroupShuffle(mine.centre.y, j), subgroupShuffle(mine.centre.z, j));
-    const float across = subgroupShuffle(mine.across, j), along = subgroupShuffle(mine.along, j), sigma = subgroupShuffle(mine.sigma, j);
+    const vec3 d = at - vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j), subgroupBroadcast(mine.centre.z, j));
+    const float across = subgroupBroadcast(mine.across, j), along = subgroupBroadcast(mine.along, j), sigma = subgroupBroadcast(mine.sigma, j);
     Splat s;
     const float spread = across * spacing * spacing;
     s.ratio = exp2(-2 * spread);
@@ -63,9 +65,9 @@ Splat splat(SlabMember mine, uint j, vec3 at, float spacing) {
 
 // The same without recurrences, which would start from nothing where a particle is much smaller than the tile.
 void addSmall(inout float sum[kPoints], SlabMember mine, uint j, vec3 at, float spacing) {
-    const vec3 d = at - vec3(subgroupShuffle(mine.centre.x, j), subgroupShuffle(mine.centre.y, j), subgroupShuffle(mine.centre.z, j));
-    const float across = subgroupShuffle(mine.across, j);
-    const float here = subgroupShuffle(mine.sigma, j) * exp2(-subgroupShuffle(mine.along, j) * d.z * d.z);
+    const vec3 d = at - vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j), subgroupBroadcast(mine.centre.z, j));
+    const float across = subgroupBroadcast(mine.across, j);
+    const float here = subgroupBroadcast(mine.sigma, j) * exp2(-subgroupBroadcast(mine.along, j) * d.z * d.z);
     float columns[kSlabTile];
     [[unroll]] for (uint x = 0; x < kSlabTile; ++x) columns[x] = here * exp2(-across * (d.x + float(x) * spacing) * (d.x + float(x) * spacing));
     [[unroll]] for (uint y = 0; y < kSlabTile; ++y) {

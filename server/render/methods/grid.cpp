@@ -24,9 +24,10 @@ private:
             gpu::MediumGrid medium;
         };
         const VkCommandBuffer cmd = commands.handle();
+        const uint32_t cubic = isCubic(*in.settings);
         const gpu::Commands::Pass pass(commands, "grid rays", in.view);
         gpu::computeToCompute(cmd);
-        made(grid_rays_comp, "grid_rays", sources, {{0, features_.opaque}, {24, sources}})
+        made(grid_rays_comp, "grid_rays", 2 * sources + cubic, {{0, features_.opaque}, {21, cubic}, {24, sources}})
             .bind(cmd,
                   {in.tick, in.eye, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
                    gpu::storageBuffer(5, medium_.marks()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
