@@ -24,10 +24,9 @@ const float kLeastVariance = 0.36;
 #include "shaders/lib/line_bins_write.glsl"
 #include "shaders/lib/grid_marks.glsl"
 
-// Marks the bricks from node `lo` to node `hi` in set `set`.
-void mark(uint set, vec3 lo, vec3 hi) {
-    const ivec3 last = ivec3(push.medium.bricks) - 1;
-    const ivec3 a = clamp(ivec3(floor(lo / float(kSlabTile))), ivec3(0), last), b = clamp(ivec3(floor(hi / float(kSlabTile))), ivec3(0), last);
+// Marks bricks `first` to `last` in set `set`.
+void mark(uint set, ivec3 first, ivec3 last) {
+    const ivec3 end = ivec3(push.medium.bricks) - 1, a = clamp(first, ivec3(0), end), b = clamp(last, ivec3(0), end);
     for (int z = a.z; z <= b.z; ++z)
         for (int y = a.y; y <= b.y; ++y)
             for (int x = a.x / 32 * 32; x <= b.x; x += 32) {
@@ -54,9 +53,11 @@ void main() {
         if (radius > 0) {
             const vec3 first = (m.centre - radius) / float(kSlabTile) - 1e-3, last = (m.centre + radius) / float(kSlabTile) + 1e-3;
             for (uint axis = 0; axis < 3; ++axis) reach[axis][lane] = span(first[axis], last[axis], medium.bricks[axis]);
-            // A sample in cell c reads nodes c - 1 ... c + 2.
-            mark(kSampled, m.centre - radius - 2, m.centre + radius + 1);
-            mark(kRead, m.centre - radius - 3, m.centre + radius + 3);
+            // A sample in cell c reads nodes c - 1 ... c + 2: what it finds is a particle's from two cells before to one behind it,
+            // and all cells of a marked brick together read one node before it and two behind.
+            const ivec3 from = ivec3(floor((m.centre - radius - 2) / float(kSlabTile))), to = ivec3(floor((m.centre + radius + 1) / float(kSlabTile)));
+            mark(kSampled, from, to);
+            mark(kRead, from - 1, to + 1);
         }
     }
     writeBins(medium.bricks);
