@@ -104,7 +104,7 @@ TEST_F(GridTest, ManyParticlesAreThoseOfSlabs) {
                 ASSERT_GT(squares, 0.01);
                 // What server/plan expects of pictures where sampling is linear; where it is cubic, a tenth of what one axis of
                 // the smallest particles errs by, h = 0.26 of theirs, is too little to tell from float at 800 m.
-                EXPECT_LT(std::sqrt(errors / squares), spacing > 0.4f ? 1.6e-3 : 5e-5) << pose.position.x << ' ' << coloured;
+                EXPECT_LT(std::sqrt(errors / squares), spacing > 0.4f ? 3e-3 : 5e-5) << pose.position.x << ' ' << coloured;
             }
         }
     }
