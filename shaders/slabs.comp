@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
 // Slabs, second pass: the optical depth that all particles together add to each slab of each ray, sampled at the slab's middle.
 // One workgroup per tile of 8x8 rays and sheet of slabs; a lane is a slab. On its plane the rays' points are equally spaced, so
@@ -21,53 +21,8 @@ layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };    // as in s
 layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
 
 const uint kLanes = gl_WorkGroupSize.x;
-const uint kRays = kSlabTile * kSlabTile;
 
-const uint kWords = 64 / kLanes; // of 32 particles, looked at by a lane at a time
-
-shared uint list[kLanes * kWords * 32]; // members of the tile and sheet
-shared uint found[kLanes];
-
-const float kMostSpread = 80; // log2 of a Gaussian across a tile, at most, for the recurrences: 2^-80 twice is still a float32
-
-// exp(-k^2 |d|^2) of a member on the lane's plane, where d steps equally along columns and rows.
-struct Splat {
-    float columns[kSlabTile];   // of the first row, with the extinction
-    float row, row_step, ratio; // rows' factor: row, then row * row_step, whose step goes by ratio each time
-};
-
-// The member that lane `j` of the subgroup holds; `at`: the tile's first ray on the lane's plane, m, as SlabMember::centre.
-Splat splat(SlabMember mine, uint j, vec3 at, float spacing) {
-    const vec3 d = at - vec3(subgroupShuffle(mine.centre.x, j), subgroupShuffle(mine.centre.y, j), subgroupShuffle(mine.centre.z, j));
-    const float across = subgroupShuffle(mine.across, j), along = subgroupShuffle(mine.along, j), sigma = subgroupShuffle(mine.sigma, j);
-    Splat s;
-    const float spread = across * spacing * spacing;
-    s.ratio = exp2(-2 * spread);
-    s.row = exp2(-across * d.y * d.y);
-    s.row_step = exp2(-across * spacing * (2 * d.y + spacing));
-    const float here = sigma * exp2(-along * d.z * d.z);
-    float column = here * exp2(-across * d.x * d.x);
-    float column_step = exp2(-across * spacing * (2 * d.x + spacing));
-    [[unroll]] for (uint x = 0; x < kSlabTile; ++x) {
-        s.columns[x] = column;
-        column *= column_step;
-        column_step *= s.ratio;
-    }
-    return s;
-}
-
-// The same without recurrences, which would start from nothing where a particle is much smaller than the tile.
-void addSmall(inout float sum[kRays], SlabMember mine, uint j, vec3 at, float spacing) {
-    const vec3 d = at - vec3(subgroupShuffle(mine.centre.x, j), subgroupShuffle(mine.centre.y, j), subgroupShuffle(mine.centre.z, j));
-    const float across = subgroupShuffle(mine.across, j);
-    const float here = subgroupShuffle(mine.sigma, j) * exp2(-subgroupShuffle(mine.along, j) * d.z * d.z);
-    float columns[kSlabTile];
-    [[unroll]] for (uint x = 0; x < kSlabTile; ++x) columns[x] = here * exp2(-across * (d.x + float(x) * spacing) * (d.x + float(x) * spacing));
-    [[unroll]] for (uint y = 0; y < kSlabTile; ++y) {
-        const float row = exp2(-across * (d.y + float(y) * spacing) * (d.y + float(y) * spacing));
-        [[unroll]] for (uint x = 0; x < kSlabTile; ++x) sum[y * kSlabTile + x] += row * columns[x];
-    }
-}
+#include "shaders/lib/tile_members.glsl"
 
 void main() {
     const SlabGrid grid = push.grid;
@@ -80,60 +35,26 @@ void main() {
     const vec2 at = z * corner;
     const float spacing = z * pixel * float(grid.rate);
 
-    const uint lines = grid.lines.x + grid.lines.y + grid.lines.z;
     const uvec3 line = uvec3(gl_WorkGroupID.xy, sheet) + uvec3(0, grid.lines.x, grid.lines.x + grid.lines.y);
     const uint words = (tick.particle_count + 31) / 32;
 
-    float sum[kRays];
-    [[unroll]] for (uint r = 0; r < kRays; ++r) sum[r] = 0;
-    for (uint chunk = 0; chunk < words; chunk += kLanes * kWords) {
-        uint bits[kWords];
-        uint mine = 0;
-        [[unroll]] for (uint w = 0; w < kWords; ++w) {
-            const uint word = chunk + lane * kWords + w;
-            bits[w] = 0;
-            if (word < words) bits[w] = bins[word * lines + line.x] & bins[word * lines + line.y] & bins[word * lines + line.z];
-            mine += bitCount(bits[w]);
-        }
-        found[lane] = mine;
-        barrier();
-        uint before = 0, count = 0;
-        for (uint l = 0; l < kLanes; ++l) {
-            before += l < lane ? found[l] : 0;
-            count += found[l];
-        }
-        [[unroll]] for (uint w = 0; w < kWords; ++w)
-            for (; bits[w] != 0; bits[w] &= bits[w] - 1) list[before++] = (chunk + lane * kWords + w) * 32 + findLSB(bits[w]);
-        barrier();
+    float sum[kPoints];
+    [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
+    for (uint chunk = 0; chunk < words; chunk += kChunk) {
+        const uint count = listMembers(chunk, line, words);
         // A lane of the subgroup loads a member, all add it: uniform loads inside loops are as slow as scattered ones on CPU drivers.
-        for (uint base = 0; base < count; base += gl_SubgroupSize) {
+        for (uint base = 0; base < count; base += held()) {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
             if (base + gl_SubgroupInvocationID < count) mine = members[list[base + gl_SubgroupInvocationID]];
             if (what > 0) mine.sigma *= mine.albedo[what - 1];
-            const uint end = min(gl_SubgroupSize, count - base);
-            // Where exp(-k^2 d^2) across a tile would leave float32, from the farthest of its planes that the member reaches.
+            // Across a tile, on the farthest of its planes that the member reaches.
             const float widest = max(mine.centre.z, 0) * pixel * float(grid.rate) * float(kSlabTile);
-            if (subgroupAny(mine.across * widest * widest > kMostSpread)) {
-                for (uint j = 0; j < end; ++j) addSmall(sum, mine, j, vec3(at, z), spacing);
-                continue;
-            }
-            for (uint j = 0; j < end; j += 2) {
-                const Splat one = splat(mine, j, vec3(at, z), spacing), two = splat(mine, j + 1, vec3(at, z), spacing);
-                float row_one = one.row, row_two = two.row, step_one = one.row_step, step_two = two.row_step;
-                [[unroll]] for (uint y = 0; y < kSlabTile; ++y) {
-                    [[unroll]] for (uint x = 0; x < kSlabTile; ++x)
-                        sum[y * kSlabTile + x] += row_one * one.columns[x] + row_two * two.columns[x];
-                    row_one *= step_one;
-                    row_two *= step_two;
-                    step_one *= one.ratio;
-                    step_two *= two.ratio;
-                }
-            }
+            addMembers(sum, mine, min(held(), count - base), vec3(at, z), spacing, widest);
         }
         barrier();
     }
     const uint tile = gl_WorkGroupID.y * grid.lines.x + gl_WorkGroupID.x;
     const uint tiles = grid.lines.x * grid.lines.y;
-    const uint out_at = ((what * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kRays / 4);
-    [[unroll]] for (uint r = 0; r < kRays; r += 4) added[out_at + r / 4] = vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
+    const uint out_at = ((what * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
+    [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] = vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
 }

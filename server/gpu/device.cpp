@@ -81,6 +81,7 @@ std::string missing(VkPhysicalDevice device) {
     vkGetPhysicalDeviceFeatures2(device, &f.all);
     if (!f.v12.scalarBlockLayout) return "scalarBlockLayout";
     if (!f.v12.timelineSemaphore) return "timelineSemaphore";
+    if (!f.v12.subgroupBroadcastDynamicId) return "subgroupBroadcastDynamicId";
     if (!f.v13.dynamicRendering) return "dynamicRendering";
     if (!f.v13.synchronization2) return "synchronization2";
     if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations) return "subgroup ballots and shuffles";
@@ -266,6 +267,7 @@ void Device::createDevice(const DeviceOptions& options) {
     use.mesh.meshShader = VK_TRUE;
     use.v12.scalarBlockLayout = VK_TRUE;
     use.v12.timelineSemaphore = VK_TRUE;
+    use.v12.subgroupBroadcastDynamicId = VK_TRUE;
     use.v12.hostQueryReset = has.v12.hostQueryReset;
     use.v13.dynamicRendering = VK_TRUE;
     use.v13.synchronization2 = VK_TRUE;

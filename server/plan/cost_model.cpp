@@ -11,7 +11,7 @@
 namespace brume {
 namespace {
 
-constexpr int kVersion = 1; // of the file; grows when a pass counts its work in another unit
+constexpr int kVersion = 2; // of the file; grows when a pass counts its work in another unit
 
 constexpr CostInfo kInfo[kCosts] = {
     {"upload", "upload", nullptr, 30},
@@ -28,7 +28,10 @@ constexpr CostInfo kInfo[kCosts] = {
     {"slab_bin", "bin", "slabs", 20},
     {"slabs", "slabs", "slabs", 0.32},
     {"slab_light", "slab light", "slabs", 10},
-    {"compose_field", "compose", "slabs", 20},
+    {"grid_bin", "grid bins", "grid", 10},
+    {"grid", "grid", "grid", 0.13},
+    {"grid_rays", "grid rays", "grid", 14},
+    {"compose_field", "compose", nullptr, 20},
 };
 
 } // namespace

@@ -25,6 +25,9 @@ enum class Cost : size_t {
     slab_bin,       // particles x lines of tiles and sheets
     slabs,          // particles x the samples of the tiles and sheets that they reach
     slab_light,     // rays x slabs
+    grid_bin,       // particles x lines of bricks
+    grid,           // particles x the nodes of the bricks that they reach, and half the nodes
+    grid_rays,      // rays x slabs x (1, 5 where sampling is cubic; with several albedos 4 times that)
     compose_field,  // pixels of a medium on a grid of rays x (1, 2 more with objects, 2 more for each caster)
     count
 };

@@ -26,6 +26,9 @@ std::string absent(const SceneFeatures& f) {
 
 std::string wayText(const RenderSettings& s) {
     if (s.method == "slabs") return fmt::format("slabs, a ray per {0}x{0} pixels, {1} slabs", s.rate, s.slabs);
+    if (s.method == "grid")
+        return fmt::format("grid, nodes {:.3g} deviations apart, a ray per {}x{} pixels, {} slabs", s.grid, s.rate, s.rate,
+                           s.slabs);
     if (s.method == "isv") return fmt::format("isv, {} {}", s.quadrature, s.steps);
     if (s.method == "tiles") return fmt::format("tiles, {}", s.quadrature);
     return s.method;
@@ -51,6 +54,7 @@ std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel&
         if (shadow.wanted == s.shadow_error)
             out += fmt::format("shadow map  {}x{} texels, {} planes, error {:.3f} %\n", shadow.resolution.texels.x,
                                shadow.resolution.texels.y, shadow.resolution.slices, 100 * shadow.resolution.error);
+    if (!plan.refused.empty()) out += fmt::format("refused     {}\n", plan.refused);
     const std::string none = absent(inputs.scene.features);
     if (!none.empty()) out += fmt::format("compiled out  {}\n", none);
     out += fmt::format("\n  {:<44} {:>8}\n", "pass", "ms");

@@ -48,6 +48,7 @@ struct Plan {
     std::vector<PassCost> passes;  // that the frame has
     std::vector<Candidate> others; // the best of each method and rate that was not taken
     size_t views = 1;
+    std::string refused;  // "grid: why": a method that the scene does not allow; it was not among the ways
     bool within = true;   // the budget holds; else the most accurate way was taken
     bool kept = false;    // as before, though another way is a little cheaper
     RenderSettings base;  // before overload
@@ -55,7 +56,8 @@ struct Plan {
     double finer_ms = 0;  // what one step less would take
 };
 
-// `wanted.method` and settings other than 0 are kept whatever they cost: the plan only chooses what is left open.
+// `wanted.method` and settings other than 0 are kept whatever they cost: the plan only chooses what is left open. A method that
+// the scene does not allow is not: then all others are open.
 Plan makePlan(const PlanInputs& inputs, const CostModel& model);
 
 // Errors that approximations leave (relative RMSE), as measured against the double-precision reference: docs/results/plan.md.
@@ -64,6 +66,8 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model);
 double rayError(double spacing);
 // Of slabs, in standard deviations; `depth`: mean optical depth of one.
 double slabError(double thickness, double depth, bool inside);
+// Of the grid's nodes, in standard deviations.
+double gridError(double spacing);
 // Of the light's map, by its own estimate for the light in the medium.
 double lightError(double estimated);
 // What remains of a method however fine the rest is.

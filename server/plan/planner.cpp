@@ -109,6 +109,9 @@ void Planner::make() {
     const RenderSettings& now = plan_.chosen.settings;
     if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
         spdlog::debug("plan: {}", summary(plan_));
+    const std::string& wanted = inputs_.scene.wanted.method;
+    if (wanted != kAutoMethod && now.method != wanted && (first || now.method != then.method))
+        spdlog::warn("refused: {}; instead: {}", plan_.refused, summary(plan_));
 }
 
 void Planner::took(double ms, Time now) {

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/render/medium_grid.h"
 #include "shaders/shared/support.h"
 
 namespace brume {
 namespace {
+
+constexpr double kTile = 8; // rays, slabs and nodes that are worked on together, a side
 
 double& at(Work& work, Cost cost) { return work[size_t(cost)]; }
 
@@ -27,6 +30,21 @@ double weightOf(const PlanScene& scene) {
     return scene.sample.empty() ? 0 : double(scene.particles) / double(scene.sample.size());
 }
 
+// Of the medium's grid.
+void addGrid(const PlanScene& scene, const RenderSettings& settings, Work& work) {
+    const gpu::MediumGrid grid = mediumGrid(scene.extent, settings);
+    const glm::dvec3 bricks(grid.bricks);
+    double reached = 0; // bricks
+    for (const gpu::Particle& p : scene.sample) {
+        const double reach = 2 * supportOf(scene, p) / double(grid.spacing) / kTile;
+        if (reach <= 0) continue;
+        reached += std::min(reach + 1, bricks.x) * std::min(reach + 1, bricks.y) * std::min(reach + 1, bricks.z);
+    }
+    const double kinds = scene.extent.one_albedo ? 1 : 4; // extinction, and what scatters each colour
+    at(work, Cost::grid_bin) = scene.particles * (bricks.x + bricks.y + bricks.z);
+    at(work, Cost::grid) = kinds * kTile * kTile * kTile * (reached * weightOf(scene) + 0.5 * bricks.x * bricks.y * bricks.z);
+}
+
 } // namespace
 
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
@@ -35,6 +53,7 @@ Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
     if (settings.method == "tiles" && quadratureOf(settings) == "cached") at(work, Cost::particle_light) = scene.particles;
     if (scene.features.casters)
         at(work, Cost::opaque_shadow) = double(scene.wanted.opaque_shadow_size) * scene.wanted.opaque_shadow_size * scene.casters;
+    if (settings.method == "grid") addGrid(scene, settings, work);
     return work;
 }
 
@@ -110,7 +129,7 @@ double ViewWork::fragments(double area) const {
 Work ViewWork::of(const RenderSettings& settings) const {
     Work work{};
     const double pixels = double(width_) * height_, particles = scene_.particles;
-    const bool slabs = settings.method == "slabs"; // which composes the sky and the field by itself
+    const bool slabs = marches(settings); // which composes the sky and the field by itself
     if (!slabs || scene_.features.opaque) at(work, Cost::opaque) = pixels * (1 + scene_.objects);
     if (!slabs) {
         at(work, Cost::compose) = pixels;
@@ -125,20 +144,24 @@ Work ViewWork::of(const RenderSettings& settings) const {
         }
         return work;
     }
-    constexpr double kTile = 8, kSheet = 8, kSamples = kTile * kTile * kSheet;
     const double columns = groups(width_, settings.rate) + 3, rows = groups(height_, settings.rate) + 3;
     const double tiles_x = std::ceil(columns / kTile), tiles_y = std::ceil(rows / kTile), sheets = groups(settings.slabs, 8);
+    const double kinds = scene_.extent.one_albedo ? 1 : 4; // extinction, and what scatters each colour
+    at(work, Cost::compose_field) = pixels * (1 + (scene_.features.opaque ? 2 : 0) + 2 * scene_.casters);
+    const double faces = scene_.features.opaque ? 1.4 : 1; // they are kept
+    if (settings.method == "grid") {
+        at(work, Cost::grid_rays) = columns * rows * settings.slabs * (isCubic(settings) ? 5 : 1) * kinds * faces;
+        return work;
+    }
     const double side = kTile * settings.rate, sheet = std::max((far_ - near_) / sheets, 1e-9);
     double reached = 0;
     for (const Seen& s : seen_)
         reached += cells(s.left + settings.rate, s.right + settings.rate, side, tiles_x) *
                    cells(s.top + settings.rate, s.bottom + settings.rate, side, tiles_y) *
                    cells(s.near - near_, s.far - near_, sheet, sheets);
-    const double kinds = scene_.extent.one_albedo ? 1 : 4; // extinction, and what scatters each colour
     at(work, Cost::slab_bin) = particles * (tiles_x + tiles_y + sheets);
-    at(work, Cost::slabs) = kinds * kSamples * (reached * weight_ + 0.5 * tiles_x * tiles_y * sheets);
-    at(work, Cost::slab_light) = columns * rows * settings.slabs * (scene_.features.opaque ? 1.4 : 1); // faces are kept
-    at(work, Cost::compose_field) = pixels * (1 + (scene_.features.opaque ? 2 : 0) + 2 * scene_.casters);
+    at(work, Cost::slabs) = kinds * kTile * kTile * kTile * (reached * weight_ + 0.5 * tiles_x * tiles_y * sheets);
+    at(work, Cost::slab_light) = columns * rows * settings.slabs * faces;
     return work;
 }
 

@@ -49,12 +49,15 @@ using Work = std::array<double, kCosts>;
 Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow);
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings);
 
+// Whether a way integrates along a grid of rays cut into slabs: its settings have a rate and slabs.
+inline bool marches(const RenderSettings& settings) { return settings.method == "slabs" || settings.method == "grid"; }
+
 // A view with the sample's places in it, for many settings.
 class ViewWork {
 public:
     ViewWork(const PlanScene& scene, const PlanView& view);
 
-    // Precondition: for slabs, settings.rate and settings.slabs are not 0.
+    // Precondition: where marches(settings), settings.rate and settings.slabs are not 0.
     Work of(const RenderSettings& settings) const;
 
     bool inside() const { return near_ <= kNear; } // the eye is in the medium's bounds

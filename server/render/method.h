@@ -24,6 +24,7 @@ struct EyeInputs {
     uint32_t view = 0;                           // its number in the submission, for the pass names
     VkExtent2D size{};                           // pixels; the images may be larger
     uint32_t particle_count = 0;                 // live ones
+    uint64_t particle_version = 0;               // another one whenever the particles, or what the tick says of them, changed
     bool eye_in_medium = true;                   // the near plane may cut particles
     gpu::Resource tick, eye;                     // uniform blocks, bindings 0 and 1
     const gpu::Buffer* particles = nullptr;      // gpu::Particle[particle_count]
@@ -62,6 +63,9 @@ public:
     // Called before the eyes of one submission are recorded, when nothing of the method is on the device: the place for buffers
     // that must grow.
     virtual void prepare(std::span<const EyeInputs> /*eyes*/) {}
+    // Records what all eyes of one submission share, before any of them: `any` is one of them, and there are particles. Ends with
+    // its writes visible to compute.
+    virtual void recordShared(gpu::Commands& /*commands*/, const EyeInputs& /*any*/) {}
     // Whether record() calls Compose itself, with a field of the medium. Then nothing draws the sky of a scene without objects.
     virtual bool composes() const { return false; }
     // Records the medium over the background. The target and the depth have been written by compute passes; afterwards compute

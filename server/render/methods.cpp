@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/render/methods/grid.h"
 #include "server/render/methods/isv.h"
 #include "server/render/methods/slabs.h"
 #include "server/render/methods/sphere.h"
@@ -15,6 +16,7 @@ constexpr std::span kOfIsv = std::span(kQuadratures).first(3), kOfTiles = std::s
 
 constexpr MethodInfo kMethods[] = {
     {"slabs", "order-independent slabs on a coarse grid of rays, the full Gaussian, no sort", {}, makeSlabs},
+    {"grid", "slabs sampled from a grid in world space that all viewers share, the full Gaussian", {}, makeGrid},
     {"sphere", "sphere proxies, the full Gaussian, 2-point Gauss-Hermite", {}, makeSphere},
     {"tiles", "compute tiles, the full Gaussian, light cached on particles or 2-point Gauss-Hermite", kOfTiles, makeTiles},
     {"isv", "interval shaded volumetrics, tetrahedron support (seed 000)", kOfIsv, makeIsv},

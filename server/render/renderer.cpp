@@ -125,7 +125,9 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
         std::copy(particles.begin(), particles.end(), s.particles_.mapped<gpu::Particle>(particles.size()).begin());
         s.particles_.flush();
     }
+    const gpu::Tick then = tick_;
     tick_ = makeTick(scene_, now_, particles, objects_);
+    particle_version_ += moved_ || tick_.falloff != then.falloff || tick_.cut != then.cut;
     extent_ = mediumExtent(particles, tick_.falloff, tick_.cut);
     s.uniforms_.mapped<gpu::Tick>(1)[0] = tick_;
     for (uint32_t i = 0; i < eyes.size(); ++i)
@@ -179,6 +181,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
 
     gatherInputs(s, now_, eyes);
     chosen.prepare(inputs_);
+    if (tick_.particle_count > 0) chosen.recordShared(s.commands, inputs_.front());
     for (const EyeInputs& in : inputs_) recordEye(s, in, chosen);
     {
         const gpu::Commands::Pass pass(s.commands, "read back");
@@ -202,6 +205,7 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         in.eye_in_medium = eyeInMedium(tick_, eye);
         in.tick = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
         in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(in.view), sizeof(gpu::Eye));
+        in.particle_version = particle_version_;
         in.particles = &particles_;
         in.objects = &objects_buffer_;
         in.first_caster = uint32_t(scene_.planes.size());

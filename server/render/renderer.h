@@ -93,6 +93,7 @@ private:
     gpu::Tick tick_{};
     std::vector<gpu::Particle> particles_now_, particles_then_; // of this submission; of the last one, on the device
     bool moved_ = true;                                         // whether they differ
+    uint64_t particle_version_ = 0;                             // as EyeInputs
     MediumExtent extent_;
 };
 

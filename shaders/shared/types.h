@@ -92,7 +92,8 @@ struct LightParticle {
     vec3 k;  // 1 / (sqrt(2) standard deviations), along the same
 };
 
-// A particle as the slabs of one eye add it: an ellipsoidal Gaussian, as wide as rays and slabs can carry.
+// A particle as the slabs of one eye add it: an ellipsoidal Gaussian, as wide as rays and slabs can carry. Or as the medium's grid does,
+// in nodes instead of metres and eye space.
 struct SlabMember {
     vec3 centre;  // right, down and view depth from the eye, m
     float across; // log2(e) / (2 s^2), s = standard deviation across the view
@@ -119,6 +120,14 @@ struct SlabGrid {
     vec3 albedo;     // of all particles
 };
 
+// Where the medium's grid lies (server/render/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of kSlabTile a side.
+struct MediumGrid {
+    vec3 origin;   // m
+    float spacing; // m
+    uvec3 bricks;
+    float variance; // spacings^2, that sampling adds to what the nodes hold
+};
+
 // Indirect arguments, written by the cull pass: of vkCmdDraw and of vkCmdDrawMeshTasksEXT.
 struct DrawArguments {
     uint vertex_count;
@@ -136,6 +145,7 @@ static_assert(sizeof(Tick) == 212 && offsetof(Tick, shadow_lo) == 80 && offsetof
               offsetof(Tick, sky_zenith) == 140);
 static_assert(sizeof(Eye) == 160 && offsetof(Eye, size) == 64);
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
+static_assert(sizeof(SlabGrid) == 64 && sizeof(MediumGrid) == 32);
 static_assert(sizeof(LightParticle) == 28 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif

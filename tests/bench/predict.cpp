@@ -22,6 +22,8 @@ constexpr Sample kSamples[] = {
     {"cloud", "outside", "slabs", 8, 32, {640, 360}},      {"cloud", "inside", "slabs", 16, 24, {640, 360}},
     {"cloud-5000", "outside", "slabs", 8, 32, {640, 360}}, {"cloud-5000", "inside", "slabs", 16, 24, {640, 360}},
     {"plume", "outside", "slabs", 4, 96, {640, 360}},      {"props", "outside", "slabs", 8, 32, {640, 360}},
+    {"cloud", "outside", "grid", 8, 32, {640, 360}},       {"cloud-5000", "inside", "grid", 16, 24, {640, 360}},
+    {"props", "outside", "grid", 8, 32, {640, 360}},       {"cloud-5000", "outside", "grid", 8, 32, {640, 360}},
     {"cloud", "outside", "sphere", 0, 0, {320, 180}},      {"cloud-5000", "inside", "sphere", 0, 0, {96, 54}},
     {"plume", "outside", "sphere", 0, 0, {320, 180}},      {"cloud", "outside", "isv", 0, 0, {320, 180}},
     {"cloud-5000", "inside", "isv", 0, 0, {96, 54}},       {"cloud", "outside", "tiles", 0, 0, {640, 360}},

@@ -75,6 +75,8 @@ Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, cons
     PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = methodNames()};
     for (const EyeRequest& eye : eyes_) inputs.views.push_back({eye.pose, eye.width, eye.height});
     plan_ = makePlan(inputs, costs);
+    if (scene_.render.method != kAutoMethod && plan_.chosen.settings.method != scene_.render.method)
+        throw SceneError(wanted.scene + ": refused: " + plan_.refused);
 }
 
 void Stage::submit(std::span<const EyeRequest> eyes) {

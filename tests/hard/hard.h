@@ -45,6 +45,9 @@ protected:
         judge(hard_case, way.name(), error, tolerance);
     }
 
+    // Whether the way refuses the scene, with the settings that it has: a row of the table, with the reason instead of an error.
+    static bool refused(const std::string& hard_case, const Way& way, const Scene& scene);
+
     // check(pixel, ray, x, y) for every pixel.
     template <class Check>
     static void forPixels(const Picture& picture, const Pose& pose, const Check& check) {

@@ -53,7 +53,7 @@ TEST_F(CostFile, WithoutOneTheBuiltInCostsHoldSilently) {
 }
 
 TEST_F(CostFile, ABadOneIsRefusedInOneLine) {
-    write("{ \"version\": 1, ");
+    write("{ \"version\": 2, ");
     expectRefused("JSON");
     write("[]");
     expectRefused("JSON");

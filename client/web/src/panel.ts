@@ -24,6 +24,7 @@ export interface Panel {
 const METHOD_NAMES: Record<string, string> = {
   auto: 'By error budget',
   slabs: 'Slabs',
+  grid: 'Grid',
   tiles: 'Tiles',
   isv: 'Interval shading',
   sphere: 'Sphere proxies',

@@ -1,0 +1,47 @@
+#include "server/render/methods/grid.h"
+
+#include "server/render/medium_grid.h"
+#include "server/render/methods/slab_rays.h"
+#include "shaders/grid_rays_comp.h"
+
+namespace brume {
+namespace {
+
+class Grid : public SlabRays {
+public:
+    explicit Grid(const MethodContext& context) : SlabRays(context), medium_(context.device) {}
+
+    void recordShared(gpu::Commands& commands, const EyeInputs& any) override {
+        medium_.record(commands, {any.tick, any.particles, any.particle_version, any.particle_count, any.extent, any.settings});
+    }
+
+private:
+    void fitBand(const EyeInputs&, const gpu::SlabGrid&, uint32_t) override {}
+
+    void recordBand(gpu::Commands& commands, const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) override {
+        struct Push {
+            gpu::SlabGrid grid;
+            gpu::MediumGrid medium;
+        };
+        const VkCommandBuffer cmd = commands.handle();
+        const uint32_t cubic = isCubic(*in.settings);
+        const gpu::Commands::Pass pass(commands, "grid rays", in.view);
+        gpu::computeToCompute(cmd);
+        made(grid_rays_comp, "grid_rays", 2 * sources + cubic, {{0, features_.opaque}, {21, cubic}, {24, sources}})
+            .bind(cmd,
+                  {in.tick, in.eye, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
+                   gpu::storageBuffer(5, medium_.marks()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
+                   gpu::sampledImage(8, *in.view_depth, *in.nearest)},
+                  Push{grid, medium_.grid()});
+        vkCmdDispatch(cmd, grid.lines.x, grid.lines.y, 1);
+        gpu::computeToCompute(cmd);
+    }
+
+    GridPass medium_;
+};
+
+} // namespace
+
+std::unique_ptr<Method> makeGrid(const MethodContext& context) { return std::make_unique<Grid>(context); }
+
+} // namespace brume

@@ -1,0 +1,64 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// The medium's grid, first pass, once per tick: every particle as the nodes add it, which columns, rows and sheets of bricks it reaches,
+// and which bricks have any of the medium. One workgroup per 32 particles.
+#include "shaders/shared/types.h"
+#include "shaders/shared/support.h"
+
+layout(local_size_x = 32) in;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
+layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
+layout(scalar, binding = 4) writeonly buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles]
+layout(scalar, binding = 5) buffer Marks { uint marks[]; };         // as in lib/grid_marks.glsl; all 0 before
+
+layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
+
+const float kLog2e = 1.4426950408889634;
+// Variance of a Gaussian that nodes can hold, spacings^2: narrower ones are widened, their optical mass kept. Its sum over the nodes
+// changes by 2 exp(-2 pi^2 0.36) = 0.2 % with its place, at most.
+const float kLeastVariance = 0.36;
+
+#include "shaders/lib/line_bins_write.glsl"
+#include "shaders/lib/grid_marks.glsl"
+
+// Marks bricks `first` to `last` in set `set`.
+void mark(uint set, ivec3 first, ivec3 last) {
+    const ivec3 end = ivec3(push.medium.bricks) - 1, a = clamp(first, ivec3(0), end), b = clamp(last, ivec3(0), end);
+    for (int z = a.z; z <= b.z; ++z)
+        for (int y = a.y; y <= b.y; ++y)
+            for (int x = a.x / 32 * 32; x <= b.x; x += 32) {
+                const uint from = uint(max(a.x - x, 0)), to = uint(min(b.x - x, 31));
+                atomicOr(marks[markWord(set, uvec3(x, y, z))], (0xffffffffu >> (31 - to)) & (0xffffffffu << from));
+            }
+}
+
+void main() {
+    const MediumGrid medium = push.medium;
+    const uint i = gl_GlobalInvocationID.x, lane = gl_LocalInvocationIndex;
+    for (uint axis = 0; axis < 3; ++axis) reach[axis][lane] = ivec2(1, 0);
+    if (i < tick.particle_count) {
+        const Particle p = particles[i];
+        const float u = p.scale * tick.falloff, own = max(0.1 * u / medium.spacing, 1e-12);
+        const float held = sqrt(max(own * own - medium.variance, kLeastVariance));
+        SlabMember m;
+        m.centre = (p.centre - medium.origin) / medium.spacing;
+        m.across = m.along = 0.5 * kLog2e / (held * held);
+        m.sigma = p.sigma_t * (own / held) * (own / held) * (own / held);
+        m.albedo = p.albedo;
+        members[i] = m;
+        const float radius = supportRadius(p.sigma_t, u, tick.cut) / medium.spacing * max(held / own, 1);
+        if (radius > 0) {
+            const vec3 first = (m.centre - radius) / float(kSlabTile) - 1e-3, last = (m.centre + radius) / float(kSlabTile) + 1e-3;
+            for (uint axis = 0; axis < 3; ++axis) reach[axis][lane] = span(first[axis], last[axis], medium.bricks[axis]);
+            // A sample in cell c reads nodes c - 1 ... c + 2: what it finds is a particle's from two cells before to one behind it,
+            // and all cells of a marked brick together read one node before it and two behind.
+            const ivec3 from = ivec3(floor((m.centre - radius - 2) / float(kSlabTile))), to = ivec3(floor((m.centre + radius + 1) / float(kSlabTile)));
+            mark(kSampled, from, to);
+            mark(kRead, from - 1, to + 1);
+        }
+    }
+    writeBins(medium.bricks);
+}

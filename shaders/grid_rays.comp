@@ -1,0 +1,81 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+// The medium's grid, per eye: rays through it.
+#include "shaders/shared/types.h"
+
+layout(local_size_x = 64) in; // kSlabTile * kSlabTile
+
+layout(constant_id = 0) const bool kHasOpaque = true;
+layout(constant_id = 24) const uint kSources = 1;  // as in lib/slab_field.glsl
+layout(constant_id = 21) const bool kCubic = true; // else linear, of a finer grid
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // as in grid_fill.comp
+layout(scalar, binding = 3) buffer Field { float field[]; };          // as in lib/slab_field.glsl
+layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };  // as in lib/grid_marks.glsl
+layout(binding = 6) uniform sampler2DArray shadow_volume;
+layout(binding = 7) uniform sampler2D opaque_shadow;
+layout(binding = 8) uniform sampler2D view_depth;
+
+layout(push_constant, scalar) uniform Push {
+    SlabGrid grid;
+    MediumGrid medium;
+} push;
+
+#include "shaders/lib/grid_marks.glsl"
+
+vec3 eye_at, ray_dir; // in nodes
+
+void startRay(uvec2 tile, uint ray, vec2 pixel) {
+    eye_at = (eye.position - push.medium.origin) / push.medium.spacing;
+    ray_dir = (eye.ray + pixel.x * eye.ray_right + pixel.y * eye.ray_down) / push.medium.spacing;
+}
+
+// B-spline of third order: of the nodes at -1, 0, 1, 2.
+vec4 spline(float t) {
+    const float u = 1 - t;
+    return vec4(u * u * u, 4 - 3 * t * t * (2 - t), 4 - 3 * u * u * (2 - u), t * t * t) / 6;
+}
+
+// Sampled at place `t` of the cell whose nodes begin at `first`.
+float linear(uint first, uint row, uint sheet, vec3 t) {
+    const vec4 below = vec4(nodes[first], nodes[first + 1], nodes[first + row], nodes[first + row + 1]);
+    const vec4 above = vec4(nodes[first + sheet], nodes[first + sheet + 1], nodes[first + sheet + row], nodes[first + sheet + row + 1]);
+    const vec4 here = mix(below, above, t.z);
+    return mix(mix(here.x, here.y, t.x), mix(here.z, here.w, t.x), t.y);
+}
+float cubic(uint first, uint row, uint sheet, vec3 t) {
+    const vec4 x = spline(t.x), y = spline(t.y), z = spline(t.z);
+    float sum = 0;
+    [[unroll]] for (uint k = 0; k < 4; ++k)
+        [[unroll]] for (uint j = 0; j < 4; ++j) {
+            const uint n = first + k * sheet + j * row - (sheet + row + 1);
+            sum += z[k] * y[j] * dot(x, vec4(nodes[n], nodes[n + 1], nodes[n + 2], nodes[n + 3]));
+        }
+    return sum;
+}
+
+vec4 mediumAt(uint s) {
+    const vec3 at = eye_at + (push.grid.depth + (float(s) + 0.5) * push.grid.thickness) * ray_dir;
+    const uvec3 size = push.medium.bricks * kSlabTile;
+    vec4 medium = vec4(0);
+    if (all(greaterThanEqual(at, vec3(1))) && all(lessThan(at, vec3(size) - 2))) {
+        const uvec3 cell = uvec3(at), brick = cell / kSlabTile;
+        if ((marks[markWord(kSampled, brick)] >> (brick.x % 32) & 1) != 0) {
+            const vec3 t = at - vec3(cell);
+            const uint row = size.x, sheet = size.y * row, first = cell.z * sheet + cell.y * row + cell.x;
+            for (uint c = 0; c < (kSources > 1 ? 4 : 1); ++c) {
+                const uint from = first + c * size.z * sheet;
+                medium[c] = kCubic ? cubic(from, row, sheet, t) : linear(from, row, sheet, t);
+            }
+        }
+    }
+    return medium;
+}
+
+#include "shaders/lib/slab_march.glsl"
+
+void main() { march(); }

@@ -1,0 +1,9 @@
+// Which bricks of the medium's grid matter, a bit each: those in whose cells there is any medium, and those whose nodes are read by
+// samples there. Include after `push.medium`.
+
+const uint kSampled = 0, kRead = 1;
+
+uint markWord(uint set, uvec3 brick) {
+    const uint row = (push.medium.bricks.x + 31) / 32;
+    return ((set * push.medium.bricks.z + brick.z) * push.medium.bricks.y + brick.y) * row + brick.x / 32;
+}
