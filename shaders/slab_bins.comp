@@ -12,7 +12,7 @@ layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
-layout(scalar, binding = 4) writeonly buffer Bins { uint bins[]; }; // [32 particles][columns, rows, sheets]
+layout(scalar, binding = 4) buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles], then pages; all 0 before
 
 layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
 
@@ -21,13 +21,7 @@ const float kLog2e = 1.4426950408889634;
 // kept. Where every pixel has its ray nothing is widened: a pixel is then a point, as with every method.
 const float kLeastAcross = 0.7, kLeastAlong = 0.7;
 
-shared ivec2 reach[3][32]; // first and last column, row, sheet
-
-// Slabs from `lo` to `hi`, unbounded.
-ivec2 span(float lo, float hi, uint count) {
-    const ivec2 range = ivec2(clamp(vec2(floor(lo), floor(hi)), vec2(0, -1), vec2(float(count), float(count) - 1)));
-    return range;
-}
+#include "shaders/lib/line_bins_write.glsl"
 
 void main() {
     const SlabGrid grid = push.grid;
@@ -63,13 +57,5 @@ void main() {
             reach[2][lane] = span((near - grid.depth) / sheet, (far - grid.depth) / sheet, grid.lines.z);
         }
     }
-    barrier();
-    const uvec3 end = uvec3(grid.lines.x, grid.lines.x + grid.lines.y, grid.lines.x + grid.lines.y + grid.lines.z);
-    for (uint line = lane; line < end.z; line += 32) {
-        const uint axis = uint(line >= end.x) + uint(line >= end.y);
-        const int at = int(line - (axis == 0 ? 0 : axis == 1 ? end.x : end.y));
-        uint bits = 0;
-        for (uint j = 0; j < 32; ++j) bits |= uint(at >= reach[axis][j].x && at <= reach[axis][j].y) << j;
-        bins[gl_WorkGroupID.x * end.z + line] = bits;
-    }
+    writeBins(grid.lines);
 }

@@ -23,7 +23,9 @@ layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kRays = kSlabTile * kSlabTile;
 
-const uint kWords = 64 / kLanes; // of 32 particles, looked at by a lane at a time
+#include "shaders/lib/line_pages.glsl"
+
+const uint kWords = kPage / kLanes; // of 32 particles, looked at by a lane at a time
 
 shared uint list[kLanes * kWords * 32]; // members of the tile and sheet
 shared uint found[kLanes];
@@ -86,13 +88,19 @@ void main() {
 
     float sum[kRays];
     [[unroll]] for (uint r = 0; r < kRays; ++r) sum[r] = 0;
-    for (uint chunk = 0; chunk < words; chunk += kLanes * kWords) {
+    uint pages = 0; // of 32 at a time, those with particles of this tile and sheet
+    for (uint page = 0; page * kPage < words; ++page) {
+        if (page % 32 == 0)
+            pages = bins[pageWord(line.x, page / 32, lines, words)] & bins[pageWord(line.y, page / 32, lines, words)] &
+                    bins[pageWord(line.z, page / 32, lines, words)];
+        if ((pages >> (page % 32) & 1) == 0) continue;
+        const uint chunk = page * kPage;
         uint bits[kWords];
         uint mine = 0;
         [[unroll]] for (uint w = 0; w < kWords; ++w) {
             const uint word = chunk + lane * kWords + w;
             bits[w] = 0;
-            if (word < words) bits[w] = bins[word * lines + line.x] & bins[word * lines + line.y] & bins[word * lines + line.z];
+            if (word < words) bits[w] = bins[line.x * words + word] & bins[line.y * words + word] & bins[line.z * words + word];
             mine += bitCount(bits[w]);
         }
         found[lane] = mine;

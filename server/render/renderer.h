@@ -13,6 +13,7 @@
 #include "server/render/background.h"
 #include "server/render/compose.h"
 #include "server/render/depth_order.h"
+#include "server/render/merged_media.h"
 #include "server/render/method.h"
 #include "server/render/picture.h"
 #include "server/sim/simulation.h"
@@ -66,8 +67,10 @@ public:
 
 private:
     void fitBuffers(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
+    void fitParticles(Submission& submission, std::span<const gpu::Particle> particles, std::span<const EyeRequest> eyes);
     void fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes);
     Method& method(const SceneNow& now);
+    void recordParticleLight(Submission& submission, const gpu::Resource& tick_block);
     void gatherInputs(Submission& submission, const SceneNow& now, std::span<const EyeRequest> eyes);
     void recordEye(Submission& submission, const EyeInputs& in, Method& method);
 
@@ -93,6 +96,9 @@ private:
     std::vector<gpu::Particle> particles_now_, particles_then_; // of this submission; of the last one, on the device
     bool moved_ = true;                                         // whether they differ
     MediumExtent extent_;
+    SpatialOrder order_;
+    std::vector<gpu::Particle> ordered_; // as the device has them, where they are many
+    MergedMedia merged_;
 };
 
 } // namespace brume

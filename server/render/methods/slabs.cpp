@@ -36,12 +36,12 @@ public:
         for (const EyeInputs& in : eyes) {
             const Bands bands = bandsOf(in);
             members = std::max(members, in.particle_count * sizeof(gpu::SlabMember));
-            bins = std::max(bins, gpu::groups(in.particle_count, 32) * lines(bands.grid) * sizeof(uint32_t));
+            bins = std::max(bins, binBytes(bands.grid, in.particle_count));
             added = std::max(added, addedBytes(bands.grid, bands.sources));
             field = std::max(field, fieldBytes(bands.grid, bands.sources));
         }
         fit(members_, members, "slab members");
-        fit(bins_, bins, "slab bins");
+        fit(bins_, bins, "slab bins", VK_BUFFER_USAGE_TRANSFER_DST_BIT);
         fit(added_, added, "slab extinction");
         fit(field_, field, "slab field");
     }
@@ -67,6 +67,10 @@ private:
     };
 
     static uint32_t lines(const gpu::SlabGrid& grid) { return grid.lines.x + grid.lines.y + grid.lines.z; }
+    static VkDeviceSize binBytes(const gpu::SlabGrid& grid, uint32_t particles) { // lib/line_pages.glsl
+        const uint32_t words = gpu::groups(particles, 32);
+        return VkDeviceSize(lines(grid)) * (words + gpu::groups(words, 32 * 64)) * sizeof(uint32_t);
+    }
     static VkDeviceSize addedBytes(const gpu::SlabGrid& grid, uint32_t sources) {
         return VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * kRays * (sources > 1 ? 4 : 1) * sizeof(float);
     }
@@ -111,6 +115,10 @@ private:
         grid.rate = in.settings->rate;
         if (grid.rate == 0)
             for (grid.rate = kMostRate; grid.rate > 1 && float(grid.rate) > kRaysPerDeviation * projected;) grid.rate /= 2;
+        // A row of tiles has bits for all particles.
+        while (grid.rate < kMostRate &&
+               gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * (in.particle_count / 8) > kMostBytes)
+            grid.rate *= 2;
         const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
         const uint32_t slabs = in.settings->slabs ? in.settings->slabs : uint32_t(std::clamp(wanted, 1.0f, float(kMostSlabs)));
         grid.sheet = 8;
@@ -142,7 +150,9 @@ private:
         const VkCommandBuffer cmd = commands.handle();
         {
             const gpu::Commands::Pass pass(commands, "bin", in.view);
-            gpu::computeToCompute(cmd);
+            gpu::everythingBefore(cmd);
+            vkCmdFillBuffer(cmd, bins_.handle(), 0, binBytes(grid, in.particle_count), 0);
+            gpu::transferToCompute(cmd);
             bins_program_.bind(cmd,
                                {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(3, members_),
                                 gpu::storageBuffer(4, bins_)},
@@ -172,9 +182,9 @@ private:
         }
     }
 
-    void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
+    void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name, VkBufferUsageFlags usage = 0) const {
         if (!buffer || buffer.size() < bytes)
-            buffer = gpu::Buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, name);
+            buffer = gpu::Buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, gpu::Memory::device, name);
     }
 
     using Code = std::span<const uint32_t>;
