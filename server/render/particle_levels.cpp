@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -9,8 +10,9 @@
 namespace brume {
 namespace {
 
-constexpr int kDigitBits = 10; // of the Morton code's 30, sorted in three passes
-constexpr float kCells = 512;  // across the bounds at least half as many, at most these
+constexpr int kDigitBits = 10;               // of the Morton code's 30, sorted in three passes
+constexpr float kSmallestCell = 1.0f / 4096; // m; 50 km are still a whole number of them
+constexpr float kCells = 512;                // across the bounds at least half as many, at most these
 
 // Three zeros before each of the ten lowest bits.
 uint32_t spread(uint32_t x) {
@@ -19,6 +21,9 @@ uint32_t spread(uint32_t x) {
     x = (x | x << 4) & 0x030c30c3u;
     return (x | x << 2) & 0x09249249u;
 }
+
+// Of a power of two that x, positive, is one to two times; -127 for what is smaller than any.
+int exponentOf(float x) { return int(std::bit_cast<uint32_t>(x) >> 23) - 127; }
 
 // Sums over the particles of one cell and size. Places count from the first: no cancellation far from zero.
 struct Group {
@@ -97,18 +102,24 @@ void mergeCells(std::span<const gpu::Particle> ordered, float falloff, int expon
     constexpr int kSmallest = -4, kLargest = 1;
     std::array<Group, kLargest - kSmallest + 1> groups;
     const auto flush = [&](Group& g) {
-        if (g.members > 0) out.push_back(merged(g, double(falloff)));
+        if (g.members == 0) return;
+        out.push_back(merged(g, double(falloff)));
         g = {};
     };
     const float per_cell = std::ldexp(1.0f, -exponent);
-    glm::vec3 cell(0);
+    const auto cellOf = [&](float x) { // floor, in registers
+        const float cells = x * per_cell;
+        const auto whole = int(cells);
+        return whole - (cells < float(whole));
+    };
+    glm::ivec3 cell(0);
     for (const gpu::Particle& p : ordered) {
-        if (const glm::vec3 here = glm::floor(p.centre * per_cell); here != cell) {
+        if (const glm::ivec3 here(cellOf(p.centre.x), cellOf(p.centre.y), cellOf(p.centre.z)); here != cell) {
             for (Group& g : groups) flush(g);
             cell = here;
         }
         const double s = 0.1 * double(p.scale) * double(falloff), depth = kUnitDepth * double(p.sigma_t) * s;
-        const int octave = std::max(std::ilogb(s) - exponent, kSmallest);
+        const int octave = std::max(exponentOf(float(s)) - exponent, kSmallest);
         if (!(depth > 0 && depth <= kMostMergedDepth) || octave > kLargest) {
             out.push_back(p);
             continue;
@@ -126,7 +137,7 @@ int mergeLevel(const Pose& pose, uint32_t width, uint32_t height, const MediumEx
     // View depth is the distance times a cosine, in the picture's corner the least one.
     const float depth = glm::length(outside) / std::sqrt(1 + tan_x * tan_x + tan_y * tan_y);
     const float side = merge * depth * 2 * tan_y / float(height);
-    return side > 1e-6f ? std::ilogb(side) : kNoLevel;
+    return side >= kSmallestCell ? std::ilogb(side) : kNoLevel;
 }
 
 } // namespace brume

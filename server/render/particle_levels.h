@@ -29,6 +29,8 @@ public:
     // `out`: as many. The order of equals is kept. Allocates nothing when there are no more than ever before.
     void sort(std::span<const gpu::Particle> particles, std::span<gpu::Particle> out);
 
+    uint64_t bytes() const { return (keys_.capacity() + other_.capacity()) * sizeof(uint64_t); }
+
 private:
     std::vector<uint64_t> keys_, other_; // Morton code << 32 | particle
 };
@@ -40,6 +42,7 @@ private:
 // the isotropic second moment (their own variance + a third of their spread) of those it stands for. What is lost: the spread's
 // direction, everything finer than the cell, and by kMostMergedDepth that they hide each other.
 // Stays as it is: what is alone, what is too thick, and what is at least four cells wide in its standard deviation.
+// Precondition: exponent >= -12.
 void mergeCells(std::span<const gpu::Particle> ordered, float falloff, int exponent, std::vector<gpu::Particle>& out);
 
 // The exponent of the largest cells that are at most `merge` pixels wide wherever the picture shows the medium; kNoLevel when the

@@ -274,6 +274,11 @@ void Renderer::recordEye(Submission& s, const EyeInputs& in, Method& chosen) {
     if (!composes) compose_.record(s.commands, in, 0, in.size.height, nullptr);
 }
 
+uint64_t Renderer::particleBytes() const {
+    return (particles_now_.capacity() + particles_then_.capacity() + ordered_.capacity()) * sizeof(gpu::Particle) +
+           order_.bytes() + merged_.cpuBytes();
+}
+
 std::vector<glm::vec4> Renderer::readRadiance() {
     const size_t count = size_t(last_size_.width) * last_size_.height;
     gpu::Buffer pixels(device_, count * sizeof(glm::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,

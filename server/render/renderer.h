@@ -57,6 +57,9 @@ public:
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
                 const RenderSettings* settings = nullptr);
 
+    // Bytes of the CPU's memory that lists of particles take here.
+    uint64_t particleBytes() const;
+
     // For measurements: the next submission uploads and lights everything, also what rests since the last one.
     void forget() { particles_then_.clear(); }
 
