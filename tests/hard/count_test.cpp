@@ -100,6 +100,7 @@ protected:
         Scene scene = sceneOf(points, kInside);
         scene.render.shadow_size = 16;
         scene.render.shadow_slices = 2;
+        scene.render.merge = 0; // each of them is looked for; what merging changes is measured in tests/gpu/large_test.cpp
         Simulation simulation(scene);
         Renderer renderer(device(), scene, simulation.capacity());
         renderer.keepRadiance(true);
