@@ -133,6 +133,7 @@ void readRender(TableReader& in, RenderSettings& out) {
     in.integer("rate", out.rate, limits::kRayRate);
     in.integer("slabs", out.slabs, limits::kSlabs);
     in.number("grid", out.grid, limits::kGridSpacing);
+    in.number("merge", out.merge, limits::kMerge);
     in.number("exposure", out.exposure, limits::kExposure);
     in.choice<std::string>("tone_map", out.tone_map, {{"filmic", "filmic"}, {"linear", "linear"}});
     in.integerOrZero("shadow_size", out.shadow_size, limits::kShadowSize);

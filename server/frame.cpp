@@ -5,6 +5,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/plan/memory.h"
+
 namespace brume {
 namespace {
 
@@ -13,6 +15,13 @@ constexpr auto kTick = std::chrono::duration_cast<Clock::duration>(std::chrono::
 constexpr auto kMostBehind = std::chrono::milliseconds(250);
 constexpr auto kReportEvery = std::chrono::seconds(1);
 constexpr float kSmoothing = 0.1f; // weight of the newest sample in a pass's time
+
+// `count`. Throws SceneError when so many particles do not fit the memory that there is for them.
+uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
+    const std::string wrong = memoryRefusal(count, memory);
+    if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);
+    return count;
+}
 
 } // namespace
 
@@ -34,7 +43,8 @@ struct FrameLoop::Batch {
 };
 
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options)
-    : audience_(audience), metrics_(metrics), scene_(scene), simulation_(scene), renderer_(device, scene, simulation_.capacity()),
+    : device_(device), audience_(audience), metrics_(metrics), scene_(scene), simulation_(scene),
+      renderer_(device, scene, bounded(scene, simulation_.capacity(), options.memory)),
       planner_(scene_, options.costs, options.frame_ms), workers_(options.encode_threads) {
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
@@ -239,6 +249,7 @@ void FrameLoop::report(Clock::time_point now) {
     report->plan = {plan.chosen.settings, plan.chosen.error, plan.chosen.ms(), plan.relaxed};
     report->plan.settings.quadrature = quadratureOf(plan.chosen.settings);
     report->passes = passes_;
+    report->memory = {device_.memoryInUse(), device_.peakMemory(), simulation_.bytes() + renderer_.particleBytes()};
     audience_.publish(std::move(report));
 }
 

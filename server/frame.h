@@ -21,8 +21,9 @@ class FrameLoop {
 public:
     struct Options {
         unsigned encode_threads = 2;
-        unsigned batches = 3; // one on the device, the others being encoded
-        double frame_ms = 50; // that a frame of all viewers may take before accuracy is given up
+        unsigned batches = 3;            // one on the device, the others being encoded
+        double frame_ms = 50;            // that a frame of all viewers may take before accuracy is given up
+        uint64_t memory = 1024ull << 20; // bytes that particles may take, on the CPU and on the device together
         CostModel costs = builtInCosts();
     };
 
@@ -50,6 +51,7 @@ private:
     void deliver(const Batch& batch, uint32_t job, float gpu_ms, std::span<const PictureView> views, JpegEncoder& jpeg);
     void report(Clock::time_point now);
 
+    const gpu::Device& device_;
     Audience& audience_;
     Metrics& metrics_;
     const Scene scene_;

@@ -81,6 +81,13 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--max-in-flight", o.max_in_flight, "frames a viewer may leave unacknowledged")
         ->group(group)
         ->check(CLI::Range(1, 16));
+    app.add_option_function<uint32_t>(
+           "--memory", [&o](uint32_t mib) { o.frame.memory = uint64_t{mib} << 20; },
+           "that particles may take on the CPU and on the device; a scene with more is refused")
+        ->default_str(std::to_string(o.frame.memory >> 20))
+        ->check(CLI::Range(1u, 65536u))
+        ->type_name("MIB")
+        ->group(group);
     app.add_option("--max-connections", o.net.max_connections, "open sockets")->group(group)->check(CLI::Range(1, 65535));
     app.add_option("--max-connections-per-address", o.net.max_connections_per_address, "open sockets of one address")
         ->group(group)

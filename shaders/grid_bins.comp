@@ -11,7 +11,7 @@ layout(local_size_x = 32) in;
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
-layout(scalar, binding = 4) writeonly buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles]
+layout(scalar, binding = 4) buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles], then pages; all 0 before
 layout(scalar, binding = 5) buffer Marks { uint marks[]; };         // as in lib/grid_marks.glsl; all 0 before
 
 layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
@@ -37,8 +37,8 @@ void mark(uint set, ivec3 first, ivec3 last) {
 
 void main() {
     const MediumGrid medium = push.medium;
-    const uint i = gl_GlobalInvocationID.x, lane = gl_LocalInvocationIndex;
-    for (uint axis = 0; axis < 3; ++axis) reach[axis][lane] = ivec2(1, 0);
+    const uint i = gl_WorkGroupID.x * 32 + laneOfWord();
+    ivec2 reach[3] = ivec2[](ivec2(1, 0), ivec2(1, 0), ivec2(1, 0));
     if (i < tick.particle_count) {
         const Particle p = particles[i];
         const float u = p.scale * tick.falloff, own = max(0.1 * u / medium.spacing, 1e-12);
@@ -52,7 +52,7 @@ void main() {
         const float radius = supportRadius(p.sigma_t, u, tick.cut) / medium.spacing * max(held / own, 1);
         if (radius > 0) {
             const vec3 first = (m.centre - radius) / float(kSlabTile) - 1e-3, last = (m.centre + radius) / float(kSlabTile) + 1e-3;
-            for (uint axis = 0; axis < 3; ++axis) reach[axis][lane] = span(first[axis], last[axis], medium.bricks[axis]);
+            for (uint axis = 0; axis < 3; ++axis) reach[axis] = span(first[axis], last[axis], medium.bricks[axis]);
             // A sample in cell c reads nodes c - 1 ... c + 2: what it finds is a particle's from two cells before to one behind it,
             // and all cells of a marked brick together read one node before it and two behind.
             const ivec3 from = ivec3(floor((m.centre - radius - 2) / float(kSlabTile))), to = ivec3(floor((m.centre + radius + 1) / float(kSlabTile)));
@@ -60,5 +60,5 @@ void main() {
             mark(kRead, from - 1, to + 1);
         }
     }
-    writeBins(medium.bricks);
+    writeBins(reach, medium.bricks);
 }

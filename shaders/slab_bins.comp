@@ -12,7 +12,7 @@ layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
-layout(scalar, binding = 4) writeonly buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles]
+layout(scalar, binding = 4) buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles], then pages; all 0 before
 
 layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
 
@@ -25,10 +25,10 @@ const float kLeastAcross = 0.7, kLeastAlong = 0.7;
 
 void main() {
     const SlabGrid grid = push.grid;
-    const uint i = gl_GlobalInvocationID.x, lane = gl_LocalInvocationIndex;
+    const uint i = gl_WorkGroupID.x * 32 + laneOfWord();
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
     const float tile = float(grid.rate * kSlabTile) * pixel;
-    for (uint axis = 0; axis < 3; ++axis) reach[axis][lane] = ivec2(1, 0);
+    ivec2 reach[3] = ivec2[](ivec2(1, 0), ivec2(1, 0), ivec2(1, 0));
     if (i < tick.particle_count) {
         const Particle p = particles[i];
         const float u = p.scale * tick.falloff, own = max(0.1 * u, 1e-18);
@@ -52,10 +52,10 @@ void main() {
             const vec2 origin = vec2(-eye.tan_x, -eye.tan_y) + (0.5 + (vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate)) * pixel;
             const vec2 first = (min(lo / near, lo / far) - origin) / tile - 1e-3, last = (max(hi / near, hi / far) - origin) / tile + 1e-3;
             const float sheet = grid.thickness * float(grid.sheet);
-            reach[0][lane] = span(first.x, last.x, grid.lines.x);
-            reach[1][lane] = span(first.y, last.y, grid.lines.y);
-            reach[2][lane] = span((near - grid.depth) / sheet, (far - grid.depth) / sheet, grid.lines.z);
+            reach[0] = span(first.x, last.x, grid.lines.x);
+            reach[1] = span(first.y, last.y, grid.lines.y);
+            reach[2] = span((near - grid.depth) / sheet, (far - grid.depth) / sheet, grid.lines.z);
         }
     }
-    writeBins(grid.lines);
+    writeBins(reach, grid.lines);
 }

@@ -41,6 +41,7 @@ void main() {
     float sum[kPoints];
     [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
     for (uint chunk = 0; chunk < words; chunk += kChunk) {
+        if (!hasMembers(chunk / kPage, line, grid.lines.x + grid.lines.y + grid.lines.z, words)) continue;
         const uint count = listMembers(chunk, line, words);
         // A lane of the subgroup loads a member, all add it: uniform loads inside loops are as slow as scattered ones on CPU drivers.
         for (uint base = 0; base < count; base += held()) {

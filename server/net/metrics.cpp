@@ -154,6 +154,9 @@ std::string Metrics::text(const Audience& audience) const {
     all.push_back(gauge("brume_frames_in_flight", "Frames handed out and not yet acknowledged.", in_flight));
     all.push_back(gauge("brume_tick", "Tick of the simulation.", double(report->tick)));
     all.push_back(gauge("brume_particles", "Live particles.", report->particles));
+    all.push_back(gauge("brume_particle_memory_bytes", "CPU memory that the particles take.", double(report->memory.particles)));
+    all.push_back(gauge("brume_device_memory_bytes", "Device memory in use.", double(report->memory.device)));
+    all.push_back(gauge("brume_device_memory_peak_bytes", "The most there ever was.", double(report->memory.device_peak)));
     all.push_back(gauge("brume_plan_error", "Predicted relative RMSE of the pictures.", report->plan.error));
     all.push_back(
         gauge("brume_plan_relaxed", "Steps of accuracy given up under overload; 0 when there is none.", report->plan.relaxed));

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "server/plan/memory.h"
 #include "server/plan/plan.h"
 
 namespace brume {
@@ -48,6 +49,9 @@ std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel&
                        wanted.method);
     out += fmt::format("scene       {} particles, standard deviation {:.3g} m, {} view{}\n", inputs.scene.particles,
                        inputs.scene.extent.deviation, plan.views, plan.views == 1 ? "" : "s");
+    const ParticleMemory memory = particleMemory(inputs.scene.particles);
+    out += fmt::format("memory      of the particles at most {:.1f} MiB of the CPU's, {:.1f} MiB of the device's\n",
+                       double(memory.cpu) / (1 << 20), double(memory.device) / (1 << 20));
     out += fmt::format("plan        {}{}\n", wayText(s),
                        plan.within ? "" : "; NOT within the budget: nothing is, this is the most accurate");
     for (const PlanScene::Shadow& shadow : inputs.scene.shadows)

@@ -208,8 +208,8 @@ double slabError(double thickness, double depth, bool inside) {
 // The map's estimate is a mean over views; some see up to 1.4 times as much of it.
 double lightError(double estimated) { return 1.25 * estimated; }
 
-// The largest of cloud, cloud-5000, tubes, plume and grid_test's particles of several sizes: 0.3 % at 0.5, where cloud has 0.06 %.
-// Sampled linearly; cubically.
+// The largest of cloud, cloud-5000, tubes, plume and grid_test's particles of several sizes: 0.3 % at 0.5, where cloud has 0.06
+// %. Sampled linearly; cubically.
 double gridError(double spacing) {
     return spacing >= double(kCubicBelow) ? 0.012 * std::pow(spacing, 2) : 0.0016 * std::pow(spacing, 4);
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "server/render/line_bins.h"
 #include "shaders/grid_bins_comp.h"
 #include "shaders/grid_fill_comp.h"
 
@@ -75,7 +76,8 @@ void GridPass::record(gpu::Commands& commands, const Inputs& in) {
     one_albedo_ = in.extent->one_albedo;
     const uint32_t words = gpu::groups(in.count, 32), lines = grid.bricks.x + grid.bricks.y + grid.bricks.z;
     grow(members_, device_, in.count * sizeof(gpu::SlabMember), "grid members");
-    grow(bins_, device_, VkDeviceSize(words) * lines * sizeof(uint32_t), "grid bins");
+    const VkDeviceSize bin_bytes = lineBinBytes(lines, in.count);
+    grow(bins_, device_, bin_bytes, "grid bins");
     grow(nodes_, device_, gridBytes(grid, one_albedo_), "grid nodes");
     grow(marks_, device_, markBytes(grid), "grid marks");
 
@@ -84,6 +86,7 @@ void GridPass::record(gpu::Commands& commands, const Inputs& in) {
         const gpu::Commands::Pass pass(commands, "grid bins");
         gpu::everythingBefore(cmd); // the last tick's viewers have read it
         vkCmdFillBuffer(cmd, marks_.handle(), 0, markBytes(grid), 0);
+        vkCmdFillBuffer(cmd, bins_.handle(), 0, bin_bytes, 0);
         gpu::transferToCompute(cmd);
         bins_program_.bind(cmd,
                            {in.tick, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(3, members_),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/scene_limits.h"
 #include "server/render/methods/grid.h"
 #include "server/render/methods/isv.h"
 #include "server/render/methods/slabs.h"
@@ -54,6 +55,7 @@ std::string checkSettings(const RenderSettings& settings) {
     const uint32_t most = settings.quadrature == "transmittance" ? 3 : 10;
     if (settings.steps < 1 || settings.steps > most)
         return "steps must be 1 ... " + std::to_string(most) + " for quadrature '" + settings.quadrature + "'";
+    if (!limits::kMerge.holds(double(settings.merge))) return "merge must be 0 ... " + std::to_string(int(limits::kMerge.hi));
     return {};
 }
 

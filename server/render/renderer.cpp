@@ -17,7 +17,7 @@ constexpr float kNearDepth = 0.05f; // m
 constexpr VkDeviceSize kBlockBytes = 256;
 static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::Eye) <= kBlockBytes);
 
-constexpr VkDeviceSize eyeOffset(uint32_t eye) { return (eye + 1) * kBlockBytes; }
+constexpr VkDeviceSize eyeOffset(uint32_t eye) { return (eye + 1) * kBlockBytes; } // ticks of merged media come behind all eyes
 
 gpu::Eye eyeBlock(const EyeRequest& request, const gpu::Tick& tick, const RenderSettings& settings) {
     const glm::mat3 axes = glm::mat3_cast(glm::normalize(request.pose.orientation));
@@ -105,9 +105,7 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
         s.pictures_.push_back({{eye.width, eye.height}, nullptr});
         planes += s.pictures_.back().layout.bytes();
     }
-    grow(s.particles_, device_, capacity_ * sizeof(gpu::Particle), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::upload,
-         "particle upload");
-    grow(s.uniforms_, device_, eyeOffset(uint32_t(eyes.size())), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
+    grow(s.uniforms_, device_, eyeOffset(uint32_t(2 * eyes.size())), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
          "uniforms");
     grow(s.planes_, device_, planes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "planes readback");
     grow(planes_, device_, planes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
@@ -121,18 +119,39 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
     simulation.write(particles_now_);
     const std::span<const gpu::Particle> particles = particles_now_;
     moved_ = !sameBits(particles, particles_then_);
-    if (moved_) {
-        std::copy(particles.begin(), particles.end(), s.particles_.mapped<gpu::Particle>(particles.size()).begin());
-        s.particles_.flush();
-    }
     const gpu::Tick then = tick_;
     tick_ = makeTick(scene_, now_, particles, objects_);
-    particle_version_ += moved_ || tick_.falloff != then.falloff || tick_.cut != then.cut;
-    extent_ = mediumExtent(particles, tick_.falloff, tick_.cut);
+    if (moved_ || tick_.falloff != then.falloff || tick_.cut != then.cut) {
+        ++particle_version_;
+        extent_ = mediumExtent(particles, tick_.falloff, tick_.cut);
+    }
+    fitParticles(s, particles, eyes);
     s.uniforms_.mapped<gpu::Tick>(1)[0] = tick_;
     for (uint32_t i = 0; i < eyes.size(); ++i)
         s.uniforms_.mapped<gpu::Eye>(1, eyeOffset(i))[0] = eyeBlock(eyes[i], tick_, now_.render);
     s.uniforms_.flush();
+}
+
+// What is new of the particles, as the device gets them: in the order of space where they are many, and merged for eyes far away.
+void Renderer::fitParticles(Submission& s, std::span<const gpu::Particle> particles, std::span<const EyeRequest> eyes) {
+    std::span<const gpu::Particle> ordered = particles;
+    if (particles.size() >= kLargeMedium) {
+        ordered_.resize(particles.size());
+        if (moved_) order_.sort(particles, ordered_);
+        ordered = ordered_;
+    }
+    merged_.choose(ordered, moved_, tick_, extent_, eyes, now_.render.merge);
+    const VkDeviceSize bytes = capacity_ * sizeof(gpu::Particle);
+    grow(s.particles_, device_, bytes + merged_.uploadBytes(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::upload,
+         "particle upload");
+    if (moved_) std::copy(ordered.begin(), ordered.end(), s.particles_.mapped<gpu::Particle>(ordered.size()).begin());
+    merged_.write(device_, s.particles_, bytes);
+    s.particles_.flush();
+    auto block = uint32_t(eyes.size());
+    for (MergedMedia::Medium* medium : merged_.media()) {
+        s.uniforms_.mapped<gpu::Tick>(1, eyeOffset(block))[0] = medium->tick;
+        medium->tick_block = gpu::uniformBuffer(0, s.uniforms_, eyeOffset(block++), sizeof(gpu::Tick));
+    }
 }
 
 void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes) {
@@ -160,24 +179,27 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                       const RenderSettings* settings) {
     now_ = simulation.now();
     if (settings) now_.render = *settings;
-    fitBuffers(s, simulation, eyes);
     Method& chosen = method(now_);
+    if (chosen.sharesMedium()) now_.render.merge = 0; // one medium for all eyes
+    fitBuffers(s, simulation, eyes);
 
     const VkCommandBuffer cmd = s.commands.begin();
     fitTargets(cmd, eyes);
-    if (moved_ && tick_.particle_count > 0) {
+    if ((moved_ || merged_.uploadBytes() > 0) && tick_.particle_count > 0) {
         const gpu::Commands::Pass pass(s.commands, "upload");
         gpu::everythingBefore(cmd);
         const VkBufferCopy copy{0, 0, tick_.particle_count * sizeof(gpu::Particle)};
-        vkCmdCopyBuffer(cmd, s.particles_.handle(), particles_.handle(), 1, &copy);
+        if (moved_) vkCmdCopyBuffer(cmd, s.particles_.handle(), particles_.handle(), 1, &copy);
+        merged_.record(cmd, s.particles_, capacity_ * sizeof(gpu::Particle));
         gpu::transferToCompute(cmd);
     }
     const gpu::Resource tick_block = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
     opaque_shadow_.record(s.commands, tick_block, tick_, objects_buffer_, objects_);
-    if (shadow_volume_.record(s.commands, tick_block, tick_, particles_, !moved_)) particle_light_.invalidate();
-    if (chosen.readsParticleLight())
-        particle_light_.record(s.commands, {tick_block, &objects_buffer_, &particles_, &shadow_volume_.image(), &linear_},
-                               tick_.particle_count, now_.render.light_tolerance);
+    if (shadow_volume_.record(s.commands, tick_block, tick_, particles_, !moved_)) {
+        particle_light_.invalidate();
+        merged_.invalidateLight();
+    }
+    if (chosen.readsParticleLight()) recordParticleLight(s, tick_block);
 
     gatherInputs(s, now_, eyes);
     chosen.prepare(inputs_);
@@ -192,6 +214,21 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     }
     s.commands.submit();
     std::swap(particles_now_, particles_then_);
+}
+
+// For every list of particles that some eye sees.
+void Renderer::recordParticleLight(Submission& s, const gpu::Resource& tick_block) {
+    const auto record = [&](ParticleLight& light, const gpu::Resource& tick, const gpu::Buffer& particles, uint32_t count) {
+        light.record(s.commands, {tick, &objects_buffer_, &particles, &shadow_volume_.image(), &linear_}, count,
+                     now_.render.light_tolerance);
+    };
+    bool unmerged = false;
+    for (size_t i = 0; i < s.pictures_.size(); ++i) unmerged = unmerged || !merged_.of(i);
+    if (unmerged) record(particle_light_, tick_block, particles_, tick_.particle_count);
+    for (MergedMedia::Medium* medium : merged_.media()) {
+        if (!medium->light) medium->light = std::make_unique<ParticleLight>(device_, capacity_);
+        record(*medium->light, medium->tick_block, medium->particles, medium->tick.particle_count);
+    }
 }
 
 void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const EyeRequest> eyes) {
@@ -216,6 +253,13 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         in.radiance = &radiance_;
         in.extent = &extent_;
         in.settings = &now.render;
+        if (const MergedMedia::Medium* medium = merged_.of(in.view)) {
+            in.particle_count = medium->tick.particle_count;
+            in.tick = medium->tick_block;
+            in.particles = &medium->particles;
+            in.particle_light = medium->light ? &medium->light->buffer() : nullptr;
+            in.extent = &medium->extent;
+        }
         in.pose = eye.pose;
         in.lobe = features_.lobe || now.medium.anisotropy > 0;
         in.planes = &planes_;
@@ -233,6 +277,11 @@ void Renderer::recordEye(Submission& s, const EyeInputs& in, Method& chosen) {
     if (features_.opaque || !composes) background_.record(s.commands, in);
     if (in.particle_count > 0) chosen.record(s.commands, in);
     if (!composes) compose_.record(s.commands, in, 0, in.size.height, nullptr);
+}
+
+uint64_t Renderer::particleBytes() const {
+    return (particles_now_.capacity() + particles_then_.capacity() + ordered_.capacity()) * sizeof(gpu::Particle) +
+           order_.bytes() + merged_.cpuBytes();
 }
 
 std::vector<glm::vec4> Renderer::readRadiance() {

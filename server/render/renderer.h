@@ -13,6 +13,7 @@
 #include "server/render/background.h"
 #include "server/render/compose.h"
 #include "server/render/depth_order.h"
+#include "server/render/merged_media.h"
 #include "server/render/method.h"
 #include "server/render/picture.h"
 #include "server/sim/simulation.h"
@@ -57,6 +58,9 @@ public:
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
                 const RenderSettings* settings = nullptr);
 
+    // Bytes of the CPU's memory that lists of particles take here.
+    uint64_t particleBytes() const;
+
     // For measurements: the next submission uploads and lights everything, also what rests since the last one.
     void forget() { particles_then_.clear(); }
 
@@ -67,8 +71,10 @@ public:
 
 private:
     void fitBuffers(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
+    void fitParticles(Submission& submission, std::span<const gpu::Particle> particles, std::span<const EyeRequest> eyes);
     void fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes);
     Method& method(const SceneNow& now);
+    void recordParticleLight(Submission& submission, const gpu::Resource& tick_block);
     void gatherInputs(Submission& submission, const SceneNow& now, std::span<const EyeRequest> eyes);
     void recordEye(Submission& submission, const EyeInputs& in, Method& method);
 
@@ -95,6 +101,9 @@ private:
     bool moved_ = true;                                         // whether they differ
     uint64_t particle_version_ = 0;                             // as EyeInputs
     MediumExtent extent_;
+    SpatialOrder order_;
+    std::vector<gpu::Particle> ordered_; // as the device has them, where they are many
+    MergedMedia merged_;
 };
 
 } // namespace brume

@@ -37,6 +37,7 @@ public:
 
     float* operator[](Column c) { return data_.data() + stride_ * static_cast<size_t>(c); }
     const float* operator[](Column c) const { return data_.data() + stride_ * static_cast<size_t>(c); }
+    uint64_t bytes() const { return data_.size() * sizeof(float); }
     // Precondition: as many rows. Allocates nothing.
     void copyFrom(const Columns& other) { std::copy(other.data_.begin(), other.data_.end(), data_.begin()); }
 

@@ -251,6 +251,9 @@ uint64_t Simulation::tick() const { return state_->tick; }
 uint64_t Simulation::stateHash() const { return state_->hash; }
 uint32_t Simulation::liveCount() const { return state_->plume ? state_->plume->liveCount() : state_->rows; }
 uint32_t Simulation::capacity() const { return state_->rows; }
+uint64_t Simulation::bytes() const {
+    return state_->columns->bytes() + state_->first_columns->bytes() + state_->albedos.capacity() * sizeof(glm::vec3);
+}
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }
 

@@ -42,6 +42,7 @@ public:
     uint64_t stateHash() const;
     uint32_t liveCount() const;
     uint32_t capacity() const; // the most particles that there can ever be
+    uint64_t bytes() const;    // of memory that the particles take here
     const Bounds& bounds() const;
     const SceneNow& now() const;
     // Writes the live particles, in a stable order. Precondition: out.size() >= liveCount().

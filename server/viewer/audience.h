@@ -29,6 +29,10 @@ struct SceneReport {
         uint32_t relaxed = 0;    // steps of accuracy given up under overload
     } plan;
     std::vector<PassTime> passes;
+    struct {
+        uint64_t device = 0, device_peak = 0; // bytes that resources on the device take, and the most there ever were
+        uint64_t particles = 0;               // bytes of the CPU's memory that particles take
+    } memory;
 };
 
 // What does not change while the server runs.

@@ -1,22 +1,35 @@
-// Which columns, rows and sheets of tiles each of 32 particles reaches: one bit for a particle and a line of tiles, no lists, no order
-// to keep. A workgroup of 32 lanes, one per particle. Include after `writeonly buffer Bins { uint bins[]; }`.
+// Which columns, rows and sheets of tiles each particle reaches: one bit for a particle and a line of tiles, no lists, no order to keep.
+// A workgroup of 32 lanes, one per particle. Include after `buffer Bins { uint bins[]; }`, which holds zeros before.
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#include "shaders/lib/line_pages.glsl"
 
-shared ivec2 reach[3][32]; // first and last column, row, sheet
+// Of the workgroup's 32 particles, this lane's.
+uint laneOfWord() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
 
 // Tiles from `lo` to `hi`, of `count`.
 ivec2 span(float lo, float hi, uint count) {
     return ivec2(clamp(vec2(floor(lo), floor(hi)), vec2(0, -1), vec2(float(count), float(count) - 1)));
 }
 
-// Writes bins[line][32 particles] after every lane has set its `reach`; lines: how many columns, rows, sheets.
-void writeBins(uvec3 lines) {
-    barrier();
-    const uvec3 end = uvec3(lines.x, lines.x + lines.y, lines.x + lines.y + lines.z);
-    for (uint line = gl_LocalInvocationIndex; line < end.z; line += 32) {
-        const uint axis = uint(line >= end.x) + uint(line >= end.y);
-        const int at = int(line - (axis == 0 ? 0 : axis == 1 ? end.x : end.y));
-        uint bits = 0;
-        for (uint j = 0; j < 32; ++j) bits |= uint(at >= reach[axis][j].x && at <= reach[axis][j].y) << j;
-        bins[line * gl_NumWorkGroups.x + gl_WorkGroupID.x] = bits;
+// Sets bins[line][32 particles], and pages. `reach`: first and last column, row and sheet of this lane's particle, the first after the
+// last where it reaches none; `lines`: how many there are. Called by all lanes. Neighbours in space that are neighbours in memory, too,
+// leave most lines alone.
+void writeBins(ivec2 reach[3], uvec3 lines) {
+    const uint all = lines.x + lines.y + lines.z, words = gl_NumWorkGroups.x, word = gl_WorkGroupID.x, page = word / kPage;
+    uint first = 0; // line of the axis
+    for (uint axis = 0; axis < 3; ++axis) {
+        const bool some = reach[axis].x <= reach[axis].y;
+        ivec2 ends = some ? reach[axis] : ivec2(1 << 30, -1);
+        for (uint step = 1; step < min(gl_SubgroupSize, 32); step *= 2)
+            ends = ivec2(min(ends.x, subgroupShuffleXor(ends.x, step)), max(ends.y, subgroupShuffleXor(ends.y, step)));
+        for (int at = ends.x; at <= ends.y; ++at) {
+            const uint bits = subgroupBallot(some && at >= reach[axis].x && at <= reach[axis].y).x;
+            const uint line = first + uint(at);
+            if (!subgroupElect()) continue;
+            atomicOr(bins[line * words + word], bits << (gl_SubgroupID * gl_SubgroupSize));
+            atomicOr(bins[pageWord(line, page / 32, all, words)], 1u << (page % 32));
+        }
+        first += lines[axis];
     }
 }

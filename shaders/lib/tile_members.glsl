@@ -2,8 +2,10 @@
 // lane. Points are equally spaced there, so that a Gaussian is a product of two recurrences, and adding a particle to 64 points costs
 // little more than 64 multiply-adds. Include after `readonly buffer Bins { uint bins[]; }` and kLanes, the lanes of the workgroup.
 
+#include "shaders/lib/line_pages.glsl"
+
 const uint kPoints = kSlabTile * kSlabTile;
-const uint kWords = 64 / kLanes; // of 32 particles, looked at by a lane at a time
+const uint kWords = kPage / kLanes; // of 32 particles, looked at by a lane at a time
 const uint kChunk = kLanes * kWords;
 // Members that the lanes of a subgroup hold, one each; a subgroup may be larger than the workgroup.
 uint held() { return min(gl_SubgroupSize, kLanes); }
@@ -11,6 +13,13 @@ const float kMostSpread = 80; // log2 of a Gaussian across a tile, at most, for 
 
 shared uint list[kChunk * 32];
 shared uint found[kLanes];
+
+// Whether particles of that page are on all three lines, of `lines`, as far as pages tell.
+bool hasMembers(uint page, uvec3 line, uint lines, uint words) {
+    const uint part = page / 32;
+    return ((bins[pageWord(line.x, part, lines, words)] & bins[pageWord(line.y, part, lines, words)] &
+             bins[pageWord(line.z, part, lines, words)]) >> (page % 32) & 1) != 0;
+}
 
 // Puts into `list` what of the words chunk ... chunk + kChunk is set on all three lines, in order: how many. To be followed by a
 // barrier before the next call.

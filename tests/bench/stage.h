@@ -60,6 +60,7 @@ public:
     const Simulation& simulation() const { return simulation_; }
     const Pose& pose() const { return eyes_.front().pose; } // of the first viewer
     uint64_t deviceBytes() const { return device_bytes_; }  // held by this stage after its first frame
+    uint64_t particleBytes() const { return simulation_.bytes() + renderer_.particleBytes(); } // on the CPU
     std::vector<gpu::Particle> particles() const;
 
 private:

@@ -146,7 +146,8 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
                     {"variant", series.variants[i].name},
                     {"set", series.variants[i].set},
                     {"particles", stage.simulation().liveCount()},
-                    {"device_mib", double(stage.deviceBytes()) / (1 << 20)}});
+                    {"device_mib", double(stage.deviceBytes()) / (1 << 20)},
+                    {"particles_mib", double(stage.particleBytes()) / (1 << 20)}});
         if (series.variants[i].published_ms > 0) row["published_ms"] = series.variants[i].published_ms;
         if (!series.error.empty()) {
             const glm::uvec2 small = sizeOf(series.error);

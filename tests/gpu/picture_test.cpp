@@ -299,6 +299,9 @@ TEST_F(PictureTest, SettingsAreChecked) {
         settings.method = method.name;
         EXPECT_EQ(checkSettings(settings), "");
     }
+    settings.merge = -1;
+    says("merge must be 0 ... 8");
+    settings.merge = 0;
     settings.quadrature = "taylor";
     says("'taylor'");
     for (const char* name : quadratures()) says(name);

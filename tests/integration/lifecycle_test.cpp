@@ -134,7 +134,7 @@ TEST(Lifecycle, ExplainSaysThePlanOfEveryScene) {
         const auto process = startServer({"--scene", scene, "--explain", "--costs", "/nowhere"});
         EXPECT_EQ(process->exitCode(), 0) << process->err();
         const std::string out = process->out();
-        for (const char* what : {"built in", "relative RMSE 0.5 %", "plan  ", "shadow volume", "taken", "sphere"})
+        for (const char* what : {"built in", "relative RMSE 0.5 %", "memory  ", "plan  ", "shadow volume", "taken", "sphere"})
             EXPECT_NE(out.find(what), out.npos) << what << '\n' << out;
         EXPECT_EQ(out.find("listening"), out.npos);
     }

@@ -11,6 +11,7 @@ class Grid : public SlabRays {
 public:
     explicit Grid(const MethodContext& context) : SlabRays(context), medium_(context.device) {}
 
+    bool sharesMedium() const override { return true; }
     void recordShared(gpu::Commands& commands, const EyeInputs& any) override {
         medium_.record(commands, {any.tick, any.particles, any.particle_version, any.particle_count, any.extent, any.settings});
     }

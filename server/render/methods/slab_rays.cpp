@@ -49,6 +49,9 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
     grid.rate = in.settings->rate;
     if (grid.rate == 0)
         for (grid.rate = kMostRate; grid.rate > 1 && float(grid.rate) > kRaysPerDeviation * projected;) grid.rate /= 2;
+    // A row of tiles has bits for all particles.
+    while (grid.rate < kMostRate && gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * (in.particle_count / 8) > kMostBytes)
+        grid.rate *= 2;
     const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
     const uint32_t slabs = in.settings->slabs ? in.settings->slabs : uint32_t(std::clamp(wanted, 1.0f, float(kMostSlabs)));
     grid.sheet = 8;

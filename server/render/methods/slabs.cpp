@@ -1,5 +1,6 @@
 #include "server/render/methods/slabs.h"
 
+#include "server/render/line_bins.h"
 #include "server/render/methods/slab_rays.h"
 #include "shaders/slab_bins_comp.h"
 #include "shaders/slab_light_comp.h"
@@ -18,10 +19,13 @@ private:
         return VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * kRaysOfTile * (sources > 1 ? 4 : 1) * sizeof(float);
     }
 
+    static VkDeviceSize binBytes(const EyeInputs& in, const gpu::SlabGrid& grid) {
+        return lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.particle_count);
+    }
+
     void fitBand(const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) override {
-        const uint32_t lines = grid.lines.x + grid.lines.y + grid.lines.z;
         fit(members_, in.particle_count * sizeof(gpu::SlabMember), "slab members");
-        fit(bins_, gpu::groups(in.particle_count, 32) * lines * sizeof(uint32_t), "slab bins");
+        fit(bins_, binBytes(in, grid), "slab bins");
         fit(added_, bandBytes(grid, sources), "slab extinction");
     }
 
@@ -29,7 +33,9 @@ private:
         const VkCommandBuffer cmd = commands.handle();
         {
             const gpu::Commands::Pass pass(commands, "bin", in.view);
-            gpu::computeToCompute(cmd);
+            gpu::everythingBefore(cmd);
+            vkCmdFillBuffer(cmd, bins_.handle(), 0, binBytes(in, grid), 0);
+            gpu::transferToCompute(cmd);
             bins_program_.bind(cmd,
                                {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(3, members_),
                                 gpu::storageBuffer(4, bins_)},

@@ -34,8 +34,11 @@ public:
     // Memory for all particles and the largest eye, which the eyes use one after another.
     void prepare(std::span<const EyeInputs> eyes) override {
         if (eyes.empty()) return;
-        const EyeInputs& any = eyes.front();
-        const VkDeviceSize words = std::max(gpu::groups(any.particle_count, 32), 1u);
+        VkDeviceSize words = 1, capacity = 1; // of the longest list
+        for (const EyeInputs& in : eyes) {
+            words = std::max<VkDeviceSize>(words, gpu::groups(in.particle_count, 32));
+            capacity = std::max<VkDeviceSize>(capacity, in.particles->size() / sizeof(gpu::Particle));
+        }
         const auto most = [&] { // bytes of masks
             uint32_t blocks = 1;
             for (const EyeInputs& in : eyes)
@@ -43,7 +46,6 @@ public:
             return words * blocks * sizeof(uint32_t);
         };
         for (block_ = kBlock; most() > kMostMaskBytes;) block_ = {block_.width * 2, block_.height * 2};
-        const VkDeviceSize capacity = any.particles->size() / sizeof(gpu::Particle);
         grow(masks_, most(), "splat masks");
         grow(splats_, capacity * sizeof(gpu::Splat), "splats");
         grow(cones_, capacity * sizeof(gpu::SplatCone), "splat cones");
