@@ -13,7 +13,7 @@
 namespace brume {
 namespace {
 
-constexpr uint32_t kRates[] = {1, 2, 4, 8, 16};
+constexpr uint32_t kRates[] = {1, 2, 4, 6, 8, 12, 16};
 constexpr uint32_t kSlabCounts[] = {8, 16, 24, 32, 48, 64, 96, 128, 192, 256};
 constexpr float kGridSpacings[] = {0.2f, 0.35f, 0.5f, 0.7f}; // the first one is sampled cubically
 
@@ -193,9 +193,9 @@ std::string checkWanted(const RenderSettings& wanted) {
 // The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes and props from outside and from
 // within, each cause by itself; docs/results/plan.md has the predictions for views that they do not come from.
 
-// Cubic interpolation errs by the third derivative: 0.011 q^3 of isolated Gaussians, less of many that overlap; the term of
-// fourth order is what it widens. Above 1.43 particles are widened, about to the same effect.
-double rayError(double spacing) { return std::pow(spacing, 3) * (0.003 + 0.004 * spacing); }
+// A cubic B-spline errs by the fourth derivative, which of Gaussians grows on with every order: between spacings of a half and
+// two that is the power 4.5.
+double rayError(double spacing) { return 0.0055 * std::pow(spacing, 4.5); }
 
 // Within a slab light and extinction vary together to second order in its thickness: by the depth that a slab has, up to where
 // what lies behind is hidden. The eye that is in the medium sees each slab by itself; from outside the rim, where little is
@@ -235,8 +235,8 @@ std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t s
                 if (fewer < settings.slabs) coarser.slabs = fewer;
             return coarser;
         }
-        if (what == 1 && slabs && settings.rate < kRates[4]) {
-            coarser.rate *= 2;
+        if (what == 1 && slabs && settings.rate < std::end(kRates)[-1]) {
+            coarser.rate = *std::upper_bound(std::begin(kRates), std::end(kRates), settings.rate);
             return coarser;
         }
         if (what == 2 && 2 * settings.shadow_error <= kCoarsestShadow) {

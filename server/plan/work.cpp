@@ -10,7 +10,8 @@
 namespace brume {
 namespace {
 
-constexpr double kTile = 8; // rays, slabs and nodes that are worked on together, a side
+constexpr double kMargin = 3, kBeyond = 2 * kMargin + 1; // nodes before a picture's first, and all beyond its cells
+constexpr double kTile = 8;                              // rays, slabs and nodes that are worked on together, a side
 
 double& at(Work& work, Cost cost) { return work[size_t(cost)]; }
 
@@ -144,7 +145,7 @@ Work ViewWork::of(const RenderSettings& settings) const {
         }
         return work;
     }
-    const double columns = groups(width_, settings.rate) + 3, rows = groups(height_, settings.rate) + 3;
+    const double columns = groups(width_, settings.rate) + kBeyond, rows = groups(height_, settings.rate) + kBeyond;
     const double tiles_x = std::ceil(columns / kTile), tiles_y = std::ceil(rows / kTile), sheets = groups(settings.slabs, 8);
     const double kinds = scene_.extent.one_albedo ? 1 : 4; // extinction, and what scatters each colour
     at(work, Cost::compose_field) = pixels * (1 + (scene_.features.opaque ? 2 : 0) + 2 * scene_.casters);
@@ -154,11 +155,11 @@ Work ViewWork::of(const RenderSettings& settings) const {
         return work;
     }
     const double side = kTile * settings.rate, sheet = std::max((far_ - near_) / sheets, 1e-9);
+    const double margin = kMargin * settings.rate; // pixels
     double reached = 0;
     for (const Seen& s : seen_)
-        reached += cells(s.left + settings.rate, s.right + settings.rate, side, tiles_x) *
-                   cells(s.top + settings.rate, s.bottom + settings.rate, side, tiles_y) *
-                   cells(s.near - near_, s.far - near_, sheet, sheets);
+        reached += cells(s.left + margin, s.right + margin, side, tiles_x) *
+                   cells(s.top + margin, s.bottom + margin, side, tiles_y) * cells(s.near - near_, s.far - near_, sheet, sheets);
     at(work, Cost::slab_bin) = particles * (tiles_x + tiles_y + sheets);
     at(work, Cost::slabs) = kinds * kTile * kTile * kTile * (reached * weight_ + 0.5 * tiles_x * tiles_y * sheets);
     at(work, Cost::slab_light) = columns * rows * settings.slabs * faces;

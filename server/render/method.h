@@ -65,9 +65,9 @@ public:
     virtual void prepare(std::span<const EyeInputs> /*eyes*/) {}
     // Records what all eyes of one submission share, before any of them: `any` is one of them, and there are particles. Ends with
     // its writes visible to compute.
-    // Whether it reads the particles in recordShared(), for all eyes.
-    virtual bool sharesMedium() const { return false; }
     virtual void recordShared(gpu::Commands& /*commands*/, const EyeInputs& /*any*/) {}
+    // Whether that is where it reads the particles.
+    virtual bool sharesMedium() const { return false; }
     // Whether record() calls Compose itself, with a field of the medium. Then nothing draws the sky of a scene without objects.
     virtual bool composes() const { return false; }
     // Records the medium over the background. The target and the depth have been written by compute passes; afterwards compute

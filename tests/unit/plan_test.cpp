@@ -207,10 +207,10 @@ TEST(ErrorLaws, OfSlabsBoundWhatWasMeasured) {
 }
 
 TEST(ErrorLaws, OfRaysBoundWhatWasMeasured) {
-    // Spacing in projected standard deviations and error: cloud, cloud-5000, tubes, props, plume from outside.
-    for (const auto& [spacing, error] : {std::pair(0.51, 0.00065), std::pair(1.02, 0.00736), std::pair(0.765, 0.00145),
-                                         std::pair(1.531, 0.0276), std::pair(0.643, 0.00187), std::pair(1.286, 0.0197),
-                                         std::pair(1.078, 0.005), std::pair(0.881, 0.00413), std::pair(1.762, 0.0598)}) {
+    // Spacing in projected standard deviations and error: cloud, cloud-5000, props, plume from outside.
+    for (const auto& [spacing, error] : {std::pair(0.765, 0.00158), std::pair(1.02, 0.0049), std::pair(0.574, 0.00035),
+                                         std::pair(0.766, 0.0011), std::pair(0.809, 0.00146), std::pair(1.078, 0.00424),
+                                         std::pair(0.881, 0.0028), std::pair(1.322, 0.0128), std::pair(1.762, 0.0555)}) {
         EXPECT_GT(kBelow * rayError(spacing), error) << spacing;
         EXPECT_LT(rayError(spacing), 3 * error) << spacing;
     }
@@ -257,9 +257,9 @@ TEST(Relaxed, SlabsThenRaysThenShadowsUntilNothingIsLeft) {
     RenderSettings now = *relaxed(s, 0);
     EXPECT_TRUE(now.slabs < s.slabs && now.rate == 4 && now.shadow_error == s.shadow_error);
     now = *relaxed(now, 1);
-    EXPECT_TRUE(now.slabs == 24 && now.rate == 8 && now.shadow_error == s.shadow_error);
+    EXPECT_TRUE(now.slabs == 24 && now.rate == 6 && now.shadow_error == s.shadow_error);
     now = *relaxed(now, 2);
-    EXPECT_TRUE(now.slabs == 24 && now.rate == 8 && now.shadow_error == 2 * s.shadow_error);
+    EXPECT_TRUE(now.slabs == 24 && now.rate == 6 && now.shadow_error == 2 * s.shadow_error);
     uint32_t step = 3;
     for (; step < 100; ++step) {
         const auto next = relaxed(now, step);

@@ -9,10 +9,12 @@ namespace brume {
 namespace {
 
 // What follows from the medium's band limit; the errors that they leave are measured by tests/bench/sweeps/methods.toml.
-constexpr float kRaysPerDeviation = 0.8f;  // spacing of rays in projected standard deviations, at most
+constexpr float kRaysPerDeviation = 0.85f; // spacing of rays in projected standard deviations, at most
 constexpr float kSlabsPerDeviation = 0.7f; // thickness of slabs in standard deviations
-constexpr uint32_t kMostRate = 16, kLeastSlabs = 8, kMostSlabs = 256;
+constexpr uint32_t kRates[] = {16, 12, 8, 6, 4, 2, 1};
+constexpr uint32_t kLeastSlabs = 8, kMostSlabs = 256;
 constexpr float kNearDepth = 0.05f;
+constexpr VkDeviceSize kMostBytes = 96 << 20; // of a buffer: every device can bind 128 MiB
 // Nodes before the first pixel's: one that cubic interpolation needs, two that the spline's coefficients need.
 constexpr uint32_t kMargin = 3;
 
@@ -48,9 +50,10 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
     const float deviation = in.extent->deviation, projected = deviation / (pixel * 0.5f * (near + far));
     grid.rate = in.settings->rate;
     if (grid.rate == 0)
-        for (grid.rate = kMostRate; grid.rate > 1 && float(grid.rate) > kRaysPerDeviation * projected;) grid.rate /= 2;
+        for (const uint32_t rate : kRates)
+            if (grid.rate = rate; float(rate) <= kRaysPerDeviation * projected) break;
     // A row of tiles has bits for all particles.
-    while (grid.rate < kMostRate && gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * (in.particle_count / 8) > kMostBytes)
+    while (grid.rate < kRates[0] && gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * (in.particle_count / 8) > kMostBytes)
         grid.rate *= 2;
     const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
     const uint32_t slabs = in.settings->slabs ? in.settings->slabs : uint32_t(std::clamp(wanted, 1.0f, float(kMostSlabs)));

@@ -20,7 +20,6 @@ public:
     void record(gpu::Commands& commands, const EyeInputs& in) final;
 
 protected:
-    static constexpr VkDeviceSize kMostBytes = 96 << 20; // of a buffer: every device can bind 128 MiB
     static constexpr uint32_t kRaysOfTile = gpu::kSlabTile * gpu::kSlabTile;
 
     // Bytes of the method's largest buffer that grows with a band's rays and slabs.

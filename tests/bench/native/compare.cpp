@@ -51,7 +51,8 @@ void addNative(NativeSlabs& native, Times& times) {
 void addVulkan(const FrameCost& frame, double display, Times& times) {
     times.whole.push_back(0);
     for (int p = 0; p < parts; ++p) {
-        times.part[p].push_back(p == rows ? std::max(msOf(frame, "compose") - display, 0.0) : msOf(frame, kParts[p]));
+        times.part[p].push_back(p == rows ? std::max(msOf(frame, "compose") - display, 0.0) + msOf(frame, "spline")
+                                          : msOf(frame, kParts[p]));
         times.whole.back() += times.part[p].back();
     }
 }

@@ -31,6 +31,7 @@ struct Frame {
     const float* light;       // its map: optical depths [plane][row][column]
     uint32_t light_size[3];   // columns, rows, planes
     float* field[2];          // per node: optical depth; scattered light (rho p E = 1) over opacity
+    float* spline[2];         // coefficients of the same, from the node up and left of the first pixel's on
     uint32_t nodes;           // of a row in memory
     const float* weights[4];  // of the nodes at -1, 0, 1, 2 for pixels side by side: max(rate, kMostLanes), from the first column
     float colour[3];          // rho p E

@@ -178,19 +178,20 @@ void lightTile(const Frame& frame, uint32_t x, uint32_t y, const float* added) {
     for (unsigned v = 0; v < kRays / kLanes; ++v) lightRays(frame, x, y, v, added);
 }
 
-// Catmull-Rom's weights of the nodes at -1, 0, 1, 2, as in shaders/lib/slab_field.glsl.
+// A cubic B-spline's weights of the nodes at -1, 0, 1, 2, as in shaders/lib/slab_field.glsl.
 void cubic(float t, float weights[4]) {
-    weights[0] = 0.5f * (((2 - t) * t - 1) * t);
-    weights[1] = 0.5f * ((3 * t - 5) * t * t + 2);
-    weights[2] = 0.5f * (((4 - 3 * t) * t + 1) * t);
-    weights[3] = 0.5f * ((t - 1) * t * t);
+    const float r = 1 - t;
+    weights[0] = r * r * r / 6;
+    weights[1] = ((3 * t - 6) * t * t + 4) / 6;
+    weights[2] = ((3 * r - 6) * r * r + 4) / 6;
+    weights[3] = t * t * t / 6;
 }
 
 void makeRow(const Frame& frame, uint32_t y, float* scratch) {
     float down[4];
     cubic(float(y % frame.rate) / float(frame.rate), down);
     for (int what = 0; what < 2; ++what) {
-        const float* first = frame.field[what] + size_t(y / frame.rate) * frame.nodes;
+        const float* first = frame.spline[what] + size_t(y / frame.rate) * frame.nodes;
         for (uint32_t node = 0; node < frame.nodes; node += kLanes) {
             Floats sum{};
             for (int j = 0; j < 4; ++j) sum += down[j] * load(first + size_t(j) * frame.nodes + node);

@@ -27,6 +27,7 @@ using native::kTile;
 using Clock = std::chrono::steady_clock;
 
 constexpr float kNearDepth = 0.05f;                      // m, as the renderer has it
+constexpr uint32_t kMargin = 3;                          // nodes before the first pixel's
 constexpr float kLeastAcross = 0.7f, kLeastAlong = 0.7f; // as shaders/slab_bins.comp
 constexpr float kMostSpread = 60;                        // log2 of a Gaussian along a run: a float32 has 126
 constexpr uint32_t kMostRun = 16;                        // slabs, whose rounding errors add up quadratically
@@ -89,9 +90,11 @@ NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uin
     const float tan_y = std::tan(0.5f * pose_.fov_y), tan_x = tan_y * float(size.x) / float(size.y);
     const float pixel = 2 * tan_y / float(size.y);
     f.spacing = pixel * float(rate);
-    f.corner_x = -tan_x + (0.5f - float(rate)) * pixel, f.corner_y = -tan_y + (0.5f - float(rate)) * pixel;
-    const glm::uvec2 nodes = (size + rate - 1u) / rate + 3u;
-    tiles_ = (nodes + kTile - 1u) / kTile;
+    const float before = float(kMargin * rate) - 0.5f; // pixels
+    f.corner_x = -tan_x - before * pixel, f.corner_y = -tan_y - before * pixel;
+    nodes_ = (size + rate - 1u) / rate + uint32_t(2 * kMargin + 1);
+    tiles_ = (nodes_ + kTile - 1u) / kTile;
+    nodes_.y = tiles_.y * kTile;
     f.nodes = upTo(tiles_.x * kTile, kMostLanes) + kMostLanes;
     f.width = upTo(size.x, kMostLanes);
 
@@ -107,10 +110,10 @@ NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uin
     const glm::vec3 colour = extent_.albedo * tick_.irradiance * (0.25f / std::numbers::pi_v<float>);
     for (int i = 0; i < 3; ++i) f.colour[i] = colour[i];
 
-    for (uint32_t x = 0; x < std::max(rate, kMostLanes); ++x) { // Catmull-Rom
-        const float t = float(x % rate) / float(rate);
-        const float weights[4] = {((2 - t) * t - 1) * t, (3 * t - 5) * t * t + 2, ((4 - 3 * t) * t + 1) * t, (t - 1) * t * t};
-        for (int j = 0; j < 4; ++j) weights_[j].push_back(0.5f * weights[j]);
+    for (uint32_t x = 0; x < std::max(rate, kMostLanes); ++x) { // a cubic B-spline's
+        const float t = float(x % rate) / float(rate), r = 1 - t;
+        const float weights[4] = {r * r * r, (3 * t - 6) * t * t + 4, (3 * r - 6) * r * r + 4, t * t * t};
+        for (int j = 0; j < 4; ++j) weights_[j].push_back(weights[j] / 6);
     }
     for (int j = 0; j < 4; ++j) {
         f.weights[j] = weights_[j].data();
@@ -120,6 +123,8 @@ NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uin
     for (int i = 0; i < 2; ++i) {
         field_[i].resize(size_t(tiles_.y) * kTile * f.nodes);
         f.field[i] = field_[i].data();
+        spline_[i].resize(field_[i].size() + f.nodes);
+        f.spline[i] = &spline_[i][(kMargin - 1) * (f.nodes + 1)]; // of the first pixel's cell
     }
     members_.resize(particles_.size());
     f.members = members_.data();
@@ -205,6 +210,31 @@ void NativeSlabs::bin(uint32_t thread) {
     }
 }
 
+// A row of nodes, as shaders/slab_spline.comp.
+void NativeSlabs::fitSpline(uint32_t y) {
+    constexpr float kInverse[5] = {0.05f, -0.36666667f, 1.63333333f, -0.36666667f, 0.05f};
+    for (uint32_t x = 0; x < nodes_.x; ++x) {
+        float depth = 0, share = 0, unknown = 0, around = 0, weights = 0;
+        for (int j = 0; j < 5; ++j)
+            for (int i = 0; i < 5; ++i) {
+                const glm::ivec2 at = glm::clamp(glm::ivec2(x, y) + glm::ivec2(i, j) - 2, glm::ivec2(0), glm::ivec2(nodes_) - 1);
+                const size_t node = size_t(at.y) * frame_.nodes + size_t(at.x);
+                const float inverse = kInverse[i] * kInverse[j];
+                depth += inverse * field_[0][node];
+                if (field_[0][node] > 0) {
+                    const float near = 1.0f / float(1 + (i - 2) * (i - 2) + (j - 2) * (j - 2));
+                    share += inverse * field_[1][node];
+                    around += near * field_[1][node];
+                    weights += near;
+                } else {
+                    unknown += inverse;
+                }
+            }
+        spline_[0][y * frame_.nodes + x] = depth;
+        spline_[1][y * frame_.nodes + x] = share + unknown * around / std::max(weights, 1e-6f);
+    }
+}
+
 template <class Barrier>
 void NativeSlabs::work(uint32_t thread, Barrier& together) {
     flushTiny();
@@ -225,6 +255,8 @@ void NativeSlabs::work(uint32_t thread, Barrier& together) {
     }
     thread_spent_[thread] = spent;
     together.arrive_and_wait();
+    for (uint32_t y = thread; y < nodes_.y; y += threads_) fitSpline(y);
+    together.arrive_and_wait();
     for (uint32_t row; (row = next_row_.fetch_add(kRowsAtOnce)) < size_.y;)
         for (uint32_t y = row; y < std::min(row + kRowsAtOnce, size_.y); ++y) kernel_.row(frame_, y, scratch);
     together.arrive_and_wait();
@@ -233,17 +265,17 @@ void NativeSlabs::work(uint32_t thread, Barrier& together) {
 void NativeSlabs::render() {
     next_tile_ = next_row_ = 0;
     thread_spent_.assign(threads_, {});
-    std::vector<double> done; // ms, of bins, tiles, rows
+    std::vector<double> done; // ms, of bins, tiles, spline, rows
     const Clock::time_point begin = Clock::now();
     const auto note = [&]() noexcept { done.push_back(since(begin)); };
-    done.reserve(3);
+    done.reserve(4);
     std::barrier together(std::ptrdiff_t(threads_), note);
     {
         std::vector<std::jthread> others;
         for (uint32_t i = 1; i < threads_; ++i) others.emplace_back([&, i] { work(i, together); });
         work(0, together);
     }
-    spent_ = {.bin = done[0], .rows = done[2] - done[1]};
+    spent_ = {.bin = done[0], .rows = done[3] - done[1]};
     for (const Spent& thread : thread_spent_) {
         spent_.slabs += thread.slabs / double(threads_);
         spent_.light += thread.light / double(threads_);

@@ -1,6 +1,6 @@
 // The method `slabs` (server/render/methods/slabs.cpp) written straightforwardly for the CPU's vector units, as a yardstick of
 // what Vulkan's share of the same work costs on this machine: particles binned in tiles of 8x8 rays, Gaussians added by
-// recurrence along them, light looked up per slab, cubic interpolation to every pixel.
+// recurrence along them, light looked up per slab, a cubic B-spline to every pixel.
 #pragma once
 
 #include <atomic>
@@ -42,6 +42,7 @@ private:
     template <class Barrier>
     void work(uint32_t thread, Barrier& together);
     void bin(uint32_t thread);
+    void fitSpline(uint32_t y);
     void mapLight(const std::vector<gpu::Particle>& particles);
 
     const native::Kernel& kernel_;
@@ -50,12 +51,12 @@ private:
     gpu::Tick tick_;
     MediumExtent extent_;
     Pose pose_;
-    glm::uvec2 size_, tiles_; // pixels; of rays
+    glm::uvec2 size_, tiles_, nodes_; // pixels; of rays; those that a tile or the picture needs
     native::Frame frame_{};
     std::vector<native::Member> members_;
     std::vector<std::vector<std::vector<uint32_t>>> lists_; // [thread][tile]: members that it may reach
     std::vector<std::vector<float>> scratch_;               // [thread]
-    std::vector<float> light_, field_[2], weights_[4], picture_[4];
+    std::vector<float> light_, field_[2], spline_[2], weights_[4], picture_[4];
     std::atomic<uint32_t> next_tile_{0}, next_row_{0};
     std::vector<Spent> thread_spent_; // of tiles
     Spent spent_;
