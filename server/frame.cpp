@@ -14,6 +14,7 @@ constexpr auto kTick = std::chrono::duration_cast<Clock::duration>(std::chrono::
 // When this far behind, the simulation lets time pass without it: a stopped process does not fast-forward.
 constexpr auto kMostBehind = std::chrono::milliseconds(250);
 constexpr auto kReportEvery = std::chrono::seconds(1);
+constexpr size_t kMostEyes = 64;   // of a submission: who comes later comes first in the next one
 constexpr float kSmoothing = 0.1f; // weight of the newest sample in a pass's time
 
 // `count`. Throws SceneError when so many particles do not fit the memory that there is for them.
@@ -131,10 +132,15 @@ bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     batch.jobs.clear();
     eyes_.clear();
-    audience_.list(viewers_);
+    audience_.list(viewers_); // by id: on from the one that was last served
+    std::rotate(viewers_.begin(),
+                std::find_if(viewers_.begin(), viewers_.end(), [&](const auto& viewer) { return viewer->id() > last_served_; }),
+                viewers_.end());
     for (const auto& viewer : viewers_) {
+        if (eyes_.size() + 2 > kMostEyes) break;
         const auto due = viewer->takeDue();
         if (!due) continue;
+        last_served_ = viewer->id();
         const auto same = std::find_if(batch.jobs.begin(), batch.jobs.end(),
                                        [&](const Batch::Job& job) { return samePictures(job.due.request, due->request); });
         if (same != batch.jobs.end()) {

@@ -99,21 +99,22 @@ std::span<const PassSample> Commands::readTimes() {
 }
 
 Commands::Pass::Pass(Commands& commands, const char* name, uint32_t view) : commands_(commands) {
-    if (commands.passes_.size() == kMaxPasses) throw Error("too many passes in one submission");
+    timed_ = commands.passes_.size() < kMaxPasses;
     query_ = uint32_t(2 * commands.passes_.size());
-    commands.passes_.push_back({name, view, 0, 0});
     if (commands.device_.beginLabel) {
         VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT};
         label.pLabelName = name;
         commands.device_.beginLabel(commands.cmd_, &label);
     }
+    if (!timed_) return;
+    commands.passes_.push_back({name, view, 0, 0});
     vkCmdWriteTimestamp2(commands.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.queries_, query_);
     if (commands.fragments_) vkCmdBeginQuery(commands.cmd_, commands.fragments_, query_ / 2, 0);
 }
 
 Commands::Pass::~Pass() {
-    if (commands_.fragments_) vkCmdEndQuery(commands_.cmd_, commands_.fragments_, query_ / 2);
-    vkCmdWriteTimestamp2(commands_.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.queries_, query_ + 1);
+    if (timed_ && commands_.fragments_) vkCmdEndQuery(commands_.cmd_, commands_.fragments_, query_ / 2);
+    if (timed_) vkCmdWriteTimestamp2(commands_.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.queries_, query_ + 1);
     if (commands_.device_.endLabel) commands_.device_.endLabel(commands_.cmd_);
 }
 

@@ -52,6 +52,7 @@ public:
     private:
         Commands& commands_;
         uint32_t query_;
+        bool timed_; // the first kMaxPasses of a submission are
     };
 
 private:
