@@ -65,7 +65,7 @@ private:
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     std::vector<EyeRequest> eyes_;
-    uint32_t last_served_ = 0; // id of the viewer that was taken last
+    uint32_t last_served_ = 0;    // id of the viewer that was taken last
     std::vector<PlanView> views_; // the same, for the plan
     bool replan_ = false;         // a command came since the last frame
     std::vector<PassTime> passes_;

@@ -14,10 +14,10 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "common/process.h"
 #include "server/encode/jpeg.h"
 #include "server/light/tick.h"
 #include "server/render/renderer.h"
-#include "common/process.h"
 #include "tests/reference/medium_reference.h"
 
 namespace brume {
@@ -190,8 +190,8 @@ void jpeg(const gpu::Device& device, const Scene& scene) {
             seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         }
         ours.push_back(frames / seconds);
-        Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup",
-                               "0.2", "-nowrite", "-componly"});
+        Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup", "0.2",
+                         "-nowrite", "-componly"});
         tjbench.exitCode();
         const std::string text = tjbench.out();
         std::smatch found;

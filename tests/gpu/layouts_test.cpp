@@ -28,11 +28,11 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     };
 #define AT(Struct, member) offsetof(Struct, member)
     expect(1000,
-           {AT(Tick, to_light),  AT(Tick, falloff),     AT(Tick, light_x),      AT(Tick, anisotropy),    AT(Tick, light_y),
-            AT(Tick, asymmetry), AT(Tick, irradiance),  AT(Tick, cut),          AT(Tick, ambient),       AT(Tick, particle_count),
+           {AT(Tick, to_light),  AT(Tick, falloff),       AT(Tick, light_x),      AT(Tick, anisotropy),  AT(Tick, light_y),
+            AT(Tick, asymmetry), AT(Tick, irradiance),    AT(Tick, cut),          AT(Tick, ambient),     AT(Tick, particle_count),
             AT(Tick, shadow_lo), AT(Tick, shadow_slices), AT(Tick, shadow_hi),    AT(Tick, opaque_size), AT(Tick, opaque_lo),
-            AT(Tick, opaque_hi), AT(Tick, shadow_size), AT(Tick, opaque_count), AT(Tick, sky_zenith),    AT(Tick, sky_horizon),
-            AT(Tick, shadow_u),  AT(Tick, shadow_v),    AT(Tick, shadow_plane)});
+            AT(Tick, opaque_hi), AT(Tick, shadow_size),   AT(Tick, opaque_count), AT(Tick, sky_zenith),  AT(Tick, sky_horizon),
+            AT(Tick, shadow_u),  AT(Tick, shadow_v),      AT(Tick, shadow_plane)});
     expect(2000, {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y),
                   AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right),
                   AT(Eye, ray_down), AT(Eye, volume), AT(Eye, volume_ray), AT(Eye, volume_right), AT(Eye, volume_down)});
