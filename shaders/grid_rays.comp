@@ -34,11 +34,7 @@ void startRay(uvec2 tile, uint ray, vec2 pixel) {
     ray_dir = (eye.ray + pixel.x * eye.ray_right + pixel.y * eye.ray_down) / push.medium.spacing;
 }
 
-// B-spline of third order: of the nodes at -1, 0, 1, 2.
-vec4 spline(float t) {
-    const float u = 1 - t;
-    return vec4(u * u * u, 4 - 3 * t * t * (2 - t), 4 - 3 * u * u * (2 - u), t * t * t) / 6;
-}
+#include "shaders/lib/spline.glsl"
 
 // Sampled at place `t` of the cell whose nodes begin at `first`.
 float linear(uint first, uint row, uint sheet, vec3 t) {

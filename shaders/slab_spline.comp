@@ -23,8 +23,7 @@ const float kInverse[5] = {0.05, -0.36666667, 1.63333333, -0.36666667, 0.05};
 
 // Rays that meet no medium scatter nothing, but what lies between them and others does: for `known` nodes only, others are as
 // the known ones around the middle.
-float coefficient(uint plane, uint known) {
-    const uvec2 node = uvec2(gl_GlobalInvocationID.x % push.grid.nodes.x, gl_GlobalInvocationID.x / push.grid.nodes.x);
+float coefficient(uvec2 node, uint plane, uint known) {
     float sum = 0, unknown = 0, around = 0, weights = 0;
     [[unroll]] for (int j = 0; j < 5; ++j)
         [[unroll]] for (int i = 0; i < 5; ++i) {
@@ -50,6 +49,6 @@ void main() {
             known |= uint(field[fieldWhole(0) + at.y * push.grid.nodes.x + at.x] > 0) << (5 * j + i);
         }
     const uint all = 0x1ffffff;
-    for (uint c = 0; c <= kSources; ++c) field[fieldSpline(c) + gl_GlobalInvocationID.x] = coefficient(fieldWhole(c), c == 0 ? all : known);
-    if (kHasOpaque) field[fieldSpline(kSources + 1) + gl_GlobalInvocationID.x] = coefficient(fieldEnds(), all);
+    for (uint c = 0; c <= kSources; ++c) field[fieldSpline(c) + gl_GlobalInvocationID.x] = coefficient(node, fieldWhole(c), c == 0 ? all : known);
+    if (kHasOpaque) field[fieldSpline(kSources + 1) + gl_GlobalInvocationID.x] = coefficient(node, fieldEnds(), all);
 }

@@ -13,11 +13,9 @@ uint fieldWhole(uint c) { return c * fieldSet() + (kHasOpaque ? (push.grid.slabs
 uint fieldEnds() { return (kSources + 1) * fieldSet(); }
 uint fieldSpline(uint c) { return (kSources + 1) * fieldSet() + (c + (kHasOpaque ? 1 : 0)) * fieldNodes(); }
 
-// Weights of the nodes at -1, 0, 1, 2: of a cubic B-spline's coefficients, and of Catmull-Rom's for values.
-vec4 spline(float t) {
-    const float r = 1 - t;
-    return vec4(r * r * r, (3 * t - 6) * t * t + 4, (3 * r - 6) * r * r + 4, t * t * t) * (1.0 / 6.0);
-}
+#include "shaders/lib/spline.glsl"
+
+// Catmull-Rom's weights of the values at -1, 0, 1, 2.
 vec4 through(float t) {
     return 0.5 * vec4(((2 - t) * t - 1) * t, (3 * t - 5) * t * t + 2, ((4 - 3 * t) * t + 1) * t, (t - 1) * t * t);
 }

@@ -1,6 +1,7 @@
 #include "tests/bench/native/compare.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cstdio>
 #include <stdexcept>
@@ -86,7 +87,8 @@ std::string nativeTable(const gpu::Device& device, Truth& truth, const native::K
     for (const char* scene : {"cloud", "cloud-5000"})
         for (const char* camera : {"outside", "inside"}) {
             Case wanted = caseOf(scene, camera);
-            const RenderSettings way = Stage(device, wanted).plan().chosen.settings;
+            RenderSettings way = Stage(device, wanted).plan().chosen.settings;
+            way.rate = std::bit_floor(way.rate); // what NativeSlabs has
             wanted.set.push_back(fmt::format("render.rate={}", way.rate));
             wanted.set.push_back(fmt::format("render.slabs={}", way.slabs));
             Stage stage(device, wanted);
@@ -134,20 +136,21 @@ std::string nativeTable(const gpu::Device& device, Truth& truth, const native::K
 }
 
 std::string nativeReport(const native::Kernel& kernel, const NativeRun& run, const std::string& table) {
-    return fmt::format("# Slabs on Vulkan beside the same maths written for the CPU\n\n"
-                       "Written by `{}` on {}. CPU: {}. Vulkan device: {}. Native instructions: {}, {} floats a vector.\n\n"
-                       "The native program ([`tests/bench/native`](../../tests/bench/native)) does what the method `slabs` does "
-                       "to a medium that is lit "
-                       "already: bins, extinction of all slabs by recurrence, light along the rays, cubic reconstruction to "
-                       "radiance and transmittance of "
-                       "every pixel. Vulkan's time is that of the passes bin, slabs and slab light, and of compose less what "
-                       "compose takes of a medium "
-                       "that was drawn (tone map, sRGB, YCbCr); frames of both alternate. Least of all frames, "
-                       "and median; the ratio "
-                       "is Vulkan's time over the native one's. The last columns are relative RMSE: of the native picture from "
-                       "that of `slabs`, and of "
-                       "both from the double-precision reference, every fifth pixel.\n\n{}",
-                       run.command, run.date, run.cpu, run.device, kernel.name, kernel.lanes, table);
+    return fmt::format(
+        "# Slabs on Vulkan beside the same maths written for the CPU\n\n"
+        "Written by `{}` on {}. CPU: {}. Vulkan device: {}. Native instructions: {}, {} floats a vector.\n\n"
+        "The native program ([`tests/bench/native`](../../tests/bench/native)) does what the method `slabs` does "
+        "to a medium that is lit "
+        "already: bins, extinction of all slabs by recurrence, light along the rays, a cubic B-spline to "
+        "radiance and transmittance of "
+        "every pixel. Vulkan's time is that of the passes bin, slabs, slab light and spline, and of compose less what "
+        "compose takes of a medium "
+        "that was drawn (tone map, sRGB, YCbCr); frames of both alternate. Least of all frames, "
+        "and median; the ratio "
+        "is Vulkan's time over the native one's. The last columns are relative RMSE: of the native picture from "
+        "that of `slabs`, and of "
+        "both from the double-precision reference, every fifth pixel.\n\n{}",
+        run.command, run.date, run.cpu, run.device, kernel.name, kernel.lanes, table);
 }
 
 } // namespace brume::bench
