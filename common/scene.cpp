@@ -132,6 +132,9 @@ void readRender(TableReader& in, RenderSettings& out) {
     in.integer("steps", out.steps, out.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps);
     in.integer("rate", out.rate, limits::kRayRate);
     in.integer("slabs", out.slabs, limits::kSlabs);
+    in.integer("shading", out.shading, limits::kShading);
+    if ((out.shading & (out.shading - 1)) != 0)
+        in.fail("shading", std::to_string(out.shading) + " is not allowed", "0, 1, 2, 4 or 8");
     in.number("grid", out.grid, limits::kGridSpacing);
     in.number("merge", out.merge, limits::kMerge);
     in.number("exposure", out.exposure, limits::kExposure);

@@ -175,12 +175,13 @@ void FrameLoop::encode(Batch& batch) {
         float ms = 0;
         uint32_t times = 0;
         for (const gpu::PassSample& sample : samples)
-            if (pass.name == sample.name) ms += sample.ms, ++times;
+            if (pass.name == sample.name)
+                ms += sample.ms, times = sample.view == gpu::kEach ? uint32_t(pictures.size()) : times + 1;
         if (times) pass.ms += kSmoothing * (ms / float(times) - pass.ms);
     }
     for (const gpu::PassSample& sample : samples)
         if (std::none_of(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == sample.name; }))
-            passes_.push_back({sample.name, sample.ms});
+            passes_.push_back({sample.name, sample.view == gpu::kEach ? sample.ms / float(pictures.size()) : sample.ms});
 
     double shared_ms = 0, views_ms = 0;
     for (const gpu::PassSample& sample : samples) (sample.view == gpu::kShared ? shared_ms : views_ms) += double(sample.ms);
@@ -192,8 +193,12 @@ void FrameLoop::encode(Batch& batch) {
         if (!makes(job)) continue;
         const PoseRequest& request = job.due.request;
         float gpu_ms = 0;
-        for (const gpu::PassSample& sample : samples)
-            if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views) gpu_ms += sample.ms;
+        for (const gpu::PassSample& sample : samples) {
+            if (sample.view == gpu::kEach)
+                gpu_ms += sample.ms * float(request.views) / float(pictures.size());
+            else if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views)
+                gpu_ms += sample.ms;
+        }
         workers_.give([this, &batch, &job, gpu_ms, views = pictures.subspan(job.first_eye, request.views)](JpegEncoder& jpeg) {
             deliver(batch, job.pictures, gpu_ms, views, jpeg);
             batch.pending.fetch_sub(1);

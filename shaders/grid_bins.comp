@@ -60,5 +60,5 @@ void main() {
             mark(kRead, from - 1, to + 1);
         }
     }
-    writeBins(reach, medium.bricks);
+    writeBins(0, reach, medium.bricks);
 }

@@ -35,8 +35,8 @@ void main() {
     float sum[kPoints];
     [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
     for (uint chunk = 0; chunk < words; chunk += kChunk) {
-        if (!hasMembers(chunk / kPage, line, bricks.x + bricks.y + bricks.z, words)) continue;
-        const uint count = listMembers(chunk, line, words);
+        if (!hasMembers(0, chunk / kPage, line, bricks.x + bricks.y + bricks.z, words)) continue;
+        const uint count = listMembers(0, chunk, line, words);
         for (uint base = 0; base < count; base += held()) {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
             if (base + gl_SubgroupInvocationID < count) mine = members[list[base + gl_SubgroupInvocationID]];

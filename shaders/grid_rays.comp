@@ -4,6 +4,7 @@
 #extension GL_EXT_control_flow_attributes : require
 // The medium's grid, per eye: rays through it.
 #include "shaders/shared/types.h"
+#include "shaders/lib/view.glsl"
 
 layout(local_size_x = 64) in; // kSlabTile * kSlabTile
 
@@ -12,7 +13,6 @@ layout(constant_id = 24) const uint kSources = 1;  // as in lib/slab_field.glsl
 layout(constant_id = 21) const bool kCubic = true; // else linear, of a finer grid
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // as in grid_fill.comp
 layout(scalar, binding = 3) buffer Field { float field[]; };          // as in lib/slab_field.glsl
 layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };  // as in lib/grid_marks.glsl
@@ -20,10 +20,7 @@ layout(binding = 6) uniform sampler2DArray shadow_volume;
 layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 8) uniform sampler2D view_depth;
 
-layout(push_constant, scalar) uniform Push {
-    SlabGrid grid;
-    MediumGrid medium;
-} push;
+layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 
 #include "shaders/lib/grid_marks.glsl"
 
@@ -35,6 +32,7 @@ void startRay(uvec2 tile, uint ray, vec2 pixel) {
 }
 
 #include "shaders/lib/spline.glsl"
+#include "shaders/lib/whole.glsl"
 
 // Sampled at place `t` of the cell whose nodes begin at `first`.
 float linear(uint first, uint row, uint sheet, vec3 t) {
@@ -55,13 +53,13 @@ float cubic(uint first, uint row, uint sheet, vec3 t) {
 }
 
 vec4 mediumAt(uint s) {
-    const vec3 at = eye_at + (push.grid.depth + (float(s) + 0.5) * push.grid.thickness) * ray_dir;
+    const vec3 at = eye_at + (grid.depth + (float(s) + 0.5) * grid.thickness) * ray_dir;
     const uvec3 size = push.medium.bricks * kSlabTile;
     vec4 medium = vec4(0);
     if (all(greaterThanEqual(at, vec3(1))) && all(lessThan(at, vec3(size) - 2))) {
-        const uvec3 cell = uvec3(at), brick = cell / kSlabTile;
+        const uvec3 cell = nearestWhole(floor(at)), brick = cell / kSlabTile;
         if ((marks[markWord(kSampled, brick)] >> (brick.x % 32) & 1) != 0) {
-            const vec3 t = at - vec3(cell);
+            const vec3 t = fract(at);
             const uint row = size.x, sheet = size.y * row, first = cell.z * sheet + cell.y * row + cell.x;
             for (uint c = 0; c < (kSources > 1 ? 4 : 1); ++c) {
                 const uint from = first + c * size.z * sheet;

@@ -5,16 +5,14 @@
 // may reach. One bit for a particle and a line: no lists, no order to keep. One workgroup per 32 particles.
 #include "shaders/shared/types.h"
 #include "shaders/shared/support.h"
+#include "shaders/lib/view.glsl"
 
 layout(local_size_x = 32) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
 layout(scalar, binding = 4) buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles], then pages; all 0 before
-
-layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
 
 const float kLog2e = 1.4426950408889634;
 // Standard deviation of a particle that rays and slabs can carry, in their spacings: narrower ones are widened, their optical mass
@@ -24,7 +22,7 @@ const float kLeastAcross = 0.7, kLeastAlong = 0.7;
 #include "shaders/lib/line_bins_write.glsl"
 
 void main() {
-    const SlabGrid grid = push.grid;
+    enterView(gl_WorkGroupID.z);
     const uint i = gl_WorkGroupID.x * 32 + laneOfWord();
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
     const float tile = float(grid.rate * kSlabTile) * pixel;
@@ -41,7 +39,7 @@ void main() {
         m.along = 0.5 * kLog2e / (along * along);
         m.sigma = p.sigma_t * (own / across) * (own / across) * (own / along);
         m.albedo = p.albedo;
-        members[i] = m;
+        members[views[gl_WorkGroupID.z].members + i] = m;
         const float radius = supportRadius(p.sigma_t, u, tick.cut);
         const float wide = radius * across / own, deep = radius * along / own;
         const float end = grid.depth + grid.thickness * float(grid.slabs);
@@ -57,5 +55,5 @@ void main() {
             reach[2] = span((near - grid.depth) / sheet, (far - grid.depth) / sheet, grid.lines.z);
         }
     }
-    writeBins(reach, grid.lines);
+    writeBins(views[gl_WorkGroupID.z].bins, reach, grid.lines);
 }

@@ -3,6 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // Slabs, third pass: rays through what the second one has added to their slabs.
 #include "shaders/shared/types.h"
+#include "shaders/lib/view.glsl"
 
 layout(local_size_x = 64) in; // kSlabTile * kSlabTile
 
@@ -10,21 +11,18 @@ layout(constant_id = 0) const bool kHasOpaque = true;
 layout(constant_id = 24) const uint kSources = 1; // as in lib/slab_field.glsl
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(scalar, binding = 2) readonly buffer Added { float added[]; }; // as in slabs.comp
 layout(scalar, binding = 3) buffer Field { float field[]; };          // as in lib/slab_field.glsl
 layout(binding = 6) uniform sampler2DArray shadow_volume;
 layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 8) uniform sampler2D view_depth;
 
-layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
-
 uint from, apart; // in `added`: the ray's first slab, and how far apart are what lies there
 
 void startRay(uvec2 tile, uint ray, vec2 pixel) {
-    const uint tiles = push.grid.lines.x * push.grid.lines.y, rays = gl_WorkGroupSize.x;
-    from = (tile.y * push.grid.lines.x + tile.x) * push.grid.slabs * rays + ray;
-    apart = tiles * push.grid.slabs * rays;
+    const uint tiles = grid.lines.x * grid.lines.y, rays = gl_WorkGroupSize.x;
+    from = views[gl_WorkGroupID.z].added * 4 + (tile.y * grid.lines.x + tile.x) * grid.slabs * rays + ray;
+    apart = tiles * grid.slabs * rays;
 }
 
 vec4 mediumAt(uint s) {

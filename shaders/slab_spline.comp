@@ -5,6 +5,7 @@
 // Slabs, last pass: what whole rays see becomes the coefficients of a cubic B-spline through it, whose error is a fourth of that of
 // Catmull-Rom's where rays are 0.8 standard deviations apart. A lane is a node.
 #include "shaders/shared/types.h"
+#include "shaders/lib/view.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -13,8 +14,6 @@ layout(constant_id = 23) const uint kRate = 2;
 layout(constant_id = 24) const uint kSources = 1; // as in lib/slab_field.glsl
 
 layout(scalar, binding = 2) buffer Field { float field[]; };
-
-layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
 
 #include "shaders/lib/slab_field.glsl"
 
@@ -27,8 +26,8 @@ float coefficient(uvec2 node, uint plane, uint known) {
     float sum = 0, unknown = 0, around = 0, weights = 0;
     [[unroll]] for (int j = 0; j < 5; ++j)
         [[unroll]] for (int i = 0; i < 5; ++i) {
-            const uvec2 at = uvec2(clamp(ivec2(node) + ivec2(i, j) - 2, ivec2(0), ivec2(push.grid.nodes) - 1));
-            const float value = field[plane + at.y * push.grid.nodes.x + at.x], inverse = kInverse[i] * kInverse[j];
+            const uvec2 at = uvec2(clamp(ivec2(node) + ivec2(i, j) - 2, ivec2(0), ivec2(grid.nodes) - 1));
+            const float value = field[plane + at.y * grid.nodes.x + at.x], inverse = kInverse[i] * kInverse[j];
             const float near = 1.0 / float(1 + (i - 2) * (i - 2) + (j - 2) * (j - 2));
             const bool is_known = (known >> (5 * j + i) & 1) != 0;
             sum += is_known ? inverse * value : 0;
@@ -40,13 +39,14 @@ float coefficient(uvec2 node, uint plane, uint known) {
 }
 
 void main() {
+    enterView(gl_WorkGroupID.z);
     if (gl_GlobalInvocationID.x >= fieldNodes()) return;
-    const uvec2 node = uvec2(gl_GlobalInvocationID.x % push.grid.nodes.x, gl_GlobalInvocationID.x / push.grid.nodes.x);
+    const uvec2 node = uvec2(gl_GlobalInvocationID.x % grid.nodes.x, gl_GlobalInvocationID.x / grid.nodes.x);
     uint known = 0;
     [[unroll]] for (int j = 0; j < 5; ++j)
         [[unroll]] for (int i = 0; i < 5; ++i) {
-            const uvec2 at = uvec2(clamp(ivec2(node) + ivec2(i, j) - 2, ivec2(0), ivec2(push.grid.nodes) - 1));
-            known |= uint(field[fieldWhole(0) + at.y * push.grid.nodes.x + at.x] > 0) << (5 * j + i);
+            const uvec2 at = uvec2(clamp(ivec2(node) + ivec2(i, j) - 2, ivec2(0), ivec2(grid.nodes) - 1));
+            known |= uint(field[fieldWhole(0) + at.y * grid.nodes.x + at.x] > 0) << (5 * j + i);
         }
     const uint all = 0x1ffffff;
     for (uint c = 0; c <= kSources; ++c) field[fieldSpline(c) + gl_GlobalInvocationID.x] = coefficient(node, fieldWhole(c), c == 0 ? all : known);

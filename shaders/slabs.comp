@@ -8,29 +8,35 @@
 // One workgroup per tile of 8x8 rays and sheet of slabs; a lane is a slab. On its plane the rays' points are equally spaced, so
 // that a Gaussian is a product of two recurrences, and adding a particle to 64 rays costs little more than 64 multiply-adds.
 #include "shaders/shared/types.h"
+#include "shaders/lib/view.glsl"
 
 layout(local_size_x_id = 20) in; // slabs of a sheet
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
 // [what][tile][slab][ray / 4], per m: extinction; with kColours also that which scatters red, green and blue
 layout(scalar, binding = 3) writeonly buffer Added { vec4 added[]; };
 layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };    // as in slab_bins.comp
 
-layout(push_constant, scalar) uniform Push { SlabGrid grid; } push;
+layout(push_constant, scalar) uniform Push {
+    uint sheets; // z of workgroups: views, then what is added, then sheets, of which a view may have fewer
+    uint whats;
+} push;
 
 const uint kLanes = gl_WorkGroupSize.x;
 
 #include "shaders/lib/tile_members.glsl"
 
 void main() {
-    const SlabGrid grid = push.grid;
+    const uint view = gl_WorkGroupID.z / (push.sheets * push.whats);
+    const uint sheet = gl_WorkGroupID.z % push.sheets, what = gl_WorkGroupID.z / push.sheets % push.whats;
+    enterView(view);
+    if (any(greaterThanEqual(uvec3(gl_WorkGroupID.xy, sheet), grid.lines))) return; // all of the workgroup
+    const uint bits = views[view].bins, first_member = views[view].members;
     const uint lane = gl_LocalInvocationIndex;
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
     const uvec2 first = gl_WorkGroupID.xy * kSlabTile;
     const vec2 corner = vec2(-eye.tan_x, -eye.tan_y) + ((vec2(first) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5) * pixel;
-    const uint sheet = gl_WorkGroupID.z % grid.lines.z, what = gl_WorkGroupID.z / grid.lines.z;
     const float z = grid.depth + (float(sheet * kLanes + lane) + 0.5) * grid.thickness; // of the lane's slab
     const vec2 at = z * corner;
     const float spacing = z * pixel * float(grid.rate);
@@ -41,12 +47,12 @@ void main() {
     float sum[kPoints];
     [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
     for (uint chunk = 0; chunk < words; chunk += kChunk) {
-        if (!hasMembers(chunk / kPage, line, grid.lines.x + grid.lines.y + grid.lines.z, words)) continue;
-        const uint count = listMembers(chunk, line, words);
+        if (!hasMembers(bits, chunk / kPage, line, grid.lines.x + grid.lines.y + grid.lines.z, words)) continue;
+        const uint count = listMembers(bits, chunk, line, words);
         // A lane of the subgroup loads a member, all add it: uniform loads inside loops are as slow as scattered ones on CPU drivers.
         for (uint base = 0; base < count; base += held()) {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
-            if (base + gl_SubgroupInvocationID < count) mine = members[list[base + gl_SubgroupInvocationID]];
+            if (base + gl_SubgroupInvocationID < count) mine = members[first_member + list[base + gl_SubgroupInvocationID]];
             if (what > 0) mine.sigma *= mine.albedo[what - 1];
             // Across a tile, on the farthest of its planes that the member reaches.
             const float widest = max(mine.centre.z, 0) * pixel * float(grid.rate) * float(kSlabTile);
@@ -56,6 +62,6 @@ void main() {
     }
     const uint tile = gl_WorkGroupID.y * grid.lines.x + gl_WorkGroupID.x;
     const uint tiles = grid.lines.x * grid.lines.y;
-    const uint out_at = ((what * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
+    const uint out_at = views[view].added + ((what * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
     [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] = vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
 }

@@ -1,15 +1,48 @@
 #include "server/render/compose.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "shaders/compose_comp.h"
+#include "shaders/present_comp.h"
+#include "shaders/shade_comp.h"
 
 namespace brume {
+namespace {
+
+// A Henyey-Greenstein lobe is about 1 - g wide, in radians: pixels that are shaded are no further apart than this part of it.
+constexpr float kPartOfLobe = 0.1f;
+
+} // namespace
 
 Compose::Compose(const gpu::Device& device, const SceneFeatures& features)
     : device_(device), features_(features),
       none_(device, 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no field") {}
 
-const gpu::ComputeProgram& Compose::program(const Variant& v) {
-    gpu::ComputeProgram& program = programs_[v];
+uint32_t Compose::stepOf(const EyeInputs& in, uint32_t rate, float most) const {
+    if (features_.opaque || keep_) return 1;
+    uint32_t step = in.settings->shading;
+    if (step == 0) {
+        const float pixel = 2 * std::tan(0.5f * in.pose.fov_y) / float(in.size.height); // rad
+        if (in.lobe) most = std::min(most, kPartOfLobe * (1 - std::abs(in.asymmetry)) / pixel);
+        step = most >= 8 ? 8 : most >= 4 ? 4 : most >= 2 ? 2 : 1;
+    }
+    while (step > rate) step /= 2; // nodes around the picture are within a cell of it
+    return step;
+}
+
+uint32_t Compose::shadedWords(const gpu::View& view, uint32_t step) { // lib/shaded.glsl
+    return step == 1 ? 0 : 2 * (gpu::groups(view.eye.size.x, step) + 3) * (gpu::groups(view.end - view.first, step) + 3);
+}
+
+void Compose::fit(VkDeviceSize shaded_words) {
+    const VkDeviceSize bytes = shaded_words * sizeof(uint32_t);
+    if (bytes > 0 && (!shaded_ || shaded_.size() < bytes))
+        shaded_ = gpu::Buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "shaded nodes");
+}
+
+const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
+    gpu::ComputeProgram& program = every_pixel_[v];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"},
                                       {{0, features_.opaque},
@@ -23,26 +56,63 @@ const gpu::ComputeProgram& Compose::program(const Variant& v) {
     return program;
 }
 
-void Compose::record(gpu::Commands& commands, const EyeInputs& in, uint32_t first, uint32_t count, const MediumField* field) {
+const gpu::ComputeProgram& Compose::someNodes(const Variant& v) {
+    gpu::ComputeProgram& program = some_nodes_[v];
+    if (!program)
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_comp, "shade"},
+                                      {{2, v.lobe}, {3, features_.ambient}, {22, v.step}, {23, v.rate}, {24, v.sources}});
+    return program;
+}
+
+void Compose::record(gpu::Commands& commands, const EyeInputs& in) {
     const gpu::Commands::Pass pass(commands, "compose", in.view);
     const VkCommandBuffer cmd = commands.handle();
     gpu::computeToCompute(cmd);
-    struct Push {
-        uint32_t luma_words, first_word, first, end;
-        gpu::SlabGrid grid;
-    };
-    const PlaneLayout layout{in.size.width, in.size.height};
-    const Push push{layout.lumaStride() / 4, uint32_t(in.planes_at / 4), first, first + count,
-                    field ? field->grid : gpu::SlabGrid{}};
-    const Variant variant =
-        field ? Variant{false, keep_, in.lobe, field->grid.rate, field->sources} : Variant{true, false, false, 8, 1};
-    program(variant).bind(cmd,
-                          {in.tick, in.eye, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
-                           gpu::storageBuffer(4, field ? *field->buffer : none_),
-                           gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
-                           gpu::sampledImage(8, *in.view_depth, *in.nearest)},
-                          push);
-    vkCmdDispatch(cmd, gpu::groups(layout.lumaStride() / 8, 8), gpu::groups((count + 1) / 2, 8), 1);
+    everyPixel({.drawn = true, .keep = false, .lobe = false, .rate = 8, .sources = 1, .step = 1})
+        .bind(cmd, {in.tick, in.view_block, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
+                    gpu::storageBuffer(4, none_), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
+                    gpu::sampledImage(8, *in.view_depth, *in.nearest)});
+    vkCmdDispatch(cmd, gpu::groups(in.size.width, 64), gpu::groups(in.size.height, 16), 1);
+}
+
+void Compose::record(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field) {
+    if (group.step > 1) return recordShaded(commands, group, field);
+    const gpu::Commands::Pass pass(commands, "compose", group.view());
+    const VkCommandBuffer cmd = commands.handle();
+    const EyeInputs& in = *group.any;
+    gpu::computeToCompute(cmd);
+    const gpu::ComputeProgram& program =
+        everyPixel({.drawn = false, .keep = keep_, .lobe = in.lobe, .rate = group.rate, .sources = group.sources, .step = 1});
+    for (uint32_t i = 0; i < group.count(); ++i) {
+        program.bind(cmd, {in.tick, group.blockOf(i), gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
+                           gpu::storageBuffer(4, field), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
+                           gpu::sampledImage(8, *in.view_depth, *in.nearest)});
+        const gpu::View& view = group.views[i];
+        vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64), gpu::groups(view.end - view.first, 16), 1);
+    }
+}
+
+void Compose::recordShaded(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field) {
+    const VkCommandBuffer cmd = commands.handle();
+    const EyeInputs& in = *group.any;
+    const uint32_t width = group.most([](const gpu::View& v) { return v.eye.size.x; });
+    const uint32_t rows = group.most([](const gpu::View& v) { return v.end - v.first; });
+    {
+        const gpu::Commands::Pass pass(commands, "shade", group.view());
+        gpu::computeToCompute(cmd);
+        someNodes(
+            {.drawn = false, .keep = false, .lobe = in.lobe, .rate = group.rate, .sources = group.sources, .step = group.step})
+            .bind(cmd, {in.tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, field)});
+        vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8), gpu::groups(gpu::groups(rows, group.step) + 3, 8),
+                      group.count());
+        gpu::computeToCompute(cmd);
+    }
+    const gpu::Commands::Pass pass(commands, "compose", group.view());
+    gpu::ComputeProgram& present = present_[group.step];
+    if (!present)
+        present = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"}, {{22, group.step}});
+    present.bind(cmd, {group.block, gpu::storageBuffer(3, *in.planes), gpu::storageBuffer(4, shaded_)});
+    vkCmdDispatch(cmd, gpu::groups(width, 128), gpu::groups(rows, 32), group.count());
 }
 
 } // namespace brume

@@ -1,46 +1,54 @@
-// The last pass of an eye: background, medium, tone map, and the planes that JPEG takes. Pixels whose medium comes as a field are
-// made here from first to last and never stored as radiance, unless somebody wants to read it.
+// The last passes of pictures: background, medium, tone map, and the planes that JPEG takes. Pixels whose medium comes as a field
+// are made here and never stored as radiance, unless somebody wants to read it.
 #pragma once
 
 #include <map>
 
-#include "server/render/method.h"
 #include "server/render/picture.h"
+#include "server/render/view_group.h"
 
 namespace brume {
-
-// The medium on a coarse grid of rays (shaders/lib/slab_field.glsl), of the whole picture or of a band of its rows.
-struct MediumField {
-    const gpu::Buffer* buffer = nullptr;
-    gpu::SlabGrid grid{};
-    uint32_t sources = 1;
-};
 
 class Compose {
 public:
     Compose(const gpu::Device& device, const SceneFeatures& features);
 
-    // Whether EyeInputs::radiance holds what was composed afterwards. A medium that was drawn is always there.
+    // Whether EyeInputs::radiance holds what was composed afterwards: then every pixel is shaded, and groups are of one view. A
+    // medium that was drawn is always there.
     void keepRadiance(bool keep) { keep_ = keep; }
+    bool keepsRadiance() const { return keep_; }
 
-    // Rows first ... first + count of the picture, both even but at its end. Without a field the medium is in
-    // EyeInputs::radiance, with what is behind it. With one, the background is there when the scene has opaque objects, else it
-    // is the sky.
-    void record(gpu::Commands& commands, const EyeInputs& in, uint32_t first, uint32_t count, const MediumField* field);
+    // Pixels between those that are shaded; the others follow by cubic interpolation. 1, 2, 4 or 8: as RenderSettings::shading
+    // says, or at most `most`, what the medium's detail allows, and a part of the phase function's lobe. No more than `rate`, and
+    // 1 where a picture may have sharp edges. What it errs is below a hundredth of a level (tests/gpu/picture_test.cpp).
+    uint32_t stepOf(const EyeInputs& in, uint32_t rate, float most) const;
+    // Words of the buffer that gpu::View::shaded points into.
+    static uint32_t shadedWords(const gpu::View& view, uint32_t step);
+    // Room for so many, nothing of this being on the device.
+    void fit(VkDeviceSize shaded_words);
+
+    // The medium is in EyeInputs::radiance, with what is behind it.
+    void record(gpu::Commands& commands, const EyeInputs& in);
+    // The medium is in `field`. The background is in EyeInputs::radiance when the scene has opaque objects, else it is the sky.
+    void record(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field);
 
 private:
     struct Variant {
         bool drawn, keep, lobe;
-        uint32_t rate, sources;
+        uint32_t rate, sources, step;
         auto operator<=>(const Variant&) const = default;
     };
-    const gpu::ComputeProgram& program(const Variant& variant);
+    const gpu::ComputeProgram& everyPixel(const Variant& variant);
+    const gpu::ComputeProgram& someNodes(const Variant& variant);
+    void recordShaded(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field);
 
     const gpu::Device& device_;
     SceneFeatures features_;
     bool keep_ = false;
     gpu::Buffer none_; // where no field is
-    std::map<Variant, gpu::ComputeProgram> programs_;
+    gpu::Buffer shaded_;
+    std::map<Variant, gpu::ComputeProgram> every_pixel_, some_nodes_;
+    std::map<uint32_t, gpu::ComputeProgram> present_; // by the step
 };
 
 } // namespace brume

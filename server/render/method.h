@@ -17,6 +17,7 @@
 
 namespace brume {
 
+class Background;
 class Compose;
 
 // What a method may read for one eye, and the target that holds the background and receives the medium.
@@ -27,6 +28,8 @@ struct EyeInputs {
     uint64_t particle_version = 0;               // another one whenever the particles, or what the tick says of them, changed
     bool eye_in_medium = true;                   // the near plane may cut particles
     gpu::Resource tick, eye;                     // uniform blocks, bindings 0 and 1
+    const gpu::View* block = nullptr;            // with the eye, where the picture's bytes go, and all its rows
+    gpu::Resource view_block;                    // the same, a storage buffer, binding 1
     const gpu::Buffer* particles = nullptr;      // gpu::Particle[particle_count]
     const gpu::Buffer* objects = nullptr;        // gpu::Opaque[gpu::kMostObjects], also as a uniform block
     uint32_t first_caster = 0;                   // of them: ground planes come first
@@ -39,9 +42,10 @@ struct EyeInputs {
     const RenderSettings* settings = nullptr;
     Pose pose;
     bool lobe = true;                    // anisotropy > 0
-    const gpu::Buffer* planes = nullptr; // where the picture's bytes go, from
-    VkDeviceSize planes_at = 0;          // this byte on, as PlaneLayout
-    Compose* compose = nullptr;          // for methods that compose by themselves
+    float asymmetry = 0;                 // of the phase function's lobe
+    const gpu::Buffer* planes = nullptr; // where the pictures' bytes go, each as PlaneLayout
+    const Background* background = nullptr;
+    Compose* compose = nullptr;
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;
 };
@@ -60,21 +64,24 @@ class DepthOrder; // far-to-near order of what an eye can see
 class Method {
 public:
     virtual ~Method() = default;
-    // Called before the eyes of one submission are recorded, when nothing of the method is on the device: the place for buffers
-    // that must grow.
+    // Called before the eyes of one submission are recorded, with those that record() gets, when nothing of the method is on the
+    // device: the place for buffers that must grow.
     virtual void prepare(std::span<const EyeInputs> /*eyes*/) {}
     // Records what all eyes of one submission share, before any of them: `any` is one of them, and there are particles. Ends with
     // its writes visible to compute.
     virtual void recordShared(gpu::Commands& /*commands*/, const EyeInputs& /*any*/) {}
     // Whether that is where it reads the particles.
     virtual bool sharesMedium() const { return false; }
-    // Whether record() calls Compose itself, with a field of the medium. Then nothing draws the sky of a scene without objects.
-    virtual bool composes() const { return false; }
-    // Records the medium over the background. The target and the depth have been written by compute passes; afterwards compute
-    // passes read the target: the method's last barrier makes its writes seen there.
-    virtual void record(gpu::Commands& commands, const EyeInputs& inputs) = 0;
+    // Records all pictures of one submission, from background to planes. Of methods that do not say otherwise: one eye after the
+    // other, the medium drawn over the background.
+    virtual void record(gpu::Commands& commands, std::span<const EyeInputs> eyes);
     // Whether EyeInputs::particle_light has to be there.
     virtual bool readsParticleLight() const { return false; }
+
+protected:
+    // Records the medium over the background. The target and the depth have been written by compute passes; afterwards compute
+    // passes read the target: the method's last barrier makes its writes seen there.
+    virtual void recordMedium(gpu::Commands& /*commands*/, const EyeInputs& /*in*/) {}
 };
 
 struct MethodContext {

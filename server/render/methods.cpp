@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "common/scene_limits.h"
+#include "server/render/background.h"
+#include "server/render/compose.h"
 #include "server/render/methods/grid.h"
 #include "server/render/methods/isv.h"
 #include "server/render/methods/slabs.h"
@@ -62,6 +64,14 @@ std::string checkSettings(const RenderSettings& settings) {
 std::unique_ptr<Method> makeMethod(const MethodContext& context) {
     if (const MethodInfo* method = find(context.settings.method)) return method->make(context);
     throw gpu::Error(checkSettings(context.settings));
+}
+
+void Method::record(gpu::Commands& commands, std::span<const EyeInputs> eyes) {
+    for (const EyeInputs& in : eyes) {
+        in.background->record(commands, in);
+        if (in.particle_count > 0) recordMedium(commands, in);
+        in.compose->record(commands, in);
+    }
 }
 
 } // namespace brume

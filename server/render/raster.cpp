@@ -22,7 +22,7 @@ public:
         mesh_ = info_.shaders.front().stage == VK_SHADER_STAGE_MESH_BIT_EXT;
     }
 
-    void record(gpu::Commands& commands, const EyeInputs& in) override {
+    void recordMedium(gpu::Commands& commands, const EyeInputs& in) override {
         const VkCommandBuffer cmd = commands.handle();
         order_.record(commands, in, info_.support, info_.vertices, info_.particles_per_group);
 

@@ -15,7 +15,7 @@ namespace {
 constexpr float kNearDepth = 0.05f; // m
 // Offset of a uniform block; 256 is the largest alignment that Vulkan lets a device ask for.
 constexpr VkDeviceSize kBlockBytes = 256;
-static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::Eye) <= kBlockBytes);
+static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::View) <= kBlockBytes);
 
 constexpr VkDeviceSize eyeOffset(uint32_t eye) { return (eye + 1) * kBlockBytes; } // ticks of merged media come behind all eyes
 
@@ -105,13 +105,17 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
         s.pictures_.push_back({{eye.width, eye.height}, nullptr});
         planes += s.pictures_.back().layout.bytes();
     }
-    grow(s.uniforms_, device_, eyeOffset(uint32_t(2 * eyes.size())), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
-         "uniforms");
+    grow(s.uniforms_, device_, eyeOffset(uint32_t(2 * eyes.size())),
+         VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "uniforms");
     grow(s.planes_, device_, planes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "planes readback");
     grow(planes_, device_, planes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
          "planes");
     VkDeviceSize at = 0;
-    for (PictureView& picture : s.pictures_) {
+    views_.assign(eyes.size(), {});
+    for (size_t i = 0; i < eyes.size(); ++i) {
+        PictureView& picture = s.pictures_[i];
+        views_[i].planes = uint32_t(at / sizeof(uint32_t));
+        views_[i].end = eyes[i].height;
         picture.bytes = s.planes_.mapped<uint8_t>(picture.layout.bytes(), at).data();
         at += picture.layout.bytes();
     }
@@ -127,8 +131,10 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
     }
     fitParticles(s, particles, eyes);
     s.uniforms_.mapped<gpu::Tick>(1)[0] = tick_;
-    for (uint32_t i = 0; i < eyes.size(); ++i)
-        s.uniforms_.mapped<gpu::Eye>(1, eyeOffset(i))[0] = eyeBlock(eyes[i], tick_, now_.render);
+    for (uint32_t i = 0; i < eyes.size(); ++i) {
+        views_[i].eye = eyeBlock(eyes[i], tick_, now_.render);
+        s.uniforms_.mapped<gpu::View>(1, eyeOffset(i))[0] = views_[i];
+    }
     s.uniforms_.flush();
 }
 
@@ -204,11 +210,11 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     gatherInputs(s, now_, eyes);
     chosen.prepare(inputs_);
     if (tick_.particle_count > 0) chosen.recordShared(s.commands, inputs_.front());
-    for (const EyeInputs& in : inputs_) recordEye(s, in, chosen);
+    chosen.record(s.commands, inputs_);
     {
         const gpu::Commands::Pass pass(s.commands, "read back");
         gpu::computeToTransfer(cmd);
-        const VkBufferCopy copy{0, 0, inputs_.back().planes_at + s.pictures_.back().layout.bytes()};
+        const VkBufferCopy copy{0, 0, views_.back().planes * sizeof(uint32_t) + s.pictures_.back().layout.bytes()};
         vkCmdCopyBuffer(cmd, planes_.handle(), s.planes_.handle(), 1, &copy);
         gpu::transferToHost(cmd);
     }
@@ -233,7 +239,6 @@ void Renderer::recordParticleLight(Submission& s, const gpu::Resource& tick_bloc
 
 void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const EyeRequest> eyes) {
     inputs_.clear();
-    VkDeviceSize planes_at = 0;
     for (const EyeRequest& eye : eyes) {
         EyeInputs& in = inputs_.emplace_back();
         in.view = uint32_t(inputs_.size() - 1);
@@ -242,6 +247,8 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         in.eye_in_medium = eyeInMedium(tick_, eye);
         in.tick = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
         in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(in.view), sizeof(gpu::Eye));
+        in.block = &views_[in.view];
+        in.view_block = gpu::storageBuffer(1, s.uniforms_, eyeOffset(in.view), sizeof(gpu::View));
         in.particle_version = particle_version_;
         in.particles = &particles_;
         in.objects = &objects_buffer_;
@@ -262,21 +269,14 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         }
         in.pose = eye.pose;
         in.lobe = features_.lobe || now.medium.anisotropy > 0;
+        in.asymmetry = now.medium.asymmetry;
         in.planes = &planes_;
-        in.planes_at = planes_at;
+        in.background = &background_;
         in.compose = &compose_;
         in.linear = &linear_;
         in.nearest = &nearest_;
-        planes_at += s.pictures_[in.view].layout.bytes();
         last_size_ = in.size;
     }
-}
-
-void Renderer::recordEye(Submission& s, const EyeInputs& in, Method& chosen) {
-    const bool composes = in.particle_count > 0 && chosen.composes();
-    if (features_.opaque || !composes) background_.record(s.commands, in);
-    if (in.particle_count > 0) chosen.record(s.commands, in);
-    if (!composes) compose_.record(s.commands, in, 0, in.size.height, nullptr);
 }
 
 uint64_t Renderer::particleBytes() const {

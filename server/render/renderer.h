@@ -76,7 +76,6 @@ private:
     Method& method(const SceneNow& now);
     void recordParticleLight(Submission& submission, const gpu::Resource& tick_block);
     void gatherInputs(Submission& submission, const SceneNow& now, std::span<const EyeRequest> eyes);
-    void recordEye(Submission& submission, const EyeInputs& in, Method& method);
 
     const gpu::Device& device_;
     const Scene scene_;
@@ -89,6 +88,7 @@ private:
     DepthOrder depth_order_;
     const SceneFeatures features_; // but for the lobe, which commands turn on and off
     Compose compose_;
+    std::vector<gpu::View> views_; // one per eye
     std::vector<EyeInputs> inputs_;
     gpu::Sampler linear_, nearest_;
     gpu::Buffer particles_, objects_buffer_, planes_;

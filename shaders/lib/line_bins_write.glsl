@@ -12,10 +12,10 @@ ivec2 span(float lo, float hi, uint count) {
     return ivec2(clamp(vec2(floor(lo), floor(hi)), vec2(0, -1), vec2(float(count), float(count) - 1)));
 }
 
-// Sets bins[line][32 particles], and pages. `reach`: first and last column, row and sheet of this lane's particle, the first after the
+// Sets bins[line][32 particles], and pages, from bins[from] on. `reach`: first and last column, row and sheet of this lane's particle, the first after the
 // last where it reaches none; `lines`: how many there are. Called by all lanes. Neighbours in space that are neighbours in memory, too,
 // leave most lines alone.
-void writeBins(ivec2 reach[3], uvec3 lines) {
+void writeBins(uint from, ivec2 reach[3], uvec3 lines) {
     const uint all = lines.x + lines.y + lines.z, words = gl_NumWorkGroups.x, word = gl_WorkGroupID.x, page = word / kPage;
     uint first = 0; // line of the axis
     for (uint axis = 0; axis < 3; ++axis) {
@@ -27,8 +27,8 @@ void writeBins(ivec2 reach[3], uvec3 lines) {
             const uint bits = subgroupBallot(some && at >= reach[axis].x && at <= reach[axis].y).x;
             const uint line = first + uint(at);
             if (!subgroupElect()) continue;
-            atomicOr(bins[line * words + word], bits << (gl_SubgroupID * gl_SubgroupSize));
-            atomicOr(bins[pageWord(line, page / 32, all, words)], 1u << (page % 32));
+            atomicOr(bins[from + line * words + word], bits << (gl_SubgroupID * gl_SubgroupSize));
+            atomicOr(bins[from + pageWord(line, page / 32, all, words)], 1u << (page % 32));
         }
         first += lines[axis];
     }

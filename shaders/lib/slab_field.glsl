@@ -1,4 +1,4 @@
-// The medium between the eye and any place of the picture, from a coarse grid of rays. Include after `field`, `push.grid`,
+// The medium between the eye and any place of the picture, from a coarse grid of rays. Include after lib/view.glsl, `field`,
 // kHasOpaque, kSources and kRate are declared. `field` holds sets of planes of nodes: a set of optical depths, then kSources sets of
 // scattered light (rho p E = 1): one where all particles have one albedo; else what red, green and blue of it the albedos leave, and
 // then the same of ambient light. A set is one plane without opaque objects: the whole ray. With them slabs + 1, one per face from
@@ -6,14 +6,16 @@
 // whole ray scatters is divided by its opacity: both are then smooth where the medium is band-limited, however dense it is.
 // Last, where rays are more than a pixel apart, the planes of whole rays once more, as coefficients of a cubic B-spline.
 
-uint fieldNodes() { return push.grid.nodes.x * push.grid.nodes.y; }
-uint fieldSet() { return (kHasOpaque ? push.grid.slabs + 2 : 1) * fieldNodes(); }
-// Where the planes begin: of whole rays, of the faces at which they end, of the spline's coefficients of the same, in this order.
-uint fieldWhole(uint c) { return c * fieldSet() + (kHasOpaque ? (push.grid.slabs + 1) * fieldNodes() : 0); }
-uint fieldEnds() { return (kSources + 1) * fieldSet(); }
-uint fieldSpline(uint c) { return (kSources + 1) * fieldSet() + (c + (kHasOpaque ? 1 : 0)) * fieldNodes(); }
+uint fieldNodes() { return grid.nodes.x * grid.nodes.y; }
+uint fieldSet() { return (kHasOpaque ? grid.slabs + 2 : 1) * fieldNodes(); }
+// Where the planes begin: of the faces, of whole rays, of the faces at which they end, of the spline's coefficients of the same, in this order.
+uint fieldSetOf(uint c) { return field_at + c * fieldSet(); }
+uint fieldWhole(uint c) { return fieldSetOf(c) + (kHasOpaque ? (grid.slabs + 1) * fieldNodes() : 0); }
+uint fieldEnds() { return fieldSetOf(kSources + 1); }
+uint fieldSpline(uint c) { return fieldEnds() + (c + (kHasOpaque ? 1 : 0)) * fieldNodes(); }
 
 #include "shaders/lib/spline.glsl"
+#include "shaders/lib/whole.glsl"
 
 // Catmull-Rom's weights of the values at -1, 0, 1, 2.
 vec4 through(float t) {
@@ -30,11 +32,15 @@ struct FieldRun {
     float down; // part of the cell above it
 };
 
-float fieldPart(uint pixel) { return float(pixel % kRate) / float(kRate); }
+// A pixel up or left of the picture by no more than a cell is allowed, too.
+float fieldPart(int pixel) { return float(uint(pixel + int(kRate)) % kRate) / float(kRate); }
 
-FieldRun fieldRun(uvec2 pixel) {
-    const uvec2 cell = pixel / kRate + push.grid.margin - uvec2(0, push.grid.first_row) - (kRate == 1 ? 0 : 1);
-    return FieldRun(cell.y * push.grid.nodes.x + cell.x, fieldPart(pixel.y));
+// Weights of a pixel's column among the four that its run has.
+vec4 fieldAcross(int pixel) { return kRate == 1 ? vec4(1, 0, 0, 0) : spline(fieldPart(pixel)); }
+
+FieldRun fieldRun(ivec2 pixel) {
+    const uvec2 cell = uvec2(pixel + int(kRate)) / kRate + grid.margin - uvec2(0, grid.first_row) - (kRate == 1 ? 1 : 2);
+    return FieldRun(cell.y * grid.nodes.x + cell.x, fieldPart(pixel.y));
 }
 
 // The nodes' four columns at the run's height. `plane`: where it begins.
@@ -43,7 +49,7 @@ vec4 fieldColumns(uint plane, FieldRun run, vec4 down) {
     if (kRate == 1) return vec4(field[at]);
     vec4 columns = vec4(0);
     for (uint j = 0; j < 4; ++j) {
-        const uint row = at + j * push.grid.nodes.x;
+        const uint row = at + j * grid.nodes.x;
         columns += down[j] * vec4(field[row], field[row + 1], field[row + 2], field[row + 3]);
     }
     return columns;
@@ -55,7 +61,7 @@ mat4x2 fieldColumnsOfTwo(uint plane, FieldRun run, FieldRun next) {
     const vec4 here = spline(run.down), there = spline(next.down);
     mat4x2 columns = mat4x2(0);
     [[unroll]] for (uint j = 0; j < 4; ++j) {
-        const uint row = at + j * push.grid.nodes.x;
+        const uint row = at + j * grid.nodes.x;
         [[unroll]] for (uint i = 0; i < 4; ++i) columns[i] += field[row + i] * vec2(here[j], there[j]);
     }
     return columns;
@@ -69,9 +75,9 @@ struct FieldFaces {
 
 // Up to a face and parts of one, at a part of the cell's width. `set`: where its planes begin.
 float fieldAt(inout FieldFaces faces, uint set, FieldRun run, float face, float part) {
-    const float below = min(floor(face), float(push.grid.slabs - 1));
+    const float below = min(floor(face), float(grid.slabs - 1));
     if (below != faces.below) {
-        const uint plane = set + uint(below) * fieldNodes();
+        const uint plane = set + nearestWhole(below) * fieldNodes();
         faces.near = fieldColumns(plane, run, through(run.down));
         faces.far = fieldColumns(plane + fieldNodes(), run, through(run.down));
         faces.below = below;

@@ -1,6 +1,6 @@
 // A lane is a ray and goes through its slabs from near to far, the light depth linear within each; what it finds goes into `field`, as
 // lib/slab_field.glsl says. Shadows of opaque objects are not band-limited: they are left to the pixels. Include after the tick, the
-// eye, `push.grid`, `field`, `view_depth`, the images of lib/light.glsl, kHasOpaque, kSources, and
+// view (lib/view.glsl), `field`, `view_depth`, the images of lib/light.glsl, kHasOpaque, kSources, and
 //   startRay(uvec2 tile, uint ray, vec2 pixel)
 //   vec4 mediumAt(uint s): at the middle of slab s of that ray, 1/m: extinction; with several kSources, what scatters red, green, blue
 // are declared.
@@ -9,10 +9,11 @@
 #include "shaders/lib/light.glsl"
 
 void march() {
-    const SlabGrid grid = push.grid;
+    enterView(gl_WorkGroupID.z);
+    if (any(greaterThanEqual(gl_WorkGroupID.xy, grid.lines.xy))) return;
     const uint ray = gl_LocalInvocationIndex;
     const uvec2 node = gl_WorkGroupID.xy * kSlabTile + uvec2(ray % kSlabTile, ray / kSlabTile);
-    const uint plane = grid.nodes.x * grid.nodes.y, mine = node.y * grid.nodes.x + node.x;
+    const uint plane = grid.nodes.x * grid.nodes.y, mine = field_at + node.y * grid.nodes.x + node.x;
     const uint set = kHasOpaque ? (grid.slabs + 2) * plane : plane;
     const bool inside = all(lessThan(node, grid.nodes));
     const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;

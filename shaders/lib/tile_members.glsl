@@ -14,23 +14,23 @@ const float kMostSpread = 80; // log2 of a Gaussian across a tile, at most, for 
 shared uint list[kChunk * 32];
 shared uint found[kLanes];
 
-// Whether particles of that page are on all three lines, of `lines`, as far as pages tell.
-bool hasMembers(uint page, uvec3 line, uint lines, uint words) {
+// Whether particles of that page are on all three lines, of `lines`, as far as pages tell; bits begin at bins[from].
+bool hasMembers(uint from, uint page, uvec3 line, uint lines, uint words) {
     const uint part = page / 32;
-    return ((bins[pageWord(line.x, part, lines, words)] & bins[pageWord(line.y, part, lines, words)] &
-             bins[pageWord(line.z, part, lines, words)]) >> (page % 32) & 1) != 0;
+    return ((bins[from + pageWord(line.x, part, lines, words)] & bins[from + pageWord(line.y, part, lines, words)] &
+             bins[from + pageWord(line.z, part, lines, words)]) >> (page % 32) & 1) != 0;
 }
 
 // Puts into `list` what of the words chunk ... chunk + kChunk is set on all three lines, in order: how many. To be followed by a
 // barrier before the next call.
-uint listMembers(uint chunk, uvec3 line, uint words) {
+uint listMembers(uint from, uint chunk, uvec3 line, uint words) {
     const uint lane = gl_LocalInvocationIndex;
     uint bits[kWords];
     uint mine = 0;
     [[unroll]] for (uint w = 0; w < kWords; ++w) {
         const uint word = chunk + lane * kWords + w;
         bits[w] = 0;
-        if (word < words) bits[w] = bins[line.x * words + word] & bins[line.y * words + word] & bins[line.z * words + word];
+        if (word < words) bits[w] = bins[from + line.x * words + word] & bins[from + line.y * words + word] & bins[from + line.z * words + word];
         mine += bitCount(bits[w]);
     }
     found[lane] = mine;

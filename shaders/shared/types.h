@@ -120,6 +120,20 @@ struct SlabGrid {
     vec3 albedo;     // of all particles
 };
 
+// One picture, or a band of its rows, among those whose passes run together, and where what it has begins in their common buffers,
+// in elements.
+struct View {
+    Eye eye;
+    SlabGrid grid;
+    uint first, end; // rows of pixels
+    uint planes;     // words
+    uint members;
+    uint bins;
+    uint added;
+    uint field;
+    uint shaded;
+};
+
 // Where the medium's grid lies (server/render/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of kSlabTile a side.
 struct MediumGrid {
     vec3 origin;   // m
@@ -145,7 +159,7 @@ static_assert(sizeof(Tick) == 212 && offsetof(Tick, shadow_lo) == 80 && offsetof
               offsetof(Tick, sky_zenith) == 140);
 static_assert(sizeof(Eye) == 160 && offsetof(Eye, size) == 64);
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
-static_assert(sizeof(SlabGrid) == 64 && sizeof(MediumGrid) == 32);
+static_assert(sizeof(SlabGrid) == 64 && sizeof(View) == 256 && sizeof(MediumGrid) == 32);
 static_assert(sizeof(LightParticle) == 28 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif

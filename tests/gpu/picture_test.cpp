@@ -154,9 +154,17 @@ protected:
 };
 
 TEST_F(EyesTest, ThePictureDoesNotDependOnTheCompany) {
-    for (const char* method : {"sphere", "isv"}) {
-        Scene scene = loadScene("server/scenes/props.toml");
+    struct Case {
+        const char *scene, *method;
+        uint32_t rate; // of rays: passes of eyes with the same one run together, but where objects are
+    };
+    for (const auto& [name, method, rate] :
+         {Case{"props", "sphere", 0}, Case{"props", "isv", 0}, Case{"props", "slabs", 4}, Case{"cloud", "slabs", 0},
+          Case{"cloud", "slabs", 16}, Case{"cloud", "slabs", 1}, Case{"cloud", "grid", 8}}) {
+        SCOPED_TRACE(testing::Message() << name << ' ' << rate);
+        Scene scene = loadScene("server/scenes/" + std::string(name) + ".toml");
         scene.render.method = method;
+        scene.render.rate = rate;
         scene.render.shadow_size = 64;
         const Simulation simulation(scene);
         const auto planesOf = [&](Renderer& renderer, const std::vector<EyeRequest>& wanted) {
@@ -177,6 +185,80 @@ TEST_F(EyesTest, ThePictureDoesNotDependOnTheCompany) {
         EXPECT_EQ(planesOf(renderer, backwards), alone) << method << ", backwards";
         Renderer fresh(device(), scene, simulation.capacity());
         EXPECT_EQ(planesOf(fresh, backwards), alone) << method << ", another renderer";
+    }
+}
+
+// Eyes whose passes run together are as many as their buffers hold: more than one group, none of which may see another's rest.
+TEST_F(EyesTest, SixtyFourTogetherSeeWhatOneSees) {
+    Scene scene = loadScene("server/scenes/cloud.toml");
+    scene.render.method = "slabs";
+    scene.render.rate = 4;
+    scene.render.slabs = 256;
+    scene.render.shadow_size = 64;
+    const Simulation simulation(scene);
+    Renderer renderer(device(), scene, simulation.capacity());
+    Submission submission(device(), "eyes");
+    std::vector<EyeRequest> many;
+    for (int i = 0; i < 64; ++i) many.push_back({lookAt({26 * std::sin(0.1f * float(i)), 2, 26}, {0, 0, 0}, 0.8f), 320, 180});
+    submitAndWait(renderer, submission, simulation, many);
+    std::vector<std::vector<uint8_t>> together;
+    for (const PictureView& picture : submission.pictures()) together.push_back(bytesOf(picture));
+    for (const size_t i : {0u, 31u, 50u, 63u}) {
+        submitAndWait(renderer, submission, simulation, {&many[i], 1});
+        EXPECT_EQ(bytesOf(submission.pictures()[0]), together[i]) << i;
+    }
+}
+
+// Pixels between shaded ones follow by interpolation. The bound is of rounding: two values that differ by less than half a level
+// may become neighbouring bytes, no others.
+TEST_F(PictureTest, ShadingSomePixelsIsAsGoodAsShadingAll) {
+    struct Case {
+        const char* tone_map;
+        float asymmetry; // of a lobe seen against the light; 0: none
+        glm::vec3 camera;
+    };
+    for (const auto& [tone_map, asymmetry, camera] :
+         {Case{"filmic", 0, {0, 2, 26}}, Case{"linear", 0.6f, {0, 2, 26}}, Case{"filmic", 0.85f, {0, -12, 16}}}) {
+        SCOPED_TRACE(testing::Message() << tone_map << ' ' << asymmetry << ' ' << camera.z);
+        Scene scene = loadScene("server/scenes/cloud.toml");
+        scene.render.method = "slabs";
+        scene.render.tone_map = tone_map;
+        scene.medium.anisotropy = asymmetry > 0 ? 0.5f : 0;
+        scene.medium.asymmetry = asymmetry;
+        const EyeRequest eye{lookAt(camera, {0, 0, 0}, 0.8f), 641, 359};
+        for (const uint32_t rate : {16u, 8u, 4u}) {
+            scene.render.rate = rate;
+            const auto planesOf = [&](uint32_t shading) {
+                scene.render.shading = shading;
+                const Simulation simulation(scene);
+                Renderer renderer(device(), scene, simulation.capacity());
+                Submission submission(device(), "shading");
+                submitAndWait(renderer, submission, simulation, {&eye, 1});
+                return bytesOf(submission.pictures()[0]);
+            };
+            const auto all = planesOf(1), some = planesOf(0);
+            ASSERT_EQ(all.size(), some.size());
+            const PlaneLayout layout{eye.width, eye.height};
+            int worst = 0;
+            double sum = 0;
+            size_t count = 0;
+            const auto compare = [&](size_t from, uint32_t stride, uint32_t width, uint32_t height) {
+                for (uint32_t y = 0; y < height; ++y)
+                    for (uint32_t x = 0; x < width; ++x, ++count) {
+                        const size_t at = from + size_t(y) * stride + x;
+                        const int off = std::abs(int(all[at]) - int(some[at]));
+                        worst = std::max(worst, off);
+                        sum += off;
+                    }
+            };
+            compare(0, layout.lumaStride(), layout.width, layout.height);
+            compare(layout.lumaBytes(), layout.chromaStride(), (layout.width + 1) / 2, layout.chromaHeight());
+            compare(layout.lumaBytes() + layout.chromaBytes(), layout.chromaStride(), (layout.width + 1) / 2,
+                    layout.chromaHeight());
+            std::printf("rate %u: worst %d, mean %g levels\n", rate, worst, sum / double(count));
+            EXPECT_LE(worst, 1) << rate;
+            EXPECT_LT(sum / double(count), 0.03) << rate;
+        }
     }
 }
 

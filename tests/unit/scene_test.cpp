@@ -110,6 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[render]\nquadrature = \"transmittance\"\nsteps = 4", 3, "render.steps", "4 is not", "from 1 to 3"},
         Wrong{"[render]\nshadow_slices = 1", 2, "render.shadow_slices", "1 is not", "0, or a whole number from 2 to 128"},
         Wrong{"[render]\nshadow_size = 0.0", 2, "render.shadow_size", "0 is not", "0, or a whole number from 16 to 1024"},
+        Wrong{"[render]\nshading = 6", 2, "render.shading", "6 is not", "0, 1, 2, 4 or 8"},
         Wrong{"[render]\nmerge = 8.5", 2, "render.merge", "8.5 is not", "from 0 to 8"},
         Wrong{"[render]\nshadow_error = 0", 2, "render.shadow_error", "0 is not", "from 0.0001 to 0.1"},
         Wrong{"name = 1979-05-27", 1, "name", "a date or time", "text"},

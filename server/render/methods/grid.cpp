@@ -17,24 +17,20 @@ public:
     }
 
 private:
-    void fitBand(const EyeInputs&, const gpu::SlabGrid&, uint32_t) override {}
-
-    void recordBand(gpu::Commands& commands, const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) override {
-        struct Push {
-            gpu::SlabGrid grid;
-            gpu::MediumGrid medium;
-        };
+    void recordRays(gpu::Commands& commands, const ViewGroup& group) override {
         const VkCommandBuffer cmd = commands.handle();
+        const EyeInputs& in = *group.any;
         const uint32_t cubic = isCubic(*in.settings);
-        const gpu::Commands::Pass pass(commands, "grid rays", in.view);
+        const gpu::Commands::Pass pass(commands, "grid rays", group.view());
         gpu::computeToCompute(cmd);
-        made(grid_rays_comp, "grid_rays", 2 * sources + cubic, {{0, features_.opaque}, {21, cubic}, {24, sources}})
+        made(grid_rays_comp, "grid_rays", 2 * group.sources + cubic, {{0, features_.opaque}, {21, cubic}, {24, group.sources}})
             .bind(cmd,
-                  {in.tick, in.eye, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
+                  {in.tick, group.block, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
                    gpu::storageBuffer(5, medium_.marks()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
                    gpu::sampledImage(8, *in.view_depth, *in.nearest)},
-                  Push{grid, medium_.grid()});
-        vkCmdDispatch(cmd, grid.lines.x, grid.lines.y, 1);
+                  medium_.grid());
+        vkCmdDispatch(cmd, group.most([](const gpu::View& v) { return v.grid.lines.x; }),
+                      group.most([](const gpu::View& v) { return v.grid.lines.y; }), group.count());
         gpu::computeToCompute(cmd);
     }
 

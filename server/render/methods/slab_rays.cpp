@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
+#include "server/render/background.h"
 #include "shaders/slab_spline_comp.h"
 
 namespace brume {
@@ -41,13 +43,18 @@ std::pair<float, float> depths(const EyeInputs& in) {
     return {std::max(near, kNearDepth), far};
 }
 
+// The medium's standard deviation in pixels, in the middle of the depths where it is.
+float projectedDeviation(const EyeInputs& in, float near, float far) {
+    const float pixel = 2 * std::tan(0.5f * in.pose.fov_y) / float(in.size.height); // m per m of view depth
+    return in.extent->deviation / (pixel * 0.5f * (near + far));
+}
+
 // Of the whole picture, but for its rows.
 gpu::SlabGrid gridOf(const EyeInputs& in) {
     gpu::SlabGrid grid{};
     auto [near, far] = depths(in);
     far = std::max(far, near + 1e-3f); // all of it behind the eye: slabs without particles
-    const float pixel = 2 * std::tan(0.5f * in.pose.fov_y) / float(in.size.height); // m per m of view depth
-    const float deviation = in.extent->deviation, projected = deviation / (pixel * 0.5f * (near + far));
+    const float deviation = in.extent->deviation, projected = projectedDeviation(in, near, far);
     grid.rate = in.settings->rate;
     if (grid.rate == 0)
         for (const uint32_t rate : kRates)
@@ -69,50 +76,136 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
     return grid;
 }
 
+// Pixels between those that are shaded.
+uint32_t shadingStep(const EyeInputs& in, uint32_t rate) {
+    const auto [near, far] = depths(in);
+    return in.compose->stepOf(in, rate, kRaysPerDeviation * projectedDeviation(in, near, std::max(near, far)));
+}
+
 } // namespace
 
 void SlabRays::prepare(std::span<const EyeInputs> eyes) {
     if (eyes.empty() || eyes.front().particle_count == 0) return;
-    VkDeviceSize field = 0;
-    for (const EyeInputs& in : eyes) {
-        const Bands bands = bandsOf(in);
-        field = std::max(field, fieldBytes(bands.grid, sources(in)));
-        fitBand(in, bands.grid, sources(in));
-    }
-    fit(field_, field, "slab field");
+    group(eyes);
+    fit(field_, most_.field * sizeof(float), "slab field");
+    fitRoom(most_);
+    eyes.front().compose->fit(most_.shaded);
+    const VkDeviceSize bytes = views_.size() * sizeof(gpu::View);
+    if (!views_buffer_ || views_buffer_.size() < bytes)
+        views_buffer_ = gpu::Buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "views");
+    std::copy(views_.begin(), views_.end(), views_buffer_.mapped<gpu::View>(views_.size()).begin());
+    views_buffer_.flush();
+    for (ViewGroup& group : groups_)
+        group.block = gpu::storageBuffer(1, views_buffer_, VkDeviceSize(group.views.data() - views_.data()) * sizeof(gpu::View),
+                                         group.views.size_bytes());
 }
 
-void SlabRays::record(gpu::Commands& commands, const EyeInputs& in) {
-    const Bands bands = bandsOf(in);
-    gpu::SlabGrid grid = bands.grid;
-    gpu::everythingBefore(commands.handle()); // the eye before has used the same buffers
-    for (; grid.first_row < bands.cells; grid.first_row += bands.step) {
-        recordBand(commands, in, grid, sources(in));
-        if (grid.rate > 1) recordSpline(commands, in, grid);
-        const MediumField field{&field_, grid, sources(in)};
-        const uint32_t first = grid.first_row * grid.rate, end = std::min(first + bands.step * grid.rate, in.size.height);
-        in.compose->record(commands, in, first, end - first, &field);
+// Views into views_, and groups of them. Those of one eye in several bands, of scenes whose opaque objects are drawn into one
+// common target, and whose radiance somebody wants to read are alone.
+void SlabRays::group(std::span<const EyeInputs> eyes) {
+    order_.clear();
+    for (const EyeInputs& in : eyes) order_.push_back(&in);
+    const auto kind = [&](const EyeInputs* in) {
+        const uint32_t rate = gridOf(*in).rate;
+        return std::tuple(in->particles, sources(*in), rate, shadingStep(*in, rate));
+    };
+    const bool alone = features_.opaque || eyes.front().compose->keepsRadiance();
+    if (!alone)
+        std::sort(order_.begin(), order_.end(), [&](const EyeInputs* a, const EyeInputs* b) {
+            return std::tuple(kind(a), a->view) < std::tuple(kind(b), b->view);
+        });
+    views_.clear();
+    groups_.clear();
+    firsts_.clear();
+    most_ = {};
+    Room room;
+    bool open = false; // whether the last group takes more views
+    for (const EyeInputs* in : order_) {
+        const Bands bands = bandsOf(*in);
+        const uint32_t step = shadingStep(*in, bands.grid.rate), count = sources(*in);
+        const bool whole = bands.step >= bands.cells && !alone;
+        for (uint32_t row = 0; row < bands.cells; row += bands.step) {
+            Room with = room;
+            gpu::View view = viewOf(*in, bands, row, step, with);
+            if (!(open && whole && kind(groups_.back().any) == kind(in) && bytesOfLargest(with) <= kMostBytes)) {
+                with = {};
+                view = viewOf(*in, bands, row, step, with);
+                groups_.push_back({in, {}, {}, bands.grid.rate, count, step, 0});
+                firsts_.push_back(views_.size());
+            }
+            groups_.back().bins = with.bins;
+            open = whole;
+            room = with;
+            views_.push_back(view);
+            most_ = {std::max(most_.members, room.members), std::max(most_.bins, room.bins), std::max(most_.added, room.added),
+                     std::max(most_.field, room.field), std::max(most_.shaded, room.shaded)};
+        }
+    }
+    firsts_.push_back(views_.size());
+    for (size_t g = 0; g < groups_.size(); ++g)
+        groups_[g].views = std::span(views_).subspan(firsts_[g], firsts_[g + 1] - firsts_[g]);
+}
+
+VkDeviceSize SlabRays::bytesOfLargest(const Room& room) {
+    return std::max({room.members * sizeof(gpu::SlabMember), room.bins * sizeof(uint32_t), room.added * sizeof(glm::vec4),
+                     room.field * sizeof(float), room.shaded * sizeof(uint32_t)});
+}
+
+gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const {
+    gpu::View view = *in.block;
+    view.grid = bands.grid;
+    view.grid.first_row = first_row;
+    view.first = first_row * bands.grid.rate;
+    view.end = std::min(view.first + bands.step * bands.grid.rate, in.size.height);
+    view.members = uint32_t(room.members);
+    view.bins = uint32_t(room.bins);
+    view.added = uint32_t(room.added);
+    view.field = uint32_t(room.field);
+    view.shaded = uint32_t(room.shaded);
+    const Room own = roomOf(in, view.grid, sources(in));
+    room.members += own.members;
+    room.bins += own.bins;
+    room.added += own.added;
+    room.field += fieldWords(view.grid, sources(in));
+    room.shaded += Compose::shadedWords(view, step);
+    return view;
+}
+
+void SlabRays::record(gpu::Commands& commands, std::span<const EyeInputs> eyes) {
+    if (eyes.empty() || eyes.front().particle_count == 0) return Method::record(commands, eyes);
+    const EyeInputs* drawn = nullptr; // whose objects the target holds
+    for (const ViewGroup& group : groups_) {
+        if (features_.opaque && group.any != drawn) group.any->background->record(commands, *group.any);
+        drawn = group.any;
+        gpu::everythingBefore(commands.handle()); // the group before has used the same buffers
+        recordRays(commands, group);
+        if (group.rate > 1) recordSpline(commands, group);
+        group.any->compose->record(commands, group, field_);
     }
 }
 
-void SlabRays::recordSpline(gpu::Commands& commands, const EyeInputs& in, const gpu::SlabGrid& grid) {
-    const gpu::Commands::Pass pass(commands, "spline", in.view);
-    made(slab_spline_comp, "slab_spline", sources(in), {{0, features_.opaque}, {24, sources(in)}})
-        .bind(commands.handle(), {gpu::storageBuffer(2, field_)}, grid);
-    vkCmdDispatch(commands.handle(), gpu::groups(grid.nodes.x * grid.nodes.y, 64), 1, 1);
+void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
+    const gpu::Commands::Pass pass(commands, "spline", group.view());
+    made(slab_spline_comp, "slab_spline", group.sources, {{0, features_.opaque}, {24, group.sources}})
+        .bind(commands.handle(), {group.block, gpu::storageBuffer(2, field_)});
+    const uint32_t nodes = group.most([](const gpu::View& v) { return v.grid.nodes.x * v.grid.nodes.y; });
+    vkCmdDispatch(commands.handle(), gpu::groups(nodes, 64), 1, group.count());
     gpu::computeToCompute(commands.handle());
 }
 
-VkDeviceSize SlabRays::fieldBytes(const gpu::SlabGrid& grid, uint32_t sources) const { // lib/slab_field.glsl
+VkDeviceSize SlabRays::fieldWords(const gpu::SlabGrid& grid, uint32_t sources) const { // lib/slab_field.glsl
     const uint32_t planes = (sources + 1) * (features_.opaque ? grid.slabs + 3 : 2) + 2;
-    return VkDeviceSize(grid.nodes.x) * grid.nodes.y * planes * sizeof(float);
+    return VkDeviceSize(grid.nodes.x) * grid.nodes.y * planes;
 }
 
 SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
     Bands bands{gridOf(in), 0, 0};
     gpu::SlabGrid& grid = bands.grid;
     bands.cells = gpu::groups(in.size.height, grid.rate);
-    const auto tooLarge = [&] { return std::max(bandBytes(grid, sources(in)), fieldBytes(grid, sources(in))) > kMostBytes; };
+    const auto tooLarge = [&] {
+        const Room room{.added = roomOf(in, grid, sources(in)).added, .field = fieldWords(grid, sources(in))};
+        return bytesOfLargest(room) > kMostBytes;
+    };
     const auto rowsOfTiles = [&](uint32_t rows) {
         grid.lines.y = rows;
         grid.nodes.y = rows * gpu::kSlabTile;

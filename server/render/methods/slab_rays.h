@@ -1,6 +1,6 @@
 // What methods have in common that integrate the medium along a coarse grid of rays cut into slabs (physics: "Order-independent
 // slabs"): the rays and slabs that the medium's band limit asks for, bands of rows so that no buffer grows with the picture, the
-// field of all rays (shaders/lib/slab_march.glsl), and compose.
+// field of all rays (shaders/lib/slab_march.glsl), and compose. Eyes' passes run together.
 #pragma once
 
 #include <map>
@@ -15,19 +15,22 @@ class SlabRays : public Method {
 public:
     explicit SlabRays(const MethodContext& context) : device_(context.device), features_(context.features) {}
 
-    bool composes() const final { return true; }
     void prepare(std::span<const EyeInputs> eyes) final;
-    void record(gpu::Commands& commands, const EyeInputs& in) final;
+    void record(gpu::Commands& commands, std::span<const EyeInputs> eyes) final;
 
 protected:
     static constexpr uint32_t kRaysOfTile = gpu::kSlabTile * gpu::kSlabTile;
 
-    // Bytes of the method's largest buffer that grows with a band's rays and slabs.
-    virtual VkDeviceSize bandBytes(const gpu::SlabGrid&, uint32_t /*sources*/) const { return 0; }
-    // Room for a band, nothing of the method being on the device.
-    virtual void fitBand(const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) = 0;
-    // Writes field() for the rays of a band; what was there has been read. Its writes are visible to compute afterwards.
-    virtual void recordBand(gpu::Commands& commands, const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) = 0;
+    // Elements of the buffers that gpu::View points into.
+    struct Room {
+        VkDeviceSize members = 0, bins = 0, added = 0, field = 0, shaded = 0;
+    };
+    // What a band needs of the method's own: members, bins, added.
+    virtual Room roomOf(const EyeInputs&, const gpu::SlabGrid&, uint32_t /*sources*/) const { return {}; }
+    // Makes such room, nothing of the method being on the device.
+    virtual void fitRoom(const Room&) {}
+    // Writes field_ for all rays of a group; what was there has been read. Its writes are visible to compute afterwards.
+    virtual void recordRays(gpu::Commands& commands, const ViewGroup& group) = 0;
 
     // Sources of scattered light that are kept apart (shaders/lib/slab_field.glsl).
     uint32_t sources(const EyeInputs& in) const { return in.extent->one_albedo ? 1u : features_.ambient ? 6u : 3u; }
@@ -47,9 +50,19 @@ private:
         uint32_t cells, step; // rows of cells: all of them, and of one band
     };
     Bands bandsOf(const EyeInputs& in) const;
-    void recordSpline(gpu::Commands& commands, const EyeInputs& in, const gpu::SlabGrid& grid);
-    VkDeviceSize fieldBytes(const gpu::SlabGrid& grid, uint32_t sources) const;
+    static VkDeviceSize bytesOfLargest(const Room& room); // of the buffers
+    VkDeviceSize fieldWords(const gpu::SlabGrid& grid, uint32_t sources) const;
+    // A view of `in` in rows of pixels from first on, put behind what is in `room` already, which grows by it.
+    gpu::View viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const;
+    void group(std::span<const EyeInputs> eyes);
+    void recordSpline(gpu::Commands& commands, const ViewGroup& group);
 
+    std::vector<const EyeInputs*> order_; // eyes that may be together stand together
+    std::vector<gpu::View> views_;
+    std::vector<ViewGroup> groups_;
+    std::vector<size_t> firsts_; // of groups, in views_
+    gpu::Buffer views_buffer_;
+    Room most_; // of all groups
     std::map<std::pair<const uint32_t*, uint32_t>, gpu::ComputeProgram> programs_;
 };
 

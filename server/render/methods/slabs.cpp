@@ -15,52 +15,58 @@ public:
         : SlabRays(context), bins_program_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, slab_bins_comp, "slab_bins"}) {}
 
 private:
-    VkDeviceSize bandBytes(const gpu::SlabGrid& grid, uint32_t sources) const override {
-        return VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * kRaysOfTile * (sources > 1 ? 4 : 1) * sizeof(float);
+    Room roomOf(const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) const override {
+        const VkDeviceSize bits = lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.particle_count);
+        return {.members = in.particle_count,
+                .bins = bits / sizeof(uint32_t),
+                .added = VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * whatsOf(sources)};
     }
 
-    static VkDeviceSize binBytes(const EyeInputs& in, const gpu::SlabGrid& grid) {
-        return lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.particle_count);
+    void fitRoom(const Room& room) override {
+        fit(members_, room.members * sizeof(gpu::SlabMember), "slab members");
+        fit(bins_, room.bins * sizeof(uint32_t), "slab bins");
+        fit(added_, room.added * sizeof(glm::vec4), "slab extinction");
     }
 
-    void fitBand(const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) override {
-        fit(members_, in.particle_count * sizeof(gpu::SlabMember), "slab members");
-        fit(bins_, binBytes(in, grid), "slab bins");
-        fit(added_, bandBytes(grid, sources), "slab extinction");
-    }
+    // What is added up: extinction, and where albedos differ what scatters each colour.
+    static uint32_t whatsOf(uint32_t sources) { return sources > 1 ? 4 : 1; }
 
-    void recordBand(gpu::Commands& commands, const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) override {
+    void recordRays(gpu::Commands& commands, const ViewGroup& group) override {
         const VkCommandBuffer cmd = commands.handle();
+        const EyeInputs& in = *group.any;
+        const uint32_t columns = group.most([](const gpu::View& v) { return v.grid.lines.x; });
+        const uint32_t rows = group.most([](const gpu::View& v) { return v.grid.lines.y; });
         {
-            const gpu::Commands::Pass pass(commands, "bin", in.view);
+            const gpu::Commands::Pass pass(commands, "bin", group.view());
             gpu::everythingBefore(cmd);
-            vkCmdFillBuffer(cmd, bins_.handle(), 0, binBytes(in, grid), 0);
+            vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
             gpu::transferToCompute(cmd);
-            bins_program_.bind(cmd,
-                               {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(3, members_),
-                                gpu::storageBuffer(4, bins_)},
-                               grid);
-            vkCmdDispatch(cmd, gpu::groups(in.particle_count, 32), 1, 1);
+            bins_program_.bind(cmd, {in.tick, group.block, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(3, members_),
+                                     gpu::storageBuffer(4, bins_)});
+            vkCmdDispatch(cmd, gpu::groups(in.particle_count, 32), 1, group.count());
             gpu::computeToCompute(cmd);
         }
         {
-            const gpu::Commands::Pass pass(commands, "slabs", in.view);
-            made(slabs_comp, "slabs", grid.sheet, {{20, grid.sheet}})
+            const gpu::Commands::Pass pass(commands, "slabs", group.view());
+            struct Push {
+                uint32_t sheets, whats;
+            } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), whatsOf(group.sources)};
+            const uint32_t sheet = group.views.front().grid.sheet;
+            made(slabs_comp, "slabs", sheet, {{20, sheet}})
                 .bind(cmd,
-                      {in.tick, in.eye, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
+                      {in.tick, group.block, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
                        gpu::storageBuffer(4, bins_)},
-                      grid);
-            vkCmdDispatch(cmd, grid.lines.x, grid.lines.y, grid.lines.z * (sources > 1 ? 4 : 1));
+                      push);
+            vkCmdDispatch(cmd, columns, rows, push.sheets * push.whats * group.count());
             gpu::computeToCompute(cmd);
         }
         {
-            const gpu::Commands::Pass pass(commands, "slab light", in.view);
-            made(slab_light_comp, "slab_light", sources, {{0, features_.opaque}, {24, sources}})
+            const gpu::Commands::Pass pass(commands, "slab light", group.view());
+            made(slab_light_comp, "slab_light", group.sources, {{0, features_.opaque}, {24, group.sources}})
                 .bind(cmd,
-                      {in.tick, in.eye, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
-                       gpu::sampledImage(6, *in.shadow_volume, *in.linear), gpu::sampledImage(8, *in.view_depth, *in.nearest)},
-                      grid);
-            vkCmdDispatch(cmd, grid.lines.x, grid.lines.y, 1);
+                      {in.tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
+                       gpu::sampledImage(6, *in.shadow_volume, *in.linear), gpu::sampledImage(8, *in.view_depth, *in.nearest)});
+            vkCmdDispatch(cmd, columns, rows, group.count());
             gpu::computeToCompute(cmd);
         }
     }

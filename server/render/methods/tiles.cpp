@@ -51,7 +51,7 @@ public:
         grow(cones_, capacity * sizeof(gpu::SplatCone), "splat cones");
     }
 
-    void record(gpu::Commands& commands, const EyeInputs& in) override {
+    void recordMedium(gpu::Commands& commands, const EyeInputs& in) override {
         const VkCommandBuffer cmd = commands.handle();
         order_.record(commands, in, DepthOrder::Support::sphere, 0, 1);
         gpu::computeToCompute(cmd);

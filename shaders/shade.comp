@@ -1,0 +1,43 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+// Of each view whose picture is band-limited: what the display shows of every kStep-th pixel, for present.comp. A lane is a node.
+#include "shaders/shared/types.h"
+#include "shaders/lib/view.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+const bool kHasOpaque = false, kHasCasters = false;
+layout(constant_id = 2) const bool kHasLobe = true;
+layout(constant_id = 3) const bool kHasAmbient = true;
+layout(constant_id = 23) const uint kRate = 2;    // of the field
+layout(constant_id = 24) const uint kSources = 1; // of the field
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 3) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl
+layout(scalar, binding = 4) readonly buffer Field { float field[]; };   // lib/slab_field.glsl
+
+#include "shaders/lib/eye.glsl"
+#include "shaders/lib/sky.glsl"
+#include "shaders/lib/display.glsl"
+#include "shaders/lib/planes.glsl"
+#include "shaders/lib/shaded.glsl"
+#include "shaders/lib/medium_run.glsl"
+
+void main() {
+    enterView(gl_WorkGroupID.z);
+    const View view = views[gl_WorkGroupID.z];
+    const uvec2 node = gl_GlobalInvocationID.xy, nodes = shadedNodes(view.end - view.first);
+    if (any(greaterThanEqual(node, nodes))) return;
+    const ivec2 pixel = (ivec2(node) - 1) * int(kStep) + ivec2(0, view.first);
+    const vec3 dir = rayDirection(vec2(pixel) + 0.5);
+    const MediumRun run = mediumRun(pixel);
+    float depth, scattered[kMostSources];
+    wholeRay(run, fieldAcross(pixel.x), depth, scattered);
+    const vec3 shown = displayed(mediumOver(vec4(skyRadiance(normalize(dir)), 1), dir, depth, scattered).rgb);
+    const uint at = view.shaded + node.y * nodes.x + node.x;
+    shaded[at] = floatBitsToUint(dot(shown, kLuma));
+    const float cb = dot(shown, kCb) + 128, cr = dot(shown, kCr) + 128; // 0 ... 256, in 256 parts
+    shaded[at + nodes.x * nodes.y] = nearestWhole(min(256 * cb, 65535)) | nearestWhole(min(256 * cr, 65535)) << 16;
+}
