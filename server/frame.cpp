@@ -159,6 +159,7 @@ bool FrameLoop::render(Batch& batch) {
     for (const EyeRequest& eye : eyes_) views_.push_back({eye.pose, eye.width, eye.height});
     const RenderSettings& settings = planner_.settings(simulation_, views_, std::exchange(replan_, false), batch.taken);
     renderer_.submit(batch.submission, simulation_, eyes_, &settings);
+    planner_.refresh(simulation_, views_, batch.taken);
     return true;
 }
 

@@ -20,35 +20,46 @@ layout(scalar, binding = 2) buffer Field { float field[]; };
 // The inverse of the B-spline's samples (1, 4, 1) / 6 but for a fifth tap's rest: exact for cubics.
 const float kInverse[5] = {0.05, -0.36666667, 1.63333333, -0.36666667, 0.05};
 
+// The 5x5 nodes around one, row by row, those of the border repeated.
+void valuesAround(uvec2 node, uint plane, out float values[25]) {
+    [[unroll]] for (int n = 0; n < 25; ++n) {
+        const uvec2 at = uvec2(clamp(ivec2(node) + ivec2(n % 5, n / 5) - 2, ivec2(0), ivec2(grid.nodes) - 1));
+        values[n] = field[plane + at.y * grid.nodes.x + at.x];
+    }
+}
+
 // Rays that meet no medium scatter nothing, but what lies between them and others does: for `known` nodes only, others are as
 // the known ones around the middle.
-float coefficient(uvec2 node, uint plane, uint known) {
+float coefficient(float values[25], uint known) {
     float sum = 0, unknown = 0, around = 0, weights = 0;
-    [[unroll]] for (int j = 0; j < 5; ++j)
-        [[unroll]] for (int i = 0; i < 5; ++i) {
-            const uvec2 at = uvec2(clamp(ivec2(node) + ivec2(i, j) - 2, ivec2(0), ivec2(grid.nodes) - 1));
-            const float value = field[plane + at.y * grid.nodes.x + at.x], inverse = kInverse[i] * kInverse[j];
-            const float near = 1.0 / float(1 + (i - 2) * (i - 2) + (j - 2) * (j - 2));
-            const bool is_known = (known >> (5 * j + i) & 1) != 0;
-            sum += is_known ? inverse * value : 0;
-            unknown += is_known ? 0 : inverse;
-            around += is_known ? near * value : 0;
-            weights += is_known ? near : 0;
-        }
+    [[unroll]] for (int n = 0; n < 25; ++n) {
+        const int i = n % 5, j = n / 5;
+        const float inverse = kInverse[i] * kInverse[j], near = 1.0 / float(1 + (i - 2) * (i - 2) + (j - 2) * (j - 2));
+        const bool is_known = (known >> n & 1) != 0;
+        sum += is_known ? inverse * values[n] : 0;
+        unknown += is_known ? 0 : inverse;
+        around += is_known ? near * values[n] : 0;
+        weights += is_known ? near : 0;
+    }
     return sum + unknown * around / max(weights, 1e-6);
 }
 
 void main() {
     enterView(gl_WorkGroupID.z);
-    if (gl_GlobalInvocationID.x >= fieldNodes()) return;
-    const uvec2 node = uvec2(gl_GlobalInvocationID.x % grid.nodes.x, gl_GlobalInvocationID.x / grid.nodes.x);
+    const uint n = gl_GlobalInvocationID.x, all = 0x1ffffff;
+    if (n >= fieldNodes()) return;
+    const uvec2 node = uvec2(n % grid.nodes.x, n / grid.nodes.x);
+    float values[25];
+    valuesAround(node, fieldWhole(0), values);
     uint known = 0;
-    [[unroll]] for (int j = 0; j < 5; ++j)
-        [[unroll]] for (int i = 0; i < 5; ++i) {
-            const uvec2 at = uvec2(clamp(ivec2(node) + ivec2(i, j) - 2, ivec2(0), ivec2(grid.nodes) - 1));
-            known |= uint(field[fieldWhole(0) + at.y * grid.nodes.x + at.x] > 0) << (5 * j + i);
-        }
-    const uint all = 0x1ffffff;
-    for (uint c = 0; c <= kSources; ++c) field[fieldSpline(c) + gl_GlobalInvocationID.x] = coefficient(node, fieldWhole(c), c == 0 ? all : known);
-    if (kHasOpaque) field[fieldSpline(kSources + 1) + gl_GlobalInvocationID.x] = coefficient(node, fieldEnds(), all);
+    [[unroll]] for (int i = 0; i < 25; ++i) known |= uint(values[i] > 0) << i;
+    field[fieldSpline(0) + n] = coefficient(values, all);
+    for (uint c = 1; c <= kSources; ++c) {
+        valuesAround(node, fieldWhole(c), values);
+        field[fieldSpline(c) + n] = coefficient(values, known);
+    }
+    if (kHasOpaque) {
+        valuesAround(node, fieldEnds(), values);
+        field[fieldSpline(kSources + 1) + n] = coefficient(values, all);
+    }
 }

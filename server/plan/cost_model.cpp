@@ -11,27 +11,29 @@
 namespace brume {
 namespace {
 
-constexpr int kVersion = 2; // of the file; grows when a pass counts its work in another unit
+constexpr int kVersion = 3; // of the file; grows when a pass counts its work in another unit
 
 constexpr CostInfo kInfo[kCosts] = {
-    {"upload", "upload", nullptr, 30},
+    {"upload", "upload", nullptr, 38},
     {"opaque_shadow", "opaque shadow", nullptr, 2},
-    {"shadow_volume", "shadow volume", nullptr, 0.4},
-    {"particle_light", "particle light", nullptr, 180},
-    {"opaque", "opaque", nullptr, 8},
-    {"compose", "compose", nullptr, 17},
-    {"order", "cull, sort", nullptr, 800},
-    {"sphere", "medium", "sphere", 55},
-    {"isv", "medium", "isv", 65},
-    {"tile_bin", "bin", "tiles", 250},
-    {"tiles", "medium", "tiles", 4.5},
-    {"slab_bin", "bin", "slabs", 20},
-    {"slabs", "slabs", "slabs", 0.32},
-    {"slab_light", "slab light", "slabs", 10},
-    {"grid_bin", "grid bins", "grid", 10},
-    {"grid", "grid", "grid", 0.13},
-    {"grid_rays", "grid rays", "grid", 14},
-    {"compose_field", "compose", nullptr, 20},
+    {"shadow_volume", "shadow volume", nullptr, 0.2},
+    {"particle_light", "particle light", nullptr, 130},
+    {"opaque", "opaque", nullptr, 7.3},
+    {"compose", "compose", nullptr, 11},
+    {"order", "cull, sort", nullptr, 1300},
+    {"sphere", "medium", "sphere", 20},
+    {"isv", "medium", "isv", 22},
+    {"tile_bin", "bin", "tiles", 870},
+    {"tiles", "medium", "tiles", 1.1},
+    {"slab_bin", "bin", "slabs", 10},
+    {"slabs", "slabs", "slabs", 0.14},
+    {"slab_light", "slab light", "slabs", 8.9},
+    {"grid_bin", "grid bins", "grid", 14},
+    {"grid", "grid", "grid", 0.15},
+    {"grid_rays", "grid rays", "grid", 12},
+    {"compose_field", "compose", nullptr, 11},
+    {"shade", "shade", nullptr, 170},
+    {"present", "present", nullptr, 3.4},
 };
 
 } // namespace

@@ -28,7 +28,10 @@ enum class Cost : size_t {
     grid_bin,       // particles x lines of bricks
     grid,           // particles x the nodes of the bricks that they reach, and half the nodes
     grid_rays,      // rays x slabs x (1, 5 where sampling is cubic; with several albedos 4 times that)
-    compose_field,  // pixels of a medium on a grid of rays x (1, 2 more with objects, 2 more for each caster)
+    compose_field,  // pixels of a medium on a grid of rays x (1, 2 more with objects, 2 more for each caster), where all are
+                    // shaded
+    shade,          // shaded pixels, where not all are
+    present,        // pixels, then
     count
 };
 inline constexpr size_t kCosts = size_t(Cost::count);
@@ -49,7 +52,7 @@ struct CostModel {
     double operator[](Cost cost) const { return ns[size_t(cost)]; }
 };
 
-// Measured on lavapipe, two cores of an AVX-512 Xeon.
+// Measured on lavapipe (Mesa 25.0, 256 bits), two threads of an AMD EPYC.
 CostModel builtInCosts();
 
 // The user's cache folder: $XDG_CACHE_HOME/brume or ~/.cache/brume; here where there is neither.

@@ -86,18 +86,23 @@ Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms)
 }
 
 const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed, Time now) {
-    if (changed || stale_ || now - looked_ >= kLookEvery) {
-        inputs_.scene = planScene(scene_, simulation);
-        looked_ = now;
-        stale_ = true;
-    }
-    if (stale_ || now - planned_ >= kPlanEvery || !sameSizes(views, inputs_.views)) {
-        inputs_.views.assign(views.begin(), views.end());
-        planned_ = now;
-        stale_ = false;
-        make();
-    }
+    const bool look = changed || looked_ == Time{};
+    if (look || !sameSizes(views, inputs_.views)) renew(simulation, views, look, now);
     return plan_.chosen.settings;
+}
+
+void Planner::refresh(const Simulation& simulation, std::span<const PlanView> views, Time now) {
+    if (now - planned_ >= kPlanEvery) renew(simulation, views, now - looked_ >= kLookEvery, now);
+}
+
+void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at) {
+    if (look) {
+        inputs_.scene = planScene(scene_, simulation);
+        looked_ = at;
+    }
+    inputs_.views.assign(views.begin(), views.end());
+    planned_ = at;
+    make();
 }
 
 void Planner::make() {

@@ -25,9 +25,12 @@ public:
 
     Planner(const Scene& scene, CostModel model, double frame_budget_ms);
 
-    // What to render `views` with now. Plans when settings changed (`changed`), another number of views or sizes came, overload
-    // began or ended, and every quarter of a second, since cameras and particles move; else it costs nothing.
+    // What to render `views` with now. Plans when settings changed (`changed`) and when another number of views or sizes came;
+    // else it costs nothing.
     const RenderSettings& settings(const Simulation& simulation, std::span<const PlanView> views, bool changed, Time now);
+    // The same for the frames to come, every quarter of a second, since cameras and particles move: to be called while the device
+    // works.
+    void refresh(const Simulation& simulation, std::span<const PlanView> views, Time now);
 
     // A frame with these settings took so long. Says each change in the log.
     void took(double ms, Time now);
@@ -37,6 +40,7 @@ public:
     const PlanInputs& inputs() const { return inputs_; } // of the plan
 
 private:
+    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at); // `look`: at the scene, too
     void make();
 
     const Scene& scene_;
@@ -45,7 +49,6 @@ private:
     PlanInputs inputs_;
     Plan plan_;
     Time planned_{}, looked_{}; // when the plan was made; when the scene was looked at
-    bool stale_ = true;
 };
 
 } // namespace brume

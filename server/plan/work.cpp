@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/render/medium_grid.h"
+#include "server/render/shading.h"
 #include "shaders/shared/support.h"
 
 namespace brume {
@@ -148,7 +149,15 @@ Work ViewWork::of(const RenderSettings& settings) const {
     const double columns = groups(width_, settings.rate) + kBeyond, rows = groups(height_, settings.rate) + kBeyond;
     const double tiles_x = std::ceil(columns / kTile), tiles_y = std::ceil(rows / kTile), sheets = groups(settings.slabs, 8);
     const double kinds = scene_.extent.one_albedo ? 1 : 4; // extinction, and what scatters each colour
-    at(work, Cost::compose_field) = pixels * (1 + (scene_.features.opaque ? 2 : 0) + 2 * scene_.casters);
+    const double lobe = scene_.features.lobe ? (1 - std::abs(double(scene_.tick.asymmetry))) / pixel_ : 1e30;
+    const uint32_t step =
+        scene_.features.opaque ? 1 : shadingStep(settings, settings.rate, float(1 / raySpacing(1)), float(lobe));
+    if (step > 1) {
+        at(work, Cost::shade) = (groups(width_, step) + 3) * (groups(height_, step) + 3);
+        at(work, Cost::present) = pixels;
+    } else {
+        at(work, Cost::compose_field) = pixels * (1 + (scene_.features.opaque ? 2 : 0) + 2 * scene_.casters);
+    }
     const double faces = scene_.features.opaque ? 1.4 : 1; // they are kept
     if (settings.method == "grid") {
         at(work, Cost::grid_rays) = columns * rows * settings.slabs * (isCubic(settings) ? 5 : 1) * kinds * faces;

@@ -1,34 +1,24 @@
 #include "server/render/compose.h"
 
-#include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "server/render/shading.h"
 #include "shaders/compose_comp.h"
 #include "shaders/present_comp.h"
 #include "shaders/shade_comp.h"
 
 namespace brume {
-namespace {
-
-// A Henyey-Greenstein lobe is about 1 - g wide, in radians: pixels that are shaded are no further apart than this part of it.
-constexpr float kPartOfLobe = 0.1f;
-
-} // namespace
 
 Compose::Compose(const gpu::Device& device, const SceneFeatures& features)
     : device_(device), features_(features),
       none_(device, 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no field") {}
 
-uint32_t Compose::stepOf(const EyeInputs& in, uint32_t rate, float most) const {
+uint32_t Compose::stepOf(const EyeInputs& in, uint32_t rate, float deviation) const {
     if (features_.opaque || keep_) return 1;
-    uint32_t step = in.settings->shading;
-    if (step == 0) {
-        const float pixel = 2 * std::tan(0.5f * in.pose.fov_y) / float(in.size.height); // rad
-        if (in.lobe) most = std::min(most, kPartOfLobe * (1 - std::abs(in.asymmetry)) / pixel);
-        step = most >= 8 ? 8 : most >= 4 ? 4 : most >= 2 ? 2 : 1;
-    }
-    while (step > rate) step /= 2; // nodes around the picture are within a cell of it
-    return step;
+    const float pixel = 2 * std::tan(0.5f * in.pose.fov_y) / float(in.size.height); // rad
+    const float lobe = in.lobe ? (1 - std::abs(in.asymmetry)) / pixel : std::numeric_limits<float>::infinity();
+    return shadingStep(*in.settings, rate, deviation, lobe);
 }
 
 uint32_t Compose::shadedWords(const gpu::View& view, uint32_t step) { // lib/shaded.glsl
@@ -107,7 +97,7 @@ void Compose::recordShaded(gpu::Commands& commands, const ViewGroup& group, cons
                       group.count());
         gpu::computeToCompute(cmd);
     }
-    const gpu::Commands::Pass pass(commands, "compose", group.view());
+    const gpu::Commands::Pass pass(commands, "present", group.view());
     gpu::ComputeProgram& present = present_[group.step];
     if (!present)
         present = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"}, {{22, group.step}});

@@ -18,10 +18,9 @@ public:
     void keepRadiance(bool keep) { keep_ = keep; }
     bool keepsRadiance() const { return keep_; }
 
-    // Pixels between those that are shaded; the others follow by cubic interpolation. 1, 2, 4 or 8: as RenderSettings::shading
-    // says, or at most `most`, what the medium's detail allows, and a part of the phase function's lobe. No more than `rate`, and
-    // 1 where a picture may have sharp edges. What it errs is below a hundredth of a level (tests/gpu/picture_test.cpp).
-    uint32_t stepOf(const EyeInputs& in, uint32_t rate, float most) const;
+    // Pixels between those that are shaded (shading.h): 1 where a picture may have sharp edges, and while radiance is kept.
+    // `deviation`: the medium's, in pixels.
+    uint32_t stepOf(const EyeInputs& in, uint32_t rate, float deviation) const;
     // Words of the buffer that gpu::View::shaded points into.
     static uint32_t shadedWords(const gpu::View& view, uint32_t step);
     // Room for so many, nothing of this being on the device.

@@ -18,6 +18,7 @@
 #include "server/encode/jpeg.h"
 #include "server/light/tick.h"
 #include "server/render/renderer.h"
+#include "tests/bench/passes.h"
 #include "tests/reference/medium_reference.h"
 
 namespace brume {
@@ -74,8 +75,7 @@ struct Bench {
 double mediumMs(std::span<const gpu::PassSample> passes) {
     double sum = 0;
     for (const gpu::PassSample& pass : passes)
-        if (pass.view != gpu::kShared && std::string_view(pass.name) != "opaque" && std::string_view(pass.name) != "compose")
-            sum += pass.ms;
+        if (pass.view != gpu::kShared && bench::ofMedium(pass.name)) sum += pass.ms;
     return sum;
 }
 

@@ -12,6 +12,7 @@
 #include "common/scene_reader.h"
 #include "tests/bench/jpeg_error.h"
 #include "tests/bench/light_error.h"
+#include "tests/bench/passes.h"
 
 namespace brume::bench {
 namespace {
@@ -95,7 +96,7 @@ struct Costs {
                 const double took = frames[f].passes.at(p).ms;
                 ms.push_back(took);
                 (first[p].shared ? shared : each)[f] += took;
-                if (!first[p].shared && first[p].name != "opaque" && first[p].name != "compose") medium[f] += took;
+                if (!first[p].shared && ofMedium(first[p].name)) medium[f] += took;
             }
             passes.push_back({{"name", first[p].name},
                               {"shared", first[p].shared},

@@ -5,13 +5,14 @@
 #include <tuple>
 
 #include "server/render/background.h"
+#include "server/render/shading.h"
 #include "shaders/slab_spline_comp.h"
 
 namespace brume {
 namespace {
 
-// What follows from the medium's band limit; the errors that they leave are measured by tests/bench/sweeps/methods.toml.
-constexpr float kRaysPerDeviation = 0.85f; // spacing of rays in projected standard deviations, at most
+// What else follows from the medium's band limit (shading.h); the errors that they leave are measured by
+// tests/bench/sweeps/methods.toml.
 constexpr float kSlabsPerDeviation = 0.7f; // thickness of slabs in standard deviations
 constexpr uint32_t kRates[] = {16, 12, 8, 6, 4, 2, 1};
 constexpr uint32_t kLeastSlabs = 8, kMostSlabs = 256;
@@ -79,7 +80,7 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
 // Pixels between those that are shaded.
 uint32_t shadingStep(const EyeInputs& in, uint32_t rate) {
     const auto [near, far] = depths(in);
-    return in.compose->stepOf(in, rate, kRaysPerDeviation * projectedDeviation(in, near, std::max(near, far)));
+    return in.compose->stepOf(in, rate, projectedDeviation(in, near, std::max(near, far)));
 }
 
 } // namespace
