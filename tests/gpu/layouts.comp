@@ -12,6 +12,7 @@ layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) readonly buffer Objects { Opaque objects[]; };
 layout(scalar, binding = 4) readonly buffer LightParticles { LightParticle light_particles[]; };
 layout(scalar, binding = 5) readonly buffer Arguments { DrawArguments arguments; };
+layout(scalar, binding = 7) readonly buffer Views { View views[]; };
 layout(scalar, binding = 6) writeonly buffer Words { uint words[]; };
 
 uint at = 0;
@@ -29,6 +30,10 @@ void main() {
     put(particles[1].centre.x); put(particles[1].scale); put(particles[1].albedo.x); put(particles[1].sigma_t);
     put(objects[1].centre.x); put(objects[1].kind); put(objects[1].half_size.x); put(objects[1].yaw_cos); put(objects[1].albedo.x); put(objects[1].yaw_sin);
     put(light_particles[1].at.x); put(light_particles[1].k.x);
+    put(views[1].eye.position.x); put(views[1].grid.nodes.x); put(views[1].grid.margin); put(views[1].grid.first_row); put(views[1].grid.rate);
+    put(views[1].grid.depth); put(views[1].grid.thickness); put(views[1].grid.slabs); put(views[1].grid.sheet); put(views[1].grid.lines.x);
+    put(views[1].grid.first_caster); put(views[1].grid.albedo.x); put(views[1].first); put(views[1].end); put(views[1].planes);
+    put(views[1].members); put(views[1].bins); put(views[1].added); put(views[1].field); put(views[1].shaded);
     put(arguments.vertex_count); put(arguments.instance_count); put(arguments.first_vertex); put(arguments.first_instance);
     put(arguments.groups_x); put(arguments.groups_y); put(arguments.groups_z);
 }

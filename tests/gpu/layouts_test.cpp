@@ -21,7 +21,8 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     };
     const Buffer tick = counting(sizeof(Tick), 1000), eye = counting(sizeof(Eye), 2000),
                  particles = counting(2 * sizeof(Particle), 3000), objects = counting(2 * sizeof(Opaque), 4000),
-                 light = counting(2 * sizeof(LightParticle), 5000), arguments = counting(sizeof(DrawArguments), 6000);
+                 light = counting(2 * sizeof(LightParticle), 5000), arguments = counting(sizeof(DrawArguments), 6000),
+                 views = counting(2 * sizeof(View), 7000);
     std::vector<uint32_t> expected;
     const auto expect = [&](uint32_t first, std::initializer_list<size_t> offsets) {
         for (const size_t offset : offsets) expected.push_back(first + uint32_t(offset / 4));
@@ -44,6 +45,27 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
            {AT(Opaque, centre), AT(Opaque, kind), AT(Opaque, half_size), AT(Opaque, yaw_cos), AT(Opaque, albedo),
             AT(Opaque, yaw_sin)});
     second(5000, sizeof(LightParticle), {AT(LightParticle, at), AT(LightParticle, k)});
+    second(7000, sizeof(View),
+           {AT(View, eye),
+            AT(View, grid.nodes),
+            AT(View, grid.margin),
+            AT(View, grid.first_row),
+            AT(View, grid.rate),
+            AT(View, grid.depth),
+            AT(View, grid.thickness),
+            AT(View, grid.slabs),
+            AT(View, grid.sheet),
+            AT(View, grid.lines),
+            AT(View, grid.first_caster),
+            AT(View, grid.albedo),
+            AT(View, first),
+            AT(View, end),
+            AT(View, planes),
+            AT(View, members),
+            AT(View, bins),
+            AT(View, added),
+            AT(View, field),
+            AT(View, shaded)});
     expect(6000, {AT(DrawArguments, vertex_count), AT(DrawArguments, instance_count), AT(DrawArguments, first_vertex),
                   AT(DrawArguments, first_instance), AT(DrawArguments, groups_x), AT(DrawArguments, groups_y),
                   AT(DrawArguments, groups_z)});
@@ -53,9 +75,9 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, layouts_comp, "layouts"});
     Commands commands(device(), "layouts");
     const VkCommandBuffer cmd = commands.begin();
-    program.bind(cmd,
-                 {uniformBuffer(0, tick, 0, sizeof(Tick)), uniformBuffer(1, eye, 0, sizeof(Eye)), storageBuffer(2, particles),
-                  storageBuffer(3, objects), storageBuffer(4, light), storageBuffer(5, arguments), storageBuffer(6, words)});
+    program.bind(cmd, {uniformBuffer(0, tick, 0, sizeof(Tick)), uniformBuffer(1, eye, 0, sizeof(Eye)),
+                       storageBuffer(2, particles), storageBuffer(3, objects), storageBuffer(4, light),
+                       storageBuffer(5, arguments), storageBuffer(6, words), storageBuffer(7, views)});
     vkCmdDispatch(cmd, 1, 1, 1);
     commands.submit();
     waitFor(commands);

@@ -18,7 +18,8 @@ constexpr uint32_t kEvery = 5; // of the pixels that are compared with the refer
 
 Case caseOf(const std::string& scene, const std::string& camera) {
     return {.scene = scene,
-            .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "render.method=slabs"},
+            // every pixel interpolated and shaded, as the native program does
+            .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "render.method=slabs", "render.shading=1"},
             .camera = camera,
             .size = kSize};
 }
