@@ -118,6 +118,7 @@ void FrameLoop::tick() {
     audience_.commands().drain(commands_);
     simulation_.step(commands_);
     if (!commands_.empty()) changed_ = replan_ = true;
+    if (!commands_.empty() || !simulation_.now().paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
 }
 
@@ -127,18 +128,13 @@ FrameLoop::Batch* FrameLoop::freeBatch() {
     return nullptr; // the encoders are behind: newer poses replace older ones meanwhile
 }
 
-// Takes the newest pose of every viewer whose window is open and submits their pictures. False when there is none.
-bool FrameLoop::render(Batch& batch) {
-    batch.taken = Clock::now();
+// What viewers are due, as the batch's jobs, and their eyes.
+void FrameLoop::gather(Batch& batch, bool fine) {
     batch.jobs.clear();
     eyes_.clear();
-    audience_.list(viewers_); // by id: on from the one that was last served
-    std::rotate(viewers_.begin(),
-                std::find_if(viewers_.begin(), viewers_.end(), [&](const auto& viewer) { return viewer->id() > last_served_; }),
-                viewers_.end());
     for (const auto& viewer : viewers_) {
         if (eyes_.size() + 2 > kMostEyes) break;
-        const auto due = viewer->takeDue();
+        const auto due = viewer->takeDue(batch.taken, scene_version_, fine);
         if (!due) continue;
         last_served_ = viewer->id();
         const auto same = std::find_if(batch.jobs.begin(), batch.jobs.end(),
@@ -151,13 +147,26 @@ bool FrameLoop::render(Batch& batch) {
         for (int eye = 0; eye < due->request.views; ++eye)
             eyes_.push_back({eyePose(due->request.pose, eye, due->request.views), due->request.width, due->request.height});
     }
+}
+
+// Takes the newest pose of every viewer whose window is open and submits their pictures. False when there is none.
+bool FrameLoop::render(Batch& batch) {
+    batch.taken = Clock::now();
+    audience_.list(viewers_); // by id: on from the one that was last served
+    std::rotate(viewers_.begin(),
+                std::find_if(viewers_.begin(), viewers_.end(), [&](const auto& viewer) { return viewer->id() > last_served_; }),
+                viewers_.end());
+    gather(batch, false);
+    const bool fine = batch.jobs.empty(); // nothing has changed for anybody: there is time for what rests
+    if (fine) gather(batch, true);
     viewers_.clear();
     if (batch.jobs.empty()) return false;
     rendered_tick_ = batch.tick = simulation_.tick();
     batch.state_hash = simulation_.stateHash();
     views_.clear();
     for (const EyeRequest& eye : eyes_) views_.push_back({eye.pose, eye.width, eye.height});
-    const RenderSettings& settings = planner_.settings(simulation_, views_, std::exchange(replan_, false), batch.taken);
+    const RenderSettings& planned = planner_.settings(simulation_, views_, std::exchange(replan_, false), batch.taken);
+    const RenderSettings settings = fine ? finer(planned) : planned;
     renderer_.submit(batch.submission, simulation_, eyes_, &settings);
     planner_.refresh(simulation_, views_, batch.taken);
     return true;
@@ -167,7 +176,9 @@ bool FrameLoop::render(Batch& batch) {
 void FrameLoop::encode(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
-    planner_.took(double(Millis(batch.done - batch.taken).count()), batch.done);
+    const auto took = Millis(batch.done - batch.taken).count();
+    planner_.took(double(took), batch.done);
+    audience_.frameTook(float(took));
     const std::span<const PictureView> pictures = batch.submission.pictures();
     const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
 

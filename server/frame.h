@@ -46,6 +46,7 @@ private:
     void run();
     void tick();
     Batch* freeBatch();
+    void gather(Batch& batch, bool fine);
     bool render(Batch& batch);
     void encode(Batch& batch);
     void deliver(const Batch& batch, uint32_t job, float gpu_ms, std::span<const PictureView> views, JpegEncoder& jpeg);
@@ -70,6 +71,7 @@ private:
     bool replan_ = false;         // a command came since the last frame
     std::vector<PassTime> passes_;
     Clock::time_point reported_{};
+    uint64_t scene_version_ = 0; // of all that is seen
     bool changed_ = true; // a command came since the last report
 
     EncodeWorkers workers_; // before the thread that uses it

@@ -58,6 +58,7 @@ void serve(const ServerOptions& options, const sigset_t& signals) {
     for (const MethodInfo& method : methods()) facts.methods.emplace_back(method.name);
     for (const char* quadrature : quadratures()) facts.quadratures.emplace_back(quadrature);
     Audience audience(facts, options.max_viewers, options.max_in_flight);
+    audience.admitUpTo(options.most_frame_ms);
     Metrics metrics;
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;

@@ -119,6 +119,11 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         ->group(group)
         ->check(CLI::Range(1.0, 10'000.0))
         ->type_name("MS");
+    app.add_option("--most-frame-time", o.most_frame_ms,
+                   "that a frame of all viewers may take: newcomers are told to come back later")
+        ->group(group)
+        ->check(CLI::Range(1.0, 60'000.0))
+        ->type_name("MS");
     app.add_flag("--explain", o.explain, "print what is rendered with, and why, for the scene's own camera, and end")
         ->group(group);
     app.add_option("--encode-threads", o.frame.encode_threads, "JPEG encoders")->group(group)->check(CLI::Range(1, 64));

@@ -18,7 +18,8 @@ struct ServerOptions {
     std::vector<std::string> overrides; // key=value, instead of the scene's
     net::NetOptions net;
     uint32_t max_viewers = 32;
-    uint32_t max_in_flight = 2;
+    uint32_t max_in_flight = 6;
+    float most_frame_ms = 500; // of all viewers
     gpu::DeviceOptions device;
     FrameLoop::Options frame;
     // Instead of the scene's own.

@@ -265,6 +265,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         co_return co_await send503("every place is taken: try again later");
     }
     wish.request.received = Clock::now();
+    seat->viewer().drawAlways();
     seat->viewer().setPose(wish.request);
     FramePtr frame = co_await nextFrame(*seat);
     if (!frame) co_return co_await send503("no frame came in time: see /readyz");

@@ -32,6 +32,7 @@ struct NetOptions {
     std::chrono::milliseconds idle{60000};        // nothing heard; a ping goes out after half of it
     std::chrono::milliseconds write_stall{10000}; // one write that does not finish, or bytes that the peer does not take
     std::chrono::milliseconds frame_wait{5000};   // a snapshot or stream waits for its next frame
+    std::chrono::milliseconds silence{15000};     // of a viewer that frames were sent to and that acknowledges none
 
     // Rates per viewer, 1/s; a burst may be as long as `burst_s` seconds of it.
     double pose_rate = 250;     // newer poses replace older ones, the newest is never lost

@@ -30,9 +30,10 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
         const auto server = b.CreateString("brume " BRUME_VERSION);
         const auto scene = packText(b, facts.scene), device = packText(b, facts.device);
         const auto methods = packStrings(b, facts.methods), quadratures = packStrings(b, facts.quadratures);
+        const auto resume = packText(b, viewer.key());
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
                                    float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera, methods,
-                                   quadratures);
+                                   quadratures, resume, viewer.resumed());
     });
 }
 
@@ -74,6 +75,10 @@ wire::Packed packError(wire::ErrorCode code, std::string_view text, uint32_t inp
 
 wire::Packed packGoodbye(std::string_view reason, float retry_after_s) {
     return wire::pack([&](Builder& b) { return wire::CreateGoodbye(b, packText(b, reason), retry_after_s); });
+}
+
+wire::Packed packPing(uint32_t nonce, uint64_t time_us) {
+    return wire::pack([&](Builder& b) { return wire::CreatePing(b, nonce, time_us); });
 }
 
 wire::Packed packPong(uint32_t nonce, uint64_t time_us) {

@@ -14,6 +14,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers);
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms);
 wire::Packed packError(wire::ErrorCode code, std::string_view text, uint32_t input_seq);
 wire::Packed packGoodbye(std::string_view reason, float retry_after_s);
+wire::Packed packPing(uint32_t nonce, uint64_t time_us);
 wire::Packed packPong(uint32_t nonce, uint64_t time_us);
 
 } // namespace brume::net

@@ -22,6 +22,8 @@ using asio::ip::tcp;
 
 namespace {
 
+constexpr int kMostUnsent = 32 << 10; // bytes
+
 constexpr std::string_view kNoRoom = "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nRetry-After: 5\r\n"
                                      "Connection: close\r\n\r\ntoo many connections: try again later\n";
 
@@ -73,6 +75,10 @@ void NetServer::State::welcome(tcp::socket socket) {
     const auto remote = socket.remote_endpoint(error);
     if (error) return; // gone already
     socket.set_option(tcp::no_delay(true), error);
+    // Few bytes wait in the kernel, so that a newer frame can still take the place of an older one, and control messages pass
+    // both.
+    const int unsent = kMostUnsent;
+    ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
     // What the kernel has taken from us but the peer does not: a peer that vanished, or shut its window for good.
     const auto stall_ms = static_cast<unsigned>(context.options.write_stall.count());
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &stall_ms, sizeof stall_ms);

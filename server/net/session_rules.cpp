@@ -11,7 +11,8 @@
 namespace brume::net {
 namespace {
 
-constexpr int kMaxMalformed = 3; // a program that is not ours does not get better
+constexpr size_t kLongestKey = 64; // that is looked for
+constexpr int kMaxMalformed = 3;   // a program that is not ours does not get better
 // A viewer with a bug is told of it; one that sends nothing but refused messages is closed.
 constexpr double kRefusalRate = 50, kRefusalBurst = 200;
 constexpr Limits kEyeSeparation{0, 10}; // m; people have 0.065, giants and models more
@@ -64,7 +65,10 @@ void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point n
         out.push_back(AnswerPing{ping->nonce(), ping->time_us()});
         return;
     }
-    if (message->as<wire::Pong>()) return;
+    if (const auto* pong = message->as<wire::Pong>()) {
+        out.push_back(Ponged{pong->nonce()});
+        return;
+    }
     if (message->as<wire::Goodbye>()) return close(kCloseNormal, "the viewer said goodbye", out);
     if (const auto* hello = message->as<wire::Hello>()) return onHello(*hello, now, out);
 
@@ -115,7 +119,7 @@ void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Effe
     granted_.views = hello.views();
     granted_.quality = hello.quality() == 0 ? options_.default_quality : hello.quality();
     state_ = State::watching;
-    out.push_back(Admit{printable(hello.client()), granted_});
+    out.push_back(Admit{printable(hello.client()), granted_, hello.resume() ? hello.resume()->str().substr(0, kLongestKey) : ""});
 }
 
 void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects& out) {

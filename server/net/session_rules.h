@@ -16,7 +16,8 @@ namespace brume::net {
 // --- effects, for the session to carry out in order ---
 struct Admit { // a good hello: find a place in the house, then welcome() or close
     std::string client;
-    PoseRequest wish; // size, views and quality, granted
+    PoseRequest wish;   // size, views and quality, granted
+    std::string resume; // the key of a connection that was lost; empty for a new viewer
 };
 struct Show { // the pose to render from now on
     PoseRequest request;
@@ -32,6 +33,9 @@ struct AnswerPing {
     uint32_t nonce;
     uint64_t time_us;
 };
+struct Ponged { // an answer to a ping, if one with this number was sent
+    uint32_t nonce;
+};
 struct SendError {
     wire::ErrorCode code;
     std::string text;
@@ -41,7 +45,7 @@ struct Close { // say goodbye with the reason and close with this WebSocket code
     uint16_t code;
     std::string reason;
 };
-using Effect = std::variant<Admit, Show, Push, Acknowledge, AnswerPing, SendError, Close>;
+using Effect = std::variant<Admit, Show, Push, Acknowledge, AnswerPing, Ponged, SendError, Close>;
 using Effects = std::vector<Effect>;
 
 // WebSocket close codes (RFC 6455 and the IANA registry).

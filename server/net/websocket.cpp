@@ -1,5 +1,6 @@
 #include "server/net/websocket.h"
 
+#include <algorithm>
 #include <deque>
 
 #include <boost/beast/core/flat_buffer.hpp>
@@ -19,6 +20,9 @@ namespace websocket = beast::websocket;
 
 constexpr auto kHeartbeat = std::chrono::milliseconds(100); // deadlines, and news of the scene when no frame brings them
 constexpr auto kStatePeriod = std::chrono::seconds(1);
+constexpr auto kPingEvery = std::chrono::milliseconds(200);
+constexpr auto kPingLost = std::chrono::seconds(10);
+constexpr size_t kMostPings = 8;   // unanswered
 constexpr size_t kMaxControl = 64; // answers that wait for a viewer's socket: who does not read is not read
 constexpr auto kCloseHandshake = std::chrono::seconds(1);
 constexpr float kRetryFull = 5, kRetryRestart = 2; // s
@@ -62,6 +66,9 @@ private:
     void admit(const Admit& hello);
     void acknowledge(uint32_t frame);
     void push(Push&& command);
+    void ping(Clock::time_point now);
+    wire::Packed newPing();
+    void ponged(uint32_t nonce);
     void close(uint16_t code, std::string_view reason, float retry_after_s = 0);
     void leave(std::string_view why);
 
@@ -80,6 +87,13 @@ private:
     std::unique_ptr<Seat> seat_; // after hello
     std::string name_;           // for the log
     std::deque<wire::Packed> control_;
+    struct Ping {
+        uint32_t nonce;
+        Clock::time_point sent;
+    };
+    std::deque<Ping> pings_; // unanswered
+    uint32_t last_nonce_ = 0;
+    bool ping_due_ = false;
     std::optional<Clock::time_point> write_began_;
     std::optional<websocket::close_reason> closing_; // after what is queued
     uint64_t revision_told_ = 0;
@@ -117,7 +131,10 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
         if (error) {
             if (error == websocket::error::message_too_big) context_.metrics.refused("oversized"); // Beast closed with 1009
             // While we are closing, the writer sees the handshake through.
-            if (!closing_) finish(error == websocket::error::closed ? "the viewer closed" : error.message());
+            if (!closing_) {
+                if (error != websocket::error::closed && seat_) seat_->lose();
+                finish(error == websocket::error::closed ? "the viewer closed" : error.message());
+            }
             co_return;
         }
         const auto now = Clock::now();
@@ -141,9 +158,11 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
 asio::awaitable<void> WebSocketSession::write() {
     while (!ended_) {
         error_code error;
-        if (!control_.empty() || newsAreDue()) {
+        if (!control_.empty() || ping_due_ || newsAreDue()) {
             wire::Packed message;
-            if (control_.empty()) {
+            if (ping_due_) {
+                message = newPing();
+            } else if (control_.empty()) {
                 message = takeNews();
             } else {
                 message = std::move(control_.front());
@@ -161,7 +180,10 @@ asio::awaitable<void> WebSocketSession::write() {
         } else {
             co_await bell_->wait();
         }
-        if (error) co_return finish(error.message());
+        if (error) {
+            if (seat_) seat_->lose();
+            co_return finish(error.message());
+        }
     }
 }
 
@@ -190,13 +212,44 @@ asio::awaitable<void> WebSocketSession::beat() {
         const auto now = Clock::now();
         if (write_began_ && now - *write_began_ > context_.options.write_stall) {
             spdlog::warn("{}: closed, it takes no data any more", name_.empty() ? place_->address() : name_);
+            if (seat_) seat_->lose();
             co_return finish("it takes no data");
         }
         effects.clear();
         rules_.onTick(now, effects);
         carryOut(effects);
+        if (seat_ && !closing_) {
+            ping(now);
+            if (seat_->viewer().look(now) > context_.options.silence) {
+                seat_->lose();
+                close(kCloseTryLater, "no frame was acknowledged for too long", kRetryRestart);
+            }
+        }
         bell_->ring();
     }
+}
+
+void WebSocketSession::ping(Clock::time_point now) {
+    while (!pings_.empty() && now - pings_.front().sent > kPingLost) pings_.pop_front();
+    const bool due = pings_.empty() || now - pings_.back().sent >= kPingEvery;
+    ping_due_ = due && pings_.size() < kMostPings;
+}
+
+// Made when the socket takes it: what waits before that is not the link's queue.
+wire::Packed WebSocketSession::newPing() {
+    ping_due_ = false;
+    const auto now = Clock::now();
+    pings_.push_back({++last_nonce_, now});
+    const auto us = std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch()).count();
+    return packPing(last_nonce_, uint64_t(us));
+}
+
+void WebSocketSession::ponged(uint32_t nonce) {
+    const auto one = std::find_if(pings_.begin(), pings_.end(), [&](const Ping& p) { return p.nonce == nonce; });
+    if (one == pings_.end() || !seat_) return;
+    const auto now = Clock::now();
+    seat_->viewer().ponged(now - one->sent, now);
+    pings_.erase(pings_.begin(), one + 1);
 }
 
 void WebSocketSession::carryOut(Effects& effects) {
@@ -208,6 +261,7 @@ void WebSocketSession::carryOut(Effects& effects) {
         }
         void operator()(Push& e) { s.push(std::move(e)); }
         void operator()(Acknowledge& e) { s.acknowledge(e.frame); }
+        void operator()(Ponged& e) { s.ponged(e.nonce); }
         void operator()(AnswerPing& e) { s.enqueue(packPong(e.nonce, e.time_us)); }
         void operator()(SendError& e) {
             s.context_.metrics.refused(wire::EnumNameErrorCode(e.code));
@@ -222,12 +276,13 @@ void WebSocketSession::carryOut(Effects& effects) {
 }
 
 void WebSocketSession::admit(const Admit& hello) {
-    seat_ = Seat::take(context_.audience, context_.metrics, bell_->ringer());
+    seat_ = Seat::take(context_.audience, context_.metrics, bell_->ringer(), 0, hello.resume);
     if (!seat_) {
         context_.metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
-        spdlog::info("{} from {}: turned away, the house is full", hello.client, place_->address());
-        enqueue(packError(wire::ErrorCode::full, "every place is taken", 0));
-        return close(kCloseTryLater, "every place is taken", kRetryFull);
+        spdlog::info("{} from {}: turned away, {}", hello.client, place_->address(), context_.audience.whyFull());
+        const char* why = context_.audience.whyFull();
+        enqueue(packError(wire::ErrorCode::full, why, 0));
+        return close(kCloseTryLater, why, kRetryFull);
     }
     name_ = fmt::format("viewer {}", seat_->viewer().id());
     spdlog::info("{}: {} from {}, {}x{}, {}", name_, hello.client, place_->address(), hello.wish.width, hello.wish.height,

@@ -293,4 +293,11 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     return plan;
 }
 
+RenderSettings finer(RenderSettings settings) {
+    if (!marches(settings)) return settings;
+    if (settings.rate > 1) settings.rate /= 2;
+    settings.slabs = std::min(2 * settings.slabs, 512u);
+    return settings;
+}
+
 } // namespace brume

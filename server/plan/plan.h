@@ -86,4 +86,7 @@ std::string summary(const Plan& plan);
 // A way, in a few words.
 std::string wayText(const RenderSettings& settings);
 
+// The same with half as far between rays and slabs, for pictures that rest.
+RenderSettings finer(RenderSettings settings);
+
 } // namespace brume

@@ -1,6 +1,9 @@
 #include "server/viewer/audience.h"
 
 #include <algorithm>
+#include <random>
+
+#include <fmt/format.h>
 
 namespace brume {
 namespace {
@@ -18,25 +21,63 @@ bool settingsDiffer(const SceneReport& a, const SceneReport& b) {
            a.render.exposure != b.render.exposure;
 }
 
+constexpr size_t kMostLost = 1024;
+constexpr std::chrono::seconds kComesBackWithin{60};
+
+// 128 bits that nobody guesses, in hexadecimal.
+std::string newKey() {
+    std::random_device random;
+    std::string key;
+    for (int i = 0; i < 4; ++i) key += fmt::format("{:08x}", random());
+    return key;
+}
+
 } // namespace
 
 Audience::Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight)
     : facts_(std::move(facts)), max_viewers_(max_viewers), max_in_flight_(std::max(max_in_flight, 1u)),
       report_(std::make_shared<SceneReport>()) {}
 
-std::shared_ptr<Viewer> Audience::join(std::function<void()> notify, uint32_t max_in_flight) {
+std::shared_ptr<Viewer> Audience::join(std::function<void()> notify, uint32_t max_in_flight, const std::string& key) {
     const std::scoped_lock lock(mutex_);
-    if (viewers_.size() >= max_viewers_) return nullptr;
+    if (viewers_.size() >= max_viewers_ || !hasTime()) return nullptr;
     const uint32_t window = max_in_flight == 0 ? max_in_flight_ : std::min(max_in_flight, max_in_flight_);
-    viewers_.push_back(std::make_shared<Viewer>(next_id_++, window, std::move(notify)));
+    PacingOptions pacing;
+    pacing.most_frames = window;
+    pacing.least_frames = std::min(pacing.least_frames, window);
+    const auto known = key.empty() ? lost_.end() : lost_.find(key);
+    const bool back = known != lost_.end() && known->second.until > Clock::now();
+    viewers_.push_back(std::make_shared<Viewer>(back ? known->second.id : next_id_++, pacing, std::move(notify)));
+    viewers_.back()->known(newKey());
+    if (back) viewers_.back()->resume(known->second.pose);
+    if (known != lost_.end()) lost_.erase(known); // a key is good once
     ++revision_;
     return viewers_.back();
 }
 
-void Audience::leave(const std::shared_ptr<Viewer>& viewer) {
+bool Audience::hasTime() const {
+    const auto count = float(viewers_.size());
+    return count == 0 || frame_ms_ * (count + 1) / count <= most_frame_ms_;
+}
+
+const char* Audience::whyFull() const {
+    const std::scoped_lock lock(mutex_);
+    return viewers_.size() >= max_viewers_ ? "every place is taken" : "there is no time to draw for one more viewer";
+}
+
+void Audience::frameTook(float ms) {
+    const std::scoped_lock lock(mutex_);
+    frame_ms_ = frame_ms_ == 0 ? ms : frame_ms_ + 0.1f * (ms - frame_ms_);
+}
+
+void Audience::leave(const std::shared_ptr<Viewer>& viewer, bool lost) {
     {
         const std::scoped_lock lock(mutex_);
         if (std::erase(viewers_, viewer) > 0) ++revision_;
+        if (viewers_.empty()) frame_ms_ = 0;
+        const auto now = Clock::now();
+        std::erase_if(lost_, [&](const auto& one) { return one.second.until <= now; });
+        if (lost && lost_.size() < kMostLost) lost_[viewer->key()] = {viewer->id(), viewer->pose(), now + kComesBackWithin};
     }
     viewer->close(); // outside the lock: it waits for the viewer's notify, which may ask us
 }

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -44,16 +45,22 @@ struct SceneFacts {
 
 class Audience {
 public:
-    Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight);
+    Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight); // at most that many frames, as Pacing decides
 
     const SceneFacts& facts() const { return facts_; }
 
     uint32_t maxInFlight() const { return max_in_flight_; }
 
-    // Null when the house is full. A viewer may ask for a smaller window than the house's; 0 takes that.
-    std::shared_ptr<Viewer> join(std::function<void()> notify, uint32_t max_in_flight = 0);
-    // Also closes the viewer. Not from its own notify.
-    void leave(const std::shared_ptr<Viewer>& viewer);
+    // Null when the house is full. A viewer may ask for a smaller window than the house's; 0 takes that. With the key of one
+    // whose connection was lost less than a minute ago it is that one again, with its pose.
+    std::shared_ptr<Viewer> join(std::function<void()> notify, uint32_t max_in_flight = 0, const std::string& key = {});
+    // What join() says no for, in one line.
+    const char* whyFull() const;
+    // Admission: a frame of all viewers takes so long now; nobody is let in who would make it longer than the most (ms).
+    void frameTook(float ms);
+    void admitUpTo(float ms) { most_frame_ms_ = ms; }
+    // Also closes the viewer. Not from its own notify. `lost`: it may come back.
+    void leave(const std::shared_ptr<Viewer>& viewer, bool lost = false);
     uint32_t size() const;
     // The viewers in order of joining. Reuses `out`.
     void list(std::vector<std::shared_ptr<Viewer>>& out) const;
@@ -70,11 +77,20 @@ public:
 
 private:
     SceneFacts facts_;
+    bool hasTime() const; // with mutex_
+
     uint32_t max_viewers_, max_in_flight_;
     CommandQueue commands_;
     mutable std::mutex mutex_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     uint32_t next_id_ = 1;
+    float frame_ms_ = 0, most_frame_ms_ = 1e30f; // smoothed
+    struct Lost {
+        uint32_t id;
+        std::optional<PoseRequest> pose;
+        Clock::time_point until;
+    };
+    std::map<std::string, Lost> lost_; // by key; at most kMostLost
     std::shared_ptr<const SceneReport> report_;
     uint64_t revision_ = 0;
 };

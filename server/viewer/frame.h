@@ -21,6 +21,7 @@ struct PoseRequest {
     uint16_t width = 640, height = 360; // of one eye
     uint8_t views = 1;                  // 1 or 2
     uint8_t quality = 80;               // JPEG, 1...100
+    bool fine = false;                  // of what rests: with less error than what moves
     Clock::time_point received{};
 };
 

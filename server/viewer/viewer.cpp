@@ -5,6 +5,9 @@
 namespace brume {
 namespace {
 
+constexpr std::chrono::milliseconds kRestsFor{150};
+constexpr uint8_t kFineQuality = 90;
+
 // Serial numbers that wrap around: `a` is newer when less than half the range ahead.
 bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
 
@@ -13,33 +16,67 @@ bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
 bool samePictures(const PoseRequest& a, const PoseRequest& b) {
     return a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation && a.pose.fov_y == b.pose.fov_y &&
            a.pose.eye_separation == b.pose.eye_separation && a.width == b.width && a.height == b.height && a.views == b.views &&
-           a.quality == b.quality;
+           a.quality == b.quality && a.fine == b.fine;
 }
 
-Viewer::Viewer(uint32_t id, uint32_t max_in_flight, std::function<void()> notify)
-    : id_(id), max_in_flight_(std::max(max_in_flight, 1u)), notify_(std::move(notify)) {
-    in_flight_.reserve(max_in_flight_);
-}
+Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> notify)
+    : id_(id), notify_(std::move(notify)), pacing_(pacing) {}
 
 void Viewer::setPose(const PoseRequest& request) {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || (pose_ && !isNewer(request.seq, pose_->seq))) return;
+    if (closed_ || (pose_ && !any_pose_ && !isNewer(request.seq, pose_->seq))) return;
+    any_pose_ = false;
     pose_ = request;
 }
 
-FramePtr Viewer::takeFrame() {
+void Viewer::resume(const std::optional<PoseRequest>& pose) {
+    const std::scoped_lock lock(mutex_);
+    resumed_ = any_pose_ = true;
+    pose_ = pose;
+    if (pose_) pose_->received = Clock::now();
+}
+
+void Viewer::drawAlways() {
+    const std::scoped_lock lock(mutex_);
+    always_ = true;
+}
+
+std::optional<PoseRequest> Viewer::pose() const {
+    const std::scoped_lock lock(mutex_);
+    return pose_;
+}
+
+FramePtr Viewer::takeFrame(Clock::time_point now) {
     const std::scoped_lock lock(mutex_);
     if (!frame_) return nullptr;
     sent_ = frame_->id;
     ++counts_.sent;
+    size_t bytes = 0;
+    for (const Jpeg& jpeg : frame_->jpeg)
+        if (jpeg) bytes += jpeg->size();
+    const float queue_ms = std::chrono::duration<float, std::milli>(now - frame_->encoded).count();
+    pacing_.sent(frame_->id, bytes, frame_->wait_ms + frame_->render_ms + frame_->encode_ms + queue_ms, now);
     return std::move(frame_);
 }
 
-bool Viewer::acknowledge(uint32_t frame_id) {
+bool Viewer::acknowledge(uint32_t frame_id, Clock::time_point now) {
     const std::scoped_lock lock(mutex_);
     if (frame_id == 0 || counts_.sent == 0 || isNewer(frame_id, sent_)) return false;
-    counts_.acknowledged += std::erase_if(in_flight_, [&](uint32_t id) { return !isNewer(id, frame_id); });
+    counts_.acknowledged += pacing_.acknowledged(frame_id, now);
     return true;
+}
+
+void Viewer::ponged(Clock::duration round_trip, Clock::time_point now) {
+    const std::scoped_lock lock(mutex_);
+    pacing_.ponged(round_trip, now);
+}
+
+Clock::duration Viewer::look(Clock::time_point now) {
+    const std::scoped_lock lock(mutex_);
+    quality_.look({pacing_.queueMs(), held_back_, counts_.superseded > superseded_seen_}, now);
+    held_back_ = false;
+    superseded_seen_ = counts_.superseded;
+    return pacing_.silence(now);
 }
 
 void Viewer::close() {
@@ -47,18 +84,38 @@ void Viewer::close() {
         const std::scoped_lock lock(mutex_);
         closed_ = true;
         frame_.reset();
-        in_flight_.clear();
+        pacing_.clear();
     }
     const std::scoped_lock lock(notify_mutex_); // waits for a running notify
     notify_ = nullptr;
 }
 
-std::optional<Viewer::Due> Viewer::takeDue() {
+std::optional<Viewer::Due> Viewer::takeDue(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || !pose_ || in_flight_.size() >= max_in_flight_) return {};
+    if (closed_ || !pose_) return {};
+    const QualityStep step = quality_.step();
+    PoseRequest request = *pose_;
+    request.quality = std::min(request.quality, step.quality);
+    if (step.half)
+        request.width = std::max<uint16_t>(request.width / 2, 1), request.height = std::max<uint16_t>(request.height / 2, 1);
+    if (made_ && !always_ && scene && scene == scene_ && samePictures(*made_, request)) {
+        if (!fine || fine_made_ || quality_.level() > 0 || now - made_at_ < kRestsFor) return {};
+        request.fine = true;
+        request.quality = std::max(request.quality, kFineQuality);
+    } else if (fine) {
+        return {};
+    }
+    if (!pacing_.isOpen(now)) {
+        held_back_ = held_back_ || pacing_.isHeldByBytes();
+        return {};
+    }
+    if (++turn_ % step.every != 0) return {};
     if (++issued_ == 0) ++issued_; // 0 is no frame
-    in_flight_.push_back(issued_);
-    return Due{issued_, *pose_};
+    pacing_.issued(issued_, now);
+    fine_made_ = request.fine;
+    if (!request.fine) made_ = request, made_at_ = now;
+    scene_ = scene;
+    return Due{issued_, request};
 }
 
 void Viewer::deliver(FramePtr frame) {
@@ -69,7 +126,7 @@ void Viewer::deliver(FramePtr frame) {
         // Frames may leave the encoder out of order: one that a newer frame has overtaken is of no use.
         const bool overtaken = (counts_.sent > 0 && !isNewer(frame->id, sent_)) || (frame_ && !isNewer(frame->id, frame_->id));
         if (overtaken || frame_) {
-            std::erase(in_flight_, overtaken ? frame->id : frame_->id);
+            pacing_.dropped(overtaken ? frame->id : frame_->id);
             ++counts_.superseded;
         }
         if (overtaken) return;
@@ -81,14 +138,21 @@ void Viewer::deliver(FramePtr frame) {
 
 void Viewer::abandon(uint32_t frame_id) {
     const std::scoped_lock lock(mutex_);
-    std::erase(in_flight_, frame_id);
+    pacing_.dropped(frame_id);
+    made_.reset(); // whatever it was has not been made
+    fine_made_ = false;
 }
 
 Viewer::Counts Viewer::counts() const {
     const std::scoped_lock lock(mutex_);
     Counts counts = counts_;
-    counts.in_flight = uint32_t(in_flight_.size());
+    counts.in_flight = pacing_.inFlight();
     return counts;
+}
+
+Viewer::Link Viewer::link() const {
+    const std::scoped_lock lock(mutex_);
+    return {pacing_.baseRoundTripMs(), pacing_.queueMs(), pacing_.frames(), quality_.level()};
 }
 
 } // namespace brume

@@ -4,9 +4,10 @@
 #include <functional>
 #include <mutex>
 #include <optional>
-#include <vector>
+#include <string>
 
-#include "server/viewer/frame.h"
+#include "server/viewer/pacing.h"
+#include "server/viewer/quality.h"
 
 namespace brume {
 
@@ -15,27 +16,44 @@ class Viewer {
 public:
     // `notify` is called from the thread that delivers when takeFrame() would return a frame. It may call takeFrame() but not
     // close(), and runs once at a time.
-    Viewer(uint32_t id, uint32_t max_in_flight, std::function<void()> notify);
+    Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> notify);
 
     uint32_t id() const { return id_; }
+
+    // What a lost connection is known by (Audience::join), and whether this one goes on from such.
+    const std::string& key() const { return key_; }
+    bool resumed() const { return resumed_; }
+    void known(std::string key) { key_ = std::move(key); }
+    // Goes on with the pose of a lost connection, until any pose comes.
+    void resume(const std::optional<PoseRequest>& pose);
+    std::optional<PoseRequest> pose() const;
 
     // --- the connection's side ---
     // Newest pose in: an older or equal seq than the one held is ignored (wrap-around safe).
     void setPose(const PoseRequest& request);
+    // Frames also of what has not changed: for those who take a stream that pauses for a broken one.
+    void drawAlways();
     // Newest frame out; null when there is none. A frame that was replaced before it was taken counts as superseded.
-    FramePtr takeFrame();
+    FramePtr takeFrame(Clock::time_point now = Clock::now());
     // The viewer has presented frame `id` and, since frames are ordered, every one before it. False for an id not yet sent.
-    bool acknowledge(uint32_t frame_id);
+    bool acknowledge(uint32_t frame_id, Clock::time_point now = Clock::now());
+    // The round trip of a ping to it.
+    void ponged(Clock::duration round_trip, Clock::time_point now);
+    // To be called several times a second: what its link can carry follows what it did. How long frames have been waiting for an
+    // acknowledgement.
+    Clock::duration look(Clock::time_point now);
     // The connection is gone: nothing is rendered for it and nothing is notified any more. Waits for a running notify.
     void close();
 
     // --- the frame loop's side ---
-    // The pose to render now, counting a frame in flight, with its id; nothing while the window is full or no pose came.
+    // The pose to render now, counting a frame in flight, with its id; nothing while a window is full, no pose came, or the
+    // picture would be the one made last: same view, same `scene` (a version of all that is seen; none: always another).
     struct Due {
         uint32_t frame_id = 0;
         PoseRequest request;
     };
-    std::optional<Due> takeDue();
+    // `fine`: once, the picture that has rested for 150 ms, at JPEG quality 90 or more; nothing else.
+    std::optional<Due> takeDue(Clock::time_point now = Clock::now(), std::optional<uint64_t> scene = {}, bool fine = false);
     // A due frame, ready. One that a newer frame has overtaken is dropped; either way superseded frames free their place.
     void deliver(FramePtr frame);
     // A due frame that could not be rendered: gives its place in the window back.
@@ -46,17 +64,34 @@ public:
         uint32_t in_flight = 0;
     };
     Counts counts() const;
+    // What its link is and gets.
+    struct Link {
+        float round_trip_ms = 0, queue_ms = 0; // without queues, and what they add
+        uint32_t frames = 0;                   // window
+        uint32_t level = 0;                    // of QualityControl, 0 the best
+    };
+    Link link() const;
 
 private:
     const uint32_t id_;
-    const uint32_t max_in_flight_;
     mutable std::mutex mutex_;
     std::mutex notify_mutex_;
     std::function<void()> notify_;
+    std::string key_;
+    bool resumed_ = false, any_pose_ = false; // any_pose_: the next one counts, however old its number is
     std::optional<PoseRequest> pose_;
     FramePtr frame_;
-    uint32_t issued_ = 0, sent_ = 0;  // frame ids: the last handed out, the last taken by the connection
-    std::vector<uint32_t> in_flight_; // ids handed out and not yet acknowledged, superseded or abandoned
+    uint32_t issued_ = 0, sent_ = 0; // frame ids: the last handed out, the last taken by the connection
+    Pacing pacing_;
+    QualityControl quality_;
+    std::optional<PoseRequest> made_; // what was handed out last, but for fine ones,
+    Clock::time_point made_at_{};     // when,
+    std::optional<uint64_t> scene_;   // of which scene
+    bool fine_made_ = false;          // after it
+    uint32_t turn_ = 0;               // of those that QualityStep::every counts
+    bool always_ = false;             // drawAlways()
+    bool held_back_ = false;          // by the window of bytes, since the last look
+    uint64_t superseded_seen_ = 0;    // by the last look
     Counts counts_;
     bool closed_ = false;
 };

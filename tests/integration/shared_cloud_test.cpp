@@ -92,12 +92,16 @@ TEST_F(SharedCloud, TwoEqualCamerasGetEqualBytes) {
     const uint64_t still = setPaused(a, true, {&b});
     a.look(fromFront());
     b.look(fromFront());
-    ASSERT_TRUE(watch({&a, &b}, [&] { return commonTicks(a, b, still).size() >= 3; }));
-    for (const auto& [x, y] : commonTicks(a, b, still)) EXPECT_EQ(x->jpegs, y->jpegs) << "at tick " << x->tick;
-    // Nothing moves, so a later tick looks the same to the byte too.
-    EXPECT_EQ(a.last().jpegs, firstFrom(a, still)->jpegs);
-    EXPECT_EQ(a.last().state_hash, firstFrom(a, still)->state_hash);
-    EXPECT_GT(a.last().tick, firstFrom(a, still)->tick);
+    // Nothing moves: both come to rest with the same fine picture, to the byte, and are sent no other.
+    const auto rests = [&](const Watcher& watcher) { return !watcher.frames.empty() && watcher.last().quality >= 90; };
+    ASSERT_TRUE(watch({&a, &b}, [&] { return rests(a) && rests(b); }));
+    EXPECT_EQ(a.last().jpegs, b.last().jpegs);
+    EXPECT_EQ(a.last().state_hash, b.last().state_hash);
+    EXPECT_GE(a.last().tick, still);
+    const size_t sent = a.frames.size() + b.frames.size();
+    watch(
+        {&a, &b}, [] { return false; }, milliseconds(700));
+    EXPECT_EQ(a.frames.size() + b.frames.size(), sent) << "what rests is sent once";
 
     // And while everything moves, at equal ticks.
     const uint64_t moving = setPaused(a, false, {&b});
@@ -198,10 +202,10 @@ TEST_F(SharedCloud, AViewerThatDoesNotAcknowledgeIsNotRenderedFor) {
     lazy.acknowledging = false;
     lazy.look(fromFront());
     keen.look(fromSide());
-    const size_t window = lazy.session.granted().max_in_flight;
+    const size_t window = lazy.session.granted().max_in_flight; // at most; what it gets follows its link
     ASSERT_GE(window, 1u);
-    ASSERT_TRUE(watch({&lazy, &keen}, [&] { return lazy.frames.size() >= window && keen.frames.size() >= 2 * window + 4; }));
-    EXPECT_EQ(lazy.frames.size(), window);
+    ASSERT_TRUE(watch({&lazy, &keen}, [&] { return !lazy.frames.empty() && keen.frames.size() >= 2 * window + 4; }));
+    EXPECT_LE(lazy.frames.size(), window);
 
     lazy.acknowledging = true;
     lazy.session.acknowledge(lazy.last().id);

@@ -21,6 +21,7 @@ void Watcher::poll(milliseconds timeout) {
         if (const auto* frame = message->as<wire::Frame>()) {
             Seen seen{frame->id(), frame->pose_seq(), frame->tick(), frame->state_hash(), frame->width(), frame->height(), {},
                       {}};
+            seen.quality = frame->quality();
             seen.position = {frame->position()->x(), frame->position()->y(), frame->position()->z()};
             for (uint32_t view = 0; view < frame->jpeg_bytes()->size(); ++view) {
                 const auto jpeg = message->parsed().view(view);

@@ -18,6 +18,7 @@ struct Seen {
     uint64_t tick = 0, state_hash = 0;
     int width = 0, height = 0;
     glm::vec3 position{0};
+    int quality = 0;
     std::vector<client::Bytes> jpegs; // one a view
 };
 

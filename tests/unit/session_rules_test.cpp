@@ -82,7 +82,7 @@ TEST_F(SessionRulesTest, HelloTwiceAndTheServersMessagesAreUnexpected) {
     EXPECT_EQ(onlyError(hello()), ErrorCode::unexpected);
     EXPECT_EQ(onlyError(say([](auto& b) { return wire::CreateSceneState(b); })), ErrorCode::unexpected);
     EXPECT_EQ(onlyError(say([](auto& b) { return wire::CreateError(b); })), ErrorCode::unexpected);
-    EXPECT_TRUE(say([](auto& b) { return wire::CreatePong(b, 1, 1); }).empty());
+    EXPECT_EQ(only<Ponged>(say([](auto& b) { return wire::CreatePong(b, 9, 1); })).nonce, 9u);
 }
 
 TEST_F(SessionRulesTest, APoseIsShownWithEverythingItSays) {

@@ -15,6 +15,8 @@ PoseRequest poseWithSeq(uint32_t seq) {
     return request;
 }
 
+PacingOptions windowOf(uint32_t frames) { return {.least_frames = frames, .most_frames = frames}; }
+
 FramePtr frameFor(const Viewer::Due& due) {
     auto frame = std::make_shared<EncodedFrame>();
     frame->id = due.frame_id;
@@ -23,13 +25,13 @@ FramePtr frameFor(const Viewer::Due& due) {
 }
 
 TEST(Viewer, NothingIsDueBeforeAPose) {
-    Viewer viewer(1, 2, nullptr);
+    Viewer viewer(1, windowOf(2), nullptr);
     EXPECT_FALSE(viewer.takeDue());
     EXPECT_EQ(viewer.takeFrame(), nullptr);
 }
 
 TEST(Viewer, RendersAgainForTheSamePoseUntilTheWindowIsFull) {
-    Viewer viewer(1, 2, nullptr);
+    Viewer viewer(1, windowOf(2), nullptr);
     viewer.setPose(poseWithSeq(5));
     const auto first = viewer.takeDue(), second = viewer.takeDue();
     ASSERT_TRUE(first && second);
@@ -41,7 +43,7 @@ TEST(Viewer, RendersAgainForTheSamePoseUntilTheWindowIsFull) {
 }
 
 TEST(Viewer, NewestPoseWinsAndSequenceWrapsAround) {
-    Viewer viewer(1, 8, nullptr);
+    Viewer viewer(1, windowOf(8), nullptr);
     viewer.setPose(poseWithSeq(0xfffffffe));
     viewer.setPose(poseWithSeq(0xfffffffd)); // older
     EXPECT_EQ(viewer.takeDue()->request.seq, 0xfffffffeu);
@@ -56,7 +58,7 @@ TEST(Viewer, NewestPoseWinsAndSequenceWrapsAround) {
 }
 
 TEST(Viewer, AcknowledgingFreesThatFrameAndAllBefore) {
-    Viewer viewer(1, 3, nullptr);
+    Viewer viewer(1, windowOf(3), nullptr);
     viewer.setPose(poseWithSeq(1));
     for (int i = 0; i < 3; ++i) {
         viewer.deliver(frameFor(*viewer.takeDue()));
@@ -72,7 +74,7 @@ TEST(Viewer, AcknowledgingFreesThatFrameAndAllBefore) {
 }
 
 TEST(Viewer, AcknowledgingWhatWasNeverSentIsRefused) {
-    Viewer viewer(1, 2, nullptr);
+    Viewer viewer(1, windowOf(2), nullptr);
     EXPECT_FALSE(viewer.acknowledge(0));
     EXPECT_FALSE(viewer.acknowledge(1));
     viewer.setPose(poseWithSeq(1));
@@ -88,7 +90,7 @@ TEST(Viewer, AcknowledgingWhatWasNeverSentIsRefused) {
 }
 
 TEST(Viewer, AFrameReplacedBeforeItWasTakenGivesItsPlaceBack) {
-    Viewer viewer(1, 2, nullptr);
+    Viewer viewer(1, windowOf(2), nullptr);
     viewer.setPose(poseWithSeq(1));
     viewer.deliver(frameFor(*viewer.takeDue()));
     viewer.deliver(frameFor(*viewer.takeDue()));
@@ -99,7 +101,7 @@ TEST(Viewer, AFrameReplacedBeforeItWasTakenGivesItsPlaceBack) {
 }
 
 TEST(Viewer, AnOvertakenFrameIsDropped) {
-    Viewer viewer(1, 3, nullptr);
+    Viewer viewer(1, windowOf(3), nullptr);
     viewer.setPose(poseWithSeq(1));
     const auto first = viewer.takeDue(), second = viewer.takeDue(), third = viewer.takeDue();
     viewer.deliver(frameFor(*second));
@@ -116,7 +118,7 @@ TEST(Viewer, AnOvertakenFrameIsDropped) {
 }
 
 TEST(Viewer, AbandoningGivesThePlaceBack) {
-    Viewer viewer(1, 1, nullptr);
+    Viewer viewer(1, windowOf(1), nullptr);
     viewer.setPose(poseWithSeq(1));
     const auto due = viewer.takeDue();
     EXPECT_FALSE(viewer.takeDue());
@@ -127,7 +129,7 @@ TEST(Viewer, AbandoningGivesThePlaceBack) {
 TEST(Viewer, TellsOfEveryFrameAndMayBeAskedFromTheNotice) {
     Viewer* self = nullptr;
     int told = 0, taken = 0;
-    Viewer viewer(1, 1, [&] {
+    Viewer viewer(1, windowOf(1), [&] {
         ++told;
         if (self->takeFrame()) ++taken;
     });
@@ -142,7 +144,7 @@ TEST(Viewer, TellsOfEveryFrameAndMayBeAskedFromTheNotice) {
 
 TEST(Viewer, ClosedMeansNoWorkAndNoNotice) {
     int told = 0;
-    Viewer viewer(1, 2, [&] { ++told; });
+    Viewer viewer(1, windowOf(2), [&] { ++told; });
     viewer.setPose(poseWithSeq(1));
     const auto due = viewer.takeDue();
     viewer.close();
@@ -156,7 +158,7 @@ TEST(Viewer, ClosedMeansNoWorkAndNoNotice) {
 
 TEST(Viewer, CloseWaitsForARunningNotice) {
     std::atomic<bool> inside{false}, release{false}, closed{false};
-    Viewer viewer(1, 1, [&] {
+    Viewer viewer(1, windowOf(1), [&] {
         inside = true;
         while (!release) std::this_thread::yield();
         EXPECT_FALSE(closed.load());
@@ -177,7 +179,7 @@ TEST(Viewer, CloseWaitsForARunningNotice) {
 }
 
 TEST(Viewer, TwoThreadsNeverExceedTheWindow) {
-    Viewer viewer(1, 2, nullptr);
+    Viewer viewer(1, windowOf(2), nullptr);
     viewer.setPose(poseWithSeq(1));
     std::atomic<bool> done{false};
     std::thread connection([&] {

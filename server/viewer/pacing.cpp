@@ -1,0 +1,104 @@
+#include "server/viewer/pacing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace brume {
+namespace {
+
+constexpr float kSmoothing = 0.1f;
+
+bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; } // serial numbers that wrap around
+
+using Millis = std::chrono::duration<float, std::milli>;
+
+} // namespace
+
+void Pacing::issued(uint32_t id, Clock::time_point now) {
+    if (last_issued_ != Clock::time_point{}) {
+        const float interval = std::min(Millis(now - last_issued_).count(), 1000.0f);
+        interval_ms_ += kSmoothing * (interval - interval_ms_);
+    }
+    last_issued_ = now;
+    flight_.push_back({id, 0, now, {}});
+}
+
+void Pacing::sent(uint32_t id, size_t bytes, float stages_ms, Clock::time_point now) {
+    for (Frame& frame : flight_)
+        if (frame.id == id) frame.bytes = std::max<size_t>(bytes, 1), frame.sent = now;
+    frame_bytes_ = frame_bytes_ == 0 ? float(bytes) : frame_bytes_ + kSmoothing * (float(bytes) - frame_bytes_);
+    stages_ms_ += kSmoothing * (stages_ms - stages_ms_);
+    fitFrames();
+}
+
+void Pacing::dropped(uint32_t id) {
+    std::erase_if(flight_, [&](const Frame& frame) { return frame.id == id; });
+}
+
+size_t Pacing::acknowledged(uint32_t id, Clock::time_point now) {
+    last_ack_ = now;
+    acknowledged_ = true;
+    return std::erase_if(flight_, [&](const Frame& frame) { return !isNewer(frame.id, id); });
+}
+
+void Pacing::ponged(std::chrono::duration<float, std::milli> round_trip, Clock::time_point now) {
+    const float ms = std::max(round_trip.count(), 0.0f);
+    const int64_t slot = now.time_since_epoch() / (options_.base_window / int(least_.size()));
+    Least& least = least_[size_t(slot) % least_.size()];
+    if (least.slot != slot) least = {slot, ms};
+    least.ms = std::min(least.ms, ms);
+    base_ms_ = ms;
+    for (const Least& l : least_)
+        if (l.slot >= 0 && slot - l.slot < int64_t(least_.size())) base_ms_ = std::min(base_ms_, l.ms);
+    queue_ms_ = ms - base_ms_;
+    fitFrames();
+    fitBytes(size_t(frame_bytes_));
+}
+
+void Pacing::fitFrames() {
+    const float frames = std::ceil((base_ms_ + stages_ms_) / std::max(interval_ms_, 1000.0f / 60)) + 1;
+    frames_ = uint32_t(std::clamp(frames, float(options_.least_frames), float(options_.most_frames)));
+}
+
+// Once for what was acknowledged since: a queue that does not move says nothing new.
+void Pacing::fitBytes(size_t frame) {
+    if (!acknowledged_ || frame == 0) return;
+    if (queue_ms_ > Millis(options_.shrink_above).count()) {
+        const size_t now = bytes_ ? *bytes_ : frames_ * frame;
+        bytes_ = std::max(now > frame ? now - frame : 0, frame);
+        acknowledged_ = false;
+    } else if (bytes_ && queue_ms_ < Millis(options_.grow_below).count()) {
+        *bytes_ += frame;
+        if (*bytes_ >= (options_.most_frames + 1) * frame) bytes_.reset(); // the window of frames is the narrower one
+        acknowledged_ = false;
+    }
+}
+
+bool Pacing::isOpen(Clock::time_point now) const {
+    if (flight_.size() >= frames_ || isSilent(now)) return false;
+    return !isHeldByBytes();
+}
+
+bool Pacing::isHeldByBytes() const {
+    // A frame whose size is not known yet counts as the usual one; so does the one to come.
+    return bytes_ && !flight_.empty() && bytesInFlight() + size_t(frame_bytes_) > *bytes_;
+}
+
+size_t Pacing::bytesInFlight() const {
+    size_t bytes = 0;
+    for (const Frame& frame : flight_) bytes += frame.bytes ? frame.bytes : size_t(frame_bytes_);
+    return bytes;
+}
+
+Clock::duration Pacing::silence(Clock::time_point now) const {
+    for (const Frame& frame : flight_)
+        if (frame.sent != Clock::time_point{}) return std::max(now - std::max(frame.sent, last_ack_), Clock::duration::zero());
+    return Clock::duration::zero();
+}
+
+Clock::duration Pacing::silenceAllowed() const {
+    const auto trips = std::chrono::duration_cast<Clock::duration>(Millis(8 * (base_ms_ + queue_ms_)));
+    return std::max<Clock::duration>(options_.silent, trips);
+}
+
+} // namespace brume
