@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
+import { startDelay } from './delay.mjs';
 import { connected, openPage, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
@@ -91,8 +92,8 @@ describe('two eyes', () => {
     assert.equal(await server?.stop(), 0, 'the server’s exit');
   });
 
-  const enter = async (t, lean) => {
-    const page = await openPage(t, browser, server.url, { script: headset(lean) });
+  const enter = async (t, lean, url = server.url) => {
+    const page = await openPage(t, browser, url, { script: headset(lean) });
     await connected(page);
     await page.locator('#tool-vr').click();
     await bothEyes(page);
@@ -161,14 +162,30 @@ describe('two eyes', () => {
   });
 
   test('turning the head turns the pictures at once, new ones follow', async (t) => {
-    const page = await enter(t);
-    const asked = () => page.evaluate(() => window.brume.headset.asked);
-    const before = await asked();
-    await page.evaluate(() => window.device.quaternion.set(0, Math.sin(0.1), 0, Math.cos(0.1))); // 0.2 rad to the left
+    const ANGLE = 0.1;
+    const delay = await startDelay(server.url, 1500); // no new picture comes while we look
+    t.after(() => delay.stop());
+    const page = await enter(t, 0, delay.url);
+    const asked = () => page.evaluate(() => window.brume.headset.asked.orientation);
+    const made = () => page.evaluate(() => window.brume.lastFrame.orientation);
+    const between = (a, b) => 2 * Math.acos(Math.min(1, Math.abs(a.reduce((sum, x, i) => sum + x * b[i], 0))));
+    const frames = await page.evaluate(() => window.brume.headset.drawn);
+    await until(page, 'it rests', (brume, drawn) => brume.headset.drawn > drawn + 10, frames);
+    const before = await halves(page, 'div[data-webxr_runtime]');
+    const old = await asked();
+    assert.ok(between(old, await made()) < 1e-3);
+    await page.evaluate((angle) => window.device.quaternion.set(0, Math.sin(angle / 2), 0, Math.cos(angle / 2)), ANGLE); // left
     await bothEyes(page);
-    const turned = await asked();
-    const cosine = before.orientation.reduce((sum, x, i) => sum + x * turned.orientation[i], 0);
-    assert.ok(Math.abs(2 * Math.acos(Math.min(1, Math.abs(cosine))) - 0.2) < 1e-3);
+    const after = await halves(page, 'div[data-webxr_runtime]');
+    assert.ok(between(old, await made()) < 1e-3, 'the picture is still the old one');
+    assert.ok(Math.abs(between(old, await asked()) - ANGLE) < 1e-3);
+    const pixel = (2 * Math.tan(FOV_Y / 2)) / after[0].length;
+    for (const eye of [0, 1]) {
+      const moved = disparity([after[eye], before[eye]]);
+      const wanted = Math.tan(ANGLE) / pixel;
+      assert.ok(Math.abs(moved - wanted) <= 3, `eye ${eye} moved by ${moved} pixels where ${wanted} are due`);
+    }
+    await until(page, 'a new picture follows', (brume) => Math.abs(brume.lastFrame.orientation[1]) > 0.04);
     await page.leave();
   });
 

@@ -52,7 +52,7 @@ function report(of: Sources) {
     get lastFrame() {
       const { lastFrame, lastLatency } = statistics;
       if (!lastFrame) return undefined;
-      const { id, tick, stateHash, poseSeq, width, height, quality, stages, jpeg, frusta } = lastFrame;
+      const { id, tick, stateHash, poseSeq, orientation, width, height, quality, stages, jpeg, frusta } = lastFrame;
       const bytes = jpeg.reduce((sum, view) => sum + view.length, 0);
       const shown = {
         id,
@@ -65,7 +65,13 @@ function report(of: Sources) {
         bytes,
         frusta,
       };
-      return { ...shown, views: jpeg.length, stages: { ...stages }, latency: lastLatency && { ...lastLatency } };
+      return {
+        ...shown,
+        orientation,
+        views: jpeg.length,
+        stages: { ...stages },
+        latency: lastLatency && { ...lastLatency },
+      };
     },
     // The 50th, 95th and 99th percentile of each stage.
     get latency() {
