@@ -19,13 +19,15 @@ layout(push_constant, scalar) uniform Push {
     uint full_support; // 1: proxies are spheres around the full Gaussian, 0: tetrahedra
 } push;
 
+#include "shaders/lib/frustum.glsl"
+
 bool isVisible(vec3 c, float radius) {
     const float depth = -dot(eye.back, c);
     if (!(depth + radius > eye.near_depth)) return false;
-    const float x = abs(dot(eye.right, c)), y = abs(dot(eye.up, c));
-    // distance to the side planes, whose normals are (cos, -sin) of half the angle
-    const float inv_x = inversesqrt(1 + eye.tan_x * eye.tan_x), inv_y = inversesqrt(1 + eye.tan_y * eye.tan_y);
-    return (x - depth * eye.tan_x) * inv_x < radius && (y - depth * eye.tan_y) * inv_y < radius;
+    const vec2 at = vec2(dot(eye.right, c), -dot(eye.up, c)), lo = pictureCorner(), hi = lo + 2 * pictureHalf();
+    // distance to the side planes, whose normals are (cos, -sin) of the angle from the view axis
+    return all(lessThan((depth * lo - at) * inversesqrt(1 + lo * lo), vec2(radius))) &&
+           all(lessThan((at - depth * hi) * inversesqrt(1 + hi * hi), vec2(radius)));
 }
 
 void main() {

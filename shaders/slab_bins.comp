@@ -19,6 +19,7 @@ const float kLog2e = 1.4426950408889634;
 // kept. Where every pixel has its ray nothing is widened: a pixel is then a point, as with every method.
 const float kLeastAcross = 0.7, kLeastAlong = 0.7;
 
+#include "shaders/lib/frustum.glsl"
 #include "shaders/lib/line_bins_write.glsl"
 
 void main() {
@@ -47,7 +48,7 @@ void main() {
         if (radius > 0 && far > near) {
             // Where the box around it is seen, in tiles from node (0, 0).
             const vec2 lo = m.centre.xy - wide, hi = m.centre.xy + wide;
-            const vec2 origin = vec2(-eye.tan_x, -eye.tan_y) + (0.5 + (vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate)) * pixel;
+            const vec2 origin = pictureCorner() + (0.5 + (vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate)) * pixel;
             const vec2 first = (min(lo / near, lo / far) - origin) / tile - 1e-3, last = (max(hi / near, hi / far) - origin) / tile + 1e-3;
             const float sheet = grid.thickness * float(grid.sheet);
             reach[0] = span(first.x, last.x, grid.lines.x);

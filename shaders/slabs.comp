@@ -25,6 +25,7 @@ layout(push_constant, scalar) uniform Push {
 
 const uint kLanes = gl_WorkGroupSize.x;
 
+#include "shaders/lib/frustum.glsl"
 #include "shaders/lib/tile_members.glsl"
 
 void main() {
@@ -36,7 +37,7 @@ void main() {
     const uint lane = gl_LocalInvocationIndex;
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
     const uvec2 first = gl_WorkGroupID.xy * kSlabTile;
-    const vec2 corner = vec2(-eye.tan_x, -eye.tan_y) + ((vec2(first) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5) * pixel;
+    const vec2 corner = pictureCorner() + ((vec2(first) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5) * pixel;
     const float z = grid.depth + (float(sheet * kLanes + lane) + 0.5) * grid.thickness; // of the lane's slab
     const vec2 at = z * corner;
     const float spacing = z * pixel * float(grid.rate);

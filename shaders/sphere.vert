@@ -15,6 +15,8 @@ layout(location = 0) flat out vec4 centre_radius;
 layout(location = 1) flat out vec4 albedo_sigma;
 layout(location = 2) flat out float k;
 
+#include "shaders/lib/frustum.glsl"
+
 // Octagon of inradius 1 as a strip, and a rectangle in its place.
 const float kOut = 1.0, kIn = 0.414213562;
 const vec2 kOctagon[8] = vec2[](vec2(kOut, kIn), vec2(kOut, -kIn), vec2(kIn, kOut), vec2(kIn, -kOut), vec2(-kIn, kOut), vec2(-kIn, -kOut),
@@ -56,10 +58,10 @@ void main() {
         const vec3 axis = v * inversesqrt(d2);
         const vec3 side = normalize(abs(axis.x) < 0.7 ? vec3(0, axis.z, -axis.y) : vec3(-axis.z, 0, axis.x));
         const vec3 corner = middle + r * (kOctagon[gl_VertexIndex].x * side + kOctagon[gl_VertexIndex].y * cross(axis, side));
-        gl_Position = vec4(corner.x / (corner.z * eye.tan_x), -corner.y / (corner.z * eye.tan_y), 0, 1);
+        gl_Position = vec4(toDevice(vec2(corner.x, -corner.y) / corner.z), 0, 1);
     } else {
-        const vec2 x = slopes(v.x, v.z, radius) / eye.tan_x, y = slopes(-v.y, v.z, radius) / eye.tan_y;
-        const vec2 lo = max(vec2(x.x, y.x), -1.01), hi = min(vec2(x.y, y.y), 1.01);
+        const vec2 x = slopes(v.x, v.z, radius), y = slopes(-v.y, v.z, radius);
+        const vec2 lo = max(toDevice(vec2(x.x, y.x)), -1.01), hi = min(toDevice(vec2(x.y, y.y)), 1.01);
         gl_Position = vec4(mix(lo, hi, kRectangle[gl_VertexIndex]), 0, 1);
     }
 }

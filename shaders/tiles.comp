@@ -39,6 +39,7 @@ layout(constant_id = 11) const uint kPixels = 16; // of a lane
 
 #include "shaders/lib/splat_run.glsl"
 #include "shaders/lib/tiles.glsl"
+#include "shaders/lib/frustum.glsl"
 
 const uint kAny = 1, kCutNear = 2, kCutFar = 4, kLookedUp = 8; // what adding a splat to this tile takes
 
@@ -104,7 +105,7 @@ void main() {
         }
     }
     const PixelCone cone = pixelCone(corner, corner + kTile);
-    const float last_begin = eye.near_depth * length(vec3(eye.tan_x, eye.tan_y, 1));
+    const float last_begin = eye.near_depth * length(vec3(abs(pictureMiddle()) + pictureHalf(), 1));
 
     const uvec2 block = corner / push.grid.block;
     Candidates candidates = Candidates((arguments.instance_count + 31) / 32, 0, 0, 0, 0);

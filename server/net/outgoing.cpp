@@ -63,9 +63,17 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
         uint32_t lengths[wire::kMaxViews];
         for (uint32_t view = 0; view < request.views; ++view) lengths[view] = uint32_t(frame.jpeg[view]->size());
         const auto jpeg_bytes = b.CreateVector(lengths, request.views);
+        wire::Frustum drawn[wire::kMaxViews];
+        const wire::Frustum* frusta[wire::kMaxViews]{};
+        for (int view = 0; view < request.views; ++view) {
+            const Pose eye = eyePose(request.pose, view, request.views);
+            if (eye.frustum == Frustum{}) continue;
+            drawn[view] = toWire(frustumOf(eye, request.width, request.height));
+            frusta[view] = &drawn[view];
+        }
         return wire::CreateFrame(b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us, &position,
                                  &orientation, request.pose.fov_y, request.width, request.height, request.quality, &stages,
-                                 jpeg_bytes);
+                                 jpeg_bytes, frusta[0], frusta[1]);
     });
 }
 

@@ -137,6 +137,11 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
     if (!kEyeSeparation.holds(wanted.eye_separation))
         return refuse(wire::ErrorCode::out_of_range,
                       fmt::format("eye_separation must be {} ... {}", kEyeSeparation.lo, kEyeSeparation.hi), now, out);
+    if (pose.frustum()) wanted.frustum = toFrustum(*pose.frustum());
+    if (pose.right_frustum()) wanted.right_frustum = toFrustum(*pose.right_frustum());
+    if (!isUsable(wanted.frustum) || !isUsable(wanted.right_frustum))
+        return refuse(wire::ErrorCode::out_of_range,
+                      "a frustum has tangents in -50 ... 50, left + right and up + down at least 0.01", now, out);
     wanted.orientation = glm::normalize(wanted.orientation);
 
     if (pose.width() != 0 || pose.height() != 0) {

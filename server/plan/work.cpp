@@ -78,8 +78,9 @@ Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow) {
 }
 
 ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
-    : scene_(scene), width_(view.width), height_(view.height),
-      pixel_(2 * std::tan(0.5 * double(view.pose.fov_y)) / double(view.height)), weight_(weightOf(scene)) {
+    : scene_(scene), width_(view.width), height_(view.height), weight_(weightOf(scene)) {
+    const Frustum frustum = frustumOf(view.pose, view.width, view.height);
+    pixel_ = (double(frustum.up) + double(frustum.down)) / double(view.height);
     const glm::mat3 axes = glm::mat3_cast(view.pose.orientation);
     const auto inView = [&](glm::vec3 x) { // right, down, view depth
         const glm::vec3 d = x - view.pose.position;
@@ -94,15 +95,15 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
     }
     near_ = std::max(near_, kNear);
     far_ = std::max(far_, near_);
-    const glm::dvec2 middle(0.5 * view.width, 0.5 * view.height);
+    const glm::dvec2 axis = glm::dvec2(frustum.left, frustum.up) / pixel_; // where the view axis meets the picture
     for (const gpu::Particle& p : scene.sample) {
         const double radius = supportOf(scene, p);
         const glm::dvec3 c = inView(p.centre);
         const double near = std::max(c.z - radius, kNear), far = c.z + radius;
         if (radius <= 0 || far <= near) continue;
         const glm::dvec2 lo = glm::dvec2(c) - radius, hi = glm::dvec2(c) + radius;
-        const glm::dvec2 first = glm::min(lo / near, lo / far) / pixel_ + middle;
-        const glm::dvec2 last = glm::max(hi / near, hi / far) / pixel_ + middle;
+        const glm::dvec2 first = glm::min(lo / near, lo / far) / pixel_ + axis;
+        const glm::dvec2 last = glm::max(hi / near, hi / far) / pixel_ + axis;
         const Seen box{std::max(first.x, 0.0),
                        std::min(last.x, double(width_)),
                        std::max(first.y, 0.0),

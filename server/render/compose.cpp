@@ -16,7 +16,7 @@ Compose::Compose(const gpu::Device& device, const SceneFeatures& features)
 
 uint32_t Compose::stepOf(const EyeInputs& in, uint32_t rate, float deviation) const {
     if (features_.opaque || keep_) return 1;
-    const float pixel = 2 * std::tan(0.5f * in.pose.fov_y) / float(in.size.height); // rad
+    const float pixel = 2 * in.block->eye.tan_y / float(in.size.height); // rad
     const float lobe = in.lobe ? (1 - std::abs(in.asymmetry)) / pixel : std::numeric_limits<float>::infinity();
     return shadingStep(*in.settings, rate, deviation, lobe);
 }

@@ -133,10 +133,10 @@ void mergeCells(std::span<const gpu::Particle> ordered, float falloff, int expon
 
 int mergeLevel(const Pose& pose, uint32_t width, uint32_t height, const MediumExtent& extent, float merge) {
     const glm::vec3 outside = glm::max(glm::max(extent.lo - pose.position, pose.position - extent.hi), glm::vec3(0));
-    const float tan_y = std::tan(0.5f * pose.fov_y), tan_x = tan_y * float(width) / float(height);
+    const Frustum frustum = frustumOf(pose, width, height);
     // View depth is the distance times a cosine, in the picture's corner the least one.
-    const float depth = glm::length(outside) / std::sqrt(1 + tan_x * tan_x + tan_y * tan_y);
-    const float side = merge * depth * 2 * tan_y / float(height);
+    const float depth = glm::length(outside) / cornerLength(frustum);
+    const float side = merge * depth * (frustum.up + frustum.down) / float(height);
     return side >= kSmallestCell ? std::ilogb(side) : kNoLevel;
 }
 

@@ -27,14 +27,15 @@ gpu::Eye eyeBlock(const EyeRequest& request, const gpu::Tick& tick, const Render
     eye.right = axes[0];
     eye.up = axes[1];
     eye.back = axes[2];
-    eye.tan_y = std::tan(0.5f * request.pose.fov_y);
-    eye.tan_x = eye.tan_y * float(request.width) / float(request.height);
+    const Frustum frustum = frustumOf(request.pose, request.width, request.height);
+    eye.tan_x = 0.5f * (frustum.left + frustum.right);
+    eye.tan_y = 0.5f * (frustum.up + frustum.down);
     eye.exposure = settings.exposure;
     eye.size = {request.width, request.height};
     eye.filmic = settings.tone_map == "filmic";
     eye.ray_right = eye.right * (2 * eye.tan_x / float(request.width));
     eye.ray_down = eye.up * (-2 * eye.tan_y / float(request.height));
-    eye.ray = -eye.back - eye.tan_x * eye.right + eye.tan_y * eye.up;
+    eye.ray = -eye.back - frustum.left * eye.right + frustum.up * eye.up;
     const auto inVolume = [&](glm::vec3 x, float w) {
         const glm::vec4 h(x, w);
         return glm::vec3(glm::dot(tick.shadow_u, h), glm::dot(tick.shadow_v, h), glm::dot(tick.shadow_plane, h));
@@ -62,8 +63,7 @@ bool eyeInMedium(const gpu::Tick& tick, const EyeRequest& eye) {
     const glm::vec3 x = eye.pose.position;
     const glm::vec3 at(glm::dot(tick.light_x, x), glm::dot(tick.light_y, x), glm::dot(tick.to_light, x));
     const glm::vec3 outside = glm::max(glm::max(tick.shadow_lo - at, at - tick.shadow_hi), glm::vec3(0));
-    const float tan_y = std::tan(0.5f * eye.pose.fov_y), tan_x = tan_y * float(eye.width) / float(eye.height);
-    return glm::length(outside) < 2 * kNearDepth * std::sqrt(1 + tan_x * tan_x + tan_y * tan_y);
+    return glm::length(outside) < 2 * kNearDepth * cornerLength(frustumOf(eye.pose, eye.width, eye.height));
 }
 
 } // namespace

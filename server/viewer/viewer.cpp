@@ -15,7 +15,8 @@ bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
 
 bool samePictures(const PoseRequest& a, const PoseRequest& b) {
     return a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation && a.pose.fov_y == b.pose.fov_y &&
-           a.pose.eye_separation == b.pose.eye_separation && a.width == b.width && a.height == b.height && a.views == b.views &&
+           a.pose.eye_separation == b.pose.eye_separation && a.pose.frustum == b.pose.frustum &&
+           a.pose.right_frustum == b.pose.right_frustum && a.width == b.width && a.height == b.height && a.views == b.views &&
            a.quality == b.quality && a.fine == b.fine;
 }
 

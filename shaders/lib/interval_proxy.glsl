@@ -13,7 +13,12 @@ struct IntervalProxy {
 const vec3 kTetrahedron[4] = vec3[](vec3(0.57735026919), vec3(0.57735026919, -0.57735026919, -0.57735026919),
                                     vec3(-0.57735026919, 0.57735026919, -0.57735026919), vec3(-0.57735026919, -0.57735026919, 0.57735026919));
 
-vec3 toView(vec3 c) { return vec3(dot(eye.right, c) / eye.tan_x, -dot(eye.up, c) / eye.tan_y, -dot(eye.back, c)); } // clip x, y, w
+#include "shaders/lib/frustum.glsl"
+
+vec3 toView(vec3 c) { // clip x, y, w
+    const float depth = -dot(eye.back, c);
+    return vec3((vec2(dot(eye.right, c), -dot(eye.up, c)) - depth * pictureMiddle()) / pictureHalf(), depth);
+}
 
 float twiceArea(vec2 a, vec2 b, vec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 

@@ -55,7 +55,7 @@ struct Eye {
     vec3 position;
     float near_depth; // view depth in front of which nothing is drawn
     vec3 right;
-    float tan_x; // tangent of half the horizontal angle of view
+    float tan_x; // half the picture's width at unit view depth; where it lies: lib/frustum.glsl
     vec3 up;
     float tan_y;
     vec3 back;

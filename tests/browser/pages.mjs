@@ -18,15 +18,17 @@ export async function startBrowser() {
 
 // A page of its own context, as another person would have, closed with the test `t`. Errors in it and requests to elsewhere
 // fail the test when it leaves.
-export async function openPage(t, browser, url, options = {}) {
+// `script` runs in the page before its own.
+export async function openPage(t, browser, url, { script, ...options } = {}) {
   const context = await browser.newContext({ viewport: VIEWPORT, ...options });
   t.after(() => context.close());
   const page = await context.newPage();
+  if (script) await page.addInitScript(script);
   const errors = [];
   const elsewhere = [];
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('request', (request) => {
-    if (!request.url().startsWith(url) && !/^(data|blob):/.test(request.url())) elsewhere.push(request.url());
+    if (!request.url().startsWith(new URL(url).origin) && !/^(data|blob):/.test(request.url())) elsewhere.push(request.url());
   });
   await page.goto(url);
   const started = await page.evaluate(() => window.brume !== undefined); // a module runs before the page has loaded

@@ -303,3 +303,5 @@ test('a full server refuses politely, and lets in who waits when there is room',
   await second.leave();
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });
+
+await import('./eyes.mjs');

@@ -40,6 +40,8 @@ Json names(const flatbuffers::Vector<flatbuffers::Offset<flatbuffers::String>>* 
     return out;
 }
 
+Json frustum(const Frustum& f) { return {{"left", f.left()}, {"right", f.right()}, {"up", f.up()}, {"down", f.down()}}; }
+
 Json hex(std::span<const uint8_t> bytes) {
     std::string out;
     for (const uint8_t byte : bytes) {
@@ -47,6 +49,13 @@ Json hex(std::span<const uint8_t> bytes) {
         out += "0123456789abcdef"[byte & 15];
     }
     return out;
+}
+
+// Left out where there are none: examples that are released keep their words.
+template <class Table>
+void addFrusta(const Table& m, Json& out) {
+    if (m.frustum()) out["frustum"] = frustum(*m.frustum());
+    if (m.right_frustum()) out["right_frustum"] = frustum(*m.right_frustum());
 }
 
 Json of(const Hello& m) {
@@ -58,14 +67,16 @@ Json of(const Hello& m) {
 }
 
 Json of(const Pose& m) {
-    return Json::object({{"seq", m.seq()},
-                         {"client_time_us", number(m.client_time_us())},
-                         {"position", vec(m.position())},
-                         {"orientation", quat(m.orientation())},
-                         {"fov_y", m.fov_y()},
-                         {"eye_separation", m.eye_separation()},
-                         {"width", m.width()},
-                         {"height", m.height()}});
+    Json out = Json::object({{"seq", m.seq()},
+                             {"client_time_us", number(m.client_time_us())},
+                             {"position", vec(m.position())},
+                             {"orientation", quat(m.orientation())},
+                             {"fov_y", m.fov_y()},
+                             {"eye_separation", m.eye_separation()},
+                             {"width", m.width()},
+                             {"height", m.height()}});
+    addFrusta(m, out);
+    return out;
 }
 
 Json of(const Impulse& c) {
@@ -181,7 +192,7 @@ Json of(const Frame& m) {
     const Stages& s = *m.stages();
     Json lengths = Json::array();
     for (const uint32_t length : *m.jpeg_bytes()) lengths.push_back(length);
-    return {
+    Json out = {
         {"id", m.id()},
         {"tick", number(m.tick())},
         {"state_hash", number(m.state_hash())},
@@ -195,13 +206,17 @@ Json of(const Frame& m) {
         {"quality", m.quality()},
         {"stages", {{"wait", s.wait()}, {"render", s.render()}, {"encode", s.encode()}, {"queue", s.queue()}, {"gpu", s.gpu()}}},
         {"jpeg_bytes", std::move(lengths)}};
+    addFrusta(m, out);
+    return out;
 }
 
 Json of(const Error& m) {
     return Json::object({{"code", EnumNameErrorCode(m.code())}, {"text", text(m.text())}, {"input_seq", m.input_seq()}});
 }
 
-Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const uint8_t> jpeg) {
+const Frustum kLeft(1.25f, 0.75f, 1, 1.125f), kRight(0.75f, 1.25f, 1, 1.125f);
+
+Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const uint8_t> jpeg, bool frusta = false) {
     const Vec3 position(1.5f, -2.25f, 26);
     const Quat orientation(0, 0.6f, 0, 0.8f);
     const Stages stages(3.5f, 12.25f, 0.75f, 0.125f, 9.5f);
@@ -209,7 +224,8 @@ Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const u
         name,
         [&](Builder& b) {
             return CreateFrameDirect(b, 41, 123'456'789'012, 0xfedc'ba98'7654'3210, 4'294'967'295, 9'007'199'254'740'993,
-                                     &position, &orientation, 0.75f, 1280, 720, 85, &stages, &lengths);
+                                     &position, &orientation, 0.75f, 1280, 720, 85, &stages, &lengths, frusta ? &kLeft : nullptr,
+                                     frusta ? &kRight : nullptr);
         },
         jpeg);
 }
@@ -263,6 +279,9 @@ std::vector<Example> makeExamples() {
     }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));
+    all.push_back(example(
+        "pose_frusta", [&](Builder& b) { return CreatePose(b, 8, 9, &v, &turned, 0.75f, 0.0625f, 512, 544, &kLeft, &kRight); }));
+    all.push_back(frame("frame_frusta", {7, 6}, jpeg, true));
     all.push_back(
         example("error", [](Builder& b) { return CreateErrorDirect(b, ErrorCode::unknown_name, "no method \"tetra\"", 5); }));
     return all;

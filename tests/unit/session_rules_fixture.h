@@ -24,6 +24,7 @@ struct PoseFields {
     wire::Quat orientation{0, 0, 0, 1};
     float fov_y = 0.8f, eyes = 0;
     uint16_t width = 0, height = 0;
+    std::optional<wire::Frustum> frustum{}, right_frustum{};
 };
 
 class SessionRulesTest : public testing::Test {
@@ -59,7 +60,8 @@ protected:
     }
     Effects pose(const PoseFields& p) {
         return say([&](FlatBufferBuilder& b) {
-            return wire::CreatePose(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height);
+            return wire::CreatePose(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height,
+                                    p.frustum ? &*p.frustum : nullptr, p.right_frustum ? &*p.right_frustum : nullptr);
         });
     }
     template <class Build>

@@ -128,6 +128,31 @@ TEST_F(SessionRulesTest, PosesThatCannotBeAreOutOfRange) {
     };
     for (size_t i = 0; i < bad.size(); ++i) EXPECT_EQ(onlyError(pose(bad[i])), ErrorCode::out_of_range) << i;
     only<Show>(pose({}));
+    EXPECT_EQ(only<Show>(pose({.seq = 2, .eyes = 10})).request.pose.eye_separation, 10) << "giants";
+}
+
+TEST_F(SessionRulesTest, EyesHaveFrustaOfTheirOwn) {
+    watch();
+    const wire::Frustum left(1.2f, 0.9f, 1, 1.1f), right(0.9f, 1.2f, 1, 1.1f), aside(-0.5f, 1.5f, 1, -0.25f);
+    const Pose pose_shown = only<Show>(pose({.seq = 1, .frustum = left, .right_frustum = right})).request.pose;
+    EXPECT_EQ(pose_shown.frustum, (Frustum{1.2f, 0.9f, 1, 1.1f}));
+    EXPECT_EQ(pose_shown.right_frustum, (Frustum{0.9f, 1.2f, 1, 1.1f}));
+    EXPECT_EQ(only<Show>(pose({.seq = 2, .frustum = aside})).request.pose.frustum.left, -0.5f);
+    EXPECT_EQ(only<Show>(pose({.seq = 3})).request.pose.frustum, Frustum{}) << "not kept from another pose";
+}
+
+TEST_F(SessionRulesTest, FrustaThatCannotBeAreOutOfRange) {
+    watch();
+    const std::vector<wire::Frustum> bad{
+        {kNan, 1, 1, 1},  {1, kInf, 1, 1},    {1, 1, -kInf, 1}, {1, 1, 1, kNan},          {51, 1, 1, 1},
+        {1, 1, 1, -1e6f}, {1, -1, 1, 1},      {1, 1, -1, 1},    {-1, 0.5f, 1, 1},         {1, 1, 0, 0},
+        {0, 0, 1, 1},     {1, -0.995f, 1, 1}, {0, 0, 0, 1e-9f}, {3e38f, 3e38f, 3e38f, 0},
+    };
+    for (size_t i = 0; i < bad.size(); ++i) {
+        EXPECT_EQ(onlyError(pose({.frustum = bad[i]})), ErrorCode::out_of_range) << i;
+        EXPECT_EQ(onlyError(pose({.right_frustum = bad[i]})), ErrorCode::out_of_range) << i;
+    }
+    only<Show>(pose({.frustum = wire::Frustum(0, 0, 0, 0)})); // as if none were sent
 }
 
 TEST_F(SessionRulesTest, PosesOverTheRateWaitAndTheNewestIsShown) {

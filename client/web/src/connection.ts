@@ -1,16 +1,8 @@
 // One WebSocket to the server, kept alive: connects, says hello, listens, and comes back by itself when it breaks.
 import { Backoff } from './backoff';
-import {
-  SUBPROTOCOL,
-  decode,
-  encodeAck,
-  encodeGoodbye,
-  encodeHello,
-  encodeInput,
-  encodePing,
-  encodePong,
-  encodePose,
-} from './protocol';
+import { decode } from './decode';
+import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodePong, encodePose } from './encode';
+import { SUBPROTOCOL } from './protocol';
 import type { Command, HelloMessage, PoseMessage, ServerMessage, Welcome } from './protocol';
 
 export type Refusal = 'full' | 'version' | 'goodbye';

@@ -1,7 +1,7 @@
 // Where the time between a viewer's input and its picture goes, and rates over a sliding second. No page, no sockets.
 import type { Frame } from './protocol';
 
-export const STAGES = ['wait', 'render', 'encode', 'queue', 'network', 'decode', 'present'] as const;
+export const STAGES = ['input', 'wait', 'render', 'encode', 'queue', 'network', 'decode', 'present'] as const;
 export type Stage = (typeof STAGES)[number];
 export type Latency = Record<Stage, number> & { total: number }; // ms
 
@@ -13,14 +13,14 @@ export interface Presented {
 }
 
 // Input to present on the viewer's clock alone. The server reports durations, the viewer knows its own; the network, both
-// ways, is what remains. Frames carry the time at which the pose was sent.
-export function splitLatency(frame: Pick<Frame, 'clientTimeUs' | 'stages'>, at: Presented): Latency {
-  const total = at.presented - Number(frame.clientTimeUs) / 1000;
+// ways, is what remains. Frames carry the time at which the pose was sent; `input`: how long before that the camera was moved, ms.
+export function splitLatency(frame: Pick<Frame, 'clientTimeUs' | 'stages'>, at: Presented, input = 0): Latency {
+  const total = input + at.presented - Number(frame.clientTimeUs) / 1000;
   const { wait, render, encode, queue } = frame.stages;
   const decode = at.decoded - at.received;
   const present = at.presented - at.decoded;
-  const network = Math.max(0, total - wait - render - encode - queue - decode - present);
-  return { wait, render, encode, queue, network, decode, present, total };
+  const network = Math.max(0, total - input - wait - render - encode - queue - decode - present);
+  return { input, wait, render, encode, queue, network, decode, present, total };
 }
 
 // Exponential average of latencies, so that numbers can be read while they change.
@@ -44,6 +44,37 @@ export class LatencyAverage {
 
   reset(): void {
     this.value = undefined;
+  }
+}
+
+// The last latencies as they were: what an average hides.
+export class LatencyWindow {
+  private readonly samples: Latency[] = [];
+  private next = 0;
+
+  constructor(private readonly most = 600) {}
+
+  add(sample: Latency): void {
+    this.samples[this.next] = { ...sample };
+    this.next = (this.next + 1) % this.most;
+  }
+
+  get count(): number {
+    return this.samples.length;
+  }
+
+  // The least value that `percent` % of the samples do not exceed (nearest rank), each stage on its own; undefined without samples.
+  percentile(percent: number): Latency | undefined {
+    const count = this.samples.length;
+    if (count === 0) return undefined;
+    const rank = Math.min(count, Math.max(1, Math.ceil((percent / 100) * count))) - 1;
+    const of = (key: Stage | 'total'): number =>
+      this.samples.map((sample) => sample[key]).sort((a, b) => a - b)[rank] ?? 0;
+    return Object.fromEntries([...STAGES, 'total' as const].map((key) => [key, of(key)])) as Latency;
+  }
+
+  reset(): void {
+    this.samples.length = this.next = 0;
   }
 }
 

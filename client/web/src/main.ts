@@ -1,33 +1,37 @@
 // The page: puts camera, connection, picture, panel and overlay together.
-import { fitAspect, lookAt, orientation, same } from './camera';
+import { fitAspect, lookAt, same } from './camera';
 import type { Camera } from './camera';
 import { Connection } from './connection';
 import type { LinkState } from './connection';
 import { Controls, isField } from './controls';
 import type { ControlsHost, Mode } from './controls';
 import { find, setPressed, setText } from './dom';
-import { LatencyAverage, Rate, splitLatency } from './latency';
-import type { Latency, Presented } from './latency';
+import { Headset, headsetSupported } from './headset';
+import type { Presented } from './latency';
 import { Notices, sentence } from './notices';
 import { Overlay } from './overlay';
 import { buildPanel } from './panel';
 import { Picture } from './picture';
 import type { Command, Frame, SceneState, ServerMessage, Welcome } from './protocol';
 import { Pusher } from './pusher';
-import { loadSettings, saveSettings } from './settings';
-import { SIZE_CAPS, defaultCap, requestedSize } from './size';
+import { followAddress, loadSettings, saveSettings } from './settings';
+import { Predictor } from './predict';
+import { publishReport } from './report';
+import { SIZE_CAPS, defaultCap } from './size';
 import type { Size } from './size';
+import { Statistics } from './statistics';
+import { Viewing } from './viewing';
 
 // A still camera sends its pose again this often, so that the latency shown stays true.
 const POSE_REFRESH_MS = 500;
 const OVERLAY_MS = 250;
 const RESIZE_SETTLE_MS = 150;
-const RECENT_TICKS = 240;
 const ERROR_FULL = 5; // shown as a state, not as a note
 const CLIENT = 'brume-web 0.1.0';
 
 const canvas = find<HTMLCanvasElement>('view');
 const settings = loadSettings();
+followAddress(settings, location.search);
 
 let welcome: Welcome | undefined;
 let scene: SceneState | undefined;
@@ -36,30 +40,30 @@ let home = camera;
 let mode: Mode = 'orbit';
 let pushing = false;
 let linkState: LinkState['name'] = 'connecting';
-let size: Size = wantedSize();
+let movedAt: number | undefined; // ms, of the first input since the last pose that was sent
 let sent: { camera: Camera; size: Size; at: number } | undefined;
-
-let frames = 0;
-let lastFrame: Frame | undefined;
-let lastLatency: Latency | undefined;
-let answeredPose = 0;
-let roundTripMs: number | undefined;
-const recent: { tick: number; hash: string }[] = [];
-const shownRate = new Rate(2000);
-const byteRate = new Rate();
-const latency = new LatencyAverage();
+let headset: Headset | undefined;
+const statistics = new Statistics();
+const predictor = new Predictor();
 
 function chosenCap(): number {
   return settings.cap ?? defaultCap(welcome?.device ?? '');
 }
 
-function wantedSize(): Size {
-  const cap = SIZE_CAPS[chosenCap()] ?? { width: 960, height: 540 };
-  return requestedSize(canvas.clientWidth, canvas.clientHeight, window.devicePixelRatio, cap);
-}
-
 const aspect = (): number => canvas.clientWidth / Math.max(1, canvas.clientHeight);
-const hash = (value: bigint): string => value.toString(16).padStart(16, '0');
+const place = {
+  get camera() {
+    return camera;
+  },
+  get fovY() {
+    return welcome?.camera.fovY ?? 0.8;
+  },
+  get cap() {
+    return SIZE_CAPS[chosenCap()] ?? { width: 960, height: 540 };
+  },
+};
+const viewing = new Viewing(canvas, find<HTMLCanvasElement>('warped'), place);
+let size: Size = viewing.size();
 
 // ---- connection ----
 
@@ -70,14 +74,15 @@ const address = new URL('ws', location.href);
 address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
 address.search = address.hash = '';
 const link = new Connection(address.href, {
-  hello: () => ({ client: CLIENT, ...size, quality: settings.quality }),
+  hello: () => ({ client: CLIENT, ...size, views: headset ? 2 : viewing.views, quality: settings.quality }),
   state: (state) => {
     linkState = state.name;
+    if (state.name !== 'connected') headset?.end('The connection was lost: the headset’s session has ended.');
     if (state.name === 'connected') enter(state.welcome);
     notices.link(state);
   },
   message: receive,
-  roundTrip: (ms) => (roundTripMs = roundTripMs === undefined ? ms : roundTripMs + (ms - roundTripMs) * 0.3),
+  roundTrip: (ms) => statistics.roundTrip(ms),
 });
 
 function enter(greeting: Welcome): void {
@@ -88,17 +93,17 @@ function enter(greeting: Welcome): void {
   }
   welcome = greeting;
   sent = undefined;
-  answeredPose = 0;
-  roundTripMs = undefined;
-  latency.reset();
+  statistics.reset();
+  predictor.reset();
   picture.clear();
+  viewing.clear();
   panel.welcome(greeting, chosenCap());
-  size = wantedSize();
+  size = viewing.size();
   setText(find('brand-scene'), greeting.scene);
 }
 
 function receive(message: ServerMessage, bytes: number): void {
-  byteRate.add(performance.now(), bytes);
+  statistics.byteRate.add(performance.now(), bytes);
   switch (message.kind) {
     case 'frame':
       picture.show(message);
@@ -120,7 +125,7 @@ const command = (order: Command): void => {
 
 // ---- picture ----
 
-const picture = new Picture(canvas, {
+const picture = new Picture(viewing, {
   presented: (frame, at) => {
     link.acknowledge(frame.id);
     present(frame, at);
@@ -133,18 +138,8 @@ const picture = new Picture(canvas, {
 });
 
 function present(frame: Frame, at: Presented): void {
-  frames += 1;
-  lastFrame = frame;
-  shownRate.add(at.presented);
-  recent.push({ tick: Number(frame.tick), hash: hash(frame.stateHash) });
-  if (recent.length > RECENT_TICKS) recent.shift();
-  // Only the first frame that shows a pose tells how long that pose took.
-  if (frame.poseSeq > answeredPose) {
-    answeredPose = frame.poseSeq;
-    lastLatency = splitLatency(frame, at);
-    latency.add(lastLatency);
-    overlay.sample(lastLatency);
-  }
+  const latency = statistics.presented(frame, at);
+  if (latency) overlay.sample(latency);
   notices.picture();
 }
 
@@ -157,6 +152,7 @@ const host: ControlsHost = {
   },
   set camera(value) {
     camera = value;
+    movedAt ??= performance.now();
   },
   get mode() {
     return mode;
@@ -165,7 +161,7 @@ const host: ControlsHost = {
     mode = value;
   },
   get fovY() {
-    return welcome?.camera.fovY ?? 0.8;
+    return place.fovY;
   },
   get pushing() {
     return pushing;
@@ -224,12 +220,52 @@ const toggles = {
   },
 };
 
+// How many eyes look is part of the hello.
+function look(change: Partial<Pick<typeof settings, 'eyes' | 'reprojection'>>): void {
+  const { eyes, reprojection } = { ...settings, ...change };
+  const views = viewing.views;
+  if (!viewing.choose(eyes, reprojection))
+    return notices.note('This browser has no WebGL 2, which that needs.', 'error');
+  Object.assign(settings, change);
+  saveSettings(settings);
+  size = viewing.size();
+  if (viewing.views !== views && link.connected) link.reopen();
+}
+
+async function toggleHeadset(): Promise<void> {
+  if (headset) return headset.end();
+  try {
+    headset = await Headset.start(place, {
+      ask: (wish) => {
+        if (link.connected && link.sendPose(wish)) statistics.sent(link.lastPose, 0);
+      },
+      beforeFrame: () => picture.draw(),
+      ended: leaveHeadset,
+    });
+  } catch (error) {
+    notices.note(sentence(error instanceof Error ? error.message : String(error)), 'error');
+    return;
+  }
+  setPressed(find('tool-vr'), true);
+  picture.drawOn(headset);
+  if (link.connected) link.reopen();
+}
+
+function leaveHeadset(why: string): void {
+  headset = undefined;
+  setPressed(find('tool-vr'), false);
+  picture.drawOn(viewing);
+  notices.note(why);
+  if (link.connected) link.reopen();
+}
+
 const actions: Record<string, () => void> = {
   orbit: () => setMode('orbit'),
   fly: () => setMode('fly'),
   push: () => setPushing(!pushing),
   pause: () => command({ kind: 'simulation', paused: !(scene?.paused ?? false) }),
   reset: () => (camera = home),
+  vr: () => void toggleHeadset(),
   stats: () => toggles.stats(!settings.stats),
   panel: () => toggles.panel(!settings.panel),
 };
@@ -260,27 +296,34 @@ const panel = buildPanel(
     setCap: (index) => {
       settings.cap = index;
       saveSettings(settings);
-      size = wantedSize();
+      size = viewing.size();
     },
     setQuality: (quality) => {
       settings.quality = quality;
       saveSettings(settings);
       link.reopen(); // the quality is part of the hello
     },
+    setEyes: (eyes) => look({ eyes: eyes === 'side' ? 'side' : 'one' }),
+    setReprojection: (way) => look({ reprojection: way === 'rotation' || way === 'plane' ? way : 'off' }),
+    setPredict: (predict) => {
+      settings.predict = predict;
+      saveSettings(settings);
+    },
     close: () => toggles.panel(false),
   },
-  settings.quality,
+  settings,
 );
 const overlay = new Overlay(find('overlay'));
 
 function refreshOverlay(): void {
   const now = performance.now();
   overlay.update({
-    fps: shownRate.perSecond(now),
-    bytesPerSecond: byteRate.perSecond(now),
-    roundTripMs,
-    latency: latency.get(),
-    frame: lastFrame,
+    fps: statistics.shownRate.perSecond(now),
+    bytesPerSecond: statistics.byteRate.perSecond(now),
+    roundTripMs: statistics.roundTripMs,
+    latency: statistics.average.get(),
+    percentiles: settings.stats ? statistics.percentiles() : undefined,
+    frame: statistics.lastFrame,
     scene,
     welcome,
   });
@@ -291,77 +334,53 @@ function refreshOverlay(): void {
 let before = performance.now();
 function animate(now: number): void {
   requestAnimationFrame(animate);
+  if (headset) return; // its own display's frames do all of this
+  picture.draw();
   controls.update(now, Math.min(0.1, Math.max(0, (now - before) / 1000)));
   before = now;
+  viewing.draw();
+  predictor.add(now, camera);
   const due = !sent || !same(sent.camera, camera) || sent.size !== size || now - sent.at > POSE_REFRESH_MS;
-  if (due && link.connected) {
-    const { position } = camera;
-    if (link.sendPose({ position, orientation: orientation(camera), fovY: host.fovY, ...size })) {
-      sent = { camera, size, at: now };
-    }
-  }
+  if (due && link.connected) ask(now);
+}
+
+function ask(now: number): void {
+  const lead = settings.predict ? (statistics.average.get()?.total ?? 0) : 0;
+  const foreseen = (lead > 0 && predictor.predict(lead)) || camera;
+  if (!link.sendPose(viewing.wish(foreseen, size))) return;
+  statistics.sent(link.lastPose, movedAt === undefined ? 0 : performance.now() - movedAt);
+  movedAt = undefined;
+  sent = { camera, size, at: now };
 }
 
 // A hidden page presents nothing: what it was shown of poses from before says nothing about the way here.
-document.addEventListener('visibilitychange', () => (answeredPose = link.lastPose));
+document.addEventListener('visibilitychange', () => (statistics.answeredPose = link.lastPose));
 
 let settle: number | undefined;
 new ResizeObserver(() => {
   window.clearTimeout(settle);
   settle = window.setTimeout(() => {
-    const next = wantedSize();
+    const next = viewing.size();
     if (next.width !== size.width || next.height !== size.height) size = next;
   }, RESIZE_SETTLE_MS);
 }).observe(canvas);
 
 setMode('orbit');
+look({});
+void headsetSupported().then((supported) => (find('tool-vr').hidden = !supported));
 toggles.stats(settings.stats);
 toggles.panel(settings.panel);
 window.setInterval(refreshOverlay, OVERLAY_MS);
 requestAnimationFrame(animate);
 link.start();
 
-// ---- for tests and the curious: read-only ----
-
-const report = Object.freeze({
-  get state() {
-    return linkState;
-  },
-  get viewer() {
-    return welcome?.viewer;
-  },
-  get tick() {
-    return lastFrame && Number(lastFrame.tick);
-  },
-  get stateHash() {
-    return lastFrame && hash(lastFrame.stateHash);
-  },
-  get frames() {
-    return frames;
-  },
-  get sentPose() {
-    return sent && same(sent.camera, camera) ? link.lastPose : undefined; // undefined while a newer one is due
-  },
-  get recent() {
-    return recent.map((entry) => ({ ...entry }));
-  },
-  get camera() {
-    return { ...camera };
-  },
-  get scene() {
-    return scene && { ...scene, tick: Number(scene.tick), stateHash: hash(scene.stateHash) };
-  },
-  get lastFrame() {
-    if (!lastFrame) return undefined;
-    const { id, tick, stateHash, poseSeq, width, height, quality, stages, jpeg } = lastFrame;
-    const bytes = jpeg.reduce((sum, view) => sum + view.length, 0);
-    const shown = { id, tick: Number(tick), stateHash: hash(stateHash), poseSeq, width, height, quality, bytes };
-    return { ...shown, stages: { ...stages }, latency: lastLatency && { ...lastLatency } };
-  },
+publishReport({
+  statistics,
+  viewing,
+  state: () => linkState,
+  viewer: () => welcome?.viewer,
+  sentPose: () => (sent && same(sent.camera, camera) ? link.lastPose : undefined), // undefined while a newer one is due
+  camera: () => camera,
+  scene: () => scene,
+  headset: () => headset,
 });
-declare global {
-  interface Window {
-    readonly brume: typeof report;
-  }
-}
-Object.defineProperty(window, 'brume', { value: report });

@@ -2,6 +2,8 @@
 import { el, setText } from './dom';
 import { STAGES } from './latency';
 import type { Latency, Stage } from './latency';
+import { PERCENTILES } from './statistics';
+import type { Percentiles } from './statistics';
 import type { Frame, SceneState, Welcome } from './protocol';
 
 export interface OverlayData {
@@ -9,12 +11,14 @@ export interface OverlayData {
   bytesPerSecond: number;
   roundTripMs: number | undefined;
   latency: Readonly<Latency> | undefined;
+  percentiles: Percentiles | undefined;
   frame: Frame | undefined;
   scene: SceneState | undefined;
   welcome: Welcome | undefined;
 }
 
 const STAGE_HINTS: Record<Stage, string> = {
+  input: 'The page had the input and waited for its next animation frame',
   wait: 'The server had the pose and waited for its next tick',
   render: 'The device drew the picture',
   encode: 'JPEG',
@@ -60,7 +64,17 @@ export class Overlay {
     }
     legend.append(el('div', { title: 'The device’s own time, part of render' }, el('dt', {}, 'gpu alone'), this.gpu));
     const facts = el('dl', { class: 'facts' });
-    for (const name of ['tick', 'viewers', 'particles', 'method', 'picture', 'stream', 'round trip', 'device']) {
+    for (const name of [
+      'p50 · p95 · p99',
+      'tick',
+      'viewers',
+      'particles',
+      'method',
+      'picture',
+      'stream',
+      'round trip',
+      'device',
+    ]) {
       const value = el('dd');
       facts.append(el('div', {}, el('dt', {}, name), value));
       this.facts.set(name, value);
@@ -91,11 +105,16 @@ export class Overlay {
     if (this.root.hidden) return;
     setText(this.fps, data.fps.toFixed(data.fps < 9.5 ? 1 : 0));
     setText(this.total, data.latency ? data.latency.total.toFixed(0) : '–');
+    const { percentiles } = data;
+    const spread = (key: Stage | 'total'): string | undefined =>
+      percentiles && PERCENTILES.map((percent) => ms(percentiles[percent][key])).join(' · ');
     for (const [stage, { part, value }] of this.stages) {
       const amount = data.latency?.[stage];
-      setText(value, amount === undefined ? '–' : ms(amount));
+      setText(value, spread(stage) ?? '–');
       part.style.flexGrow = String(amount ?? 0);
     }
+    const total = spread('total');
+    this.fact('p50 · p95 · p99', total && `${total} ms`);
     const { scene, frame, welcome } = data;
     setText(this.gpu, frame ? ms(frame.stages.gpu) : '–');
     this.fact('tick', scene && (frame ?? scene).tick.toLocaleString('en'));

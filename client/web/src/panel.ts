@@ -6,6 +6,7 @@ import { el, setText } from './dom';
 import { button, colour, group, select, slider } from './fields';
 import { planText } from './plan';
 import type { Command, SceneState, Vec3, Welcome } from './protocol';
+import type { Settings } from './settings';
 import { SIZE_CAPS } from './size';
 
 export interface PanelHost {
@@ -13,6 +14,9 @@ export interface PanelHost {
   camera(): Camera;
   setCap(index: number): void;
   setQuality(quality: number): void;
+  setEyes(eyes: string): void;
+  setReprojection(way: string): void;
+  setPredict(on: boolean): void;
   close(): void;
 }
 
@@ -58,7 +62,7 @@ const KEYS = [
 const keyList = (): HTMLElement =>
   el('dl', { class: 'keys' }, ...KEYS.map(([key, does]) => el('div', {}, el('dt', {}, key), el('dd', {}, does))));
 
-export function buildPanel(root: HTMLElement, host: PanelHost, chosenQuality: number): Panel {
+export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings): Panel {
   // What the last report said: half of a light is changed by sending the other half as it was.
   let toLight: Vec3 = [0, 1, 0];
   let tint: Vec3 = [1, 1, 1];
@@ -213,7 +217,26 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosenQuality: nu
   );
   const quality = select('Quality', (value) => host.setQuality(Number(value)));
   quality.options(QUALITIES.map((q) => ({ value: String(q), text: q === 0 ? 'Server’s choice' : String(q) })));
-  quality.follow(String(chosenQuality));
+  quality.follow(String(chosen.quality));
+  const eyes = select('Eyes', (value) => host.setEyes(value));
+  eyes.options([
+    { value: 'one', text: 'One' },
+    { value: 'side', text: 'Two, side by side' },
+  ]);
+  eyes.follow(chosen.eyes);
+  const reprojection = select('Reprojection', (value) => host.setReprojection(value));
+  reprojection.options([
+    { value: 'off', text: 'Off' },
+    { value: 'rotation', text: 'Turns, what is far stays' },
+    { value: 'plane', text: 'Turns and moves, the middle stays' },
+  ]);
+  reprojection.follow(chosen.reprojection);
+  const predict = select('Prediction', (value) => host.setPredict(value === 'on'));
+  predict.options([
+    { value: 'off', text: 'Off' },
+    { value: 'on', text: 'Asks for where you will be' },
+  ]);
+  predict.follow(chosen.predict ? 'on' : 'off');
 
   const close = button('×', 'Close (O)', () => host.close());
   close.className = 'close';
@@ -224,7 +247,15 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosenQuality: nu
     group('Medium', true, extinction.element, falloff.element, albedo.element, anisotropy.element, asymmetry.element),
     group('Method', true, method.element, plan, quadrature.element, steps.element, exposure.element),
     group('Cloud', true, el('div', { class: 'actions' }, pause, restart), nudges),
-    group('Picture, yours alone', true, size.element, quality.element),
+    group(
+      'Picture, yours alone',
+      true,
+      size.element,
+      quality.element,
+      eyes.element,
+      reprojection.element,
+      predict.element,
+    ),
     group('Keys', false, keyList()),
   );
 

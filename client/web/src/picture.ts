@@ -1,11 +1,16 @@
-// From JPEG bytes to the canvas. The newest frame wins: at most one is being decoded and one waits, an older one is dropped.
-import type { Frame } from './protocol';
+// From JPEG bytes to a surface. The newest frame wins: at most one is being decoded and one waits, an older one is dropped.
 import type { Presented } from './latency';
+import type { Frame } from './protocol';
 
 export interface PictureEvents {
   presented(frame: Frame, at: Presented): void;
   dropped(frame: Frame): void;
   failed(frame: Frame): void;
+}
+
+// What pictures are drawn on; takes the bitmaps over, one of each eye.
+export interface Surface {
+  show(bitmaps: ImageBitmap[], frame: Frame): void;
 }
 
 interface Arrived {
@@ -15,24 +20,24 @@ interface Arrived {
 }
 
 interface Decoded extends Arrived {
-  bitmap: ImageBitmap;
+  bitmaps: ImageBitmap[];
   decoded: number;
 }
 
 export class Picture {
   private waiting: Arrived | undefined;
   private ready: Decoded | undefined;
+  private drawn: Decoded | undefined;
   private decoding = false;
   private generation = 0;
-  private readonly context: ImageBitmapRenderingContext;
 
   constructor(
-    canvas: HTMLCanvasElement,
+    private surface: Surface,
     private readonly events: PictureEvents,
-  ) {
-    const context = canvas.getContext('bitmaprenderer', { alpha: false });
-    if (!context) throw new Error('This browser cannot draw pictures on a canvas.');
-    this.context = context;
+  ) {}
+
+  drawOn(surface: Surface): void {
+    this.surface = surface;
   }
 
   show(frame: Frame): void {
@@ -44,9 +49,23 @@ export class Picture {
   // For a new connection: forgets what has not been drawn and tells no more about what has, since frames are numbered anew.
   clear(): void {
     this.generation += 1;
-    this.waiting = undefined;
-    this.ready?.bitmap.close();
+    this.waiting = this.drawn = undefined;
+    close(this.ready);
     this.ready = undefined;
+  }
+
+  // Once per frame of the display, before anything else draws: the browser has taken then what the frame before has drawn, and
+  // only that was presented.
+  draw(): void {
+    const { drawn, ready } = this;
+    this.drawn = this.ready = undefined;
+    if (drawn) {
+      const { frame, received, decoded } = drawn;
+      this.events.presented(frame, { received, decoded, presented: performance.now() });
+    }
+    if (!ready) return;
+    this.surface.show(ready.bitmaps, ready.frame);
+    this.drawn = ready;
   }
 
   private async decode(): Promise<void> {
@@ -55,13 +74,8 @@ export class Picture {
       const arrived: Arrived = this.waiting;
       this.waiting = undefined;
       try {
-        const bytes = arrived.frame.jpeg[0] ?? new Uint8Array();
-        // The server tone-maps to sRGB: nothing is left to convert or to premultiply.
-        const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/jpeg' }), {
-          colorSpaceConversion: 'none',
-          premultiplyAlpha: 'none',
-        });
-        this.keep({ ...arrived, bitmap, decoded: performance.now() });
+        const bitmaps = await Promise.all(arrived.frame.jpeg.map(toBitmap));
+        this.keep({ ...arrived, bitmaps, decoded: performance.now() });
       } catch (error) {
         console.error(`brume: frame ${arrived.frame.id} is not a picture:`, error);
         if (arrived.generation === this.generation) this.events.failed(arrived.frame);
@@ -72,32 +86,38 @@ export class Picture {
 
   private keep(decoded: Decoded): void {
     if (decoded.generation !== this.generation) {
-      decoded.bitmap.close();
+      close(decoded);
       return;
     }
     if (this.ready) {
-      this.ready.bitmap.close();
+      close(this.ready);
       this.events.dropped(this.ready.frame);
-    } else {
-      requestAnimationFrame(() => this.draw());
     }
     this.ready = decoded;
   }
+}
 
-  private draw(): void {
-    const drawn = this.ready;
-    if (!drawn) return;
-    this.ready = undefined;
-    // The bitmap does not change the canvas's own size, which is what its layout goes by.
-    const { canvas } = this.context;
-    const { width, height } = drawn.bitmap;
-    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-    this.context.transferFromImageBitmap(drawn.bitmap);
-    // The next callback runs once the browser has taken this one's drawing: only then was the frame presented.
-    requestAnimationFrame(() => {
-      if (drawn.generation !== this.generation) return;
-      const { frame, received, decoded } = drawn;
-      this.events.presented(frame, { received, decoded, presented: performance.now() });
-    });
-  }
+// The server tone-maps to sRGB: nothing is left to convert or to premultiply.
+const toBitmap = (bytes: Uint8Array<ArrayBuffer>): Promise<ImageBitmap> =>
+  createImageBitmap(new Blob([bytes], { type: 'image/jpeg' }), {
+    colorSpaceConversion: 'none',
+    premultiplyAlpha: 'none',
+  });
+
+const close = (decoded: Decoded | undefined): void => decoded?.bitmaps.forEach((bitmap) => bitmap.close());
+
+// A canvas that shows one eye's picture as it came.
+export function flatSurface(canvas: HTMLCanvasElement): Surface {
+  const context = canvas.getContext('bitmaprenderer', { alpha: false });
+  if (!context) throw new Error('This browser cannot draw pictures on a canvas.');
+  return {
+    show: ([bitmap, ...rest]) => {
+      for (const other of rest) other.close();
+      if (!bitmap) return;
+      // The bitmap does not change the canvas's own size, which is what its layout goes by.
+      const { width, height } = bitmap;
+      if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+      context.transferFromImageBitmap(bitmap);
+    },
+  };
 }

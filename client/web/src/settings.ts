@@ -1,27 +1,48 @@
 // What the viewer chose for this browser: kept between visits, and never needed.
 import { SIZE_CAPS } from './size';
+import type { Eyes, Reprojection } from './viewing';
 
 export interface Settings {
   cap: number | undefined; // index of SIZE_CAPS; undefined: by the server's device
   quality: number; // JPEG, 0 = the server's
   stats: boolean;
   panel: boolean;
+  eyes: Eyes;
+  reprojection: Reprojection;
+  predict: boolean; // poses are asked for ahead of their time
 }
+
+const EYES: readonly Eyes[] = ['one', 'side'];
+const REPROJECTIONS: readonly Reprojection[] = ['off', 'rotation', 'plane'];
 
 const KEY = 'brume';
 
 export function loadSettings(): Settings {
-  const settings: Settings = { cap: undefined, quality: 0, stats: false, panel: false };
+  const settings: Settings = {
+    ...{ cap: undefined, quality: 0, stats: false, panel: false },
+    ...{ eyes: 'one', reprojection: 'off', predict: false },
+  };
   try {
     const stored = JSON.parse(localStorage.getItem(KEY) ?? '{}') as Partial<Record<keyof Settings, unknown>>;
     if (typeof stored.cap === 'number' && SIZE_CAPS[stored.cap]) settings.cap = stored.cap;
     if (Number.isInteger(stored.quality)) settings.quality = Math.min(100, Math.max(0, stored.quality as number));
     if (typeof stored.stats === 'boolean') settings.stats = stored.stats;
     if (typeof stored.panel === 'boolean') settings.panel = stored.panel;
+    if (typeof stored.predict === 'boolean') settings.predict = stored.predict;
+    settings.eyes = EYES.find((eyes) => eyes === stored.eyes) ?? settings.eyes;
+    settings.reprojection = REPROJECTIONS.find((way) => way === stored.reprojection) ?? settings.reprojection;
   } catch {
     // No storage, or not ours: the defaults will do.
   }
   return settings;
+}
+
+// What the page's address asks for goes before what is stored: ?eyes=side&reproject=plane&predict=1.
+export function followAddress(settings: Settings, address: string): void {
+  const asked = new URLSearchParams(address);
+  settings.eyes = EYES.find((eyes) => eyes === asked.get('eyes')) ?? settings.eyes;
+  settings.reprojection = REPROJECTIONS.find((way) => way === asked.get('reproject')) ?? settings.reprojection;
+  if (asked.has('predict')) settings.predict = asked.get('predict') === '1';
 }
 
 export function saveSettings(settings: Settings): void {

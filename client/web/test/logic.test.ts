@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { Backoff } from '../src/backoff';
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex, toLinear, toSrgb } from '../src/colour';
-import { LatencyAverage, Rate, STAGES, splitLatency } from '../src/latency';
+import { LatencyAverage, LatencyWindow, Rate, STAGES, splitLatency } from '../src/latency';
 import { planText } from '../src/plan';
 import type { Command, Vec3 } from '../src/protocol';
 import { Pusher } from '../src/pusher';
@@ -54,10 +54,32 @@ describe('latency', () => {
   test('its stages add up to input to present', () => {
     const split = splitLatency(frame, { received: 1030, decoded: 1033, presented: 1050 });
     expect(split).toEqual({
-      ...{ wait: 4, render: 10, encode: 1, queue: 0.5, decode: 3, present: 17 },
+      ...{ input: 0, wait: 4, render: 10, encode: 1, queue: 0.5, decode: 3, present: 17 },
       ...{ network: 14.5, total: 50 },
     });
     expect(STAGES.reduce((sum, stage) => sum + split[stage], 0)).toBeCloseTo(split.total, 9);
+  });
+
+  test('begins with the input', () => {
+    const split = splitLatency(frame, { received: 1030, decoded: 1033, presented: 1050 }, 7);
+    expect(split).toMatchObject({ input: 7, network: 14.5, total: 57 });
+  });
+
+  test('its percentiles are samples, of the newest only', () => {
+    const window = new LatencyWindow(100);
+    expect(window.percentile(50)).toBeUndefined();
+    const sample = (total: number) => ({
+      ...{ input: 0, wait: 0, render: 200 - total, encode: 0, queue: 0, network: 0 },
+      ...{ decode: 0, present: 0, total },
+    });
+    for (let i = 0; i < 50; ++i) window.add(sample(1000)); // forgotten again
+    for (let i = 100; i >= 1; --i) window.add(sample(i));
+    expect(window.count).toBe(100);
+    expect([50, 95, 99, 100].map((percent) => window.percentile(percent)?.total)).toEqual([50, 95, 99, 100]);
+    expect(window.percentile(99)?.render).toBe(198); // each stage on its own
+    window.reset();
+    window.add(sample(3));
+    expect([50, 99].map((percent) => window.percentile(percent)?.total)).toEqual([3, 3]);
   });
 
   test('the network takes no less than nothing', () => {

@@ -1,18 +1,10 @@
 import { ByteBuffer } from 'flatbuffers';
 import { readFileSync } from 'node:fs';
 import { describe, expect, test } from 'vitest';
-import {
-  ProtocolError,
-  decode,
-  encodeAck,
-  encodeGoodbye,
-  encodeHello,
-  encodeInput,
-  encodePing,
-  encodePong,
-  encodePose,
-} from '../src/protocol';
-import type { Command, Quat, Vec3 } from '../src/protocol';
+import { decode } from '../src/decode';
+import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodePong, encodePose } from '../src/encode';
+import { ProtocolError } from '../src/protocol';
+import type { Command, Frustum, Quat, Vec3 } from '../src/protocol';
 import { Ack } from '../src/wire/brume/wire/ack';
 import { Body } from '../src/wire/brume/wire/body';
 import { Command as CommandType } from '../src/wire/brume/wire/command';
@@ -168,7 +160,7 @@ describe('decode', () => {
     expect(scene.method).toBe('auto');
   });
 
-  test.each(['frame', 'frame_stereo'])('%s, with the bytes of each view', (name) => {
+  test.each(['frame', 'frame_stereo', 'frame_frusta'])('%s, with the bytes of each view', (name) => {
     const b = body(name);
     const frame = decode(bytesOf(name));
     if (frame.kind !== 'frame') throw new Error('not a frame');
@@ -179,7 +171,8 @@ describe('decode', () => {
       stateHash: BigInt(b['state_hash'] as string),
       clientTimeUs: BigInt(b['client_time_us'] as string),
       ...present(b, { id: 'id', poseSeq: 'pose_seq', width: 'width', height: 'height', quality: 'quality' }),
-      ...present(b, { stages: 'stages' }),
+      ...present(b, { stages: 'stages', position: 'position', orientation: 'orientation', fovY: 'fov_y' }),
+      frusta: [b['frustum'], b['right_frustum']].filter((frustum) => frustum !== undefined),
     });
     expect(jpeg.map((view) => Buffer.from(view).toString('hex'))).toEqual(examples[name]?.jpeg);
   });
@@ -243,13 +236,16 @@ describe('encode', () => {
       height: number;
       quality: number;
     };
-    const bytes = encodeHello({ client, width, height, quality });
-    const wish = { client, width, height, views: 1, quality };
-    expect(readMessage(bytes, { type: 'Hello', body: wish })).toEqual({ type: 'Hello', body: wish });
+    for (const views of [1, 2] as const) {
+      const bytes = encodeHello({ client, width, height, quality, ...(views === 2 ? { views } : {}) });
+      const wish = { client, width, height, views, quality };
+      expect(readMessage(bytes, { type: 'Hello', body: wish })).toEqual({ type: 'Hello', body: wish });
+    }
   });
 
-  test('pose', () => {
-    const body: Fields = { ...examples['pose']?.body, eye_separation: 0 };
+  test.each(['pose', 'pose_frusta'])('%s', (name) => {
+    const body: Fields = { ...examples[name]?.body };
+    const frusta = [body['frustum'], body['right_frustum']].filter((frustum) => frustum !== undefined);
     const bytes = encodePose({
       seq: body['seq'] as number,
       clientTimeUs: BigInt(body['client_time_us'] as string),
@@ -258,6 +254,8 @@ describe('encode', () => {
       fovY: body['fov_y'] as number,
       width: body['width'] as number,
       height: body['height'] as number,
+      eyeSeparation: body['eye_separation'] as number,
+      frusta: frusta as unknown as Frustum[],
     });
     expect(readMessage(bytes, { type: 'Pose', body })).toEqual({ type: 'Pose', body });
   });

@@ -46,7 +46,7 @@ std::pair<float, float> depths(const EyeInputs& in) {
 
 // The medium's standard deviation in pixels, in the middle of the depths where it is.
 float projectedDeviation(const EyeInputs& in, float near, float far) {
-    const float pixel = 2 * std::tan(0.5f * in.pose.fov_y) / float(in.size.height); // m per m of view depth
+    const float pixel = 2 * in.block->eye.tan_y / float(in.size.height); // m per m of view depth
     return in.extent->deviation / (pixel * 0.5f * (near + far));
 }
 

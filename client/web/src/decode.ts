@@ -1,0 +1,174 @@
+// Messages from the server. One WebSocket message is one size-prefixed FlatBuffer; the JPEG bytes of a frame's views follow it.
+import { ByteBuffer } from 'flatbuffers';
+import { Body } from './wire/brume/wire/body';
+import { Error as WireError } from './wire/brume/wire/error';
+import { Frame as WireFrame } from './wire/brume/wire/frame';
+import { Goodbye as WireGoodbye } from './wire/brume/wire/goodbye';
+import { Message } from './wire/brume/wire/message';
+import { Ping as WirePing } from './wire/brume/wire/ping';
+import { Quat as WireQuat } from './wire/brume/wire/quat';
+import type { Plan as WirePlan } from './wire/brume/wire/plan';
+import { SceneState as WireSceneState } from './wire/brume/wire/scene-state';
+import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
+import { Welcome as WireWelcome } from './wire/brume/wire/welcome';
+import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
+import { ProtocolError } from './protocol';
+import type { Frame, Frustum, Plan, Quat, SceneState, ServerMessage, Vec3, Welcome } from './protocol';
+
+// Bounds on what a server may send in lists; anything longer is not one of ours.
+const MAX_VIEWS = 2;
+const MAX_NAMES = 64;
+
+// Throws ProtocolError for anything that is not a message of a brume.v1 server.
+export function decode(data: ArrayBuffer): ServerMessage {
+  const bytes = new Uint8Array(data);
+  if (bytes.length < 12) throw new ProtocolError('message too short');
+  const length = new DataView(data).getUint32(0, true);
+  if (length < 8 || length > bytes.length - 4) throw new ProtocolError('length prefix beyond the message');
+  const tail = bytes.subarray(4 + length);
+  const buffer = new ByteBuffer(bytes.subarray(0, 4 + length));
+  // The identifier of a size-prefixed buffer stands four bytes later than where __has_identifier looks.
+  buffer.setPosition(4);
+  if (!Message.bufferHasIdentifier(buffer)) throw new ProtocolError('not a BRM1 message');
+  buffer.setPosition(0);
+  const message = Message.getSizePrefixedRootAsMessage(buffer);
+  const type = message.bodyType();
+  if (type !== Body.Frame && tail.length > 0) throw new ProtocolError('bytes after the message');
+  switch (type) {
+    case Body.Welcome:
+      return decodeWelcome(message.body(new WireWelcome()) as WireWelcome);
+    case Body.SceneState:
+      return decodeScene(message.body(new WireSceneState()) as WireSceneState);
+    case Body.Frame:
+      return decodeFrame(message.body(new WireFrame()) as WireFrame, tail);
+    case Body.Error: {
+      const error = message.body(new WireError()) as WireError;
+      return { kind: 'error', code: error.code(), text: error.text() ?? '', inputSeq: error.inputSeq() };
+    }
+    case Body.Ping:
+    case Body.Pong: {
+      const ping = message.body(new WirePing()) as WirePing; // the same fields as Pong
+      return { kind: type === Body.Ping ? 'ping' : 'pong', nonce: ping.nonce(), timeUs: ping.timeUs() };
+    }
+    case Body.Goodbye: {
+      const goodbye = message.body(new WireGoodbye()) as WireGoodbye;
+      return { kind: 'goodbye', reason: goodbye.reason() ?? '', retryAfterS: goodbye.retryAfterS() };
+    }
+    default:
+      throw new ProtocolError(`unexpected message type ${type}`);
+  }
+}
+
+function toVec3(v: WireVec3 | null, fallback?: Vec3): Vec3 {
+  if (v) return [v.x(), v.y(), v.z()];
+  if (fallback) return fallback;
+  throw new ProtocolError('a required vector is missing');
+}
+
+function toQuat(q: WireQuat | null): Quat {
+  if (!q) throw new ProtocolError('a required orientation is missing');
+  return [q.x(), q.y(), q.z(), q.w()];
+}
+
+const toFrustum = (f: WireFrustum): Frustum => ({ left: f.left(), right: f.right(), up: f.up(), down: f.down() });
+
+function toList<T>(count: number, limit: number, item: (index: number) => T): T[] {
+  if (count > limit) throw new ProtocolError('a list is too long');
+  return Array.from({ length: count }, (_, index) => item(index));
+}
+
+function decodeWelcome(w: WireWelcome): Welcome {
+  const camera = w.camera();
+  if (!camera) throw new ProtocolError('welcome without a camera');
+  return {
+    kind: 'welcome',
+    viewer: w.viewer(),
+    server: w.server() ?? '',
+    scene: w.scene() ?? '',
+    device: w.device() ?? '',
+    width: w.width(),
+    height: w.height(),
+    tickHz: w.tickHz(),
+    maxInFlight: w.maxInFlight(),
+    camera: { position: toVec3(camera.position()), target: toVec3(camera.target()), fovY: camera.fovY() },
+    methods: toList(w.methodsLength(), MAX_NAMES, (i) => w.methods(i)),
+    quadratures: toList(w.quadraturesLength(), MAX_NAMES, (i) => w.quadratures(i)),
+  };
+}
+
+function decodePlan(p: WirePlan): Plan {
+  return {
+    method: p.method() ?? '',
+    quadrature: p.quadrature() ?? '',
+    rate: p.rate(),
+    slabs: p.slabs(),
+    error: p.error(),
+    ms: p.ms(),
+    relaxed: p.relaxed(),
+  };
+}
+
+function decodeScene(s: WireSceneState): SceneState {
+  const plan = s.plan();
+  return {
+    kind: 'scene',
+    tick: s.tick(),
+    stateHash: s.stateHash(),
+    viewers: s.viewers(),
+    particles: s.particles(),
+    paused: s.paused(),
+    toLight: toVec3(s.toLight(), [0, 1, 0]),
+    irradiance: toVec3(s.irradiance(), [0, 0, 0]),
+    rotate: s.rotate(),
+    extinction: s.extinction(),
+    falloff: s.falloff(),
+    anisotropy: s.anisotropy(),
+    asymmetry: s.asymmetry(),
+    albedo: toVec3(s.albedo(), [0, 0, 0]),
+    method: s.method() ?? '',
+    quadrature: s.quadrature() ?? '',
+    steps: s.steps(),
+    exposure: s.exposure(),
+    passes: toList(s.passesLength(), MAX_NAMES, (i) => {
+      const pass = s.passes(i);
+      return { name: pass?.name() ?? '', ms: pass?.ms() ?? 0 };
+    }),
+    ...(plan ? { plan: decodePlan(plan) } : {}),
+  };
+}
+
+function decodeFrame(f: WireFrame, tail: Uint8Array<ArrayBuffer>): Frame {
+  const stages = f.stages();
+  if (!stages) throw new ProtocolError('frame without stages');
+  let begin = 0;
+  const jpeg = toList(f.jpegBytesLength(), MAX_VIEWS, (i) => {
+    const end = begin + (f.jpegBytes(i) ?? 0);
+    const view = tail.subarray(begin, end);
+    begin = end;
+    return view;
+  });
+  if (jpeg.length === 0 || begin !== tail.length) throw new ProtocolError('picture bytes do not match their lengths');
+  return {
+    kind: 'frame',
+    id: f.id(),
+    tick: f.tick(),
+    stateHash: f.stateHash(),
+    poseSeq: f.poseSeq(),
+    clientTimeUs: f.clientTimeUs(),
+    position: toVec3(f.position()),
+    orientation: toQuat(f.orientation()),
+    fovY: f.fovY(),
+    frusta: jpeg.map((_, i) => (i === 0 ? f.frustum() : f.rightFrustum())).flatMap((g) => (g ? [toFrustum(g)] : [])),
+    width: f.width(),
+    height: f.height(),
+    quality: f.quality(),
+    stages: {
+      wait: stages.wait(),
+      render: stages.render(),
+      encode: stages.encode(),
+      queue: stages.queue(),
+      gpu: stages.gpu(),
+    },
+    jpeg,
+  };
+}

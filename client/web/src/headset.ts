@@ -1,0 +1,131 @@
+// A WebXR session: the headset's pose, eye separation and projection are asked for, and each eye's newest picture is drawn at every
+// frame of its display, turned from where it was made to where the eye looks by now.
+import { add, length, orientation, scale, subtract } from './camera';
+import type { Surface } from './picture';
+import { covering, fromProjection, multiply, rotate, shaped, warp, widened } from './projection';
+import type { View } from './projection';
+import type { Frame, Quat, Vec3 } from './protocol';
+import { requestedSize } from './size';
+import { MARGIN, viewOf } from './viewing';
+import type { PoseWish, ViewingHost } from './viewing';
+import { Warp } from './warp';
+
+export interface HeadsetEvents {
+  ask(wish: PoseWish): void;
+  // Before each frame of the display: draws the newest picture here (Surface).
+  beforeFrame(): void;
+  ended(why: string): void;
+}
+
+export async function headsetSupported(): Promise<boolean> {
+  return (await navigator.xr?.isSessionSupported('immersive-vr').catch(() => false)) ?? false;
+}
+
+const vec = (p: DOMPointReadOnly): Vec3 => [p.x, p.y, p.z];
+const quat = (p: DOMPointReadOnly): Quat => [p.x, p.y, p.z, p.w];
+
+export class Headset implements Surface {
+  // For tests: frames drawn for both eyes, and the last poses that were asked for.
+  drawn = 0;
+  asked: PoseWish | undefined;
+  private frame: Frame | undefined;
+  private why = 'The headset’s session has ended.';
+
+  private constructor(
+    private readonly session: XRSession,
+    private readonly space: XRReferenceSpace,
+    private readonly layer: XRWebGLLayer,
+    private readonly gl: WebGL2RenderingContext,
+    private readonly warp: Warp,
+    private readonly place: ViewingHost,
+    private readonly events: HeadsetEvents,
+    private readonly base: { position: Vec3; orientation: Quat },
+  ) {}
+
+  // It begins, upright, where the page's camera stands. To be called while a press of a button is handled: browsers let nothing else begin a session. Throws an Error whose message says
+  // in one line why there is none.
+  static async start(place: ViewingHost, events: HeadsetEvents): Promise<Headset> {
+    const session = await navigator.xr?.requestSession('immersive-vr').catch((error: unknown) => {
+      throw new Error(`The headset did not start: ${error instanceof Error ? error.message : String(error)}`);
+    });
+    if (!session) throw new Error('This browser knows no headsets.');
+    try {
+      const gl = document.createElement('canvas').getContext('webgl2', { xrCompatible: true, antialias: false });
+      if (!gl) throw new Error('this browser has no WebGL 2');
+      const layer = new XRWebGLLayer(session, gl, { antialias: false, alpha: false, depth: false });
+      await session.updateRenderState({ baseLayer: layer });
+      const space = await session.requestReferenceSpace('local');
+      const { camera } = place;
+      const base = { position: camera.position, orientation: orientation({ ...camera, pitch: 0 }) };
+      const headset = new Headset(session, space, layer, gl, new Warp(gl), place, events, base);
+      session.addEventListener('end', () => events.ended(headset.why));
+      session.requestAnimationFrame(headset.step);
+      return headset;
+    } catch (error) {
+      await session.end().catch(() => undefined);
+      throw new Error(`The headset did not start: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  }
+
+  end(why?: string): void {
+    if (why) this.why = why;
+    void this.session.end().catch(() => undefined); // it may be over already
+  }
+
+  show(bitmaps: ImageBitmap[], frame: Frame): void {
+    if (bitmaps.length === 2) {
+      this.warp.upload(bitmaps);
+      this.frame = frame;
+    }
+    for (const bitmap of bitmaps) bitmap.close();
+  }
+
+  private readonly step = (_: number, now: XRFrame): void => {
+    this.session.requestAnimationFrame(this.step);
+    this.events.beforeFrame();
+    const pose = now.getViewerPose(this.space);
+    if (!pose) return; // tracking is lost: the last picture stays
+    const eyes = pose.views.filter((view) => view.eye !== 'none').slice(0, 2);
+    const shown = (eyes.length > 0 ? eyes : pose.views.slice(0, 1)).map((view) => ({ view, seen: this.inWorld(view) }));
+    this.ask(quat(pose.transform.orientation), shown);
+    const { gl, layer, frame } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
+    gl.clearColor(0, 0, 0, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    if (!frame) return;
+    shown.forEach(({ view, seen }, eye) => {
+      const at = layer.getViewport(view);
+      if (at) this.warp.draw(eye, warp(viewOf(frame, eye, 0), seen), at.x, at.y, at.width, at.height);
+    });
+    this.drawn += 1;
+  };
+
+  private ask(head: Quat, shown: readonly { view: XRView; seen: View }[]): void {
+    const turn = multiply(this.base.orientation, head);
+    const [left, right = left] = shown;
+    const at = left && this.layer.getViewport(left.view);
+    if (!left || !right || !at) return;
+    const size = requestedSize(at.width, at.height, 1 + MARGIN, this.place.cap);
+    const frusta = [left, right].map(({ seen }) =>
+      shaped(widened(covering(seen, turn), MARGIN), size.width / size.height),
+    );
+    this.asked = {
+      position: scale(add(left.seen.position, right.seen.position), 0.5),
+      orientation: turn,
+      fovY: this.place.fovY,
+      eyeSeparation: length(subtract(right.seen.position, left.seen.position)),
+      frusta,
+      ...size,
+    };
+    this.events.ask(this.asked);
+  }
+
+  private inWorld(view: XRView): View {
+    const { position, orientation: turn } = view.transform;
+    return {
+      position: add(this.base.position, rotate(this.base.orientation, vec(position))),
+      orientation: multiply(this.base.orientation, quat(turn)),
+      frustum: fromProjection(view.projectionMatrix),
+    };
+  }
+}

@@ -1,0 +1,112 @@
+// What a picture covers, and where its parts are seen from another pose. No page, no WebGL.
+// Matrices are 3x3, columns first, as WebGL takes them.
+import { add, cross, dot, scale, subtract } from './camera';
+import type { Frustum, Quat, Vec3 } from './protocol';
+
+export type Matrix3 = readonly number[]; // [9]
+
+// One eye and what its picture covers.
+export interface View {
+  position: Vec3;
+  orientation: Quat; // world from view, unit
+  frustum: Frustum;
+}
+
+// `aspect`: width / height.
+export function symmetric(fovY: number, aspect: number): Frustum {
+  const up = Math.tan(fovY / 2);
+  return { left: up * aspect, right: up * aspect, up, down: up };
+}
+
+// The same with `margin` of its width and height more, half of it on either side.
+export function widened(f: Frustum, margin: number): Frustum {
+  const x = ((f.left + f.right) * margin) / 2;
+  const y = ((f.up + f.down) * margin) / 2;
+  return { left: f.left + x, right: f.right + x, up: f.up + y, down: f.down + y };
+}
+
+// Widened in one direction about its middle until it has the shape of a picture of this `aspect`.
+export function shaped(f: Frustum, aspect: number): Frustum {
+  const across = f.left + f.right;
+  const along = f.up + f.down;
+  const x = Math.max(0, (along * aspect - across) / 2);
+  const y = Math.max(0, (across / aspect - along) / 2);
+  return { left: f.left + x, right: f.right + x, up: f.up + y, down: f.down + y };
+}
+
+// Of a projection matrix as WebXR gives it: clip from view, 4x4, columns first, looking down -Z.
+export function fromProjection(m: ArrayLike<number>): Frustum {
+  const [x, y, right, up] = [m[0] ?? 1, m[5] ?? 1, m[8] ?? 0, m[9] ?? 0];
+  return { left: (1 - right) / x, right: (1 + right) / x, up: (1 + up) / y, down: (1 - up) / y };
+}
+
+// What an eye turned like `to` has to cover so that nothing is missing of what `view` covers, as far as it lies in front.
+export function covering(view: Pick<View, 'orientation' | 'frustum'>, to: Quat): Frustum {
+  const turn = multiply(conjugate(to), view.orientation);
+  const { left, right, up, down } = view.frustum;
+  const corners = [-left, right].flatMap((x) => [-down, up].map((y) => rotate(turn, [x, y, -1])));
+  const seen = corners.map((c) => {
+    const depth = Math.max(0.1, -c[2]);
+    return [c[0] / depth, c[1] / depth] as const;
+  });
+  const xs = seen.map(([x]) => x);
+  const ys = seen.map(([, y]) => y);
+  return { left: -Math.min(...xs), right: Math.max(...xs), up: Math.max(...ys), down: -Math.min(...ys) };
+}
+
+export const conjugate = (q: Quat): Quat => [-q[0], -q[1], -q[2], q[3]];
+
+export function multiply(a: Quat, b: Quat): Quat {
+  return [
+    a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
+    a[3] * b[1] + a[1] * b[3] + a[2] * b[0] - a[0] * b[2],
+    a[3] * b[2] + a[2] * b[3] + a[0] * b[1] - a[1] * b[0],
+    a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
+  ];
+}
+
+// q v q*, for unit q.
+export function rotate(q: Quat, v: Vec3): Vec3 {
+  const axis: Vec3 = [q[0], q[1], q[2]];
+  const t = scale(cross(axis, v), 2);
+  return add(add(v, scale(t, q[3])), cross(axis, t));
+}
+
+// Radians between two orientations; of two that are nearly one, to 1e-8.
+export function angleBetween(a: Quat, b: Quat): number {
+  const turn = multiply(conjugate(a), b);
+  return 2 * Math.atan2(Math.hypot(turn[0], turn[1], turn[2]), Math.abs(turn[3]));
+}
+
+// From a place in the picture that `shown` is (-1 ... 1, right and up) to homogeneous texture coordinates (0 ... 1, right and down)
+// in the picture that was made of `made`: a rotation, right for whatever is far away. With `depth`, the plane that lies so far (m)
+// ahead of `made` stays where it belongs too, although the eye has moved.
+export function warp(made: View, shown: View, depth = Infinity): Matrix3 {
+  const { left, right, up, down } = shown.frustum;
+  const into = conjugate(made.orientation);
+  const ahead = rotate(made.orientation, [0, 0, -1]);
+  const moved = subtract(shown.position, made.position);
+  const m = made.frustum;
+  const column = (direction: Vec3): Vec3 => {
+    const world = rotate(shown.orientation, direction);
+    let seen = rotate(into, world);
+    if (Number.isFinite(depth)) {
+      const near = rotate(into, scale(moved, dot(world, ahead) / depth));
+      seen = add(scale(seen, 1 - dot(moved, ahead) / depth), near);
+    }
+    const w = -seen[2];
+    return [(m.left * w + seen[0]) / (m.left + m.right), (m.up * w - seen[1]) / (m.up + m.down), w];
+  };
+  return [
+    ...column([(left + right) / 2, 0, 0]),
+    ...column([0, (up + down) / 2, 0]),
+    ...column([(right - left) / 2, (up - down) / 2, -1]),
+  ];
+}
+
+// Where `matrix` finds the place (x, y); undefined when it lies behind the eye.
+export function apply(matrix: Matrix3, x: number, y: number): readonly [u: number, v: number] | undefined {
+  const at = (row: number): number => (matrix[row] ?? 0) * x + (matrix[row + 3] ?? 0) * y + (matrix[row + 6] ?? 0);
+  const w = at(2);
+  return w > 0 ? [at(0) / w, at(1) / w] : undefined;
+}

@@ -1,0 +1,99 @@
+// window.brume: the page's state for tests and the curious, read-only.
+import type { Camera } from './camera';
+import type { LinkState } from './connection';
+import type { Headset } from './headset';
+import type { SceneState } from './protocol';
+import { hash } from './statistics';
+import type { Statistics } from './statistics';
+import type { Viewing } from './viewing';
+
+export interface Sources {
+  statistics: Statistics;
+  viewing: Viewing;
+  state(): LinkState['name'];
+  viewer(): number | undefined;
+  sentPose(): number | undefined;
+  camera(): Camera;
+  scene(): SceneState | undefined;
+  headset(): Headset | undefined;
+}
+
+function report(of: Sources) {
+  const { statistics, viewing } = of;
+  return Object.freeze({
+    get state() {
+      return of.state();
+    },
+    get viewer() {
+      return of.viewer();
+    },
+    get tick() {
+      return statistics.lastFrame && Number(statistics.lastFrame.tick);
+    },
+    get stateHash() {
+      return statistics.lastFrame && hash(statistics.lastFrame.stateHash);
+    },
+    get frames() {
+      return statistics.frames;
+    },
+    get sentPose() {
+      return of.sentPose();
+    },
+    get recent() {
+      return statistics.recent.map((entry) => ({ ...entry }));
+    },
+    get camera() {
+      return { ...of.camera() };
+    },
+    get scene() {
+      const scene = of.scene();
+      return scene && { ...scene, tick: Number(scene.tick), stateHash: hash(scene.stateHash) };
+    },
+    get lastFrame() {
+      const { lastFrame, lastLatency } = statistics;
+      if (!lastFrame) return undefined;
+      const { id, tick, stateHash, poseSeq, orientation, width, height, quality, stages, jpeg, frusta } = lastFrame;
+      const bytes = jpeg.reduce((sum, view) => sum + view.length, 0);
+      const shown = {
+        id,
+        tick: Number(tick),
+        stateHash: hash(stateHash),
+        poseSeq,
+        width,
+        height,
+        quality,
+        bytes,
+        frusta,
+      };
+      return {
+        ...shown,
+        orientation,
+        views: jpeg.length,
+        stages: { ...stages },
+        latency: lastLatency && { ...lastLatency },
+      };
+    },
+    // The 50th, 95th and 99th percentile of each stage.
+    get latency() {
+      return statistics.percentiles();
+    },
+    // The pose that the screen shows now, and the one that its picture was made for.
+    get shown() {
+      if (!viewing.shown) return undefined;
+      const { position, orientation, made } = viewing.shown;
+      return { position, orientation, made: { position: made.position, orientation: made.orientation } };
+    },
+    get headset() {
+      const headset = of.headset();
+      return headset && { drawn: headset.drawn, asked: headset.asked };
+    },
+  });
+}
+
+declare global {
+  interface Window {
+    readonly brume: ReturnType<typeof report>;
+  }
+}
+
+export const publishReport = (of: Sources): void => void Object.defineProperty(window, 'brume', { value: report(of) });

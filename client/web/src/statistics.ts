@@ -1,0 +1,65 @@
+// What this page measures of its frames: rates, latencies, which ticks it has seen.
+import { LatencyAverage, LatencyWindow, Rate, splitLatency } from './latency';
+import type { Latency, Presented } from './latency';
+import type { Frame } from './protocol';
+
+const RECENT_TICKS = 240;
+const REMEMBERED_POSES = 256; // more than can be on their way
+
+export const PERCENTILES = [50, 95, 99] as const;
+export type Percentiles = Record<(typeof PERCENTILES)[number], Latency>;
+
+export const hash = (value: bigint): string => value.toString(16).padStart(16, '0');
+
+export class Statistics {
+  frames = 0;
+  lastFrame: Frame | undefined;
+  lastLatency: Latency | undefined;
+  roundTripMs: number | undefined;
+  answeredPose = 0; // the newest that a frame has shown
+  readonly recent: { tick: number; hash: string }[] = [];
+  readonly shownRate = new Rate(2000);
+  readonly byteRate = new Rate();
+  readonly average = new LatencyAverage();
+  readonly window = new LatencyWindow();
+  private readonly inputs = new Map<number, number>(); // ms from input to sending, by the pose
+
+  // For a new connection.
+  reset(): void {
+    this.answeredPose = 0;
+    this.roundTripMs = undefined;
+    this.inputs.clear();
+    this.average.reset();
+    this.window.reset();
+  }
+
+  roundTrip(ms: number): void {
+    this.roundTripMs = this.roundTripMs === undefined ? ms : this.roundTripMs + (ms - this.roundTripMs) * 0.3;
+  }
+
+  // `waited`: ms since the input that moved the camera there.
+  sent(pose: number, waited: number): void {
+    this.inputs.set(pose, waited);
+    this.inputs.delete(pose - REMEMBERED_POSES);
+  }
+
+  // The latency, where the frame is the first one that shows its pose: only that tells how long a pose took.
+  presented(frame: Frame, at: Presented): Latency | undefined {
+    this.frames += 1;
+    this.lastFrame = frame;
+    this.shownRate.add(at.presented);
+    this.recent.push({ tick: Number(frame.tick), hash: hash(frame.stateHash) });
+    if (this.recent.length > RECENT_TICKS) this.recent.shift();
+    if (frame.poseSeq <= this.answeredPose) return undefined;
+    this.answeredPose = frame.poseSeq;
+    this.lastLatency = splitLatency(frame, at, this.inputs.get(frame.poseSeq));
+    this.average.add(this.lastLatency);
+    this.window.add(this.lastLatency);
+    return this.lastLatency;
+  }
+
+  percentiles(): Percentiles | undefined {
+    const found = PERCENTILES.map((percent) => [percent, this.window.percentile(percent)] as const);
+    return found.every(([, latency]) => latency) ? (Object.fromEntries(found) as Percentiles) : undefined;
+  }
+}

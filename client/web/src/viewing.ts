@@ -1,0 +1,159 @@
+// How pictures are looked at on the page: as they come, side by side for two eyes, or turned to where the camera is by now.
+import { add, scale } from './camera';
+import type { Camera } from './camera';
+import { orientation } from './camera';
+import { flatSurface } from './picture';
+import type { Surface } from './picture';
+import { rotate, shaped, symmetric, warp, widened } from './projection';
+import type { View } from './projection';
+import type { Frame, PoseMessage, Vec3 } from './protocol';
+import { requestedSize } from './size';
+import type { Size } from './size';
+import { Warp } from './warp';
+
+export type Eyes = 'one' | 'side';
+// Frames are shown as they are; turned by what the camera has turned since; or moved too, right at the depth of what is orbited.
+export type Reprojection = 'off' | 'rotation' | 'plane';
+
+// How much wider and higher a picture is asked for that will be reprojected.
+export const MARGIN = 0.1;
+// Between a person's eyes, m.
+export const EYE_SEPARATION = 0.064;
+
+export type PoseWish = Omit<PoseMessage, 'seq' | 'clientTimeUs'>;
+
+// The view of one eye of `frame`, whose eyes stand `separation` m apart.
+export function viewOf(frame: Frame, eye: number, separation: number): View {
+  const frustum = frame.frusta[eye] ?? symmetric(frame.fovY, frame.width / frame.height);
+  return {
+    position: eyePosition(frame.position, frame.orientation, eye, frame.jpeg.length, separation),
+    orientation: frame.orientation,
+    frustum,
+  };
+}
+
+function eyePosition(head: Vec3, turn: View['orientation'], eye: number, views: number, separation: number): Vec3 {
+  const side = views < 2 ? 0 : eye === 0 ? -0.5 : 0.5;
+  return add(head, rotate(turn, [side * separation, 0, 0]));
+}
+
+export interface ViewingHost {
+  readonly camera: Camera; // newest
+  readonly fovY: number;
+  readonly cap: Size;
+}
+
+export class Viewing implements Surface {
+  eyes: Eyes = 'one';
+  reprojection: Reprojection = 'off';
+  // Of what was drawn last: the pose that the picture on the screen shows.
+  shown: { position: Vec3; orientation: View['orientation']; made: Frame } | undefined;
+  private readonly flat: Surface;
+  private warp: Warp | undefined;
+  private gl: WebGL2RenderingContext | undefined;
+  private frame: Frame | undefined; // whose pictures the textures hold
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly warped: HTMLCanvasElement,
+    private readonly host: ViewingHost,
+  ) {
+    this.flat = flatSurface(canvas);
+  }
+
+  get views(): 1 | 2 {
+    return this.eyes === 'side' ? 2 : 1;
+  }
+
+  // False when this browser cannot: it stays as it was.
+  choose(eyes: Eyes, reprojection: Reprojection): boolean {
+    const plain = eyes === 'one' && reprojection === 'off';
+    if (!plain && !this.prepare()) return false;
+    [this.eyes, this.reprojection] = [eyes, reprojection];
+    this.frame = undefined;
+    this.warped.hidden = plain;
+    return true;
+  }
+
+  // Of one eye's picture.
+  size(): Size {
+    const { clientWidth, clientHeight } = this.canvas;
+    const grown = this.reprojection === 'off' ? 1 : 1 + MARGIN;
+    return requestedSize(clientWidth / this.views, clientHeight, window.devicePixelRatio * grown, this.host.cap);
+  }
+
+  wish(camera: Camera, size: Size): PoseWish {
+    const { fovY } = this.host;
+    const pose = { position: camera.position, orientation: orientation(camera), fovY, ...size };
+    const stereo = this.views === 2 ? { eyeSeparation: EYE_SEPARATION } : {};
+    if (this.reprojection === 'off') return { ...pose, ...stereo };
+    const frustum = shaped(widened(symmetric(fovY, this.aspect()), MARGIN), size.width / size.height);
+    return { ...pose, ...stereo, frusta: this.views === 2 ? [frustum, frustum] : [frustum] };
+  }
+
+  show(bitmaps: ImageBitmap[], frame: Frame): void {
+    if (!this.warp || this.warped.hidden) {
+      this.flat.show(bitmaps, frame);
+      this.shown = { position: frame.position, orientation: frame.orientation, made: frame };
+      return;
+    }
+    this.warp.upload(bitmaps);
+    for (const bitmap of bitmaps) bitmap.close();
+    this.frame = frame;
+  }
+
+  // Once per animation frame, after the newest picture has been shown.
+  draw(): void {
+    const { frame, gl, warped } = this;
+    if (!this.warp || !gl || !frame || warped.hidden || gl.isContextLost()) return;
+    const [width, height] = [warped.clientWidth, warped.clientHeight].map((x) =>
+      Math.round(x * window.devicePixelRatio),
+    );
+    if (!width || !height) return;
+    if (warped.width !== width || warped.height !== height) Object.assign(warped, { width, height });
+    const { camera, fovY } = this.host;
+    const still = this.reprojection === 'off';
+    const position = still ? frame.position : camera.position;
+    const turn = still ? frame.orientation : orientation(camera);
+    const frustum = symmetric(fovY, this.aspect());
+    const part = Math.floor(width / this.views);
+    for (let eye = 0; eye < this.views; ++eye) {
+      const from = Math.min(eye, frame.jpeg.length - 1);
+      const at = eyePosition(position, turn, eye, this.views, EYE_SEPARATION);
+      const made = viewOf(frame, from, EYE_SEPARATION);
+      const depth = this.reprojection === 'plane' ? camera.distance : Infinity;
+      this.warp.draw(
+        from,
+        warp(made, { position: at, orientation: turn, frustum }, depth),
+        eye * part,
+        0,
+        part,
+        height,
+      );
+    }
+    this.shown = { position, orientation: turn, made: frame };
+  }
+
+  // For a new connection, whose frames show other poses.
+  clear(): void {
+    this.frame = undefined;
+  }
+
+  private aspect(): number {
+    return this.canvas.clientWidth / this.views / Math.max(1, this.canvas.clientHeight);
+  }
+
+  private prepare(): boolean {
+    if (this.warp) return true;
+    const gl = this.warped.getContext('webgl2', { alpha: false, antialias: false, depth: false });
+    if (!gl) return false;
+    try {
+      this.warp = new Warp(gl);
+    } catch (error) {
+      console.error('brume: pictures cannot be warped:', error);
+      return false;
+    }
+    this.gl = gl;
+    return true;
+  }
+}

@@ -1,0 +1,71 @@
+// Draws pictures of one or two eyes with WebGL, each through a homography (projection.ts).
+import type { Matrix3 } from './projection';
+
+const VERTEX = `#version 300 es
+out vec2 place; // -1 ... 1
+void main() { // one triangle over everything
+  place = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  gl_Position = vec4(place, 0.0, 1.0);
+}`;
+
+// Beyond its sides a picture goes on as it ends: a soft medium and a sky show it less than a black border.
+const FRAGMENT = `#version 300 es
+precision highp float;
+uniform mat3 warp;
+uniform sampler2D picture;
+in vec2 place;
+out vec4 colour;
+void main() {
+  vec3 at = warp * vec3(place, 1.0);
+  colour = vec4(at.z > 0.0 ? texture(picture, at.xy / at.z).rgb : vec3(0.0), 1.0);
+}`;
+
+export class Warp {
+  private readonly program: WebGLProgram;
+  private readonly matrix: WebGLUniformLocation | null;
+  private readonly textures: WebGLTexture[] = [];
+
+  // Throws when the context cannot do it.
+  constructor(private readonly gl: WebGL2RenderingContext) {
+    this.program = gl.createProgram();
+    for (const [type, source] of [
+      [gl.VERTEX_SHADER, VERTEX],
+      [gl.FRAGMENT_SHADER, FRAGMENT],
+    ] as const) {
+      const shader = gl.createShader(type);
+      if (!shader) throw new Error('the graphics context was lost');
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      gl.attachShader(this.program, shader);
+    }
+    gl.linkProgram(this.program);
+    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) {
+      throw new Error(gl.getProgramInfoLog(this.program) ?? 'the graphics context was lost');
+    }
+    this.matrix = gl.getUniformLocation(this.program, 'warp');
+  }
+
+  // One picture an eye; the bitmaps stay the caller's.
+  upload(bitmaps: readonly ImageBitmap[]): void {
+    const { gl } = this;
+    bitmaps.forEach((bitmap, eye) => {
+      this.textures[eye] ??= gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, this.textures[eye]);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
+      for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T])
+        gl.texParameteri(gl.TEXTURE_2D, side, gl.CLAMP_TO_EDGE);
+      for (const scale of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+        gl.texParameteri(gl.TEXTURE_2D, scale, gl.LINEAR);
+    });
+  }
+
+  // Into a part of the bound framebuffer, in pixels from its lower left corner.
+  draw(eye: number, matrix: Matrix3, x: number, y: number, width: number, height: number): void {
+    const { gl } = this;
+    gl.viewport(x, y, width, height);
+    gl.useProgram(this.program);
+    gl.bindTexture(gl.TEXTURE_2D, this.textures[eye] ?? null);
+    gl.uniformMatrix3fv(this.matrix, false, matrix);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+}
