@@ -22,6 +22,7 @@ layout(scalar, binding = 4) readonly buffer Field { float field[]; };   // lib/s
 #include "shaders/lib/sky.glsl"
 #include "shaders/lib/display.glsl"
 #include "shaders/lib/planes.glsl"
+#define BRUME_WRITES_SHADED
 #include "shaders/lib/shaded.glsl"
 #include "shaders/lib/medium_run.glsl"
 
@@ -36,8 +37,5 @@ void main() {
     float depth, scattered[kMostSources];
     wholeRay(run, fieldAcross(pixel.x), depth, scattered);
     const vec3 shown = displayed(mediumOver(vec4(skyRadiance(normalize(dir)), 1), dir, depth, scattered).rgb);
-    const uint at = view.shaded + node.y * nodes.x + node.x;
-    shaded[at] = floatBitsToUint(dot(shown, kLuma));
-    const float cb = dot(shown, kCb) + 128, cr = dot(shown, kCr) + 128; // 0 ... 256, in 256 parts
-    shaded[at + nodes.x * nodes.y] = nearestWhole(min(256 * cb, 65535)) | nearestWhole(min(256 * cr, 65535)) << 16;
+    writeShaded(view.shaded, node, nodes, shown);
 }

@@ -7,6 +7,7 @@
 #include "shaders/compose_comp.h"
 #include "shaders/present_comp.h"
 #include "shaders/shade_comp.h"
+#include "shaders/shade_drawn_comp.h"
 
 namespace brume {
 
@@ -55,6 +56,7 @@ const gpu::ComputeProgram& Compose::someNodes(const Variant& v) {
 }
 
 void Compose::record(gpu::Commands& commands, const EyeInputs& in) {
+    if (in.step > 1) return recordDrawnNodes(commands, in);
     const gpu::Commands::Pass pass(commands, "compose", in.view);
     const VkCommandBuffer cmd = commands.handle();
     gpu::computeToCompute(cmd);
@@ -97,12 +99,33 @@ void Compose::recordShaded(gpu::Commands& commands, const ViewGroup& group, cons
                       group.count());
         gpu::computeToCompute(cmd);
     }
-    const gpu::Commands::Pass pass(commands, "present", group.view());
-    gpu::ComputeProgram& present = present_[group.step];
-    if (!present)
-        present = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"}, {{22, group.step}});
-    present.bind(cmd, {group.block, gpu::storageBuffer(3, *in.planes), gpu::storageBuffer(4, shaded_)});
-    vkCmdDispatch(cmd, gpu::groups(width, 128), gpu::groups(rows, 32), group.count());
+    recordPresent(commands, group.block, in, group.view(), {width, rows, group.count()}, group.step);
+}
+
+void Compose::recordDrawnNodes(gpu::Commands& commands, const EyeInputs& in) {
+    const VkCommandBuffer cmd = commands.handle();
+    {
+        const gpu::Commands::Pass pass(commands, "shade", in.view);
+        gpu::computeToCompute(cmd);
+        gpu::ComputeProgram& program = drawn_nodes_[in.step];
+        if (!program)
+            program =
+                gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_drawn_comp, "shade_drawn"}, {{22, in.step}});
+        program.bind(cmd, {in.view_block, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, shaded_)});
+        vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
+        gpu::computeToCompute(cmd);
+    }
+    recordPresent(commands, in.view_block, in, in.view, {in.block->eye.size, 1}, in.step);
+}
+
+void Compose::recordPresent(gpu::Commands& commands, const gpu::Resource& views, const EyeInputs& any, uint32_t pass_view,
+                            glm::uvec3 size, uint32_t step) {
+    const gpu::Commands::Pass pass(commands, "present", pass_view);
+    const VkCommandBuffer cmd = commands.handle();
+    gpu::ComputeProgram& program = present_[step];
+    if (!program) program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"}, {{22, step}});
+    program.bind(cmd, {views, gpu::storageBuffer(3, *any.planes), gpu::storageBuffer(4, shaded_)});
+    vkCmdDispatch(cmd, gpu::groups(size.x, 128), gpu::groups(size.y, 32), size.z);
 }
 
 } // namespace brume

@@ -26,7 +26,7 @@ public:
     // Room for so many, nothing of this being on the device.
     void fit(VkDeviceSize shaded_words);
 
-    // The medium is in EyeInputs::radiance, with what is behind it.
+    // The medium is in EyeInputs::radiance, with what is behind it, of all pixels or of every EyeInputs::step-th.
     void record(gpu::Commands& commands, const EyeInputs& in);
     // The medium is in `field`. The background is in EyeInputs::radiance when the scene has opaque objects, else it is the sky.
     void record(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field);
@@ -40,6 +40,10 @@ private:
     const gpu::ComputeProgram& everyPixel(const Variant& variant);
     const gpu::ComputeProgram& someNodes(const Variant& variant);
     void recordShaded(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field);
+    void recordDrawnNodes(gpu::Commands& commands, const EyeInputs& in);
+    // From shaded nodes to planes.
+    void recordPresent(gpu::Commands& commands, const gpu::Resource& views, const EyeInputs& any, uint32_t pass_view,
+                       glm::uvec3 size, uint32_t step);
 
     const gpu::Device& device_;
     SceneFeatures features_;
@@ -47,7 +51,7 @@ private:
     gpu::Buffer none_; // where no field is
     gpu::Buffer shaded_;
     std::map<Variant, gpu::ComputeProgram> every_pixel_, some_nodes_;
-    std::map<uint32_t, gpu::ComputeProgram> present_; // by the step
+    std::map<uint32_t, gpu::ComputeProgram> present_, drawn_nodes_; // by the step
 };
 
 } // namespace brume

@@ -23,7 +23,8 @@ class Compose;
 // What a method may read for one eye, and the target that holds the background and receives the medium.
 struct EyeInputs {
     uint32_t view = 0;                           // its number in the submission, for the pass names
-    VkExtent2D size{};                           // pixels; the images may be larger
+    VkExtent2D size{};                           // pixels that are drawn; the images may be larger
+    uint32_t step = 1;                           // of the picture's own between those (Renderer::drawingStep)
     uint32_t particle_count = 0;                 // live ones
     uint64_t particle_version = 0;               // another one whenever the particles, or what the tick says of them, changed
     bool eye_in_medium = true;                   // the near plane may cut particles
@@ -77,6 +78,8 @@ public:
     virtual void record(gpu::Commands& commands, std::span<const EyeInputs> eyes);
     // Whether EyeInputs::particle_light has to be there.
     virtual bool readsParticleLight() const { return false; }
+    // Whether it draws its medium into EyeInputs::radiance, and may be given fewer pixels than the picture's.
+    virtual bool draws() const { return true; }
 
 protected:
     // Records the medium over the background. The target and the depth have been written by compute passes; afterwards compute

@@ -47,6 +47,22 @@ gpu::Eye eyeBlock(const EyeRequest& request, const gpu::Tick& tick, const Render
     return eye;
 }
 
+// The same view, drawn at every `step`-th of its pixels, from a step before its first (shaders/lib/shaded.glsl).
+EyeRequest everyStep(const EyeRequest& eye, uint32_t step) {
+    if (step == 1) return eye;
+    const Frustum f = frustumOf(eye.pose, eye.width, eye.height);
+    const float pixel = (f.left + f.right) / float(eye.width), before = (1.5f * float(step) - 0.5f) * pixel;
+    EyeRequest coarse{eye.pose, gpu::groups(eye.width, step) + 3, gpu::groups(eye.height, step) + 3};
+    const float wide = float(coarse.width * step) * pixel, high = float(coarse.height * step) * pixel;
+    coarse.pose.frustum = {f.left + before, wide - f.left - before, f.up + before, high - f.up - before};
+    return coarse;
+}
+
+// Weights of the values at -1, 0, 1, 2: shaders/present.comp.
+glm::vec4 cubic(float t) {
+    return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
+}
+
 // Makes `buffer` hold at least `bytes`; what it held is lost.
 void grow(gpu::Buffer& buffer, const gpu::Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, gpu::Memory memory,
           const char* name) {
@@ -105,7 +121,7 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
         s.pictures_.push_back({{eye.width, eye.height}, nullptr});
         planes += s.pictures_.back().layout.bytes();
     }
-    grow(s.uniforms_, device_, eyeOffset(uint32_t(2 * eyes.size())),
+    grow(s.uniforms_, device_, eyeOffset(uint32_t(3 * eyes.size())),
          VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "uniforms");
     grow(s.planes_, device_, planes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "planes readback");
     grow(planes_, device_, planes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
@@ -134,6 +150,7 @@ void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span
     for (uint32_t i = 0; i < eyes.size(); ++i) {
         views_[i].eye = eyeBlock(eyes[i], tick_, now_.render);
         s.uniforms_.mapped<gpu::View>(1, eyeOffset(i))[0] = views_[i];
+        s.uniforms_.mapped<gpu::Eye>(1, eyeOffset(uint32_t(2 * eyes.size()) + i))[0] = eyeBlock(drawn_[i], tick_, now_.render);
     }
     s.uniforms_.flush();
 }
@@ -187,10 +204,13 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     if (settings) now_.render = *settings;
     Method& chosen = method(now_);
     if (chosen.sharesMedium()) now_.render.merge = 0; // one medium for all eyes
+    step_ = drawingStep(chosen);
+    drawn_.clear();
+    for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
     fitBuffers(s, simulation, eyes);
 
     const VkCommandBuffer cmd = s.commands.begin();
-    fitTargets(cmd, eyes);
+    fitTargets(cmd, drawn_);
     if ((moved_ || merged_.uploadBytes() > 0) && tick_.particle_count > 0) {
         const gpu::Commands::Pass pass(s.commands, "upload");
         gpu::everythingBefore(cmd);
@@ -209,6 +229,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
 
     gatherInputs(s, now_, eyes);
     chosen.prepare(inputs_);
+    for (const gpu::View& view : views_)
+        if (step_ > 1) compose_.fit(Compose::shadedWords(view, step_));
     if (tick_.particle_count > 0) chosen.recordShared(s.commands, inputs_.front());
     chosen.record(s.commands, inputs_);
     {
@@ -242,11 +264,13 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
     for (const EyeRequest& eye : eyes) {
         EyeInputs& in = inputs_.emplace_back();
         in.view = uint32_t(inputs_.size() - 1);
-        in.size = {eye.width, eye.height};
+        const EyeRequest& drawn = drawn_[in.view];
+        in.size = {drawn.width, drawn.height};
+        in.step = step_;
         in.particle_count = tick_.particle_count;
         in.eye_in_medium = eyeInMedium(tick_, eye);
         in.tick = gpu::uniformBuffer(0, s.uniforms_, 0, sizeof(gpu::Tick));
-        in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(in.view), sizeof(gpu::Eye));
+        in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(uint32_t(2 * eyes.size()) + in.view), sizeof(gpu::Eye));
         in.block = &views_[in.view];
         in.view_block = gpu::storageBuffer(1, s.uniforms_, eyeOffset(in.view), sizeof(gpu::View));
         in.particle_version = particle_version_;
@@ -267,7 +291,7 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
             in.particle_light = medium->light ? &medium->light->buffer() : nullptr;
             in.extent = &medium->extent;
         }
-        in.pose = eye.pose;
+        in.pose = drawn.pose;
         in.lobe = features_.lobe || now.medium.anisotropy > 0;
         in.asymmetry = now.medium.asymmetry;
         in.planes = &planes_;
@@ -275,7 +299,7 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         in.compose = &compose_;
         in.linear = &linear_;
         in.nearest = &nearest_;
-        last_size_ = in.size;
+        last_size_ = {eye.width, eye.height};
     }
 }
 
@@ -284,8 +308,16 @@ uint64_t Renderer::particleBytes() const {
            order_.bytes() + merged_.cpuBytes();
 }
 
+// A power of two: what present.comp knows.
+uint32_t Renderer::drawingStep(const Method& method) const {
+    const uint32_t rate = now_.render.rate;
+    if (!method.draws() || features_.opaque || rate < 2) return 1;
+    return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
+}
+
 std::vector<glm::vec4> Renderer::readRadiance() {
-    const size_t count = size_t(last_size_.width) * last_size_.height;
+    const VkExtent2D drawn{drawn_.back().width, drawn_.back().height};
+    const size_t count = size_t(drawn.width) * drawn.height;
     gpu::Buffer pixels(device_, count * sizeof(glm::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
                        "radiance readback");
     gpu::Commands commands(device_, "read radiance");
@@ -293,14 +325,24 @@ std::vector<glm::vec4> Renderer::readRadiance() {
     gpu::everythingBefore(cmd);
     VkBufferImageCopy copy{};
     copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {last_size_.width, last_size_.height, 1};
+    copy.imageExtent = {drawn.width, drawn.height, 1};
     vkCmdCopyImageToBuffer(cmd, radiance_.handle(), VK_IMAGE_LAYOUT_GENERAL, pixels.handle(), 1, &copy);
     gpu::transferToHost(cmd);
     commands.submit();
     commands.wait(~0ull);
     pixels.invalidate();
     const std::span<glm::vec4> mapped = pixels.mapped<glm::vec4>(count);
-    return {mapped.begin(), mapped.end()};
+    if (step_ == 1) return {mapped.begin(), mapped.end()};
+    std::vector<glm::vec4> all;
+    for (uint32_t y = 0; y < last_size_.height; ++y)
+        for (uint32_t x = 0; x < last_size_.width; ++x) {
+            const glm::vec4 across = cubic(float(x % step_) / float(step_)), down = cubic(float(y % step_) / float(step_));
+            glm::vec4& sum = all.emplace_back(0);
+            for (uint32_t j = 0; j < 4; ++j)
+                for (uint32_t i = 0; i < 4; ++i)
+                    sum += across[int(i)] * down[int(j)] * mapped[size_t(y / step_ + j) * drawn.width + x / step_ + i];
+        }
+    return all;
 }
 
 } // namespace brume

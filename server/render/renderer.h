@@ -75,6 +75,7 @@ private:
     void fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes);
     Method& method(const SceneNow& now);
     void recordParticleLight(Submission& submission, const gpu::Resource& tick_block);
+    uint32_t drawingStep(const Method& method) const;
     void gatherInputs(Submission& submission, const SceneNow& now, std::span<const EyeRequest> eyes);
 
     const gpu::Device& device_;
@@ -88,7 +89,9 @@ private:
     DepthOrder depth_order_;
     const SceneFeatures features_; // but for the lobe, which commands turn on and off
     Compose compose_;
-    std::vector<gpu::View> views_; // one per eye
+    std::vector<gpu::View> views_;  // one per eye
+    std::vector<EyeRequest> drawn_; // what is drawn of it: all of its pixels, or every step_-th
+    uint32_t step_ = 1;
     std::vector<EyeInputs> inputs_;
     gpu::Sampler linear_, nearest_;
     gpu::Buffer particles_, objects_buffer_, planes_;

@@ -1,5 +1,16 @@
 // What pictures without sharp edges show, on a coarse grid of pixels: the display's Y as a float, then Cb and Cr in one word, of each
-// node. Nodes begin one step up and left of the view's first pixel. Include after lib/view.glsl.
+// node. Nodes begin one step up and left of the view's first pixel. Include after lib/view.glsl and lib/planes.glsl; whoever writes defines
+// BRUME_WRITES_SHADED before.
 layout(constant_id = 22) const uint kStep = 4; // pixels between nodes
 
 uvec2 shadedNodes(uint rows) { return (uvec2(eye.size.x, rows) + kStep - 1) / kStep + 3; } // `rows`: of pixels
+
+#ifdef BRUME_WRITES_SHADED
+// `shown`: sRGB, 0 ... 255; `from`: where the view's nodes begin.
+void writeShaded(uint from, uvec2 node, uvec2 nodes, vec3 shown) {
+    const uint at = from + node.y * nodes.x + node.x;
+    const float cb = dot(shown, kCb) + 128, cr = dot(shown, kCr) + 128; // 0 ... 256, in 256 parts
+    shaded[at] = floatBitsToUint(dot(shown, kLuma));
+    shaded[at + nodes.x * nodes.y] = nearestWhole(min(256 * cb, 65535)) | nearestWhole(min(256 * cr, 65535)) << 16;
+}
+#endif

@@ -37,6 +37,7 @@ export const nowUs = (): bigint => BigInt(Math.round(performance.now() * 1000));
 export class Connection {
   private socket: WebSocket | undefined;
   private welcomed = false;
+  private resume = ''; // of the last welcome
   private everWelcomed = false;
   private inputSeq = 0;
   private poseSeq = 0;
@@ -133,7 +134,7 @@ export class Connection {
     socket.onopen = () => {
       opened = true;
       this.declined = 0;
-      this.send(encodeHello(this.events.hello()));
+      this.send(encodeHello({ ...this.events.hello(), resume: this.resume }));
     };
     socket.onmessage = (event: MessageEvent<unknown>) => {
       if (this.socket === socket) this.receive(event.data);
@@ -170,6 +171,7 @@ export class Connection {
         return;
       case 'welcome':
         this.welcomed = this.everWelcomed = true;
+        this.resume = message.resume;
         this.backoff.reset();
         this.ping();
         this.setState({ name: 'connected', welcome: message });
@@ -245,6 +247,7 @@ export class Connection {
   private leave(reason: string): void {
     const socket = this.socket;
     if (!socket) return;
+    this.resume = ''; // who says goodbye does not come back as the same
     this.send(encodeGoodbye(reason));
     this.socket = undefined;
     this.welcomed = false;

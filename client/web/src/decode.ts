@@ -93,6 +93,7 @@ function decodeWelcome(w: WireWelcome): Welcome {
     camera: { position: toVec3(camera.position()), target: toVec3(camera.target()), fovY: camera.fovY() },
     methods: toList(w.methodsLength(), MAX_NAMES, (i) => w.methods(i)),
     quadratures: toList(w.quadraturesLength(), MAX_NAMES, (i) => w.quadratures(i)),
+    resume: w.resume() ?? '',
   };
 }
 

@@ -35,10 +35,11 @@ const createFrustum = (builder: Builder, f: Frustum): number =>
 export function encodeHello(hello: HelloMessage): Uint8Array<ArrayBuffer> {
   const builder = new Builder(128);
   const client = builder.createString(hello.client);
+  const resume = hello.resume ? builder.createString(hello.resume) : 0;
   return finish(
     builder,
     Body.Hello,
-    Hello.createHello(builder, client, hello.width, hello.height, hello.views ?? 1, hello.quality),
+    Hello.createHello(builder, client, hello.width, hello.height, hello.views ?? 1, hello.quality, resume),
   );
 }
 

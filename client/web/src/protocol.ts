@@ -11,6 +11,7 @@ export interface HelloMessage {
   height: number;
   views?: 1 | 2; // 2 for left and right eye
   quality: number; // JPEG, 0 = the server's own
+  resume?: string; // of the connection that was lost
 }
 
 // Tangents of the angles from the view axis to a picture's sides, positive toward the side that is named.
@@ -62,6 +63,7 @@ export interface Welcome {
   camera: { position: Vec3; target: Vec3; fovY: number };
   methods: string[];
   quadratures: string[];
+  resume: string; // says who this is when the connection is lost; empty from older servers
 }
 
 export interface SceneState {

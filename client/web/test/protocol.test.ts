@@ -136,6 +136,7 @@ describe('decode', () => {
       ...present(b, { viewer: 'viewer', server: 'server', scene: 'scene', device: 'device', width: 'width' }),
       ...present(b, { height: 'height', tickHz: 'tick_hz', maxInFlight: 'max_in_flight', methods: 'methods' }),
       ...present(b, { quadratures: 'quadratures' }),
+      resume: '',
       camera: present(camera, { position: 'position', target: 'target', fovY: 'fov_y' }),
     });
   });
@@ -241,6 +242,9 @@ describe('encode', () => {
       const wish = { client, width, height, views, quality };
       expect(readMessage(bytes, { type: 'Hello', body: wish })).toEqual({ type: 'Hello', body: wish });
     }
+    const back = { client, width, height, views: 1, quality, resume: '00ff' };
+    const bytes = encodeHello({ client, width, height, quality, resume: '00ff' });
+    expect(readMessage(bytes, { type: 'Hello', body: back })).toEqual({ type: 'Hello', body: back });
   });
 
   test.each(['pose', 'pose_frusta'])('%s', (name) => {

@@ -15,6 +15,7 @@ class SlabRays : public Method {
 public:
     explicit SlabRays(const MethodContext& context) : device_(context.device), features_(context.features) {}
 
+    bool draws() const final { return false; }
     void prepare(std::span<const EyeInputs> eyes) final;
     void record(gpu::Commands& commands, std::span<const EyeInputs> eyes) final;
 
