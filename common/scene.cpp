@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "common/scene_reader.h"
+#include "common/scene_text.h"
 
 namespace brume {
 
@@ -163,17 +164,6 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     in.table("render", [&](TableReader& r) { readRender(r, out.render); });
 }
 
-std::string readText(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    if (!std::filesystem::is_regular_file(file) || !in)
-        throw SceneError(file.string() + ": cannot be read; give a scene's name or the path of a TOML file");
-    std::string text(kMostBytes + 1, '\0');
-    in.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<size_t>(in.gcount()));
-    if (text.size() > kMostBytes) throw SceneError(file.string() + ": larger than 1 MiB; a scene is a short TOML file");
-    return text;
-}
-
 // A value that is not TOML is taken for text: render.method=isv.
 toml::table parseOverride(const std::string& text) {
     const size_t equals = text.find('=');
@@ -205,8 +195,23 @@ void replace(toml::table& in, const toml::table& with) {
 
 } // namespace
 
+std::string sceneText(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    if (!std::filesystem::is_regular_file(file) || !in)
+        throw SceneError(file.string() + ": cannot be read; give a scene's name or the path of a TOML file");
+    std::string text(kMostBytes + 1, '\0');
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<size_t>(in.gcount()));
+    if (text.size() > kMostBytes) throw SceneError(file.string() + ": larger than 1 MiB; a scene is a short TOML file");
+    return text;
+}
+
 Scene loadScene(const std::filesystem::path& file, std::span<const std::string> overrides) {
-    const std::string name = file.string(), text = readText(file);
+    return sceneOf(sceneText(file), file, overrides);
+}
+
+Scene sceneOf(const std::string& text, const std::filesystem::path& file, std::span<const std::string> overrides) {
+    const std::string name = file.string();
     toml::table root;
     try {
         root = toml::parse(text, name);

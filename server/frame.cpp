@@ -44,7 +44,8 @@ struct FrameLoop::Batch {
 };
 
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options)
-    : device_(device), audience_(audience), metrics_(metrics), scene_(scene), simulation_(scene),
+    : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
+      frame_ms_(options.frame_ms), simulation_(scene),
       renderer_(device, scene, bounded(scene, simulation_.capacity(), options.memory)),
       planner_(scene_, options.costs, options.frame_ms), workers_(options.encode_threads) {
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
@@ -88,6 +89,7 @@ void FrameLoop::stop() {
 // tick    commands -> Simulation::step -> (when something is rendered) upload -> shadow maps            once, shared
 // viewer  pose -> opaque -> cull -> sort -> medium -> compose -> read back -> JPEG -> Viewer::deliver   per viewer
 void FrameLoop::run() {
+    if (ticked_) ticked_(simulation_, {});
     Clock::time_point next_tick = Clock::now();
     report(next_tick);
     audience_.ready = true;
@@ -120,6 +122,8 @@ void FrameLoop::tick() {
     if (!commands_.empty()) changed_ = replan_ = true;
     if (!commands_.empty() || !simulation_.now().paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
+    planner_.setFrameBudget(frame_ms_);
+    if (ticked_) ticked_(simulation_, commands_);
 }
 
 FrameLoop::Batch* FrameLoop::freeBatch() {

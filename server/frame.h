@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <thread>
 
 #include "server/encode/workers.h"
@@ -25,6 +26,8 @@ public:
         double frame_ms = 50;            // that a frame of all viewers may take before accuracy is given up
         uint64_t memory = 1024ull << 20; // bytes that particles may take, on the CPU and on the device together
         CostModel costs = builtInCosts();
+        // Called before the first tick and after every one, on the loop's thread, with the commands that it took.
+        std::function<void(const Simulation&, std::span<const Command>)> ticked;
     };
 
     // Throws SceneError, gpu::Error. `device`, `audience` and `metrics` outlive the loop.
@@ -35,6 +38,8 @@ public:
     // Starts the loop on a thread of its own. `on_failure` is called from it, once, when it cannot go on; see failure().
     void start(std::function<void()> on_failure);
     void stop();
+    // Options::frame_ms from the next tick on. From any thread.
+    void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
     // What ended the loop; null while all is well.
     std::exception_ptr failure() const { return failure_; }
 
@@ -56,6 +61,8 @@ private:
     Audience& audience_;
     Metrics& metrics_;
     const Scene scene_;
+    const std::function<void(const Simulation&, std::span<const Command>)> ticked_;
+    std::atomic<double> frame_ms_;
     Simulation simulation_;
     Renderer renderer_;
     Planner planner_;

@@ -1,30 +1,23 @@
 // brume-server: owns everything, starts it in order, waits for a signal or a failure, and stops it in the opposite order.
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 
-#include <spdlog/sinks/basic_file_sink.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "common/scene_text.h"
 #include "server/net/server.h"
+#include "server/operate/log.h"
+#include "server/operate/recorder.h"
+#include "server/operate/replay.h"
 #include "server/options.h"
+#include "server/reload.h"
 
 namespace {
 
 using namespace brume;
-
-void startLog(const ServerOptions& options) {
-    spdlog::sink_ptr sink;
-    if (options.log_file.empty())
-        sink = std::make_shared<spdlog::sinks::stderr_sink_mt>();
-    else
-        sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(options.log_file.string());
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>("brume", sink));
-    spdlog::set_level(spdlog::level::from_str(options.log_level));
-    spdlog::flush_on(spdlog::level::info);
-}
 
 std::string address(const net::NetOptions& options, uint16_t port) {
     const std::string host = options.listen.find(':') == std::string::npos ? options.listen : "[" + options.listen + "]";
@@ -46,7 +39,34 @@ std::string explained(const Scene& scene, const CostModel& costs) {
     return explain(makePlan(inputs, costs), inputs, costs);
 }
 
-void serve(const ServerOptions& options, const sigset_t& signals) {
+std::unique_ptr<Recorder> recorderOf(const ServerOptions& options, const Scene& scene, const gpu::Device& device) {
+    if (options.record.empty()) return nullptr;
+    const std::filesystem::path file = findScene(options.scene, options.scene_dir);
+    const RecordingHead head{scene.name, std::filesystem::absolute(file).string(), sceneText(file), sceneOverrides(options),
+                             BRUME_VERSION};
+    return std::make_unique<Recorder>(Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames},
+                                      head, scene, device);
+}
+
+// /readyz fails, all else goes on until the time is over or the frame loop fails. Another signal to end is obeyed at once.
+void drain(NetServer& network, Audience& audience, std::chrono::milliseconds time, const sigset_t& signals,
+           const std::atomic<bool>& failed) {
+    network.drain();
+    audience.ready = false;
+    if (time.count() == 0 || failed) return;
+    spdlog::info("draining for {} ms: /readyz fails, frames go on", time.count());
+    const auto deadline = Clock::now() + time;
+    for (auto left = time; left.count() > 0; left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now())) {
+        const timespec wait{left.count() / 1000, left.count() % 1000 * 1'000'000};
+        const int signal = ::sigtimedwait(&signals, nullptr, &wait);
+        if (signal == SIGHUP) spdlog::warn("no reload: the server drains");
+        if (failed) return;
+        if (signal == SIGTERM || signal == SIGINT) std::_Exit(128 + signal);
+    }
+}
+
+void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals) {
+    const ServerOptions& options = *parsed.options;
     const Scene scene = loadScene(options);
     const gpu::Device device(options.device);
     const CostModel costs = costsOf(options, device);
@@ -60,23 +80,33 @@ void serve(const ServerOptions& options, const sigset_t& signals) {
     Audience audience(facts, options.max_viewers, options.max_in_flight);
     audience.admitUpTo(options.most_frame_ms);
     Metrics metrics;
+    const std::unique_ptr<Recorder> recorder = recorderOf(options, scene, device);
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;
+    if (recorder) frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };
+    std::atomic<bool> stopping{false}, failed{false}; // outlive the loop's thread
     FrameLoop frames(scene, device, audience, metrics, frame);
     NetServer network(options.net, audience, metrics);
 
     network.start(); // a taken port ends it here, before the first frame
-    frames.start([] { ::kill(::getpid(), SIGTERM); });
+    frames.start([&] {
+        failed = true;
+        if (!stopping) ::kill(::getpid(), SIGTERM);
+    });
     if (!std::filesystem::exists(options.net.web_root / "index.html"))
         spdlog::warn("no page in '{}': run ./dev build, or name its folder with --web-root", options.net.web_root.string());
     spdlog::info("scene '{}' on {}{}", scene.name, device.name(), device.hasMeshShaders() ? ", mesh shaders" : "");
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;
-    sigwait(&signals, &signal);
+    while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, network});
+    drain(network, audience, options.drain, signals, failed);
     spdlog::info("stopping");
-    audience.ready = false;
-    network.stop(options.grace);
+    stopping = true;
+    std::signal(SIGTERM, SIG_DFL); // a second one ends the process at once
+    std::signal(SIGINT, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+    network.stop(options.grace, options.drain_to);
     frames.stop();
     if (device.validationMessages() > 0)
         throw gpu::Error("the validation layer had " + std::to_string(device.validationMessages()) + " messages");
@@ -86,20 +116,28 @@ void serve(const ServerOptions& options, const sigset_t& signals) {
 } // namespace
 
 int main(int argc, char** argv) {
-    const ParsedOptions parsed = parseServerOptions(argc, argv);
-    if (!parsed.options) return parsed.exit_code;
+    ParsedOptions parsed = parseServerOptions(argc, argv);
+    if (!parsed.options) {
+        if (!parsed.complaint.empty()) std::cerr << "brume-server: " << parsed.complaint << " (see brume-server --help)\n";
+        return parsed.exit_code;
+    }
 
     // Signals are taken by sigwait alone: blocked here, before any thread starts and inherits it.
     sigset_t signals;
     sigemptyset(&signals);
+    sigaddset(&signals, SIGHUP);
     sigaddset(&signals, SIGINT);
     sigaddset(&signals, SIGTERM);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
 
     try {
-        startLog(*parsed.options);
-        serve(*parsed.options, signals);
+        const ServerOptions& options = *parsed.options;
+        startLog(options.log_level, options.log_format, options.log_file);
+        if (options.replay.empty())
+            serve(parsed, argc, argv, signals);
+        else
+            replay({options.replay, options.frames, options.device}, std::cout);
         return 0;
     } catch (const std::exception& e) {
         std::cerr << "brume-server: " << e.what() << std::endl;

@@ -1,11 +1,15 @@
 #include "server/options.h"
 
-#include <cstdio>
+#include <algorithm>
+#include <cstdlib>
 #include <iostream>
+#include <set>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "common/scene_limits.h"
+#include "server/operate/config_file.h"
 #include "server/plan/plan.h"
 
 namespace brume {
@@ -21,6 +25,36 @@ std::filesystem::path findFolder(const char* installed, const char* in_source) {
     return in_source;
 }
 
+// What a reload changes; docs/operate.md says when each is felt.
+const std::set<std::string> kLive{"allow-origin",
+                                  "max-viewers",
+                                  "max-connections",
+                                  "max-connections-per-address",
+                                  "max-streams",
+                                  "max-snapshots",
+                                  "max-pixels",
+                                  "max-message-bytes",
+                                  "quality",
+                                  "handshake",
+                                  "idle",
+                                  "pose-rate",
+                                  "input-rate",
+                                  "message-rate",
+                                  "drain-time",
+                                  "drain-to",
+                                  "grace",
+                                  "frame-budget",
+                                  "log-level"};
+
+// Viewers are told this URL: it holds no user or password, and a header or a log line can carry it.
+std::string checkUrl(const std::string& url) {
+    const bool scheme =
+        url.starts_with("http://") || url.starts_with("https://") || url.starts_with("ws://") || url.starts_with("wss://");
+    const bool plain = std::all_of(url.begin(), url.end(), [](char c) { return c > ' ' && c < 0x7f && c != '@'; });
+    if (url.empty() || (scheme && plain && url.size() <= 1024)) return {};
+    return "allowed: a URL of http, https, ws or wss, without user and password, of 1024 characters at most";
+}
+
 CLI::Range within(const Limits& limits) { return {limits.lo, limits.hi}; }
 
 } // namespace
@@ -33,19 +67,32 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     CLI::App app{"brume-server: simulates one cloud, lights it once and renders it for every viewer."};
     app.set_version_flag("--version", "brume-server " BRUME_VERSION);
     app.option_defaults()->always_capture_default()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    const auto ms = [&](const char* name, std::chrono::milliseconds& value, const char* about) {
+    const char* config_from_environment = std::getenv("BRUME_CONFIG");
+    const std::string config = config_from_environment ? config_from_environment : "";
+    app.set_config("--config", config, "TOML file with any of these options as keys: max-viewers = 8", !config.empty())
+        ->type_name("FILE");
+    const auto reader = std::make_shared<ConfigFile>(app);
+    app.config_formatter(reader);
+    bool print_config = false;
+    app.add_flag("--print-config", print_config, "print all options as they stand as such a file, and end")->configurable(false);
+    const char* group = "Scene";
+    const auto ms = [&](const char* name, std::chrono::milliseconds& value, const char* about, uint32_t least = 1) {
         app.add_option_function<uint32_t>(
                name, [&value](uint32_t v) { value = std::chrono::milliseconds(v); }, about)
             ->default_str(std::to_string(value.count()))
-            ->check(CLI::Range(1u, 3'600'000u))
-            ->type_name("MS");
+            ->check(CLI::Range(least, 3'600'000u))
+            ->type_name("MS")
+            ->group(group);
+    };
+    const auto rate = [&](const char* name, double& value, const char* about) {
+        app.add_option(name, value, about)->check(CLI::Range(1.0, 100'000.0))->type_name("1/S")->group(group);
     };
 
-    const char* group = "Scene";
     app.add_option("--scene", o.scene, "name of a scene, or the path of a .toml file")->group(group);
     app.add_option("--scene-dir", o.scene_dir, "folder of the scenes known by name")->group(group);
     app.add_option("--set", o.overrides, "a setting instead of the scene's, as in its file: --set medium.count=5000")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->delimiter('\n')
         ->type_name("KEY=VALUE")
         ->default_str("")
         ->group(group);
@@ -66,14 +113,19 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--shadow-error", o.shadow_error, "relative error of the light that a map of such a size may make")
         ->group(group)
         ->check(within(limits::kShadowError));
-    app.add_flag("--paused", o.paused, "start with the simulation paused")->group(group);
+    bool paused = false;
+    const CLI::Option* paused_flag =
+        app.add_flag("--paused", paused, "start with the simulation paused, or not: instead of the scene's")
+            ->default_str("the scene's")
+            ->group(group);
 
     group = "Network";
     app.add_option("--listen", o.net.listen, "address; 0.0.0.0 or :: lets other machines in")->group(group);
-    app.add_option("--port", o.net.port, "0 takes a free one")->group(group);
+    app.add_option("--port", o.net.port, "0 takes a free one")->group(group)->check(CLI::Range(0, 65535));
     app.add_option("--web-root", o.net.web_root, "folder of the built page")->group(group);
     app.add_option("--allow-origin", o.net.allowed_origins, "pages of this origin may connect too; * for any")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->delimiter(',')
         ->group(group);
 
     group = "Limits";
@@ -93,6 +145,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         ->group(group)
         ->check(CLI::Range(1, 65535));
     app.add_option("--max-streams", o.net.max_streams, "MJPEG streams at a time")->group(group)->check(CLI::Range(0, 1000));
+    app.add_option("--max-snapshots", o.net.max_snapshots, "snapshots at a time")->group(group)->check(CLI::Range(0, 1000));
     app.add_option("--max-pixels", o.net.max_pixels, "of one picture; a larger wish is scaled down")
         ->group(group)
         ->check(CLI::Range(256, 8192 * 8192));
@@ -105,7 +158,17 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         ->check(CLI::Range(1, 100));
     ms("--handshake", o.net.handshake, "a connection must say what it wants within this");
     ms("--idle", o.net.idle, "a viewer that is silent for this long is closed");
-    ms("--grace", o.grace, "to end what is open when told to stop");
+    rate("--pose-rate", o.net.pose_rate, "poses of a viewer; of more the newest is shown later");
+    rate("--input-rate", o.net.input_rate, "commands of a viewer; more are refused");
+    rate("--message-rate", o.net.message_rate, "messages of a viewer; of more we read more slowly");
+
+    group = "Stop";
+    ms("--drain-time", o.drain, "told to stop: /readyz fails for so long while all else goes on", 0);
+    app.add_option("--drain-to", o.drain_to, "URL that viewers are told to go on to")
+        ->type_name("URL")
+        ->check(CLI::Validator(checkUrl, "", "URL"))
+        ->group(group);
+    ms("--grace", o.grace, "to end what is open after that");
 
     group = "Device";
     app.add_option("--device", o.device.name, "part of the Vulkan device's name; default: a GPU before a CPU driver")
@@ -132,34 +195,67 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--log-level", o.log_level, "debug | info | warn | error")
         ->group(group)
         ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+    app.add_option("--log-format", o.log_format, "text | json: a JSON object a line")
+        ->group(group)
+        ->check(CLI::IsMember({"text", "json"}));
     app.add_option("--log-file", o.log_file, "instead of standard error")->group(group);
+
+    group = "Record";
+    app.add_option("--record", o.record, "file to write the session to: its scene and every command")->group(group);
+    app.add_option("--record-limit", o.record_limit, "of that file; then the recording ends")
+        ->group(group)
+        ->check(CLI::Range(1u, 1'000'000u))
+        ->type_name("MIB");
+    app.add_option("--replay", o.replay, "recorded file to step anew, without network, checking every state; and end")
+        ->group(group);
+    app.add_option("--frames", o.frames, "ticks between pictures of the scene's own camera while recording or replaying; 0: none")
+        ->group(group)
+        ->check(CLI::Range(0, 1'000'000));
+    for (CLI::Option* option : app.get_options([](const CLI::Option* one) { return one->get_configurable(); }))
+        option->envname(environmentName(*option));
 
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& e) {
-        return {std::nullopt, app.exit(e)};
+        return {std::nullopt, app.exit(e), {}, {}};
     } catch (const CLI::ParseError& e) {
-        std::cerr << "brume-server: " << e.what() << " (see brume-server --help)\n";
-        return {std::nullopt, 2};
+        std::string complaint = reader->sourceOf(e.what()) + e.what();
+        std::replace(complaint.begin(), complaint.end(), '\n', ' ');
+        return {std::nullopt, 2, std::move(complaint), {}};
     }
     o.device.mesh_shaders = !no_mesh;
-    return {std::move(o), 0};
+    if (paused_flag->count() > 0) o.paused = paused;
+    if (print_config) {
+        std::cout << writeConfig(app) << std::flush;
+        return {std::nullopt, std::cout ? 0 : 1, {}, {}};
+    }
+    ParsedOptions parsed{std::move(o), 0, {}, {}};
+    for (const CLI::Option* option : app.get_options([](const CLI::Option* one) { return one->get_configurable(); }))
+        parsed.settings.push_back({option->get_single_name(), tomlOf(*option), kLive.contains(option->get_single_name())});
+    return parsed;
+}
+
+std::vector<std::string> sceneOverrides(const ServerOptions& o) {
+    std::vector<std::string> all = o.overrides;
+    const auto add = [&](const char* key, const auto& value) {
+        if (value) all.push_back(fmt::format("{}={}", key, *value));
+    };
+    add("render.method", o.method);
+    add("render.quadrature", o.quadrature);
+    add("render.steps", o.steps);
+    add("render.exposure", o.exposure);
+    add("render.cutoff", o.cutoff);
+    add("render.shadow_size", o.shadow_size);
+    add("render.shadow_slices", o.shadow_slices);
+    add("render.shadow_error", o.shadow_error);
+    add("simulation.paused", o.paused);
+    return all;
 }
 
 Scene loadScene(const ServerOptions& o) {
     const std::filesystem::path file = findScene(o.scene, o.scene_dir);
-    Scene scene = loadScene(file, o.overrides);
-    RenderSettings& render = scene.render;
-    if (o.method) render.method = *o.method;
-    if (o.quadrature) render.quadrature = *o.quadrature;
-    if (o.steps) render.steps = *o.steps;
-    if (o.exposure) render.exposure = *o.exposure;
-    if (o.cutoff) render.cutoff = *o.cutoff;
-    if (o.shadow_size) render.shadow_size = *o.shadow_size;
-    if (o.shadow_slices) render.shadow_slices = *o.shadow_slices;
-    if (o.shadow_error) render.shadow_error = *o.shadow_error;
-    if (o.paused) scene.simulation.paused = *o.paused;
-    const std::string wrong = checkWanted(render);
+    Scene scene = loadScene(file, sceneOverrides(o));
+    const std::string wrong = checkWanted(scene.render);
     if (!wrong.empty()) throw SceneError(file.string() + ": render: " + wrong);
     return scene;
 }

@@ -39,6 +39,12 @@ std::vector<std::shared_ptr<Connection>> Connections::occupants() {
     return all;
 }
 
+void Connections::setLimits(uint32_t max_total, uint32_t max_per_address) {
+    const std::scoped_lock lock(mutex_);
+    max_total_ = max_total;
+    max_per_address_ = max_per_address;
+}
+
 void Connections::stopAll() {
     {
         const std::scoped_lock lock(mutex_);

@@ -45,6 +45,9 @@ public:
     // Null when there is no room, for all or for this address. Places must not outlive this object.
     std::unique_ptr<Place> take(const std::string& address);
 
+    // For those to come: what is open stays.
+    void setLimits(uint32_t max_total, uint32_t max_per_address);
+
     void stopAll();
     void killAll();
     // True when none is left before the deadline.
@@ -53,8 +56,8 @@ public:
 private:
     std::vector<std::shared_ptr<Connection>> occupants();
 
-    const uint32_t max_total_, max_per_address_;
     std::mutex mutex_;
+    uint32_t max_total_, max_per_address_;
     std::condition_variable emptied_;
     std::set<Place*> places_;
     std::map<std::string, uint32_t> per_address_;

@@ -11,14 +11,33 @@
 
 namespace brume::net {
 
+// One for the server.
+struct House {
+    Audience& audience;
+    Metrics& metrics;
+    Pages pages;
+    Connections connections;
+    std::atomic<bool> draining{false}; // /readyz fails, all else goes on
+    std::atomic<bool> stopping{false};
+    std::string go_to;                              // where viewers are sent; written before `stopping`, read after
+    std::atomic<uint32_t> streams{0}, snapshots{0}; // open now
+};
+
+// One for every set of options that the server has had: a connection keeps those that held when it was accepted.
 struct Context {
+    Context(NetOptions with, House& house)
+        : options(std::move(with)), audience(house.audience), metrics(house.metrics), pages(house.pages),
+          connections(house.connections), go_to(house.go_to), draining(house.draining), stopping(house.stopping),
+          streams(house.streams), snapshots(house.snapshots) {}
+
     const NetOptions options;
     Audience& audience;
     Metrics& metrics;
-    Pages pages{options.web_root};
-    Connections connections{options.max_connections, options.max_connections_per_address};
-    std::atomic<bool> stopping{false};
-    std::atomic<uint32_t> streams{0}, snapshots{0}; // open now
+    Pages& pages;
+    Connections& connections;
+    const std::string& go_to;
+    const std::atomic<bool>&draining, &stopping;
+    std::atomic<uint32_t>&streams, &snapshots;
 };
 
 } // namespace brume::net

@@ -179,6 +179,8 @@ Reply HttpConnection::health(std::string_view path) const {
         reply.body = context_.metrics.text(context_.audience);
     } else if (context_.stopping)
         reply = lineReply(503, "not ready: the server stops");
+    else if (context_.draining)
+        reply = lineReply(503, "not ready: the server drains and will stop");
     else if (!context_.audience.ready)
         reply = lineReply(503, "not ready: no frame can be rendered yet");
     else

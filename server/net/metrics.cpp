@@ -1,13 +1,19 @@
 #include "server/net/metrics.h"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
+#include <mutex>
 
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace brume {
@@ -25,7 +31,7 @@ pm::MetricFamily gauge(const char* name, const char* help, double value) {
     return {name, help, pm::MetricType::Gauge, {metric}};
 }
 
-// The two of the process that every exporter has, under the names that dashboards know.
+// Of the process, as every exporter has them, under the names that dashboards know.
 pm::MetricFamily processCpu() {
     timespec spent{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &spent);
@@ -39,6 +45,72 @@ pm::MetricFamily processMemory() {
     std::ifstream("/proc/self/statm") >> all_pages >> resident_pages;
     return gauge("process_resident_memory_bytes", "Memory that is in RAM.", resident_pages * double(::sysconf(_SC_PAGESIZE)));
 }
+
+pm::MetricFamily openDescriptors() {
+    std::error_code error; // none can be opened to count them: as many as there may be
+    const auto listed = std::filesystem::directory_iterator("/proc/self/fd", error);
+    rlimit most{};
+    ::getrlimit(RLIMIT_NOFILE, &most);
+    const double count =
+        error ? double(most.rlim_cur) : double(std::distance(begin(listed), end(listed)) - 1); // without the list's own
+    return gauge("process_open_fds", "Open file descriptors.", count);
+}
+
+pm::MetricFamily mostDescriptors() {
+    rlimit most{};
+    ::getrlimit(RLIMIT_NOFILE, &most);
+    return gauge("process_max_fds", "File descriptors that may be open.", double(most.rlim_cur));
+}
+
+pm::MetricFamily buildInfo() {
+    pm::MetricFamily family = gauge("brume_build_info", "1; what the program was built of.", 1);
+#ifdef NDEBUG
+    const char* assertions = "off";
+#else
+    const char* assertions = "on";
+#endif
+#ifdef __clang__
+    const char* compiler = "clang " __clang_version__;
+#else
+    const char* compiler = "gcc " __VERSION__;
+#endif
+    family.metric[0].label = {{"version", BRUME_VERSION}, {"compiler", compiler}, {"assertions", assertions}};
+    return family;
+}
+
+// How much of the last seconds the device was busy, from what batches report when they are done.
+class Busy {
+public:
+    static constexpr int64_t kSeconds = 10; // whole ones, before the present
+
+    void add(double ms) {
+        const std::scoped_lock lock(mutex_);
+        const int64_t now = second();
+        Slot& slot = slots_[size_t(now) % slots_.size()];
+        if (slot.second != now) slot = {now, 0};
+        slot.ms += ms;
+    }
+    double ratio() const {
+        const std::scoped_lock lock(mutex_);
+        const int64_t now = second();
+        double ms = 0;
+        for (const Slot& slot : slots_)
+            if (slot.second < now && slot.second >= now - kSeconds) ms += slot.ms;
+        return ms / (1e3 * double(kSeconds));
+    }
+
+private:
+    static int64_t second() {
+        using namespace std::chrono;
+        return duration_cast<seconds>(steady_clock::now().time_since_epoch()).count();
+    }
+    struct Slot {
+        int64_t second = -kSeconds - 1;
+        double ms = 0;
+    };
+    mutable std::mutex mutex_;
+    std::array<Slot, kSeconds + 1> slots_;
+};
 
 pm::MetricFamily passGauges(const SceneReport& report) {
     pm::MetricFamily family{"brume_pass_seconds", "GPU time of each pass, smoothed.", pm::MetricType::Gauge, {}};
@@ -97,6 +169,7 @@ struct Metrics::Families {
         pm::BuildCounter().Name("brume_refused_total").Help("Messages and connections refused, by reason.").Register(registry);
     pm::Family<pm::Counter>& requests =
         pm::BuildCounter().Name("brume_http_requests_total").Help("HTTP requests by route and status.").Register(registry);
+    Busy busy;
     pm::Gauge& connections =
         pm::BuildGauge().Name("brume_connections").Help("Open connections of any kind.").Register(registry).Add({});
 };
@@ -110,6 +183,7 @@ void Metrics::drawn(double shared_ms, double views_ms) {
     families_->batches.Increment();
     families_->shared_passes.Increment(shared_ms * 1e-3);
     families_->view_passes.Increment(views_ms * 1e-3);
+    families_->busy.add(shared_ms + views_ms);
 }
 
 void Metrics::rendered(const EncodedFrame& frame) {
@@ -161,9 +235,14 @@ std::string Metrics::text(const Audience& audience) const {
     all.push_back(
         gauge("brume_plan_relaxed", "Steps of accuracy given up under overload; 0 when there is none.", report->plan.relaxed));
     all.push_back(gauge("brume_ready", "1 when frames can be had.", audience.ready ? 1 : 0));
+    all.push_back(gauge("brume_device_busy_ratio", "Part of the last ten seconds in which the device drew; 1: all of them.",
+                        families_->busy.ratio()));
     all.push_back(passGauges(*report));
+    all.push_back(buildInfo());
     all.push_back(processCpu());
     all.push_back(processMemory());
+    all.push_back(openDescriptors());
+    all.push_back(mostDescriptors());
     return pm::TextSerializer().Serialize(all);
 }
 

@@ -81,8 +81,11 @@ wire::Packed packError(wire::ErrorCode code, std::string_view text, uint32_t inp
     return wire::pack([&](Builder& b) { return wire::CreateError(b, code, packText(b, text), input_seq); });
 }
 
-wire::Packed packGoodbye(std::string_view reason, float retry_after_s) {
-    return wire::pack([&](Builder& b) { return wire::CreateGoodbye(b, packText(b, reason), retry_after_s); });
+wire::Packed packGoodbye(std::string_view reason, float retry_after_s, std::string_view go_to) {
+    return wire::pack([&](Builder& b) {
+        const auto text = packText(b, reason);
+        return wire::CreateGoodbye(b, text, retry_after_s, go_to.empty() ? 0 : packText(b, go_to));
+    });
 }
 
 wire::Packed packPing(uint32_t nonce, uint64_t time_us) {

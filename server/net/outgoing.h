@@ -13,7 +13,8 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers);
 // All of a frame's message but its JPEG bytes, which follow. `queue_ms`: JPEG ready -> now.
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms);
 wire::Packed packError(wire::ErrorCode code, std::string_view text, uint32_t input_seq);
-wire::Packed packGoodbye(std::string_view reason, float retry_after_s);
+// `go_to`: a URL, or empty.
+wire::Packed packGoodbye(std::string_view reason, float retry_after_s, std::string_view go_to = {});
 wire::Packed packPing(uint32_t nonce, uint64_t time_us);
 wire::Packed packPong(uint32_t nonce, uint64_t time_us);
 

@@ -1,5 +1,6 @@
 #include "server/net/server.h"
 
+#include <deque>
 #include <stdexcept>
 #include <thread>
 
@@ -43,13 +44,21 @@ std::runtime_error cannotListen(const NetOptions& options, const error_code& err
 } // namespace
 
 struct NetServer::State {
-    State(NetOptions options, Audience& audience, Metrics& metrics) : context{std::move(options), audience, metrics} {}
+    State(NetOptions options, Audience& audience, Metrics& metrics)
+        : house{audience, metrics, Pages{options.web_root}, {options.max_connections, options.max_connections_per_address}} {
+        add(std::move(options));
+    }
+
+    void add(NetOptions options) { newest = &contexts.emplace_back(std::move(options), house); }
+    const NetOptions& options() const { return newest.load()->options; }
 
     asio::awaitable<void> accept();
     void welcome(tcp::socket socket);
 
-    Context context;
-    // Dies before the context: coroutines that never ended are destroyed with it and give their places back.
+    House house;
+    std::deque<Context> contexts; // each stays where it is to the end, for connections that have it: some 300 bytes a reload
+    std::atomic<Context*> newest;
+    // Dies before the contexts: coroutines that never ended are destroyed with it and give their places back.
     asio::io_context io;
     tcp::acceptor acceptor{asio::make_strand(io)};
     std::vector<std::thread> threads;
@@ -59,7 +68,7 @@ asio::awaitable<void> NetServer::State::accept() {
     asio::steady_timer pause(acceptor.get_executor());
     for (;;) {
         auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kToken);
-        if (context.stopping || error == asio::error::operation_aborted) co_return;
+        if (house.stopping || error == asio::error::operation_aborted) co_return;
         if (error) { // out of descriptors, most likely: what is open may end
             spdlog::warn("cannot accept a connection: {}", error.message());
             pause.expires_after(std::chrono::milliseconds(100));
@@ -71,6 +80,7 @@ asio::awaitable<void> NetServer::State::accept() {
 }
 
 void NetServer::State::welcome(tcp::socket socket) {
+    Context& context = *newest.load();
     error_code error;
     const auto remote = socket.remote_endpoint(error);
     if (error) return; // gone already
@@ -99,7 +109,7 @@ NetServer::~NetServer() { stop(std::chrono::milliseconds(0)); }
 
 void NetServer::start() {
     State& s = *state_;
-    const NetOptions& options = s.context.options;
+    const NetOptions& options = s.options();
     error_code error;
     const auto found = tcp::resolver(s.io).resolve(options.listen, std::to_string(options.port), tcp::resolver::passive, error);
     if (error) throw cannotListen(options, error);
@@ -116,17 +126,31 @@ void NetServer::start() {
 
 uint16_t NetServer::port() const { return state_->acceptor.local_endpoint().port(); }
 
-void NetServer::stop(std::chrono::milliseconds grace) {
+void NetServer::setOptions(NetOptions options) {
+    State& s = *state_;
+    const NetOptions& old = s.options();
+    options.listen = old.listen;
+    options.port = old.port;
+    options.web_root = old.web_root;
+    options.threads = old.threads;
+    s.house.connections.setLimits(options.max_connections, options.max_connections_per_address);
+    s.add(std::move(options));
+}
+
+void NetServer::drain() { state_->house.draining = true; }
+
+void NetServer::stop(std::chrono::milliseconds grace, std::string go_to) {
     State& s = *state_;
     if (s.threads.empty()) return;
     const auto deadline = std::chrono::steady_clock::now() + grace;
-    s.context.stopping = true;
+    s.house.go_to = std::move(go_to);
+    s.house.stopping = true;
     asio::post(s.acceptor.get_executor(), [&s] { s.acceptor.close(); });
-    s.context.connections.stopAll();
-    if (!s.context.connections.waitUntilEmpty(deadline)) {
-        s.context.connections.killAll();
+    s.house.connections.stopAll();
+    if (!s.house.connections.waitUntilEmpty(deadline)) {
+        s.house.connections.killAll();
         // Cut sockets end their coroutines at once; what does not is destroyed with the io_context.
-        s.context.connections.waitUntilEmpty(std::chrono::steady_clock::now() + std::chrono::seconds(1));
+        s.house.connections.waitUntilEmpty(std::chrono::steady_clock::now() + std::chrono::seconds(1));
     }
     s.io.stop();
     for (std::thread& thread : s.threads) thread.join();

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <memory>
+#include <string>
 
 #include "server/net/metrics.h"
 #include "server/net/options.h"
@@ -21,8 +22,14 @@ public:
     void start();
     // The port in use, after start().
     uint16_t port() const;
-    // Accepts no more, tells every viewer goodbye, and waits for the connections to end; after `grace` they are cut. Once.
-    void stop(std::chrono::milliseconds grace);
+    // For the connections to come, while it serves: all but where it listens, its threads and the page's folder. From the thread
+    // that called start().
+    void setOptions(net::NetOptions options);
+    // /readyz fails from now on; all else goes on.
+    void drain();
+    // Accepts no more, tells every viewer goodbye and, unless it is empty, the URL `go_to`, and waits for the connections to end;
+    // after `grace` they are cut. Once.
+    void stop(std::chrono::milliseconds grace, std::string go_to = {});
 
 private:
     struct State;

@@ -307,7 +307,7 @@ void WebSocketSession::push(Push&& command) {
 // The place in the house is free at once; the connection ends when the viewer has heard us out.
 void WebSocketSession::close(uint16_t code, std::string_view reason, float retry_after_s) {
     if (closing_ || ended_) return;
-    enqueue(packGoodbye(reason, retry_after_s));
+    enqueue(packGoodbye(reason, retry_after_s, context_.stopping ? context_.go_to : ""));
     leave(reason);
     closing_ = websocket::close_reason(websocket::close_code(code), beast::string_view(reason.data(), reason.size()));
     bell_->ring();

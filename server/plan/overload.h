@@ -13,6 +13,8 @@ public:
     // `budget_ms`: that a frame of all viewers may take.
     explicit Overload(double budget_ms) : budget_ms_(budget_ms) {}
 
+    void setBudget(double budget_ms) { budget_ms_ = budget_ms; }
+
     // A frame took `ms` at the present level. `restored`: what it would take one level lower over what it takes, predicted, >= 1.
     // True when the level changed: by one, up after frames of a second that were all too long, down after five seconds in which
     // all would have been short enough one level lower, by a fifth. A pause of more than a second starts anew.

@@ -34,6 +34,7 @@ public:
 
     // A frame with these settings took so long. Says each change in the log.
     void took(double ms, Time now);
+    void setFrameBudget(double ms) { overload_.setBudget(ms); }
 
     const Plan& plan() const { return plan_; }
     const CostModel& model() const { return model_; }

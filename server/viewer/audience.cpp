@@ -38,6 +38,11 @@ Audience::Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_fligh
     : facts_(std::move(facts)), max_viewers_(max_viewers), max_in_flight_(std::max(max_in_flight, 1u)),
       report_(std::make_shared<SceneReport>()) {}
 
+void Audience::setMaxViewers(uint32_t max_viewers) {
+    const std::scoped_lock lock(mutex_);
+    max_viewers_ = max_viewers;
+}
+
 std::shared_ptr<Viewer> Audience::join(std::function<void()> notify, uint32_t max_in_flight, const std::string& key) {
     const std::scoped_lock lock(mutex_);
     if (viewers_.size() >= max_viewers_ || !hasTime()) return nullptr;

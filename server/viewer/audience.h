@@ -49,6 +49,8 @@ public:
 
     const SceneFacts& facts() const { return facts_; }
 
+    // Who is in stays in.
+    void setMaxViewers(uint32_t max_viewers);
     uint32_t maxInFlight() const { return max_in_flight_; }
 
     // Null when the house is full. A viewer may ask for a smaller window than the house's; 0 takes that. With the key of one

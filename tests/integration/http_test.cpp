@@ -1,6 +1,8 @@
 // What the one port serves besides the WebSocket.
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -111,6 +113,19 @@ TEST_F(Http, MetricsTimeTheDeviceAndTheProcess) {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
     EXPECT_LE(value(cpu) - cpu_before, passed.count() * std::thread::hardware_concurrency() + 0.1);
     EXPECT_GT(value("process_resident_memory_bytes"), 1e6);
+    {
+        std::vector<std::unique_ptr<HttpConnection>> open;
+        for (int i = 0; i < 20; ++i) open.push_back(std::make_unique<HttpConnection>(port()));
+        EXPECT_GT(value("process_open_fds"), 20 + 3); // with the listener, the log and standard output
+    }
+    EXPECT_LT(value("process_open_fds"), value("process_max_fds"));
+    // The second in which frames were drawn counts as soon as it is over. Passes of one queue do not overlap; a batch that began
+    // before these ten seconds counts whole.
+    const std::string busy = "brume_device_busy_ratio";
+    while (value(busy) <= 0 && std::chrono::steady_clock::now() < begin + kPatience)
+        std::this_thread::sleep_for(milliseconds(50));
+    EXPECT_GT(value(busy), 0);
+    EXPECT_LE(value(busy), 1.1);
     // Counted by batches and counted by frames, device time of views is the same once the last frame is encoded.
     const auto deadline = begin + kPatience;
     while (std::abs(value(views) / value(of_frames) - 1) > 1e-5 && std::chrono::steady_clock::now() < deadline)

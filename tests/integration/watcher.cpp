@@ -39,6 +39,7 @@ void Watcher::poll(milliseconds timeout) {
             errors.push_back({error->code(), error->text() ? error->text()->str() : "", error->input_seq()});
         } else if (const auto* bye = message->as<wire::Goodbye>()) {
             goodbye = bye->reason() ? bye->reason()->str() : "";
+            if (bye->go_to()) go_to = bye->go_to()->str();
         }
     }
 }

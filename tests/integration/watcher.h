@@ -49,7 +49,7 @@ public:
     std::optional<bool> paused;          // of the newest state
     uint64_t state_tick = 0;             // of the newest state
     std::optional<uint32_t> viewers;     // of the newest state
-    std::optional<std::string> goodbye;
+    std::optional<std::string> goodbye, go_to;
 
     // The newest frame. Throws when there is none.
     const Seen& last() const { return frames.at(frames.size() - 1); }

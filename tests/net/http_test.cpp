@@ -125,7 +125,8 @@ TEST_F(HttpTest, HealthReadinessAndMetrics) {
           "brume_http_requests_total{route=\"readyz\",status=\"503\"} 1", "brume_ready 1", "brume_particles 500",
           "# TYPE brume_stage_seconds histogram", "brume_stage_seconds_bucket{stage=\"encode\",le=\"0.004\"}",
           "brume_frames_total{fate=\"rendered\"}", "brume_frames_total{fate=\"superseded\"} 0", "brume_tick_seconds_count",
-          "# TYPE process_cpu_seconds_total counter", "process_resident_memory_bytes "})
+          "# TYPE process_cpu_seconds_total counter", "process_resident_memory_bytes ", "process_open_fds ", "process_max_fds ",
+          "brume_device_busy_ratio 0", "brume_build_info{version=\"" BRUME_VERSION "\","})
         EXPECT_NE(answer.body.find(std::string("\n") + line), std::string::npos) << line << " in\n" << answer.body;
 }
 

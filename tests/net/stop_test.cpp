@@ -61,6 +61,56 @@ TEST_F(StopTest, EveryoneIsToldGoodbye) {
     EXPECT_THROW(Socket again(port), std::runtime_error) << "the port is free";
 }
 
+TEST_F(StopTest, ADrainFailsReadyzAndNothingElseAndTheGoodbyeSaysWhereToGo) {
+    const uint16_t port = serve();
+    const auto viewer = watch();
+    viewer->pose(1);
+    ASSERT_TRUE(viewer->next<wire::Frame>());
+    EXPECT_EQ(get(port, "/readyz").status, 200);
+    server->drain();
+    const auto answer = get(port, "/readyz");
+    EXPECT_EQ(answer.status, 503);
+    EXPECT_NE(answer.body.find("drains"), std::string::npos) << answer.body;
+    EXPECT_EQ(get(port, "/healthz").status, 200);
+    viewer->ack(1);
+    viewer->pose(2);
+    EXPECT_TRUE(viewer->next<wire::Frame>());
+    EXPECT_TRUE(watch()) << "who comes is served";
+
+    std::thread stopper([&] { server->stop(5s, "wss://next.example"); });
+    const auto goodbye = viewer->next<wire::Goodbye>();
+    EXPECT_TRUE(goodbye);
+    if (goodbye) {
+        const auto* message = goodbye->parsed->as<wire::Goodbye>();
+        EXPECT_TRUE(message->go_to() && message->go_to()->str() == "wss://next.example");
+    }
+    EXPECT_EQ(viewer->closeCode(), 1001);
+    stopper.join();
+}
+
+TEST_F(StopTest, NewOptionsHoldForNewConnections) {
+    const uint16_t port = serve();
+    const auto ask = [](Socket& socket) {
+        socket.send("GET /snapshot.jpg HTTP/1.1\r\nHost: x\r\n\r\n");
+        return readAnswer(socket).status;
+    };
+    Socket old(port);
+    EXPECT_EQ(ask(old), 200);
+    net::NetOptions changed = options;
+    changed.max_snapshots = 0;
+    changed.port = 1; // which stays as it is
+    server->setOptions(changed);
+    EXPECT_EQ(server->port(), port);
+    EXPECT_EQ(ask(old), 200);
+    Socket young(port);
+    EXPECT_EQ(ask(young), 503);
+    changed.max_connections = 2;
+    server->setOptions(changed);
+    Socket refused(port);
+    EXPECT_EQ(ask(refused), 503);
+    EXPECT_EQ(ask(old), 200) << "who is in stays in";
+}
+
 TEST_F(StopTest, WhoDoesNotListenIsCutAtTheDeadline) {
     const uint16_t port = serve();
     renderer->jpeg_bytes = 2 << 20;
@@ -104,8 +154,15 @@ TEST_F(StopTest, ManyComeAndGoWhileItStops) {
                 }
             }
         });
-    std::this_thread::sleep_for(300ms);
-    server->stop(1s);
+    for (int i = 0; i < 30; ++i) { // and while its options change
+        std::this_thread::sleep_for(10ms);
+        net::NetOptions changed = options;
+        changed.max_connections = 100 + uint32_t(i);
+        changed.pose_rate = 100 + i;
+        changed.allowed_origins = {"https://" + std::to_string(i) + ".example"};
+        server->setOptions(changed);
+    }
+    server->stop(1s, "https://next.example");
     done = true;
     for (auto& visitor : crowd) visitor.join();
     EXPECT_EQ(audience->size(), 0u);

@@ -317,6 +317,15 @@ TEST(OverloadLevel, RisesAfterASecondAndFallsAfterFiveOfSpareTime) {
     EXPECT_EQ(overload.level(), 0u);
 }
 
+TEST(OverloadLevel, ANewBudgetHoldsAtOnce) {
+    Overload overload(33);
+    Overload::Time now{std::chrono::hours(1)};
+    overload.setBudget(100);
+    EXPECT_EQ(feed(overload, now, 40, 1, 10), 0);
+    overload.setBudget(20);
+    EXPECT_GT(feed(overload, now, 40, 1, 2.2), 0);
+}
+
 TEST(OverloadLevel, APauseBetweenFramesIsNoOverload) {
     Overload overload(33);
     Overload::Time now{std::chrono::hours(1)};

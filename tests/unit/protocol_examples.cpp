@@ -139,7 +139,11 @@ Json of(const Input& m) {
 Json of(const Ack& m) { return Json::object({{"frame", m.frame()}}); }
 Json of(const Ping& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}); }
 Json of(const Pong& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}); }
-Json of(const Goodbye& m) { return Json::object({{"reason", text(m.reason())}, {"retry_after_s", m.retry_after_s()}}); }
+Json of(const Goodbye& m) {
+    Json out = Json::object({{"reason", text(m.reason())}, {"retry_after_s", m.retry_after_s()}});
+    if (m.go_to()) out["go_to"] = text(m.go_to()); // younger than the first examples
+    return out;
+}
 
 Json of(const Welcome& m) {
     return Json::object(
@@ -259,6 +263,8 @@ std::vector<Example> makeExamples() {
     all.push_back(example("ping", [](Builder& b) { return CreatePing(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("pong", [](Builder& b) { return CreatePong(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("goodbye", [](Builder& b) { return CreateGoodbyeDirect(b, "the server stops", 2.5f); }));
+    all.push_back(example("goodbye_go_to",
+                          [](Builder& b) { return CreateGoodbyeDirect(b, "the server stops", 2, "wss://next.example/ws"); }));
     all.push_back(example("welcome", [&](Builder& b) {
         const std::vector<flatbuffers::Offset<flatbuffers::String>> methods{b.CreateString("sphere"), b.CreateString("isv")};
         const std::vector<flatbuffers::Offset<flatbuffers::String>> quadratures{b.CreateString("simpson")};

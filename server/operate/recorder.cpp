@@ -1,0 +1,60 @@
+#include "server/operate/recorder.h"
+
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+namespace brume {
+namespace {
+
+constexpr uint64_t kHashEvery = 60; // ticks: a replay that goes astray is noticed within a second of the session
+
+} // namespace
+
+Recorder::Recorder(const Options& options, const RecordingHead& head, const Scene& scene, const gpu::Device& device)
+    : options_(options), scene_(scene), device_(device),
+      out_(std::make_unique<RecordingWriter>(options.file, head, options.most_bytes)) {
+    spdlog::info("recording to '{}', {} MiB at most", options.file.string(), options.most_bytes >> 20);
+}
+
+Recorder::~Recorder() { end("stopped"); }
+
+void Recorder::ticked(const Simulation& simulation, std::span<const Command> commands) {
+    if (!out_) return;
+    const RecordedTick before = std::exchange(last_, {simulation.tick(), simulation.stateHash(), {}, {}, {}});
+    if (options_.frames > 0 && !pictures_) pictures_ = std::make_unique<OwnFrames>(device_, scene_, simulation.capacity());
+    const bool picture = options_.frames > 0 && last_.tick > 0 && last_.tick % options_.frames == 0;
+    if (commands.empty() && !picture && last_.tick % kHashEvery != 0) return;
+    RecordedTick record = last_;
+    record.commands.assign(commands.begin(), commands.end());
+    if (picture) record.frame = pictures_->hash(simulation);
+    if (!write(record)) {
+        spdlog::warn("the recording is full and ends at tick {}", before.tick);
+        last_ = before; // the state of this tick cannot be had without its commands
+        end("full");
+    } else if (picture) {
+        spdlog::info("tick {} frame {}", record.tick, hexOf(*record.frame));
+    }
+}
+
+// False when it is full.
+bool Recorder::write(const RecordedTick& tick) {
+    try {
+        return out_->write(tick);
+    } catch (const std::exception& e) {
+        spdlog::error("the recording ends at tick {}: {}", tick.tick, e.what());
+        out_.reset();
+        return true;
+    }
+}
+
+void Recorder::end(const char* why) {
+    if (!out_) return;
+    if (last_.tick > 0) {
+        last_.end = why;
+        write(last_);
+    }
+    out_.reset();
+}
+
+} // namespace brume

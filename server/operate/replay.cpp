@@ -1,0 +1,74 @@
+#include "server/operate/replay.h"
+
+#include <ostream>
+
+#include <fmt/format.h>
+
+#include "common/scene_text.h"
+#include "server/operate/own_frames.h"
+#include "server/operate/recording.h"
+
+namespace brume {
+namespace {
+
+class Replay {
+public:
+    Replay(const ReplayOptions& options, std::ostream& out)
+        : options_(options), out_(out), recording_(options.file),
+          scene_(sceneOf(recording_.head().text, recording_.head().file, recording_.head().overrides)), simulation_(scene_) {
+        if (options.frames == 0) return;
+        device_ = std::make_unique<gpu::Device>(options.device);
+        pictures_ = std::make_unique<OwnFrames>(*device_, scene_, simulation_.capacity());
+        out_ << fmt::format("pictures of scene '{}' by {}, {}\n", scene_.name, device_->name(), device_->driver());
+    }
+
+    void run() {
+        RecordedTick last;
+        while (const auto record = recording_.next()) {
+            while (simulation_.tick() + 1 < record->tick) step({});
+            if (simulation_.tick() < record->tick) step(record->commands);
+            if (simulation_.stateHash() != record->state_hash)
+                differ("state", simulation_.stateHash(), record->state_hash, last.tick);
+            if (record->frame && picture_ && *picture_ != *record->frame) differ("frame", *picture_, *record->frame, last.tick);
+            ++states_;
+            frames_ += record->frame && picture_;
+            last = *record;
+        }
+        if (recording_.cut()) out_ << fmt::format("{}: its last line is incomplete and left out\n", options_.file.string());
+        out_ << fmt::format("replayed {} ticks with {} commands: {} states{} as recorded; {}\n", simulation_.tick(), commands_,
+                            states_, frames_ > 0 ? fmt::format(" and {} frames", frames_) : "",
+                            last.end.empty() ? "the server was killed or still records" : "the recording ended: " + last.end);
+    }
+
+private:
+    void step(const std::vector<Command>& commands) {
+        simulation_.step(commands);
+        commands_ += commands.size();
+        picture_.reset();
+        if (!pictures_ || simulation_.tick() % options_.frames != 0) return;
+        picture_ = pictures_->hash(simulation_);
+        out_ << fmt::format("tick {} frame {}\n", simulation_.tick(), hexOf(*picture_));
+    }
+
+    [[noreturn]] void differ(const char* what, uint64_t here, uint64_t recorded, uint64_t before) const {
+        out_.flush();
+        throw RecordingError(fmt::format("{}: the first difference is at tick {}: {} {}, recorded {}; tick {} was as recorded",
+                                         options_.file.string(), simulation_.tick(), what, hexOf(here), hexOf(recorded), before));
+    }
+
+    const ReplayOptions options_;
+    std::ostream& out_;
+    RecordingReader recording_;
+    const Scene scene_;
+    Simulation simulation_;
+    std::unique_ptr<gpu::Device> device_;
+    std::unique_ptr<OwnFrames> pictures_;
+    std::optional<uint64_t> picture_; // of the present tick
+    uint64_t commands_ = 0, states_ = 0, frames_ = 0;
+};
+
+} // namespace
+
+void replay(const ReplayOptions& options, std::ostream& out) { Replay(options, out).run(); }
+
+} // namespace brume

@@ -1,0 +1,242 @@
+// Recordings: what is written is read, bit for bit, and what is not as it was written is refused in one line.
+#include "server/operate/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "common/scene_text.h"
+#include "server/operate/command_json.h"
+#include "server/operate/replay.h"
+#include "server/sim/simulation.h"
+
+namespace brume {
+namespace {
+
+constexpr char kScene[] = "name = 'three'\n[medium]\ncount = 3\n";
+
+class RecordingTest : public testing::Test {
+protected:
+    const std::filesystem::path file = std::filesystem::temp_directory_path() / ("brume-recording-" + std::to_string(getpid()));
+
+    void TearDown() override {
+        std::filesystem::remove(file);
+        std::filesystem::remove(file.string() + ".old");
+    }
+
+    static RecordingHead head() {
+        return {"three", "/nowhere/three.toml", kScene, {"medium.seed=7", "render.method=slabs"}, "test"};
+    }
+
+    std::string bytes() const {
+        std::ifstream in(file, std::ios::binary);
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+    void put(const std::string& text) const { std::ofstream(file, std::ios::binary) << text; }
+
+    // A whole session of the scene in head(), as a server records it.
+    void record() const {
+        Simulation simulation(sceneOf(kScene, head().file, head().overrides));
+        RecordingWriter out(file, head());
+        EXPECT_TRUE(out.write({0, simulation.stateHash(), {}, {}, {}}));
+        for (uint64_t tick = 1; tick <= 10; ++tick) {
+            std::vector<Command> commands;
+            if (tick == 4)
+                commands = {{1, 1, Impulse{{0, 0, 9}, {0, 0, -1}, {0, 0, 0}, 2.5f}}, {2, 1, SetMedium{.extinction = 0.1f}}};
+            simulation.step(commands);
+            if (!commands.empty()) {
+                EXPECT_TRUE(out.write({tick, simulation.stateHash(), commands, {}, {}}));
+            }
+        }
+        EXPECT_TRUE(out.write({10, simulation.stateHash(), {}, {}, "stopped"}));
+    }
+
+    std::string readError() const {
+        try {
+            RecordingReader in(file);
+            while (in.next()) {
+            }
+        } catch (const RecordingError& e) {
+            return e.what();
+        }
+        return "read";
+    }
+    std::string replayed() const {
+        std::ostringstream out;
+        try {
+            replay({file, 0, {}}, out);
+        } catch (const std::exception& e) {
+            return e.what();
+        }
+        return out.str();
+    }
+};
+
+TEST(CommandJson, EveryCommandComesBackBitForBit) {
+    const float tiny = std::numeric_limits<float>::denorm_min(), third = 1.0f / 3, huge = -std::numeric_limits<float>::max();
+    const std::vector<CommandBody> bodies{
+        Impulse{{tiny, third, huge}, {-0.0f, 0.1f, 16777217.0f}, {1e-38f, 3, -3}, -9.999999f},
+        MoveVolume{{third, -third, 0}},
+        SetLight{},
+        SetLight{.to_light = glm::vec3(0, 1, 0), .irradiance = glm::vec3(10, third, 0), .rotate = -0.25f},
+        SetMedium{.falloff = third},
+        SetMedium{.extinction = 1, .falloff = 2, .anisotropy = 0.5f, .asymmetry = -0.5f, .albedo = glm::vec3(0.1f, 0.2f, 0.3f)},
+        SetRender{.method = "isv \"x\"\n", .quadrature = "simpson", .steps = 10, .exposure = third},
+        SetRender{},
+        SetSimulation{true},
+        SetSimulation{},
+        Restart{}};
+    for (const CommandBody& body : bodies) {
+        const Command command{4'000'000'000u, 7, body};
+        const std::string text = toJson(command).dump();
+        const Command back = commandOf(nlohmann::json::parse(text));
+        EXPECT_EQ(back.viewer, command.viewer);
+        EXPECT_EQ(back.seq, command.seq);
+        ASSERT_EQ(back.body.index(), body.index()) << text;
+        EXPECT_EQ(toJson(back).dump(), text);
+    }
+    const auto& impulse = std::get<Impulse>(commandOf(toJson({1, 2, bodies[0]})).body);
+    EXPECT_EQ(impulse.origin, std::get<Impulse>(bodies[0]).origin);
+    EXPECT_TRUE(std::signbit(impulse.direction.x));
+}
+
+TEST(CommandJson, WhatIsNotACommandIsRefused) {
+    for (const char* text :
+         {"{}", "[]", "3", R"({"viewer":1,"seq":2})", R"({"viewer":1,"seq":2,"explode":{}})",
+          R"({"viewer":-1,"seq":"x","restart":{}})", R"({"viewer":1,"seq":2,"impulse":{}})",
+          R"({"viewer":1,"seq":2,"move_volume":{"offset":[1,2]}})", R"({"viewer":1,"seq":2,"restart":{"more":1}})",
+          R"({"viewer":1,"seq":2,"set_medium":{"falloff":"x"}})"})
+        EXPECT_ANY_THROW(commandOf(nlohmann::json::parse(text))) << text;
+}
+
+TEST_F(RecordingTest, ReadsWhatWasWrittenAndReplaysIt) {
+    record();
+    RecordingReader in(file);
+    EXPECT_EQ(in.head().text, kScene);
+    EXPECT_EQ(in.head().overrides, head().overrides);
+    EXPECT_EQ(in.next()->tick, 0u);
+    const auto four = in.next();
+    ASSERT_TRUE(four);
+    EXPECT_EQ(four->tick, 4u);
+    ASSERT_EQ(four->commands.size(), 2u);
+    EXPECT_EQ(std::get<SetMedium>(four->commands[1].body).extinction, 0.1f);
+    EXPECT_EQ(in.next()->end, "stopped");
+    EXPECT_FALSE(in.next());
+    EXPECT_FALSE(in.cut());
+    EXPECT_EQ(replayed(), "replayed 10 ticks with 2 commands: 3 states as recorded; the recording ended: stopped\n");
+}
+
+TEST_F(RecordingTest, AFileThatIsThereIsKept) {
+    put("dear");
+    record();
+    std::ifstream old(file.string() + ".old");
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(old), {}), "dear");
+    EXPECT_EQ(readError(), "read");
+}
+
+// A server that is killed leaves a whole number of lines, or one that is cut.
+TEST_F(RecordingTest, CutAnywhereItReadsToItsLastWholeLineOrSaysThatNothingIsLeft) {
+    record();
+    const std::string whole = bytes();
+    const size_t head_end = whole.find('\n', whole.find('\n') + 1) + 1;
+    size_t refused = 0;
+    for (size_t length = 0; length < whole.size(); ++length) {
+        put(whole.substr(0, length));
+        const std::string error = readError();
+        EXPECT_EQ(error == "read", length >= head_end) << length << ": " << error;
+        EXPECT_EQ(error.find('\n'), error.npos);
+        refused += error != "read";
+        if (error != "read" || length % 16) continue;
+        const std::string said = replayed();
+        const bool at_an_end = whole[length - 1] == '\n';
+        EXPECT_EQ(said.find("incomplete") == said.npos, at_an_end) << said;
+        EXPECT_NE(said.find("replayed "), said.npos) << said;
+    }
+    EXPECT_EQ(refused, head_end);
+}
+
+// A change of any byte is noticed, but for those that make the last line look cut.
+TEST_F(RecordingTest, AnyChangedByteIsRefused) {
+    record();
+    const std::string whole = bytes();
+    for (size_t at = 0; at + 1 < whole.size(); ++at) {
+        std::string changed = whole;
+        changed[at] = char(changed[at] ^ 1);
+        put(changed);
+        const std::string error = readError();
+        EXPECT_NE(error, "read") << "byte " << at;
+        EXPECT_EQ(error.find(file.string() + ':'), 0u) << error;
+        EXPECT_EQ(error.find('\n'), error.npos) << error;
+    }
+}
+
+TEST_F(RecordingTest, LinesLeftOutRepeatedOrMovedAreRefused) {
+    record();
+    std::vector<std::string> lines;
+    std::istringstream in(bytes());
+    for (std::string line; std::getline(in, line);) lines.push_back(line + '\n');
+    ASSERT_EQ(lines.size(), 5u);
+    const auto put_lines = [&](const std::vector<size_t>& order) {
+        std::string text;
+        for (const size_t i : order) text += lines[i];
+        put(text);
+    };
+    for (const std::vector<size_t>& order : std::vector<std::vector<size_t>>{
+             {0, 1, 3, 4}, {0, 1, 2, 2, 3, 4}, {0, 1, 3, 2, 4}, {0, 2, 3, 4}, {1, 2, 3, 4}, {0, 1, 2, 3, 4, 4}}) {
+        put_lines(order);
+        EXPECT_NE(readError(), "read");
+    }
+    put_lines({0, 1, 2, 3, 4});
+    EXPECT_EQ(readError(), "read");
+}
+
+TEST_F(RecordingTest, OtherFilesAndVersionsAreNamed) {
+    EXPECT_NE(readError().find("cannot be read"), std::string::npos);
+    put("");
+    EXPECT_NE(readError().find("no recording"), std::string::npos);
+    put("#!/bin/sh\n");
+    EXPECT_NE(readError().find("no recording"), std::string::npos);
+    put("brume-recording 2\n");
+    EXPECT_NE(readError().find("version 2; this server reads version 1"), std::string::npos) << readError();
+    put(std::string(9 << 20, 'x'));
+    EXPECT_NE(readError().find("damaged"), std::string::npos);
+}
+
+TEST_F(RecordingTest, AReplayNamesTheFirstTickThatDiffers) {
+    {
+        record();
+        RecordingReader in(file);
+        std::vector<RecordedTick> all;
+        while (auto tick = in.next()) all.push_back(*tick);
+        std::get<Impulse>(all[1].commands[0].body).strength = 2.5000002f; // the next float
+        RecordingWriter out(file, head());
+        for (const RecordedTick& tick : all) EXPECT_TRUE(out.write(tick));
+    }
+    const std::string said = replayed();
+    EXPECT_NE(said.find("the first difference is at tick 4: state "), said.npos) << said;
+    EXPECT_NE(said.find("tick 0 was as recorded"), said.npos) << said;
+}
+
+TEST_F(RecordingTest, NeverGrowsBeyondItsBoundAndKeepsRoomForItsEnd) {
+    RecordingWriter out(file, head(), 4096);
+    uint64_t tick = 0;
+    while (out.write({tick, 1, {}, {}, {}})) ++tick;
+    EXPECT_GT(tick, 10u);
+    EXPECT_TRUE(out.write({tick - 1, 1, {}, {}, "full"}));
+    EXPECT_LE(std::filesystem::file_size(file), 4096u);
+    EXPECT_EQ(readError(), "read");
+}
+
+TEST_F(RecordingTest, ADiskThatIsFullIsToldInOneLine) {
+    EXPECT_THROW(RecordingWriter("/dev/full/x", head()), RecordingError);
+    EXPECT_THROW(RecordingWriter("/nowhere/at/all", head()), RecordingError);
+}
+
+} // namespace
+} // namespace brume
