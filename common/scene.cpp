@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "common/scene_reader.h"
+#include "common/text.h"
 
 namespace brume {
 
@@ -185,7 +186,7 @@ toml::table parseOverride(const std::string& text) {
             }
         }
     }
-    throw SceneError("--set " + text + ": not a setting; allowed: key=value as in a scene file, like medium.count=5000");
+    throw SceneError(oneLine("--set " + text + ": not a setting; allowed: key=value as in a scene file, like medium.count=5000"));
 }
 
 void replace(toml::table& in, const toml::table& with) {
@@ -211,8 +212,8 @@ Scene loadScene(const std::filesystem::path& file, std::span<const std::string> 
     try {
         root = toml::parse(text, name);
     } catch (const toml::parse_error& error) {
-        throw SceneError(name + ':' + std::to_string(error.source().begin.line) +
-                         ": syntax: " + std::string(error.description()) + "; allowed: TOML 1.0");
+        throw SceneError(oneLine(name + ':' + std::to_string(error.source().begin.line) +
+                                 ": syntax: " + std::string(error.description()) + "; allowed: TOML 1.0"));
     }
     for (const std::string& text_of_one : overrides) replace(root, parseOverride(text_of_one));
     Scene scene;
