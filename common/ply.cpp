@@ -16,6 +16,7 @@
 
 #include "common/scene.h"
 #include "common/scene_limits.h"
+#include "common/text.h"
 
 namespace brume {
 
@@ -64,7 +65,7 @@ public:
     Reader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
 
     [[noreturn]] void fail(const std::string& what) const {
-        throw SceneError(file_ + (line_ ? ':' + std::to_string(line_) : "") + ": PLY: " + what);
+        throw SceneError(oneLine(file_ + (line_ ? ':' + std::to_string(line_) : "") + ": PLY: " + what));
     }
 
     std::string_view headerLine() {

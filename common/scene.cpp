@@ -6,6 +6,7 @@
 
 #include "common/scene_reader.h"
 #include "common/scene_text.h"
+#include "common/text.h"
 
 namespace brume {
 
@@ -175,7 +176,7 @@ toml::table parseOverride(const std::string& text) {
             }
         }
     }
-    throw SceneError("--set " + text + ": not a setting; allowed: key=value as in a scene file, like medium.count=5000");
+    throw SceneError(oneLine("--set " + text + ": not a setting; allowed: key=value as in a scene file, like medium.count=5000"));
 }
 
 void replace(toml::table& in, const toml::table& with) {
@@ -216,8 +217,8 @@ Scene sceneOf(const std::string& text, const std::filesystem::path& file, std::s
     try {
         root = toml::parse(text, name);
     } catch (const toml::parse_error& error) {
-        throw SceneError(name + ':' + std::to_string(error.source().begin.line) +
-                         ": syntax: " + std::string(error.description()) + "; allowed: TOML 1.0");
+        throw SceneError(oneLine(name + ':' + std::to_string(error.source().begin.line) +
+                                 ": syntax: " + std::string(error.description()) + "; allowed: TOML 1.0"));
     }
     for (const std::string& text_of_one : overrides) replace(root, parseOverride(text_of_one));
     Scene scene;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "common/text.h"
+
 namespace brume {
 
 namespace {
@@ -30,8 +32,8 @@ void TableReader::fail(std::string_view key, const std::string& problem, const s
     const toml::node* node = key.empty() ? nullptr : table_.get(key);
     const auto line = (node ? node->source() : table_.source()).begin.line;
     const std::string name = key.empty() ? path_ : joined(key);
-    throw SceneError(file_ + ':' + std::to_string(std::max<unsigned>(line, 1)) + ": " + name + ": " + problem +
-                     "; allowed: " + allowed);
+    throw SceneError(oneLine(file_ + ':' + std::to_string(std::max<unsigned>(line, 1)) + ": " + name + ": " + problem +
+                             "; allowed: " + allowed));
 }
 
 std::string TableReader::shown(const toml::node& node) {

@@ -17,6 +17,7 @@ using std::chrono::milliseconds;
 
 constexpr uint64_t kPoseEveryUs = 16'667;  // as a display of 60 Hz
 constexpr uint64_t kLookEveryUs = 100'000; // for what does not happen: frames that do not come
+constexpr uint64_t kTryEveryUs = 250'000;  // of those who lost the server
 constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may show shaders being compiled
 
 milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1e3)); }
@@ -30,6 +31,7 @@ struct Crowd::Viewer {
     double phase; // of its way, in [0, 1)
     client::CameraPath camera;
     uint64_t next_pose_us = 0, heard_us = nowUs(), frames = 0;
+    uint64_t lost_us = 0, next_try_us = 0; // from the end of its connection to the first frame of the next; else 0
     struct Sent {
         uint32_t seq;
         uint64_t us;
@@ -38,14 +40,17 @@ struct Crowd::Viewer {
 };
 
 Crowd::Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt)
-    : options_(options), interrupt_(interrupt), start_us_(nowUs()) {
+    : options_(options), server_(server), interrupt_(interrupt), start_us_(nowUs()) {
     for (uint32_t i = 0; i < viewers; ++i) {
         const Path path = options.paths[i % options.paths.size()];
-        client::Wishes wishes = options.wishes;
-        wishes.views = path.stereo ? 2 : 1;
-        viewers_.push_back(std::make_unique<Viewer>(
-            Viewer{i + 1, client::Session(server, wishes, millis(options.timeout), loop_), path, double(i) / viewers, {}, 0}));
+        viewers_.push_back(std::make_unique<Viewer>(Viewer{i + 1, session(path), path, double(i) / viewers, {}, 0}));
     }
+}
+
+client::Session Crowd::session(const Path& path) {
+    client::Wishes wishes = options_.wishes;
+    wishes.views = path.stereo ? 2 : 1;
+    return {server_, wishes, millis(options_.timeout), loop_};
 }
 
 Crowd::~Crowd() = default;
@@ -87,7 +92,10 @@ void Crowd::step() {
     if (look) next_look_us_ = now + kLookEveryUs;
     for (const auto& viewer : viewers_) {
         listen(*viewer);
-        if (viewer->session.welcomed()) {
+        if (options_.reconnect && viewer->frames > 0 && viewer->session.closed()) {
+            comeBack(*viewer, now);
+            next = std::min(next, viewer->next_try_us);
+        } else if (viewer->session.welcomed()) {
             if (viewer->session.closed()) fail(*viewer, viewer->session.closedBecause());
             talk(*viewer, now);
             next = std::min(next, viewer->next_pose_us);
@@ -100,6 +108,18 @@ void Crowd::step() {
     if (refused && !awaited) fail(*refused, refused->session.closedBecause());
     now = nowUs();
     if (next > now) loop_.wait(microseconds(next - now));
+}
+
+void Crowd::comeBack(Viewer& viewer, uint64_t now) {
+    if (viewer.lost_us == 0) {
+        viewer.lost_us = now;
+        viewer.unanswered.clear();
+    } else if (now >= viewer.next_try_us) {
+        viewer.session = session(viewer.path);
+    } else {
+        return;
+    }
+    viewer.next_try_us = now + kTryEveryUs;
 }
 
 void Crowd::talk(Viewer& viewer, uint64_t now) {
@@ -145,6 +165,8 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
     viewer.session.acknowledge(frame.id());
     viewer.heard_us = shown;
     ++viewer.frames;
+    if (viewer.lost_us != 0 && run_) run_->returns.push_back({viewer.lost_us, shown});
+    viewer.lost_us = 0;
     // Serial numbers that wrap around: this frame answers all poses up to its own.
     while (!viewer.unanswered.empty() && int32_t(frame.pose_seq() - viewer.unanswered.front().seq) >= 0) {
         if (run_) run_->latencies_ms.push_back(float(shown - viewer.unanswered.front().us) * 1e-3f);
@@ -152,6 +174,7 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
     }
     if (!run_) return;
     ++run_->frames[viewer.number - 1];
+    run_->ages_ms.push_back(float(shown - std::min(shown, frame.client_time_us())) * 1e-3f);
     run_->bytes += message.size();
     const auto& stages = *frame.stages();
     StageMeans& sums = run_->stages; // divided at the end

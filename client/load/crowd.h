@@ -38,9 +38,12 @@ private:
     void listen(Viewer& viewer);
     void take(Viewer& viewer, const client::Received& message);
     void welcome(Viewer& viewer);
+    void comeBack(Viewer& viewer, uint64_t now);
+    client::Session session(const Path& path);
     [[noreturn]] void fail(const Viewer& viewer, const std::string& why) const;
 
     const Options& options_;
+    const client::Endpoint server_;
     client::Interrupt& interrupt_;
     client::Loop loop_;
     std::vector<std::unique_ptr<Viewer>> viewers_;

@@ -69,6 +69,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         ->check(CLI::Range(0, 100));
     app.add_flag("--decode", options.decode, "Decode the pictures too, as a real viewer does; costs CPU time here");
     auto* const running = app.add_option("--server", server, "A server that runs already: ws://127.0.0.1:8080");
+    app.add_flag("--reconnect", options.reconnect, "Viewers that lose that server come back: they try four times a second")
+        ->needs(running);
     app.add_flag("--anywhere", anywhere, "Let --server be another machine");
     app.add_option("--start", start, "Arguments of the server that is started, on a free port, when --server is not given")
         ->capture_default_str()

@@ -29,6 +29,7 @@ struct Options {
     std::vector<Path> paths{Path{}};                   // viewers take them in turn
     client::Wishes wishes;
     bool decode = false;
+    bool reconnect = false;                    // viewers whose connection ends come back
     std::optional<client::Endpoint> server;    // one that runs already; else one is started:
     std::vector<std::string> server_arguments; // of the started one
     std::filesystem::path out;                 // empty: write nothing

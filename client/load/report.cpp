@@ -80,9 +80,10 @@ std::string beside(const Report& report, const Run& one) {
 
 Json jsonOf(const Run& run) {
     const ServerCost& cost = run.server;
-    Json each = Json::array(), passes = Json::object();
+    Json each = Json::array(), returns = Json::array(), passes = Json::object();
     for (const uint64_t frames : run.frames) each.push_back(rounded(double(frames) / run.seconds));
     for (const auto& [name, ms] : cost.passes_ms) passes[name] = rounded(ms);
+    for (const Return& back : run.returns) returns.push_back({back.lost_us, back.back_us});
     const StageMeans& s = run.stages;
     return {{"viewers", run.viewers},
             {"seconds", rounded(run.seconds)},
@@ -96,6 +97,8 @@ Json jsonOf(const Run& run) {
               {"p99", rounded(run.latencyMs(0.99))},
               {"samples", run.latencies_ms.size()},
               {"oldest_unanswered", rounded(run.oldest_unanswered_ms)}}},
+            {"age_ms", {{"p50", rounded(run.ageMs(0.5))}, {"p95", rounded(run.ageMs(0.95))}, {"most", rounded(run.ageMs(1))}}},
+            {"returns_us", std::move(returns)},
             {"stages_ms",
              {{"wait", rounded(s.wait)},
               {"render", rounded(s.render)},

@@ -24,12 +24,19 @@ struct StageMeans {
     double wait = 0, render = 0, gpu = 0, encode = 0, queue = 0, decode = 0;
 };
 
+// A viewer that lost the server and came back, on the clock of client::nowUs().
+struct Return {
+    uint64_t lost_us = 0, back_us = 0; // its connection ended; the first frame of the next
+};
+
 struct Run {
     uint32_t viewers = 0;
     double seconds = 0, warm_up_s = 0;
     std::vector<uint64_t> frames;    // per viewer
     uint64_t bytes = 0;              // of all frame messages
     std::vector<float> latencies_ms; // of all viewers: pose sent -> the first frame of that pose or a later one
+    std::vector<float> ages_ms;      // of all frames: the pose that it shows sent -> the frame got
+    std::vector<Return> returns;
     double oldest_unanswered_ms = 0; // at the end: the pose that has waited the longest
     StageMeans stages;
     uint64_t errors = 0; // that the server told
@@ -43,6 +50,7 @@ struct Run {
     double medianFps() const;
     double mostFps() const;
     double latencyMs(double fraction) const; // nearest rank; NaN without a sample
+    double ageMs(double fraction) const;     // so on; 1 is the oldest
     double cpuMsPerFrame() const { return 1e3 * server.cpu_s / server.rendered; }
     double deviceMsPerFrame() const { return 1e3 * (server.shared_s + server.views_s) / server.rendered; }
 };

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/scene_limits.h"
+#include "common/text.h"
 #include "server/net/picture_size.h"
 #include "server/net/uri.h"
 
@@ -56,7 +57,7 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
         } else if (name == "views") {
             if (value != "1") return refuse("1: a JPEG shows one eye; both come over the WebSocket");
         } else {
-            return fmt::format("no setting called {}; there is w h quality fps fov position target", name.substr(0, 32));
+            return fmt::format("no setting called {}; there is w h quality fps fov position target", oneLine(name.substr(0, 32)));
         }
     }
     if (glm::distance(camera.position, camera.target) < 1e-3f) return "position and target must differ";

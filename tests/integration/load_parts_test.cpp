@@ -77,6 +77,7 @@ TEST(LoadOptions, BadOnesEndInOneLine) {
                                                {"--server", "ws://example.com"},
                                                {"--server", "ws://[::2]"},
                                                {"--server", "ws://127.0.0.1", "--start", "--scene cloud"},
+                                               {"--reconnect"},
                                                {"--start", "a 'b"},
                                                {"--start", "$(true)"},
                                                {"--assert", "fps"},

@@ -117,6 +117,25 @@ TEST_F(Load, AServerThatDiesEndsInOneLineAndKeepsWhatWasMeasured) {
     EXPECT_EQ(result()["runs"].size(), 1u);
 }
 
+TEST_F(Load, ViewersThatLoseTheServerComeBack) {
+    RunningServer server;
+    const auto load = this->load({"--server", server.url(), "--viewers", "2", "--seconds", "8", "--reconnect"});
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (metric(server.port(), "brume_frames_total{fate=\"sent\"}").value_or(0) < 60 &&
+           std::chrono::steady_clock::now() < deadline)
+        std::this_thread::sleep_for(milliseconds(20)); // both have frames, and are counted
+    server.process().signal(SIGKILL);
+    ASSERT_TRUE(server.process().exitCode());
+    const RunningServer again({"--port", std::to_string(server.port())});
+    ASSERT_EQ(load->exitCode(), 0) << load->err();
+    const Json run = result()["runs"][0];
+    ASSERT_EQ(run["returns_us"].size(), 2u);
+    for (const Json& back : run["returns_us"]) EXPECT_LT(back[0].get<uint64_t>(), back[1].get<uint64_t>());
+    EXPECT_GT(run["age_ms"]["p50"], 0);
+    EXPECT_LE(run["age_ms"]["p50"], run["age_ms"]["p95"]);
+    EXPECT_LE(run["age_ms"]["p95"], run["age_ms"]["most"]);
+}
+
 TEST_F(Load, CtrlCEndsInOneLine) {
     const RunningServer server;
     const auto load = this->load({"--server", server.url(), "--viewers", "2", "--seconds", "60"});

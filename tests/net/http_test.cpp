@@ -220,6 +220,7 @@ TEST_F(HttpTest, PicturesThatCannotBeAreToldWhatMayBe) {
                               "views=2",
                               "w=100&w=200",
                               "width=100",
+                              "two%0Alines%1B=100",
                               "w=%4"})
         for (const char* path : {"/snapshot.jpg?", "/stream.mjpg?"}) {
             const auto answer = get(port, std::string(path) + query);

@@ -128,6 +128,7 @@ TEST(Ply, BrokenFilesSayWhatIsExpected) {
         {kAscii + vertex1 + "1 2", "ends early"},
         {kAscii + vertex1 + "1 two 3", "\"two\" is not a number"},
         {kAscii + vertex1 + "1 2 3x", "\"3x\" is not a number"},
+        {kAscii + vertex1 + "1 2 \x1b[2J", "\"?[2J\" is not a number"}, // shown, not done
         {kAscii + vertex1 + "nan nan nan", "no point is usable"},
         {kBinary + vertex1 + raw(1.0f) + raw(2.0f) + "abc", "ends early"},
         {kBinary + "element face 4294967296\nproperty double a\n" + vertex1 + raw(1.0), "ends early"},

@@ -1,6 +1,7 @@
 // Loading scenes: what is shipped, what is taken over, and a clear message for everything that is not allowed.
 #include "common/scene.h"
 
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -252,6 +253,20 @@ TEST(Scene, WhatCannotBeReadSaysSo) {
     EXPECT_THROW(loadScene(testing::TempDir()), SceneError);
     EXPECT_NE(errorOf(std::string(2 << 20, '#')).find("larger than 1 MiB"), std::string::npos);
     EXPECT_NE(errorOf(std::string("name = \"\xff\xfe\"")).find("syntax"), std::string::npos);
+}
+
+TEST(Scene, ARefusalIsOneLineWhateverItQuotes) {
+    std::vector<std::string> refusals{errorOf("\"a\\nb\\u001b[2J\" = 1"), errorOf("[render]\ntone_map = \"a\\nb\\u001b[2J\""),
+                                      errorOf("name = \x01")};
+    const std::string override = "a\nb\x1b[2J";
+    try {
+        loadScene(written(""), {&override, 1});
+    } catch (const SceneError& error) {
+        refusals.emplace_back(error.what());
+    }
+    ASSERT_EQ(refusals.size(), 4u);
+    for (const std::string& refusal : refusals)
+        for (const char c : refusal) EXPECT_FALSE(std::iscntrl(static_cast<unsigned char>(c))) << refusal;
 }
 
 TEST(Scene, IsFoundByNameOrPath) {
