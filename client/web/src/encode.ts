@@ -133,5 +133,5 @@ export function encodePong(nonce: number, timeUs: bigint): Uint8Array<ArrayBuffe
 
 export function encodeGoodbye(reason: string): Uint8Array<ArrayBuffer> {
   const builder = new Builder(64);
-  return finish(builder, Body.Goodbye, WireGoodbye.createGoodbye(builder, builder.createString(reason), 0));
+  return finish(builder, Body.Goodbye, WireGoodbye.createGoodbye(builder, builder.createString(reason), 0, 0));
 }

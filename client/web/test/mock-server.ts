@@ -72,7 +72,7 @@ function message(type: Body, build: (b: Builder) => number, tail?: Uint8Array): 
 }
 
 const goodbye = (reason: string, retry: number): Uint8Array =>
-  message(Body.Goodbye, (b) => Goodbye.createGoodbye(b, b.createString(reason), retry));
+  message(Body.Goodbye, (b) => Goodbye.createGoodbye(b, b.createString(reason), retry, 0));
 
 const error = (code: ErrorCode, text: string): Uint8Array =>
   message(Body.Error, (b) => WireError.createError(b, code, b.createString(text), 0));
