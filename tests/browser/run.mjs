@@ -286,6 +286,26 @@ test('a page comes back by itself, where it was, when the server restarts', asyn
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });
 
+test('a page whose server is killed is back soon after the port opens', async (t) => {
+  let server = await startServer();
+  t.after(() => server.stop());
+  const page = await openPage(t, browser, server.url);
+  await connected(page);
+  const killed = performance.now();
+  assert.equal(await server.stop('SIGKILL'), 'SIGKILL');
+  await until(page, 'it is reconnecting', (brume) => brume.state === 'reconnecting');
+  const frames = await page.evaluate(() => window.brume.frames);
+  server = await startServer('--port', server.port);
+  const opened = performance.now();
+  await until(page, 'pictures come again', (b, old) => b.state === 'connected' && b.frames > old, frames);
+  const back = performance.now() - opened;
+  t.diagnostic(`${Math.round(opened - killed)} ms without a server, back ${Math.round(back)} ms after`);
+  // Tries are 5 s apart at most (backoff.ts), and a picture comes within 2 s of the one that finds the server.
+  assert.ok(back < 7000, `back after ${back} ms`);
+  await page.leave();
+  assert.equal(await server.stop(), 0, 'the server’s exit');
+});
+
 test('a full server refuses politely, and lets in who waits when there is room', async (t) => {
   const server = await startServer('--max-viewers', '1');
   t.after(() => server.stop());

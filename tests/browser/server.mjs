@@ -41,8 +41,8 @@ export async function startServer(...options) {
     port: new URL(url).port,
     output: () => output,
     // As an operator would: the server says goodbye to its viewers. Resolves with its exit code.
-    async stop() {
-      if (child.exitCode === null && child.signalCode === null) child.kill('SIGTERM');
+    async stop(signalled = 'SIGTERM') {
+      if (child.exitCode === null && child.signalCode === null) child.kill(signalled);
       const timer = setTimeout(() => child.kill('SIGKILL'), STOP_MS);
       const { code, signal } = await exited;
       clearTimeout(timer);

@@ -1,0 +1,83 @@
+// What is read from files: scenes, point clouds, costs. A refusal is one line; what is taken is within its limits.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <spdlog/spdlog.h>
+
+#include "common/camera.h"
+#include "common/ply.h"
+#include "common/scene.h"
+#include "common/scene_limits.h"
+#include "server/plan/cost_model.h"
+#include "tests/fuzz/promise.h"
+
+namespace brume::fuzz {
+namespace {
+
+constexpr size_t kLongestRefusal = 2000; // an unknown key is answered with every key that there is
+bool within(glm::vec3 v, Limits allowed) { return allowed.holds(v.x) && allowed.holds(v.y) && allowed.holds(v.z); }
+
+} // namespace
+
+void scene(Bytes input) {
+    std::vector<std::string> overrides;
+    constexpr std::string_view kSet = "--set ";
+    if (const std::string_view text = textOf(input); text.starts_with(kSet)) {
+        const size_t end = std::min(text.find('\n'), text.size());
+        overrides.emplace_back(text.substr(kSet.size(), end - kSet.size()));
+        input = input.subspan(std::min(end + 1, input.size()));
+    }
+    try {
+        const Scene scene = loadScene(asFile(input), overrides);
+        const Medium& medium = scene.medium;
+        promise(limits::kCount.holds(medium.count) && limits::kFalloff.holds(medium.falloff) &&
+                    limits::kExtinction.holds(medium.extinction) && within(medium.albedo, limits::kColour),
+                "a medium within limits");
+        promise(medium.scale.lo <= medium.scale.hi && limits::kScale.holds(medium.scale.lo) &&
+                    limits::kScale.holds(medium.scale.hi),
+                "sizes within limits");
+        promise((medium.layout == Layout::file) == !medium.file.empty(), "a file only where it is used");
+        promise(scene.lights.size() == 1 && std::abs(glm::length(scene.lights[0].to_light) - 1) < 1e-3f,
+                "one light, its direction unit");
+        promise(scene.planes.size() <= 64 && scene.boxes.size() <= 64 && scene.spheres.size() <= 64,
+                "no endless lists of objects");
+        promise(isUsable(lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y)), "a camera is usable");
+    } catch (const SceneError& error) {
+        promiseOneLine(error.what(), kLongestRefusal);
+    }
+}
+
+void ply(Bytes input) {
+    static const bool quiet = [] { // the reader logs how many points it drops
+        spdlog::set_level(spdlog::level::off);
+        return true;
+    }();
+    promise(quiet, "a quiet log");
+    const std::string bytes(textOf(input)); // exactly so long
+    try {
+        const PointCloud cloud = parsePly(bytes, "points.ply");
+        const size_t points = cloud.position.size();
+        promise(limits::kCount.holds(double(points)), "a number of points within limits");
+        promise(points + cloud.dropped <= bytes.size(), "every point has bytes of its own");
+        for (const size_t size : {cloud.scale.size(), cloud.sigma_t.size(), cloud.albedo.size()})
+            promise(size == 0 || size == points, "a list is empty or complete");
+        for (const glm::vec3& at : cloud.position) promise(within(at, limits::kPlace), "a place within limits");
+        for (const float scale : cloud.scale) promise(limits::kScale.holds(double(scale)), "a size within limits");
+        for (const float sigma_t : cloud.sigma_t) promise(limits::kSigmaT.holds(double(sigma_t)), "an extinction within limits");
+        for (const glm::vec3& albedo : cloud.albedo) promise(within(albedo, limits::kColour), "an albedo within limits");
+    } catch (const SceneError& error) {
+        promiseOneLine(error.what(), kLongestRefusal);
+    }
+}
+
+void costs(Bytes input) {
+    std::string complaint;
+    const CostModel model = loadCosts(asFile(input), complaint);
+    promise(model.calibrated == complaint.empty(), "either the file's costs hold, or a line says why not");
+    if (!complaint.empty()) promiseOneLine(complaint, kLongestRefusal);
+    if (!model.calibrated) promise(model.ns == builtInCosts().ns, "without a file the built-in costs hold");
+    for (const double ns : model.ns) promise(ns > 0 && std::isfinite(ns), "every cost is a positive number");
+}
+
+} // namespace brume::fuzz

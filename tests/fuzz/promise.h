@@ -1,0 +1,57 @@
+// What targets share: promises, the fuzzer's bytes as numbers, and its bytes as a file.
+#pragma once
+
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <string_view>
+#include <type_traits>
+
+#include "tests/fuzz/targets.h"
+
+namespace brume::fuzz {
+
+// Ends the program with the promise that was broken; libFuzzer keeps the input.
+inline void promise(bool holds, const char* what, std::string_view shown = {}) {
+    if (holds) return;
+    std::cerr << "broken promise: " << what << (shown.empty() ? "" : ": ") << shown << std::endl;
+    std::abort();
+}
+
+// What people are told is one line, and does nothing to a terminal.
+inline void promiseOneLine(std::string_view text, size_t longest) {
+    promise(!text.empty(), "a message says something");
+    promise(text.size() <= longest, "a message is not endless", text);
+    for (const char c : text) promise(static_cast<unsigned char>(c) >= ' ' && c != 127, "a message is one printable line", text);
+}
+
+inline std::string_view textOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+// Numbers of any bits, one after another; zeros after the end.
+class Numbers {
+public:
+    explicit Numbers(Bytes bytes) : bytes_(bytes) {}
+    bool done() const { return bytes_.empty(); }
+    template <class T>
+    T take() {
+        static_assert(std::is_arithmetic_v<T>);
+        T value{};
+        const Bytes some = bytes(sizeof(T));
+        std::memcpy(&value, some.data(), some.size());
+        return value;
+    }
+    // So many bytes, or as many as there are.
+    Bytes bytes(size_t count) {
+        const Bytes some = bytes_.first(count < bytes_.size() ? count : bytes_.size());
+        bytes_ = bytes_.subspan(some.size());
+        return some;
+    }
+
+private:
+    Bytes bytes_;
+};
+
+// The path of a file in memory that holds the bytes, until the next call.
+const char* asFile(Bytes bytes);
+
+} // namespace brume::fuzz

@@ -1,0 +1,224 @@
+// An input is a sequence of records: kind, a wait, and what the kind has. Whole messages as they are; and messages made of the
+// fuzzer's numbers, which reach behind the verifier.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "common/scene_limits.h"
+#include "server/net/picture_size.h"
+#include "server/net/session_rules.h"
+#include "tests/fuzz/promise.h"
+
+namespace brume::fuzz {
+namespace {
+
+using net::NetOptions;
+using std::chrono::microseconds;
+
+enum Kind : uint8_t { kBytes, kHello, kPose, kInput, kAck, kText, kTick, kUnknownFrame, kPing, kKinds };
+
+bool within(glm::vec3 v, Limits allowed) { return allowed.holds(v.x) && allowed.holds(v.y) && allowed.holds(v.z); }
+bool within(const std::optional<glm::vec3>& v, Limits allowed) { return !v || within(*v, allowed); }
+bool within(const std::optional<float>& v, Limits allowed) { return !v || allowed.holds(*v); }
+bool isUnit(glm::vec3 v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
+
+// Holds every effect against what the rest of the server counts on.
+class Judge {
+public:
+    Judge(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened)
+        : options_(options), facts_(facts), opened_(opened) {}
+
+    void judge(const net::Effects& effects, Clock::time_point now) {
+        promise(effects.size() <= 2, "one event has two effects at most: an answer and the end");
+        now_ = now;
+        for (const net::Effect& effect : effects) {
+            promise(!closed_, "nothing follows a Close");
+            std::visit(*this, effect);
+        }
+    }
+
+    void operator()(const net::Admit& e) {
+        promise(!admitted_, "a viewer is admitted once");
+        admitted_ = true;
+        promiseOneLine(e.client.empty() ? "empty" : e.client, 64);
+        picture(e.wish);
+    }
+    void operator()(const net::Show& e) {
+        promise(admitted_, "no pose before Hello");
+        picture(e.request);
+        const Pose& pose = e.request.pose;
+        promise(isUsable(pose) && within(pose.position, limits::kPlace), "a pose is usable");
+        promise(std::abs(glm::length(pose.orientation) - 1) < 1e-3f, "an orientation is unit");
+        promise(pose.eye_separation >= 0 && pose.eye_separation <= 10, "eyes stand apart as people's, or giants'");
+        promise(double(++shows_) <= allowance(options_.pose_rate), "poses keep to their rate");
+    }
+    void operator()(const net::Push& e) {
+        promise(admitted_, "no input before Hello");
+        promise(double(++pushes_) <= allowance(options_.input_rate), "inputs keep to their rate");
+        std::visit(*this, e.body);
+    }
+    void operator()(const net::Acknowledge&) { promise(admitted_, "no Ack before Hello"); }
+    void operator()(const net::SendError& e) {
+        promise(e.code >= wire::ErrorCode::MIN && e.code <= wire::ErrorCode::MAX, "an error code that viewers know");
+        promiseOneLine(e.text, 256);
+    }
+    void operator()(const net::Close& e) {
+        closed_ = true;
+        promise(e.code == net::kCloseNormal || e.code == net::kCloseProtocol || e.code == net::kClosePolicy,
+                "a known close code");
+        promiseOneLine(e.reason, 123); // what a close frame holds
+    }
+
+    void operator()(const Impulse& c) {
+        promise(within(c.origin, limits::kPlace) && isUnit(c.direction) && within(c.push, limits::kSpeed) &&
+                    limits::kStrength.holds(c.strength),
+                "an impulse within limits");
+    }
+    void operator()(const MoveVolume& c) { promise(within(c.offset, limits::kPlace), "a move within limits"); }
+    void operator()(const SetLight& c) {
+        promise((!c.to_light || isUnit(*c.to_light)) && within(c.irradiance, limits::kRadiance) &&
+                    within(c.rotate, limits::kRotate),
+                "light within limits");
+    }
+    void operator()(const SetMedium& c) {
+        promise(within(c.extinction, limits::kExtinction) && within(c.falloff, limits::kFalloff) &&
+                    within(c.anisotropy, limits::kAnisotropy) && within(c.asymmetry, limits::kAsymmetry) &&
+                    within(c.albedo, limits::kColour),
+                "a medium within limits");
+    }
+    void operator()(const SetRender& c) {
+        promise(!c.method || *c.method == facts_.methods[0], "a method that there is");
+        promise(!c.quadrature || *c.quadrature == facts_.quadratures[0], "a quadrature that there is");
+        promise((!c.steps || limits::kSteps.holds(*c.steps)) && within(c.exposure, limits::kExposure), "settings within limits");
+    }
+    // What holds no more than a number or a name of its own.
+    template <class Other>
+    void operator()(const Other&) {}
+
+private:
+    void picture(const PoseRequest& request) const {
+        promise(request.width >= net::kMinSide && request.height >= net::kMinSide && request.width <= options_.max_side &&
+                    request.height <= options_.max_side,
+                "a picture's sides within limits");
+        promise(uint32_t(request.width) * request.height <= options_.max_pixels, "a picture's pixels within limits");
+        promise(request.views == 1 || request.views == 2, "one eye or two");
+        promise(request.quality >= 1 && request.quality <= 100, "a quality that JPEG has");
+    }
+    double allowance(double rate) const {
+        return rate * (options_.burst_s + std::chrono::duration<double>(now_ - opened_).count()) + 1;
+    }
+
+    const NetOptions& options_;
+    const SceneFacts& facts_;
+    const Clock::time_point opened_;
+    Clock::time_point now_;
+    bool admitted_ = false, closed_ = false;
+    uint64_t shows_ = 0, pushes_ = 0;
+};
+
+// A small number, which most rules let through, or any bits.
+float number(Numbers& in) {
+    const auto kind = in.take<uint8_t>();
+    return kind == 255 ? in.take<float>() : float(kind - 100) / 16;
+}
+wire::Vec3 vector(Numbers& in) {
+    const float x = number(in), y = number(in), z = number(in);
+    return {x, y, z};
+}
+std::string name(Numbers& in, const std::string& known) {
+    const auto length = in.take<uint8_t>();
+    return length == 0 ? known : std::string(textOf(in.bytes(length)));
+}
+
+using Builder = flatbuffers::FlatBufferBuilder;
+
+// A command of the fuzzer's numbers.
+wire::Packed input(Numbers& in, const SceneFacts& facts) {
+    return wire::pack([&](Builder& b) {
+        const uint32_t which = in.take<uint8_t>(), seq = in.take<uint8_t>();
+        const auto as = [&]<class Command>(flatbuffers::Offset<Command> command) {
+            return wire::CreateInput(b, seq, 0, wire::CommandTraits<Command>::enum_value, command.Union());
+        };
+        const wire::Vec3 one = vector(in), two = vector(in), three = vector(in);
+        const float a = number(in), c = number(in), d = number(in), e = number(in);
+        if (which % 5 == 0) return as(wire::CreateImpulse(b, &one, &two, which < 128 ? &three : nullptr, a));
+        if (which % 5 == 1) return as(wire::CreateSetLight(b, &one, &two, a));
+        if (which % 5 == 2) return as(wire::CreateSetMedium(b, a, c, d, e, &one));
+        if (which % 5 == 3) return as(wire::CreateMoveVolume(b, &one));
+        const auto method = b.CreateString(name(in, facts.methods[0])),
+                   quadrature = b.CreateString(name(in, facts.quadratures[0]));
+        return as(wire::CreateSetRender(b, method, quadrature, in.take<uint16_t>(), a));
+    });
+}
+
+wire::Packed pose(Numbers& in) {
+    const uint32_t seq = in.take<uint8_t>();
+    const wire::Vec3 position = vector(in);
+    // Any number of sixteenths is rarely a unit quaternion.
+    const auto turned = in.take<uint8_t>();
+    const float x = turned < 200 ? std::sin(float(turned)) : number(in), w = turned < 200 ? std::cos(float(turned)) : number(in);
+    const wire::Quat orientation(x, 0, 0, w);
+    const float fov_y = number(in), eyes = number(in);
+    const auto width = in.take<uint16_t>(), height = in.take<uint16_t>();
+    return wire::pack(
+        [&](Builder& b) { return wire::CreatePose(b, seq, 7, &position, &orientation, fov_y, eyes, width, height); });
+}
+
+wire::Packed hello(Numbers& in) {
+    const auto width = in.take<uint16_t>(), height = in.take<uint16_t>();
+    const auto views = in.take<uint8_t>(), quality = in.take<uint8_t>();
+    const std::string client = name(in, "client");
+    return wire::pack([&](Builder& b) { return wire::CreateHello(b, b.CreateString(client), width, height, views, quality); });
+}
+
+wire::Packed made(Kind kind, Numbers& in, const SceneFacts& facts) {
+    switch (kind) {
+    case kHello:
+        return hello(in);
+    case kPose:
+        return pose(in);
+    case kInput:
+        return input(in, facts);
+    case kAck:
+        return wire::pack([&](Builder& b) { return wire::CreateAck(b, in.take<uint32_t>()); });
+    default:
+        return wire::pack([&](Builder& b) { return wire::CreatePing(b, in.take<uint32_t>(), in.take<uint64_t>()); });
+    }
+}
+
+} // namespace
+
+void session(Bytes bytes) {
+    static const NetOptions options;
+    static const SceneFacts facts{"scene", "device", {}, {"auto"}, {"simpson"}};
+    Clock::time_point now{std::chrono::hours(1)};
+    net::SessionRules rules(options, facts, now);
+    Judge judge(options, facts, now);
+    net::Effects effects;
+    for (Numbers in(bytes); !in.done();) {
+        const Kind kind = Kind(in.take<uint8_t>() % kKinds);
+        const int64_t wait = in.take<uint8_t>();
+        now += microseconds(wait * wait * 100); // up to 6.5 s, mostly less
+        effects.clear();
+        if (kind == kText) {
+            rules.onText(now, effects);
+        } else if (kind == kTick) {
+            rules.onTick(now, effects);
+        } else if (kind == kUnknownFrame) {
+            rules.onUnknownFrame(in.take<uint32_t>(), now, effects);
+        } else if (kind == kBytes) {
+            const Bytes some = in.bytes(in.take<uint16_t>());
+            const std::vector<uint8_t> message(some.begin(), some.end()); // exactly so long, and aligned
+            rules.onMessage(message, now, effects);
+        } else {
+            const wire::Packed message = made(kind, in, facts);
+            const std::vector<uint8_t> aligned(message.data(), message.data() + message.size());
+            rules.onMessage(aligned, now, effects);
+        }
+        judge.judge(effects, now);
+        const auto pause = rules.pause(now);
+        promise(pause >= pause.zero() && pause <= std::chrono::seconds(1), "who sends too much is read again soon");
+    }
+}
+
+} // namespace brume::fuzz
