@@ -23,7 +23,7 @@ constexpr uint64_t kPushEveryUs = 33'333; // a drag is many events
 constexpr uint64_t kSecondUs = 1'000'000;
 constexpr uint64_t kTitleEveryUs = 500'000;
 constexpr uint64_t kResizeAfterUs = 150'000; // a size is asked for when the hand rests
-constexpr double kFirstRetryS = 0.5, kLastRetryS = 10;
+constexpr double kFirstRetryS = 0.5, kLastRetryS = 1;
 // The socket is waited for, the window is asked in between: the most that a key stroke waits.
 constexpr milliseconds kLoopWait{4};
 

@@ -1,7 +1,7 @@
-// How long to wait before the next try to connect: 0.25 s doubling to 5 s, with jitter so that viewers of a server that
+// How long to wait before the next try to connect: 0.25 s doubling to 1 s, with jitter so that viewers of a server that
 // restarts do not all come back in the same instant.
 const FIRST_S = 0.25;
-const LONGEST_S = 5;
+const LONGEST_S = 1;
 // The longest wait that a server's goodbye may ask for.
 const LONGEST_ASKED_S = 300;
 
