@@ -151,7 +151,7 @@ TEST_F(Configuration, AReloadChangesWhatItCanAndNamesTheRest) {
 }
 
 TEST_F(Configuration, ADrainIsSeenByReadyzWhileFramesFlowAndEndsWithAGoodbye) {
-    RunningServer server({"--drain-time", "1500", "--drain-to", "wss://next.example/ws"});
+    RunningServer server({"--drain-time", "4000", "--drain-to", "wss://next.example/ws"});
     Watcher watcher(server.endpoint());
     watcher.look(kPose);
     ASSERT_TRUE(watch({&watcher}, [&] { return !watcher.frames.empty(); }));
@@ -164,7 +164,7 @@ TEST_F(Configuration, ADrainIsSeenByReadyzWhileFramesFlowAndEndsWithAGoodbye) {
     EXPECT_EQ(metric(server.port(), "brume_ready"), 0);
     const size_t before = watcher.frames.size();
     EXPECT_TRUE(watch(
-        {&watcher}, [&] { return watcher.frames.size() >= before + 3; }, milliseconds(1200)));
+        {&watcher}, [&] { return watcher.frames.size() >= before + 3; }, milliseconds(3500)));
     EXPECT_FALSE(watcher.goodbye);
     EXPECT_TRUE(watch({&watcher}, [&] { return watcher.goodbye.has_value(); }));
     EXPECT_EQ(watcher.go_to, "wss://next.example/ws");
