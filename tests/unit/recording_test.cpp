@@ -101,7 +101,7 @@ TEST(CommandJson, EveryCommandComesBackBitForBit) {
         ASSERT_EQ(back.body.index(), body.index()) << text;
         EXPECT_EQ(toJson(back).dump(), text);
     }
-    const auto& impulse = std::get<Impulse>(commandOf(toJson({1, 2, bodies[0]})).body);
+    const Impulse impulse = std::get<Impulse>(commandOf(toJson({1, 2, bodies[0]})).body);
     EXPECT_EQ(impulse.origin, std::get<Impulse>(bodies[0]).origin);
     EXPECT_TRUE(std::signbit(impulse.direction.x));
 }
