@@ -214,7 +214,7 @@ TEST_F(RecordingTest, AReplayNamesTheFirstTickThatDiffers) {
         RecordingReader in(file);
         std::vector<RecordedTick> all;
         while (auto tick = in.next()) all.push_back(*tick);
-        std::get<Impulse>(all[1].commands[0].body).strength = 2.5000002f; // the next float
+        std::get<SetMedium>(all[1].commands[1].body).extinction = std::nextafter(0.1f, 1.0f);
         RecordingWriter out(file, head());
         for (const RecordedTick& tick : all) EXPECT_TRUE(out.write(tick));
     }
