@@ -6,6 +6,7 @@
 #include <iterator>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -151,7 +152,7 @@ TEST_F(Configuration, AReloadChangesWhatItCanAndNamesTheRest) {
 }
 
 TEST_F(Configuration, ADrainIsSeenByReadyzWhileFramesFlowAndEndsWithAGoodbye) {
-    RunningServer server({"--drain-time", "1500", "--drain-to", "wss://next.example/ws"});
+    RunningServer server({"--drain-time", "4000", "--drain-to", "wss://next.example/ws"});
     Watcher watcher(server.endpoint());
     watcher.look(kPose);
     ASSERT_TRUE(watch({&watcher}, [&] { return !watcher.frames.empty(); }));
@@ -164,7 +165,7 @@ TEST_F(Configuration, ADrainIsSeenByReadyzWhileFramesFlowAndEndsWithAGoodbye) {
     EXPECT_EQ(metric(server.port(), "brume_ready"), 0);
     const size_t before = watcher.frames.size();
     EXPECT_TRUE(watch(
-        {&watcher}, [&] { return watcher.frames.size() >= before + 3; }, milliseconds(1200)));
+        {&watcher}, [&] { return watcher.frames.size() >= before + 3; }, milliseconds(3500)));
     EXPECT_FALSE(watcher.goodbye);
     EXPECT_TRUE(watch({&watcher}, [&] { return watcher.goodbye.has_value(); }));
     EXPECT_EQ(watcher.go_to, "wss://next.example/ws");
@@ -176,7 +177,7 @@ TEST_F(Configuration, ASecondSigtermEndsAtOnce) {
     server.process().signal(SIGTERM);
     ASSERT_TRUE(says(server.process(), "draining"));
     server.process().signal(SIGTERM);
-    EXPECT_TRUE(server.process().exitCode(milliseconds(5000)));
+    EXPECT_TRUE(server.process().exitCode(milliseconds(15'000))); // a quarter of the drain
 }
 
 TEST_F(Configuration, JsonLogsAreJsonToTheLastLine) {
@@ -207,7 +208,7 @@ TEST_F(Configuration, TheDocumentedTableIsWhatTheServerHas) {
     for (std::sregex_iterator i(text.begin(), text.end(), row), end; i != end; ++i) {
         const std::string key = (*i)[1], value = (*i)[2];
         documented.insert(key);
-        EXPECT_NE(said.find("--" + key + " "), said.npos) << key;
+        EXPECT_NE(said.find("--" + key), said.npos) << key;
         const std::string line = lineOf(config, key);
         if (!value.starts_with("its ")) { // where a folder is found depends on the machine
             EXPECT_EQ(line, value.empty() ? "# " + key + " =" : key + " = " + value.substr(1, value.size() - 2));
