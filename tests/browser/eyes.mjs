@@ -78,9 +78,16 @@ async function pauseScene(page) {
 
 // Until frames come for two eyes, and what is drawn is the newest that was asked for.
 const bothEyes = (page, more = 5) =>
-  page.evaluate(() => window.brume.headset?.drawn ?? 0).then((drawn) =>
-    until(page, 'both eyes are drawn', (b, least) => b.lastFrame.views === 2 && b.headset?.drawn >= least, drawn + more),
-  );
+  page
+    .evaluate(() => window.brume.headset?.drawn ?? 0)
+    .then((drawn) =>
+      until(
+        page,
+        'both eyes are drawn',
+        (b, least) => b.lastFrame.views === 2 && b.headset?.drawn >= least,
+        drawn + more,
+      ),
+    );
 
 describe('two eyes', () => {
   let browser, server;
@@ -133,7 +140,10 @@ describe('two eyes', () => {
 
   test('a headset gets both eyes, with the parallax of its distance', async (t) => {
     const page = await enter(t);
-    const { camera, headset: seen } = await page.evaluate(() => ({ camera: window.brume.camera, headset: window.brume.headset }));
+    const { camera, headset: seen } = await page.evaluate(() => ({
+      camera: window.brume.camera,
+      headset: window.brume.headset,
+    }));
     assert.ok(Math.abs(seen.asked.eyeSeparation - IPD) < 1e-6);
     assert.equal(seen.asked.frusta.length, 2);
     const eyes = await halves(page, 'div[data-webxr_runtime]');
