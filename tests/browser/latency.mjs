@@ -75,7 +75,7 @@ async function sweep(page, until) {
 
 const after = [];
 const browser = await startBrowser();
-const server = await startServer('--method', 'slabs'); // no plan that changes on the way
+const server = await startServer();
 const delay = await startDelay(server.url, ADDED_MS / 2);
 console.log(
   '| pictures are | camera | behind, median | 95 % | aside, median | 95 % | input to picture p50 · p95 · p99, ms | frames/s |',
