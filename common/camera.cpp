@@ -63,7 +63,7 @@ bool isUsable(const Pose& pose) {
     if (!finite(q.x) || !finite(q.y) || !finite(q.z) || !finite(q.w)) return false;
     const float length = std::sqrt(glm::dot(q, q));
     if (!(std::abs(length - 1) < 1e-2f)) return false;
-    return pose.fov_y > 0.01f && pose.fov_y < 3.1f && pose.eye_separation >= 0 && finite(pose.eye_separation);
+    return pose.fov_y > 0.01f && pose.fov_y < 3.1f && pose.eye_separation >= 0 && pose.eye_separation < 1.0f;
 }
 
 } // namespace brume

@@ -30,7 +30,8 @@ function watch(mode) {
   ];
   const turn = (q, v) => times(times(q, [...v, 0]), conjugate(q)).slice(0, 3);
   const minus = (a, b) => a.map((x, i) => x - b[i]);
-  const between = (a, b) => Math.acos(Math.min(1, a.reduce((s, x, i) => s + x * b[i], 0) / Math.hypot(...a) / Math.hypot(...b)));
+  const between = (a, b) =>
+    Math.acos(Math.min(1, a.reduce((s, x, i) => s + x * b[i], 0) / Math.hypot(...a) / Math.hypot(...b)));
   const halves = (angle) => [Math.sin(angle / 2), Math.cos(angle / 2)];
   const orientation = ({ yaw, pitch }) => {
     const [sy, cy] = halves(yaw);
@@ -46,13 +47,17 @@ function watch(mode) {
     // From where the shown picture has the point: a turned one from where it was made.
     const from = mode === 'plane' ? shown.position : shown.made.position;
     const seen = turn(conjugate(shown.orientation), minus(pivot, from));
-    samples.push({ turned: 2 * Math.atan2(Math.hypot(...apart.slice(0, 3)), Math.abs(apart[3])), aside: between(seen, [0, 0, -1]) });
+    samples.push({
+      turned: 2 * Math.atan2(Math.hypot(...apart.slice(0, 3)), Math.abs(apart[3])),
+      aside: between(seen, [0, 0, -1]),
+    });
   });
   window.samples = samples;
 }
 
 const degrees = (radians) => ((radians * 180) / Math.PI).toFixed(2);
-const rank = (values, part) => [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(part * values.length))] ?? NaN;
+const rank = (values, part) =>
+  [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(part * values.length))] ?? NaN;
 
 // Back and forth at a steady speed, 60 degrees a second while the window is 0.8 rad high.
 async function sweep(page, until) {
@@ -70,16 +75,20 @@ async function sweep(page, until) {
 
 const after = [];
 const browser = await startBrowser();
-const server = await startServer('--method', 'slabs'); // no plan that changes on the way
+const server = await startServer();
 const delay = await startDelay(server.url, ADDED_MS / 2);
-console.log('| pictures are | camera | behind, median | 95 % | aside, median | 95 % | input to picture p50 · p95 · p99, ms | frames/s |');
+console.log(
+  '| pictures are | camera | behind, median | 95 % | aside, median | 95 % | input to picture p50 · p95 · p99, ms | frames/s |',
+);
 console.log('|---|---|---|---|---|---|---|---|');
 try {
   for (const camera of ['orbit', 'fly'])
     for (const { name, query } of WAYS) {
       const best = [];
       for (let run = 0; run < runs; ++run) {
-        const page = await openPage({ after: (end) => after.push(end) }, browser, `${delay.url}/?${query}`, { viewport: SIZE });
+        const page = await openPage({ after: (end) => after.push(end) }, browser, `${delay.url}/?${query}`, {
+          viewport: SIZE,
+        });
         await connected(page);
         if (camera === 'fly') await page.keyboard.press('c');
         await page.evaluate(watch, new URLSearchParams(query).get('reproject'));
@@ -94,7 +103,11 @@ try {
           shown: window.brume.frames,
         }));
         const rate = (1000 * (shown - frames)) / (Date.now() - begin);
-        const of = (key, part) => rank(samples.map((sample) => sample[key]), part);
+        const of = (key, part) =>
+          rank(
+            samples.map((sample) => sample[key]),
+            part,
+          );
         best.push({
           angles: [of('turned', 0.5), of('turned', 0.95), of('aside', 0.5), of('aside', 0.95)],
           latency: [50, 95, 99].map((percent) => latency[percent].total.toFixed(0)),

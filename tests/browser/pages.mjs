@@ -28,7 +28,8 @@ export async function openPage(t, browser, url, { script, ...options } = {}) {
   const elsewhere = [];
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('request', (request) => {
-    if (!request.url().startsWith(new URL(url).origin) && !/^(data|blob):/.test(request.url())) elsewhere.push(request.url());
+    if (!request.url().startsWith(new URL(url).origin) && !/^(data|blob):/.test(request.url()))
+      elsewhere.push(request.url());
   });
   await page.goto(url);
   const started = await page.evaluate(() => window.brume !== undefined); // a module runs before the page has loaded

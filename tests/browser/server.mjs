@@ -7,8 +7,6 @@ import { fileURLToPath } from 'node:url';
 const ROOT = fileURLToPath(new URL('../../', import.meta.url));
 const BINARY = process.env.BRUME_SERVER ?? join(ROOT, 'build/release/bin/brume-server');
 const WEB_ROOT = process.env.BRUME_WEB_ROOT ?? join(ROOT, 'client/web/dist');
-// The page is what is tested: a coarse light will do.
-const LIGHT = ['--shadow-size', '64', '--shadow-slices', '8'];
 const START_MS = 30_000;
 const STOP_MS = 10_000;
 
@@ -16,7 +14,7 @@ export async function startServer(...options) {
   for (const path of [BINARY, join(WEB_ROOT, 'index.html')]) {
     if (!existsSync(path)) throw new Error(`${path} is missing: build first, with ./dev`);
   }
-  const flags = ['--scene', 'cloud', '--web-root', WEB_ROOT, ...LIGHT, ...options];
+  const flags = ['--scene', 'cloud', '--web-root', WEB_ROOT, ...options];
   if (!options.includes('--port')) flags.push('--port', '0');
   const child = spawn(BINARY, flags, { cwd: ROOT, stdio: ['ignore', 'pipe', 'pipe'] });
   let output = '';

@@ -1,7 +1,6 @@
 // Asymmetric frusta: what one sees is what a larger symmetric one sees there.
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "tests/gpu/fixture.h"
 
@@ -57,7 +56,7 @@ const Pose kPoses[] = {lookAt({0, 2, 16}, {0, 0, 0}, 0.9f), lookAt({0.5f, 0.3f, 
 const Crop kCrops[] = {{0, 16, 96, 80}, {48, 64, 128, 80}, {112, 96, 80, 64}};
 
 // The same rays to rounding. A place is rounded to 1e-6 m, tau changes by at most 6 per m along an edge of a proxy: 1e-4 is ten
-// times what is left of that; a shift by one row changes a hundred times as much.
+// times what is left of that.
 TEST_F(FrustumTest, SeesWhatALargerSymmetricOneSees) {
     const std::pair<const char*, const char*> ways[] = {{"sphere", ""},      {"isv", "simpson"}, {"tiles", "hermite"},
                                                         {"tiles", "cached"}, {"slabs", ""},      {"grid", ""}};
@@ -68,12 +67,8 @@ TEST_F(FrustumTest, SeesWhatALargerSymmetricOneSees) {
             const Picture whole = plain().see(with, pose, kWhole, kTall);
             for (const Crop& crop : kCrops) {
                 const Picture part = plain().see(with, cropped(pose, crop), crop.width, crop.height);
-                const std::string what = std::string(method) + quadrature + std::to_string(crop.x);
-                const double same = apart(whole, part, crop, 0),
-                             moved = apart(whole, part, {crop.x, crop.y + 1, crop.width, crop.height - 1}, 0);
-                RecordProperty(what + (pose.position.z > 3 ? "_out" : "_in"), std::to_string(same) + " " + std::to_string(moved));
-                EXPECT_LT(same, 1e-4) << what;
-                EXPECT_GT(moved, 1e-2) << what << ": a row of pixels is seen";
+                EXPECT_LT(apart(whole, part, crop, 0), 1e-4)
+                    << method << ' ' << quadrature << ' ' << pose.position.z << ' ' << crop.x;
             }
         }
 }
