@@ -79,7 +79,7 @@ private:
     std::vector<PassTime> passes_;
     Clock::time_point reported_{};
     uint64_t scene_version_ = 0; // of all that is seen
-    bool changed_ = true; // a command came since the last report
+    bool changed_ = true;        // a command came since the last report
 
     EncodeWorkers workers_; // before the thread that uses it
     std::mutex mutex_;

@@ -16,7 +16,7 @@ inline constexpr float kPixelsPerLobe = 0.1f;
 // Pixels between those that are shaded: 1, 2, 4 or 8, as RenderSettings::shading says, or as both limits allow. No more than
 // `rate`, pixels between rays. `deviation`: the medium's, in pixels; `lobe`: 1 - |asymmetry| rad in pixels, the width of a
 // Henyey-Greenstein lobe, infinite without one. What it errs is below a hundredth of a level on average
-// (tests/gpu/picture_test.cpp).
+// (tests/gpu/coarse_test.cpp).
 inline uint32_t shadingStep(const RenderSettings& settings, uint32_t rate, float deviation, float lobe) {
     uint32_t step = settings.shading;
     if (step == 0) {

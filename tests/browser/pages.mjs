@@ -61,13 +61,20 @@ export async function until(page, what, condition, argument, timeout = WAIT_MS) 
 }
 
 export const connected = (page) =>
-  until(page, 'pictures come', (brume) => brume.state === 'connected' && brume.frames >= 3);
+  until(page, 'pictures come', (brume) => brume.state === 'connected' && brume.frames >= 1);
 
 // Until the picture shows the camera as it is now.
 export async function settled(page) {
   await until(page, 'the camera is sent', (brume) => brume.sentPose !== undefined);
   const pose = await page.evaluate(() => window.brume.sentPose);
   await until(page, 'the picture shows the camera', (brume, sent) => brume.lastFrame.poseSeq >= sent, pose);
+}
+
+// Until it is the finer one that follows when neither the camera nor a paused medium moves.
+export async function rested(page) {
+  await settled(page);
+  await until(page, 'the picture rests', (brume) => brume.lastFrame.quality >= 90 && brume.lastFrame.poseSeq >= brume.sentPose);
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))); // drawn, too
 }
 
 // What the canvas shows, small: [r, g, b] in rows from the top, 0 ... 255.

@@ -138,7 +138,7 @@ TEST_F(Configuration, AReloadChangesWhatItCanAndNamesTheRest) {
     put("max-viewers = 3\nquality = 999\n");
     process.signal(SIGHUP);
     ASSERT_TRUE(says(process, "reload: nothing is changed: " + file.string() + ":2: --quality: ")) << process.err();
-    EXPECT_EQ(process.err().find("-> 3"), std::string::npos);
+    EXPECT_EQ(process.err().find("max-viewers 2 -> 3"), std::string::npos);
 
     put("log-level = 'error'\nmax-viewers = 2\n");
     process.signal(SIGHUP);

@@ -41,7 +41,8 @@ let mode: Mode = 'orbit';
 let pushing = false;
 let linkState: LinkState['name'] = 'connecting';
 let movedAt: number | undefined; // ms, of the first input since the last pose that was sent
-let sent: { camera: Camera; size: Size; at: number } | undefined;
+// pose: the number of the first that said the same, `said`, to the server, which has float32: it draws what rests only once.
+let sent: { camera: Camera; size: Size; at: number; pose: number; said: string } | undefined;
 let headset: Headset | undefined;
 const statistics = new Statistics();
 const predictor = new Predictor();
@@ -347,10 +348,12 @@ function animate(now: number): void {
 function ask(now: number): void {
   const lead = settings.predict ? (statistics.average.get()?.total ?? 0) : 0;
   const foreseen = (lead > 0 && predictor.predict(lead)) || camera;
-  if (!link.sendPose(viewing.wish(foreseen, size))) return;
+  const wish = viewing.wish(foreseen, size);
+  if (!link.sendPose(wish)) return;
   statistics.sent(link.lastPose, movedAt === undefined ? 0 : performance.now() - movedAt);
   movedAt = undefined;
-  sent = { camera, size, at: now };
+  const said = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height].map(Math.fround).join();
+  sent = { camera, size, at: now, pose: sent?.said === said ? sent.pose : link.lastPose, said };
 }
 
 // A hidden page presents nothing: what it was shown of poses from before says nothing about the way here.
@@ -379,7 +382,7 @@ publishReport({
   viewing,
   state: () => linkState,
   viewer: () => welcome?.viewer,
-  sentPose: () => (sent && same(sent.camera, camera) ? link.lastPose : undefined), // undefined while a newer one is due
+  sentPose: () => (sent && same(sent.camera, camera) ? sent.pose : undefined), // undefined while a newer one is due
   camera: () => camera,
   scene: () => scene,
   headset: () => headset,
