@@ -105,6 +105,7 @@ TEST_F(Record, ARecordingIsBoundedAndTheServerGoesOn) {
         for (int i = 0; i < 100; ++i) watcher.session.sendPaused(i % 2);
         watcher.poll(milliseconds(5));
     }
+    setPaused(watcher, false); // what rests is sent once
     const size_t frames = watcher.frames.size();
     EXPECT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= frames + 3; }));
     server.process().signal(SIGTERM);
