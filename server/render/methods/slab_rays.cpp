@@ -128,7 +128,11 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
         for (uint32_t row = 0; row < bands.cells; row += bands.step) {
             Room with = room;
             gpu::View view = viewOf(*in, bands, row, step, with);
-            if (!(open && whole && kind(groups_.back().any) == kind(in) && bytesOfLargest(with) <= kMostBytes)) {
+            const auto fits = [&](const ViewGroup& last) {
+                return last.any->particles == in->particles && last.rate == bands.grid.rate && last.sources == count &&
+                       last.step == step && bytesOfLargest(with) <= kMostBytes;
+            };
+            if (!(open && whole && fits(groups_.back()))) {
                 with = {};
                 view = viewOf(*in, bands, row, step, with);
                 groups_.push_back({in, {}, {}, bands.grid.rate, count, step, 0});
