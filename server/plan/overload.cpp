@@ -1,5 +1,7 @@
 #include "server/plan/overload.h"
 
+#include <algorithm>
+
 namespace brume {
 namespace {
 
@@ -9,10 +11,22 @@ constexpr double kSpare = 0.8;
 
 } // namespace
 
+double Overload::median() const {
+    auto sorted = newest_;
+    const auto end = sorted.begin() + std::min(frames_, sorted.size()), middle = sorted.begin() + (end - sorted.begin()) / 2;
+    std::nth_element(sorted.begin(), middle, end);
+    return *middle;
+}
+
 bool Overload::took(double ms, double restored, Time now) {
-    if (now - last_ > kPause) long_ = short_ = false;
+    const auto began = now - std::chrono::duration_cast<Time::duration>(std::chrono::duration<double, std::milli>(ms));
+    if (began - last_ > kPause) {
+        long_ = short_ = false;
+        frames_ = 0;
+    }
     last_ = now;
-    const bool too_long = ms > budget_ms_, would_fit = level_ > 0 && ms * restored < kSpare * budget_ms_;
+    newest_[frames_++ % newest_.size()] = ms;
+    const bool too_long = ms > budget_ms_, would_fit = level_ > 0 && median() * restored < kSpare * budget_ms_;
     if (too_long && !long_) long_since_ = now;
     if (would_fit && !short_) short_since_ = now;
     long_ = too_long;
@@ -25,6 +39,7 @@ bool Overload::took(double ms, double restored, Time now) {
         return false;
     }
     long_ = short_ = false;
+    frames_ = 0; // what comes is made with another plan
     return true;
 }
 

@@ -113,14 +113,17 @@ TEST_F(OnDevice, FrameCountsPassesFragmentsAndMemory) {
 // Naive: on a driver that draws later than it says, the passes of all views but the first seem to cost nothing.
 TEST_F(OnDevice, PassesHoldTheTimeOfEveryView) {
     Case four = smallCloud();
-    four.size = {320, 180};
+    four.size = {640, 360};
     four.viewers = 4;
     Stage stage(device(), four);
-    stage.frame();
-    const FrameCost cost = stage.frame();
-    double sum = 0;
-    for (const FrameCost::Pass& pass : cost.passes) sum += pass.ms;
-    EXPECT_GT(sum, 0.7 * cost.wall_ms);
+    double most = 0; // of several: what else the machine does is in the frame's time, not in the passes'
+    for (int i = 0; i < 8; ++i) {
+        const FrameCost cost = stage.frame();
+        double sum = 0;
+        for (const FrameCost::Pass& pass : cost.passes) sum += pass.ms;
+        most = std::max(most, sum / cost.wall_ms);
+    }
+    EXPECT_GT(most, 0.7);
 }
 
 TEST_F(OnDevice, SweepRunsAndIsReported) {

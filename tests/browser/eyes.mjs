@@ -71,9 +71,11 @@ const contrast = (half) => {
   return Math.sqrt(all.reduce((sum, x) => sum + (x - average) ** 2, 0) / all.length) / 3;
 };
 
-async function pauseScene(page) {
+// Pauses or resumes the scene that all share.
+async function setPaused(page, paused) {
+  await page.evaluate(() => document.activeElement?.blur());
   await page.keyboard.press('p');
-  await until(page, 'the scene rests', (brume) => brume.scene.paused);
+  await until(page, `the scene ${paused ? 'rests' : 'goes on'}`, (brume, wanted) => brume.scene.paused === wanted, paused);
 }
 
 // Until frames come for two eyes, and what is drawn is the newest that was asked for.
@@ -122,7 +124,7 @@ describe('two eyes', () => {
     await until(page, 'two pictures come', (brume) => brume.lastFrame.views === 2);
     const { width, height } = await page.evaluate(() => window.brume.lastFrame);
     assert.ok(width < height, `half a window’s shape, not ${width}x${height}`);
-    await pauseScene(page);
+    await setPaused(page, true);
     // Nearer, until 64 mm are seen under some pixels.
     const distance = () => page.evaluate(() => window.brume.camera.distance);
     await page.mouse.move(150, 225); // over the picture, where the wheel is the camera's
@@ -135,6 +137,7 @@ describe('two eyes', () => {
     const wanted = 0.064 / (await distance()) / ((2 * Math.tan(0.4)) / eyes[0].length); // of what is orbited
     const found = disparity(eyes);
     assert.ok(found >= 0.5 * wanted && found <= 3 * wanted, `${found} pixels of parallax where ${wanted} are due`);
+    await setPaused(page, false);
     await page.getByRole('combobox', { name: 'Eyes' }).selectOption('one');
     await until(page, 'one picture comes', (brume) => brume.lastFrame.views === 1);
     await page.leave();

@@ -22,6 +22,7 @@ void Watcher::poll(milliseconds timeout) {
             Seen seen{frame->id(), frame->pose_seq(), frame->tick(), frame->state_hash(), frame->width(), frame->height(), {},
                       {}};
             seen.quality = frame->quality();
+            seen.render_ms = frame->stages()->render();
             seen.position = {frame->position()->x(), frame->position()->y(), frame->position()->z()};
             for (uint32_t view = 0; view < frame->jpeg_bytes()->size(); ++view) {
                 const auto jpeg = message->parsed().view(view);

@@ -19,6 +19,7 @@ struct Seen {
     int width = 0, height = 0;
     glm::vec3 position{0};
     int quality = 0;
+    float render_ms = 0;              // until the device was done
     std::vector<client::Bytes> jpegs; // one a view
 };
 

@@ -317,6 +317,18 @@ TEST(OverloadLevel, RisesAfterASecondAndFallsAfterFiveOfSpareTime) {
     EXPECT_EQ(overload.level(), 0u);
 }
 
+TEST(OverloadLevel, FallsOnAMachineThatIsBusyNowAndThen) {
+    Overload overload(33);
+    Overload::Time now{std::chrono::hours(1)};
+    feed(overload, now, 40, 1, 1.2);
+    ASSERT_EQ(overload.level(), 1u);
+    for (int i = 0; i < 6; ++i) {
+        feed(overload, now, 10, 1.5, 0.95);
+        feed(overload, now, 40, 1.5, 0.05);
+    }
+    EXPECT_EQ(overload.level(), 0u);
+}
+
 TEST(OverloadLevel, ANewBudgetHoldsAtOnce) {
     Overload overload(33);
     Overload::Time now{std::chrono::hours(1)};
@@ -333,6 +345,16 @@ TEST(OverloadLevel, APauseBetweenFramesIsNoOverload) {
         now += std::chrono::seconds(2);
         EXPECT_FALSE(overload.took(100, 1, now));
     }
+}
+
+TEST(OverloadLevel, FramesOfMoreThanASecondAreOverload) {
+    Overload overload(33);
+    Overload::Time now{std::chrono::hours(1)};
+    for (int i = 0; i < 3; ++i) { // one straight after the other
+        now += std::chrono::milliseconds(1500);
+        overload.took(1450, 1, now);
+    }
+    EXPECT_GT(overload.level(), 0u);
 }
 
 } // namespace
