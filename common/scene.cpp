@@ -139,6 +139,7 @@ void readRender(TableReader& in, RenderSettings& out) {
         in.fail("shading", std::to_string(out.shading) + " is not allowed", "0, 1, 2, 4 or 8");
     in.number("grid", out.grid, limits::kGridSpacing);
     in.number("merge", out.merge, limits::kMerge);
+    in.boolean("shared_order", out.shared_order);
     in.number("exposure", out.exposure, limits::kExposure);
     in.choice<std::string>("tone_map", out.tone_map, {{"filmic", "filmic"}, {"linear", "linear"}});
     in.integerOrZero("shadow_size", out.shadow_size, limits::kShadowSize);

@@ -107,6 +107,7 @@ struct RenderSettings {
     uint32_t shading = 0; // slabs, grid: pixels between shaded ones, 1, 2, 4 or 8; 0: from the rays' spacing
     float grid = 0;       // grid: deviations between nodes, at most 1; 0: 0.5. Below 0.25 sampling is cubic
     float merge = 1; // pixels, 0...8: particles of a large medium that share a cell of at most that size become one; 0: none do
+    bool shared_order = true; // isv, sphere, tiles: a head's two eyes are sorted for once, from the middle between them
     float exposure = 1;
     std::string tone_map = "filmic";    // filmic | linear
     uint32_t shadow_size = 0;           // volumetric shadow map: texels a side, 16...1024; 0: from the medium and shadow_error

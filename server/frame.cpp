@@ -149,7 +149,8 @@ void FrameLoop::gather(Batch& batch, bool fine) {
         }
         batch.jobs.push_back({viewer, *due, uint32_t(batch.jobs.size()), uint32_t(eyes_.size())});
         for (int eye = 0; eye < due->request.views; ++eye)
-            eyes_.push_back({eyePose(due->request.pose, eye, due->request.views), due->request.width, due->request.height});
+            eyes_.push_back(
+                {eyePose(due->request.pose, eye, due->request.views), due->request.width, due->request.height, eye == 1});
     }
 }
 

@@ -23,6 +23,7 @@ DepthOrder::DepthOrder(const gpu::Device& device, uint32_t capacity)
 
 void DepthOrder::record(gpu::Commands& commands, const EyeInputs& inputs, Support support, uint32_t vertices,
                         uint32_t particles_per_group) {
+    if (inputs.ordered) return;
     const VkCommandBuffer cmd = commands.handle();
     {
         const gpu::Commands::Pass pass(commands, "cull", inputs.view);
@@ -32,7 +33,7 @@ void DepthOrder::record(gpu::Commands& commands, const EyeInputs& inputs, Suppor
         const uint32_t full_support = support == Support::sphere;
         cull_.bind(cmd,
                    {inputs.tick, inputs.eye, storageBuffer(2, *inputs.particles), storageBuffer(3, keys_),
-                    storageBuffer(4, values_), storageBuffer(5, arguments_)},
+                    storageBuffer(4, values_), storageBuffer(5, arguments_), inputs.other},
                    full_support);
         vkCmdDispatch(cmd, gpu::groups(inputs.particle_count, 64), 1, 1);
         gpu::computeToCompute(cmd);

@@ -1,4 +1,5 @@
-// Per eye: cull, then the far-to-near order of what is left, and the indirect arguments to draw it. Scratch, used eye after eye.
+// Per eye, or once for a head's two: cull, then the far-to-near order of what is left, and the indirect arguments to draw it.
+// Scratch, used eye after eye.
 #pragma once
 
 #include "server/render/method.h"
@@ -11,7 +12,8 @@ public:
     DepthOrder(const gpu::Device& device, uint32_t capacity);
 
     enum class Support { tetrahedron, sphere };
-    // After it, order() and arguments() may be read by draws: instance i is the i-th farthest visible particle.
+    // After it, order() and arguments() may be read by draws: instance i is the i-th farthest particle that the eye, or the
+    // other one of its head, can see. For an eye that is ordered with the one before: nothing, that one's order holds.
     void record(gpu::Commands& commands, const EyeInputs& inputs, Support support, uint32_t vertices,
                 uint32_t particles_per_group);
 

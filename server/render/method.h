@@ -29,6 +29,8 @@ struct EyeInputs {
     uint64_t particle_version = 0;               // another one whenever the particles, or what the tick says of them, changed
     bool eye_in_medium = true;                   // the near plane may cut particles
     gpu::Resource tick, eye;                     // uniform blocks, bindings 0 and 1
+    gpu::Resource other;                         // the block of the head's other eye, binding 6; its own where there is none
+    bool ordered = false;                        // that other one has been sorted for already, and so has this one
     const gpu::View* block = nullptr;            // with the eye, where the picture's bytes go, and all its rows
     gpu::Resource view_block;                    // the same, a storage buffer, binding 1
     const gpu::Buffer* particles = nullptr;      // gpu::Particle[particle_count]

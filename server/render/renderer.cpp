@@ -52,7 +52,7 @@ EyeRequest everyStep(const EyeRequest& eye, uint32_t step) {
     if (step == 1) return eye;
     const Frustum f = frustumOf(eye.pose, eye.width, eye.height);
     const float pixel = (f.left + f.right) / float(eye.width), before = (1.5f * float(step) - 0.5f) * pixel;
-    EyeRequest coarse{eye.pose, gpu::groups(eye.width, step) + 3, gpu::groups(eye.height, step) + 3};
+    EyeRequest coarse{eye.pose, gpu::groups(eye.width, step) + 3, gpu::groups(eye.height, step) + 3, eye.second};
     const float wide = float(coarse.width * step) * pixel, high = float(coarse.height * step) * pixel;
     coarse.pose.frustum = {f.left + before, wide - f.left - before, f.up + before, high - f.up - before};
     return coarse;
@@ -300,6 +300,12 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         in.linear = &linear_;
         in.nearest = &nearest_;
         last_size_ = {eye.width, eye.height};
+        in.other = in.eye;
+        in.other.binding = 6;
+        if (!eye.second || !now.render.shared_order || in.view == 0 || inputs_[in.view - 1].particles != in.particles) continue;
+        EyeInputs& first = inputs_[in.view - 1];
+        std::swap(first.other, in.other);
+        in.ordered = true;
     }
 }
 

@@ -23,6 +23,7 @@ namespace brume {
 struct EyeRequest {
     Pose pose;
     uint32_t width = 0, height = 0;
+    bool second = false; // of one head's two eyes: the first is the request before it
 };
 
 // What one submission writes and reads on the CPU's side. Several may be alive: one on the device, others being encoded.
