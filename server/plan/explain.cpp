@@ -53,7 +53,7 @@ std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel&
     out += fmt::format("memory      of the particles at most {:.1f} MiB of the CPU's, {:.1f} MiB of the device's\n",
                        double(memory.cpu) / (1 << 20), double(memory.device) / (1 << 20));
     out += fmt::format("plan        {}{}\n", wayText(s),
-                       plan.within ? "" : "; NOT within the budget: nothing is, this is the most accurate");
+                       plan.within ? "" : "; NOT within the budget: nothing is; this is the cheapest of the most accurate");
     for (const PlanScene::Shadow& shadow : inputs.scene.shadows)
         if (shadow.wanted == s.shadow_error)
             out += fmt::format("shadow map  {}x{} texels, {} planes, error {:.3f} %\n", shadow.resolution.texels.x,

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <span>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -20,6 +21,8 @@ constexpr float kGridSpacings[] = {0.2f, 0.35f, 0.5f, 0.7f}; // the first one is
 // What is in use stays while it is at most so much dearer, and its error so much larger, than what would be chosen anew: a camera
 // on the edge between two ways does not change them every tick.
 constexpr double kDearer = 1.25, kWorse = 1.1;
+// Where nothing holds the budgets: the cheapest of those whose error is at most so many times the least that there is.
+constexpr double kNearBest = 1.1;
 // Overload trades error away up to so many times the budget.
 constexpr double kMostRelaxed = 10;
 
@@ -151,9 +154,12 @@ bool sameWay(const RenderSettings& a, const RenderSettings& b) {
            a.steps == b.steps && a.shadow_error == b.shadow_error;
 }
 
+// Smaller is better: whether it is outside the budgets, and then what counts there.
+using Rank = std::tuple<int, double, double>;
+
 // The best of each method and rate but the chosen one, with why it was not taken.
 std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candidate& chosen, const RenderSettings& wanted,
-                                const std::function<bool(const Candidate&)>& holds) {
+                                const std::function<Rank(const Candidate&)>& rank) {
     std::vector<Candidate> others;
     for (const Candidate& c : all) {
         RenderSettings otherwise = c.settings; // another shadow map alone is no other way
@@ -168,8 +174,7 @@ std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candida
             others.push_back(c);
             continue;
         }
-        const bool better = holds(c) != holds(*rival) ? holds(c) : holds(c) ? c.ms() < rival->ms() : c.error < rival->error;
-        if (better) *rival = c;
+        if (rank(c) < rank(*rival)) *rival = c;
     }
     for (Candidate& c : others)
         c.why_not = c.error > double(wanted.error) ? fmt::format("error above {:.2g} %", 100 * wanted.error)
@@ -260,12 +265,15 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     for (const RenderSettings& way : ways) prices.add(way, all);
 
     const auto holds = [&](const Candidate& c) { return c.error <= double(wanted.error) && c.flip <= double(wanted.flip); };
-    const auto better = [&](const Candidate& a, const Candidate& b) {
-        if (holds(a) != holds(b)) return holds(a);
-        return holds(a) ? std::pair(a.ms(), a.error) < std::pair(b.ms(), b.error) : a.error < b.error;
+    const auto by_error = [](const Candidate& a, const Candidate& b) { return a.error < b.error; };
+    const double least = std::min_element(all.begin(), all.end(), by_error)->error;
+    const auto rank = [&](const Candidate& c) -> Rank {
+        if (holds(c)) return {0, c.ms(), c.error};
+        return c.error <= kNearBest * least ? Rank{1, c.ms(), c.error} : Rank{2, c.error, c.ms()};
     };
     plan.views = inputs.views.size();
-    plan.chosen = *std::min_element(all.begin(), all.end(), better);
+    plan.chosen =
+        *std::min_element(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
     if (inputs.before) {
         const auto used =
             std::find_if(all.begin(), all.end(), [&](const Candidate& c) { return sameWay(c.settings, *inputs.before); });
@@ -289,7 +297,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     }
     plan.within = holds(plan.chosen);
     plan.passes = prices.passes(plan.chosen.settings);
-    plan.others = othersOf(all, plan.chosen, wanted, holds);
+    plan.others = othersOf(all, plan.chosen, wanted, rank);
     return plan;
 }
 

@@ -49,7 +49,7 @@ struct Plan {
     std::vector<Candidate> others; // the best of each method and rate that was not taken
     size_t views = 1;
     std::string refused;  // "grid: why": a method that the scene does not allow; it was not among the ways
-    bool within = true;   // the budget holds; else the most accurate way was taken
+    bool within = true;   // the budget holds; else the cheapest of the most accurate ways was taken
     bool kept = false;    // as before, though another way is a little cheaper
     RenderSettings base;  // before overload
     uint32_t relaxed = 0; // steps that overload took, of those asked for: its error ends at ten times the budget

@@ -48,12 +48,17 @@ TEST(Plan, ATighterBudgetNeverPredictsLessTimeOrMoreError) {
     }
 }
 
+// The cheapest of the ways that are as accurate as any, to a tenth.
 TEST(Plan, AnUnsatisfiableBudgetTakesTheMostAccurateWayAndSaysSo) {
     PlanInputs inputs = inputsOf(cube());
     inputs.scene.wanted.error = 1e-5f; // below what any method leaves
     const Plan plan = makePlan(inputs, builtInCosts());
     EXPECT_FALSE(plan.within);
-    for (const Candidate& other : plan.others) EXPECT_GE(other.error, plan.chosen.error);
+    double least = plan.chosen.error;
+    for (const Candidate& other : plan.others) least = std::min(least, other.error);
+    EXPECT_LE(plan.chosen.error, 1.1 * least);
+    for (const Candidate& other : plan.others)
+        EXPECT_TRUE(other.error > 1.1 * least || other.ms() >= plan.chosen.ms()) << other.ms() << ' ' << other.error;
     EXPECT_NE(explain(plan, inputs, builtInCosts()).find("NOT within the budget"), std::string::npos);
 }
 
