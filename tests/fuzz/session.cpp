@@ -15,11 +15,17 @@ namespace {
 using net::NetOptions;
 using std::chrono::microseconds;
 
-enum Kind : uint8_t { kBytes, kHello, kPose, kInput, kAck, kText, kTick, kUnknownFrame, kPing, kKinds };
+enum Kind : uint8_t { kBytes, kHello, kPose, kInput, kAck, kText, kTick, kUnknownFrame, kPing, kPong, kKinds };
 
 bool within(glm::vec3 v, Limits allowed) { return allowed.holds(v.x) && allowed.holds(v.y) && allowed.holds(v.z); }
 bool within(const std::optional<glm::vec3>& v, Limits allowed) { return !v || within(*v, allowed); }
 bool within(const std::optional<float>& v, Limits allowed) { return !v || allowed.holds(*v); }
+bool isDrawable(const Frustum& f) { // all zero: the symmetric one of fov_y
+    if (f == Frustum{}) return true;
+    for (const float tangent : {f.left, f.right, f.up, f.down})
+        if (!(std::abs(tangent) <= 50)) return false;
+    return f.left + f.right >= 0.01f && f.up + f.down >= 0.01f;
+}
 bool isUnit(glm::vec3 v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
 
 // Holds every effect against what the rest of the server counts on.
@@ -41,6 +47,7 @@ public:
         promise(!admitted_, "a viewer is admitted once");
         admitted_ = true;
         promiseOneLine(e.client.empty() ? "empty" : e.client, 64);
+        promise(e.resume.size() <= 64, "a key is no longer than any that was given");
         picture(e.wish);
     }
     void operator()(const net::Show& e) {
@@ -49,6 +56,7 @@ public:
         const Pose& pose = e.request.pose;
         promise(isUsable(pose) && within(pose.position, limits::kPlace), "a pose is usable");
         promise(std::abs(glm::length(pose.orientation) - 1) < 1e-3f, "an orientation is unit");
+        promise(isDrawable(pose.frustum) && isDrawable(pose.right_frustum), "a frustum shows something, and not all around");
         promise(pose.eye_separation >= 0 && pose.eye_separation <= 10, "eyes stand apart as people's, or giants'");
         promise(double(++shows_) <= allowance(options_.pose_rate), "poses keep to their rate");
     }
@@ -160,15 +168,26 @@ wire::Packed pose(Numbers& in) {
     const wire::Quat orientation(x, 0, 0, w);
     const float fov_y = number(in), eyes = number(in);
     const auto width = in.take<uint16_t>(), height = in.take<uint16_t>();
-    return wire::pack(
-        [&](Builder& b) { return wire::CreatePose(b, seq, 7, &position, &orientation, fov_y, eyes, width, height); });
+    const auto frusta = in.take<uint8_t>();
+    const auto frustum = [&] {
+        const float left = number(in), right = number(in), up = number(in), down = number(in);
+        return wire::Frustum(left, right, up, down);
+    };
+    const wire::Frustum one = frusta & 1 ? frustum() : wire::Frustum(), two = frusta & 2 ? frustum() : wire::Frustum();
+    return wire::pack([&](Builder& b) {
+        return wire::CreatePose(b, seq, 7, &position, &orientation, fov_y, eyes, width, height, frusta & 1 ? &one : nullptr,
+                                frusta & 2 ? &two : nullptr);
+    });
 }
 
 wire::Packed hello(Numbers& in) {
     const auto width = in.take<uint16_t>(), height = in.take<uint16_t>();
     const auto views = in.take<uint8_t>(), quality = in.take<uint8_t>();
-    const std::string client = name(in, "client");
-    return wire::pack([&](Builder& b) { return wire::CreateHello(b, b.CreateString(client), width, height, views, quality); });
+    const std::string client = name(in, "client"), key = name(in, "");
+    return wire::pack([&](Builder& b) {
+        const auto client_at = b.CreateString(client), key_at = b.CreateString(key);
+        return wire::CreateHello(b, client_at, width, height, views, quality, key_at);
+    });
 }
 
 wire::Packed made(Kind kind, Numbers& in, const SceneFacts& facts) {
@@ -181,6 +200,8 @@ wire::Packed made(Kind kind, Numbers& in, const SceneFacts& facts) {
         return input(in, facts);
     case kAck:
         return wire::pack([&](Builder& b) { return wire::CreateAck(b, in.take<uint32_t>()); });
+    case kPong:
+        return wire::pack([&](Builder& b) { return wire::CreatePong(b, in.take<uint32_t>(), in.take<uint64_t>()); });
     default:
         return wire::pack([&](Builder& b) { return wire::CreatePing(b, in.take<uint32_t>(), in.take<uint64_t>()); });
     }
