@@ -14,6 +14,7 @@ import { buildPanel } from './panel';
 import { Picture } from './picture';
 import type { Command, Frame, SceneState, ServerMessage, Welcome } from './protocol';
 import { Pusher } from './pusher';
+import { mayControl, takeToken } from './role';
 import { followAddress, loadSettings, saveSettings } from './settings';
 import { Predictor } from './predict';
 import { publishReport } from './report';
@@ -74,6 +75,8 @@ const notices = new Notices(() => link.retryNow());
 const address = new URL('ws', location.href);
 address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
 address.search = address.hash = '';
+const token = takeToken();
+if (token !== undefined) address.searchParams.set('token', token);
 const link = new Connection(address.href, {
   hello: () => ({ client: CLIENT, ...size, views: headset ? 2 : viewing.views, quality: settings.quality }),
   state: (state) => {
@@ -99,6 +102,8 @@ function enter(greeting: Welcome): void {
   picture.clear();
   viewing.clear();
   panel.welcome(greeting, chosenCap());
+  for (const tool of ['push', 'pause']) find<HTMLButtonElement>(`tool-${tool}`).disabled = !mayPush();
+  if (!mayPush()) setPushing(false);
   size = viewing.size();
   setText(find('brand-scene'), greeting.scene);
 }
@@ -167,6 +172,9 @@ const host: ControlsHost = {
   get pushing() {
     return pushing;
   },
+  get mayPush() {
+    return mayPush();
+  },
   touched: () => document.body.classList.add('touched'),
   pushed: (active, x, y) => {
     cursor.classList.toggle('active', active);
@@ -184,8 +192,11 @@ function setMode(value: Mode): void {
   hint();
 }
 
+const mayPush = (): boolean => mayControl(welcome?.role ?? 'operator');
+
 function setPushing(on: boolean): void {
-  pushing = on;
+  pushing = on && mayPush();
+  on = pushing;
   setPressed(find('tool-push'), on);
   document.body.classList.toggle('pushing', on);
   hint();
@@ -200,8 +211,8 @@ function hint(): void {
   const text = pushing
     ? 'Drag to push the cloud'
     : touch
-      ? `Drag to ${turn} · pinch to zoom · hold, then drag to push`
-      : `Drag to ${turn} · ${travel} · ${key}-drag to push the cloud`;
+      ? `Drag to ${turn} · pinch to zoom${mayPush() ? ' · hold, then drag to push' : ''}`
+      : `Drag to ${turn} · ${travel}${mayPush() ? ` · ${key}-drag to push the cloud` : ''}`;
   setText(find('hint'), text);
 }
 
@@ -264,7 +275,7 @@ const actions: Record<string, () => void> = {
   orbit: () => setMode('orbit'),
   fly: () => setMode('fly'),
   push: () => setPushing(!pushing),
-  pause: () => command({ kind: 'simulation', paused: !(scene?.paused ?? false) }),
+  pause: () => mayPush() && command({ kind: 'simulation', paused: !(scene?.paused ?? false) }),
   reset: () => (camera = home),
   vr: () => void toggleHeadset(),
   stats: () => toggles.stats(!settings.stats),
