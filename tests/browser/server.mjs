@@ -24,7 +24,7 @@ export async function startServer(...options) {
     const timer = setTimeout(() => fail('did not start in time'), START_MS);
     const read = (chunk) => {
       output += chunk;
-      const found = /listening on (http:\/\/\S+)/.exec(output);
+      const found = /listening on (https?:\/\/\S+)/.exec(output);
       if (!found) return;
       clearTimeout(timer);
       resolve(found[1]);

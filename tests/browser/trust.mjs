@@ -91,3 +91,20 @@ describe('a server with a key', () => {
     await page.leave();
   });
 });
+
+// The certificate is made by the program `openssl`; Chromium is told to trust it.
+test('over https the page speaks wss', async (t) => {
+  const chain = join(folder, 'certificate.pem');
+  const secret = join(folder, 'key.pem');
+  const made = 'req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 1 -subj /CN=localhost'.split(' ');
+  made.push('-addext', 'subjectAltName=IP:127.0.0.1', '-out', chain, '-keyout', secret);
+  execFileSync('openssl', made, { stdio: 'ignore' });
+  const secure = await startServer('--token-key', key, '--tls-certificate', chain, '--tls-key', secret);
+  t.after(() => secure.stop());
+  assert.match(secure.url, /^https:/);
+  const page = await openPage(t, browser, `${secure.url}/#token=${token('viewer')}`, { ignoreHTTPSErrors: true });
+  await connected(page);
+  await settled(page);
+  await page.leave();
+  assert.equal(await secure.stop(), 0, 'the server’s exit');
+});

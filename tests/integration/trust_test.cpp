@@ -116,9 +116,9 @@ TEST_F(Trust, TheProgramsTakeATokenOfAFileOrOfTheEnvironment) {
 
 TEST_F(Trust, ClientsVerifyTheServersCertificate) {
     Certificate certificate;
-    const auto process = startServer(
-        {"--port", "0", "--scene", "cloud", "--tls-certificate", certificate.certificate(), "--tls-key", certificate.key()});
-    const auto port = process->lineStarting("listening on https://127.0.0.1:");
+    const auto process = startServer({"--port", "0", "--listen", "0.0.0.0", "--open", "--scene", "cloud", "--tls-certificate",
+                                      certificate.certificate(), "--tls-key", certificate.key()});
+    const auto port = process->lineStarting("listening on https://0.0.0.0:");
     ASSERT_TRUE(port) << process->err();
     client::Endpoint server = client::parseUrl("wss://127.0.0.1:" + *port);
     EXPECT_NE(whyNot(server).find("its certificate is not trusted"), std::string::npos) << whyNot(server);
