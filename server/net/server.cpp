@@ -118,11 +118,10 @@ void NetServer::State::welcome(tcp::socket socket) {
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &stall_ms, sizeof stall_ms);
     auto refused = Connections::Refused::nothing;
     auto place = context.connections.take(remote.address().to_string(), networkOf(remote.address()), &refused);
-    if (!place && context.tls)
-        return context.metrics.refused(refused == Connections::Refused::room ? "connections" : "accept_rate");
     if (!place) {
         const bool room = refused == Connections::Refused::room;
         context.metrics.refused(room ? "connections" : "accept_rate");
+        if (context.tls) return; // who expects TLS reads no plain words
         socket.non_blocking(true, error);
         socket.write_some(asio::buffer(room ? kNoRoom : kTooOften), error); // fits a fresh socket's buffer; nobody waits for it
         return;

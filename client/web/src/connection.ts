@@ -280,3 +280,12 @@ const versionRefusal = (): { refusal: Refusal; text: string } => ({
   refusal: 'version',
   text: 'The server turned this page away.',
 });
+
+// Beside the page, wherever a proxy has put it, and over TLS when the page came so.
+export function socketAddress(token: string | undefined): string {
+  const address = new URL('ws', location.href);
+  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  address.search = address.hash = '';
+  if (token !== undefined) address.searchParams.set('token', token);
+  return address.href;
+}

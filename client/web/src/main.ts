@@ -1,7 +1,7 @@
 // The page: puts camera, connection, picture, panel and overlay together.
 import { fitAspect, lookAt, same } from './camera';
 import type { Camera } from './camera';
-import { Connection } from './connection';
+import { Connection, socketAddress } from './connection';
 import type { LinkState } from './connection';
 import { Controls, isField } from './controls';
 import type { ControlsHost, Mode } from './controls';
@@ -71,13 +71,7 @@ let size: Size = viewing.size();
 
 const notices = new Notices(() => link.retryNow());
 
-// Beside the page, wherever a proxy has put it.
-const address = new URL('ws', location.href);
-address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-address.search = address.hash = '';
-const token = takeToken();
-if (token !== undefined) address.searchParams.set('token', token);
-const link = new Connection(address.href, {
+const link = new Connection(socketAddress(takeToken()), {
   hello: () => ({ client: CLIENT, ...size, views: headset ? 2 : viewing.views, quality: settings.quality }),
   state: (state) => {
     linkState = state.name;
@@ -196,9 +190,8 @@ const mayPush = (): boolean => mayControl(welcome?.role ?? 'operator');
 
 function setPushing(on: boolean): void {
   pushing = on && mayPush();
-  on = pushing;
-  setPressed(find('tool-push'), on);
-  document.body.classList.toggle('pushing', on);
+  setPressed(find('tool-push'), pushing);
+  document.body.classList.toggle('pushing', pushing);
   hint();
 }
 
