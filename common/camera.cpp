@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/scene_limits.h"
+
 namespace brume {
 
 Pose lookAt(glm::vec3 position, glm::vec3 target, float fov_y) {
@@ -63,7 +65,7 @@ bool isUsable(const Pose& pose) {
     if (!finite(q.x) || !finite(q.y) || !finite(q.z) || !finite(q.w)) return false;
     const float length = std::sqrt(glm::dot(q, q));
     if (!(std::abs(length - 1) < 1e-2f)) return false;
-    return pose.fov_y > 0.01f && pose.fov_y < 3.1f && pose.eye_separation >= 0 && pose.eye_separation < 1.0f;
+    return pose.fov_y > 0.01f && pose.fov_y < 3.1f && limits::kEyeSeparation.holds(double(pose.eye_separation));
 }
 
 } // namespace brume

@@ -41,8 +41,8 @@ float cornerLength(const Frustum& frustum);
 // True when all of it is 0, or tangents are in -50 ... 50 and left + right and up + down at least 0.01.
 bool isUsable(const Frustum& frustum);
 
-// True when every number but those of frusta is finite, the orientation is a unit quaternion within 1e-2 and fov_y is in
-// (0.01, 3.1).
+// True when every number but those of frusta is finite, the orientation is a unit quaternion within 1e-2, fov_y is in
+// (0.01, 3.1) and the eyes are apart by what limits::kEyeSeparation holds.
 bool isUsable(const Pose& pose);
 
 } // namespace brume

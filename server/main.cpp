@@ -7,6 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/address.h"
 #include "common/scene_text.h"
 #include "server/net/server.h"
 #include "server/operate/log.h"
@@ -21,7 +22,7 @@ using namespace brume;
 
 std::string address(const net::NetOptions& options, uint16_t port) {
     const std::string host = options.listen.find(':') == std::string::npos ? options.listen : "[" + options.listen + "]";
-    return "http://" + host + ":" + std::to_string(port);
+    return (options.tls_key.empty() ? "http://" : "https://") + host + ":" + std::to_string(port);
 }
 
 CostModel costsOf(const ServerOptions& options, const gpu::Device& device) {
@@ -96,6 +97,9 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     if (!std::filesystem::exists(options.net.web_root / "index.html"))
         spdlog::warn("no page in '{}': run ./dev build, or name its folder with --web-root", options.net.web_root.string());
     spdlog::info("scene '{}' on {}{}", scene.name, device.name(), device.hasMeshShaders() ? ", mesh shaders" : "");
+    if (options.net.token_key.empty() && options.open && !isLoopback(options.net.listen))
+        spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
+                     options.net.listen);
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;

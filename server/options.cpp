@@ -8,8 +8,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/address.h"
 #include "common/scene_limits.h"
+#include "server/net/token.h"
 #include "server/operate/config_file.h"
+#include "server/operate/token_key.h"
 #include "server/plan/plan.h"
 
 namespace brume {
@@ -26,25 +29,11 @@ std::filesystem::path findFolder(const char* installed, const char* in_source) {
 }
 
 // What a reload changes; docs/operate.md says when each is felt.
-const std::set<std::string> kLive{"allow-origin",
-                                  "max-viewers",
-                                  "max-connections",
-                                  "max-connections-per-address",
-                                  "max-streams",
-                                  "max-snapshots",
-                                  "max-pixels",
-                                  "max-message-bytes",
-                                  "quality",
-                                  "handshake",
-                                  "idle",
-                                  "pose-rate",
-                                  "input-rate",
-                                  "message-rate",
-                                  "drain-time",
-                                  "drain-to",
-                                  "grace",
-                                  "frame-budget",
-                                  "log-level"};
+const std::set<std::string> kLive{"allow-origin", "max-viewers",   "max-connections", "max-connections-per-address",
+                                  "max-streams",  "max-snapshots", "max-pixels",      "max-message-bytes",
+                                  "quality",      "accept-rate",   "handshake",       "idle",
+                                  "pose-rate",    "input-rate",    "message-rate",    "drain-time",
+                                  "drain-to",     "grace",         "frame-budget",    "log-level"};
 
 // Viewers are told this URL: it holds no user or password, and a header or a log line can carry it.
 std::string checkUrl(const std::string& url) {
@@ -53,6 +42,31 @@ std::string checkUrl(const std::string& url) {
     const bool plain = std::all_of(url.begin(), url.end(), [](char c) { return c > ' ' && c < 0x7f && c != '@'; });
     if (url.empty() || (scheme && plain && url.size() <= 1024)) return {};
     return "allowed: a URL of http, https, ws or wss, without user and password, of 1024 characters at most";
+}
+
+// Reads the key. Who may come in when there is none is never left to chance.
+void readTrust(ServerOptions& o) {
+    if (!o.token_key.empty()) o.net.token_key = readTokenKey(o.token_key);
+    if (o.net.tls_certificate.empty() != o.net.tls_key.empty())
+        throw std::runtime_error("--tls-certificate and --tls-key belong together: give both, or neither");
+    if (o.net.token_key.empty() && !o.open && !isLoopback(o.net.listen))
+        throw std::runtime_error(
+            fmt::format("--listen {}: other machines could do everything here; allowed: --token-key FILE for "
+                        "viewers with tokens, or --open for whoever comes",
+                        o.net.listen));
+    if (!o.net.token_key.empty() && o.open)
+        throw std::runtime_error("--open lets everyone in, --token-key does not: give one of them");
+}
+
+std::string tokenFor(net::Role role, uint32_t seconds, const std::string& name, const std::string& key) {
+    if (key.empty()) throw std::runtime_error("--make-token needs --token-key FILE, the server's");
+    const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    return net::makeToken({role, now + std::chrono::seconds(seconds), name}, key);
+}
+
+std::string checkName(const std::string& name) {
+    const bool printable = std::all_of(name.begin(), name.end(), [](char c) { return c >= ' ' && c <= '~'; });
+    return printable && name.size() <= net::kMostTokenName ? "" : "allowed: 64 printable ASCII characters";
 }
 
 CLI::Range within(const Limits& limits) { return {limits.lo, limits.hi}; }
@@ -75,6 +89,21 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.config_formatter(reader);
     bool print_config = false;
     app.add_flag("--print-config", print_config, "print all options as they stand as such a file, and end")->configurable(false);
+    std::string make_token, token_name;
+    uint32_t valid_for = 3600;
+    auto* const make = app.add_option("--make-token", make_token, "print a token of this role, made with --token-key, and end")
+                           ->configurable(false)
+                           ->check(CLI::IsMember({"viewer", "controller", "operator"}))
+                           ->type_name("ROLE");
+    app.add_option("--valid-for", valid_for, "of that token")
+        ->configurable(false)
+        ->needs(make)
+        ->check(CLI::Range(1u, uint32_t(net::kLongestToken.count())))
+        ->type_name("SECONDS");
+    app.add_option("--token-name", token_name, "whose that token is, for the log")
+        ->configurable(false)
+        ->needs(make)
+        ->check(CLI::Validator(checkName, "", "NAME"));
     const char* group = "Scene";
     const auto ms = [&](const char* name, std::chrono::milliseconds& value, const char* about, uint32_t least = 1) {
         app.add_option_function<uint32_t>(
@@ -128,6 +157,16 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         ->delimiter(',')
         ->group(group);
 
+    group = "Trust";
+    app.add_option("--token-key", o.token_key, "file with the secret of tokens: what a viewer may do is in its token")
+        ->type_name("FILE")
+        ->group(group);
+    app.add_flag("--open", o.open, "without a key let other machines in: everyone who comes may do everything")->group(group);
+    app.add_option("--tls-certificate", o.net.tls_certificate, "certificate chain for TLS, PEM; with --tls-key")
+        ->type_name("FILE")
+        ->group(group);
+    app.add_option("--tls-key", o.net.tls_key, "its private key, PEM")->type_name("FILE")->group(group);
+
     group = "Limits";
     app.add_option("--max-viewers", o.max_viewers, "MJPEG streams and snapshots count")->group(group)->check(CLI::Range(1, 1000));
     app.add_option("--max-in-flight", o.max_in_flight, "frames a viewer may leave unacknowledged")
@@ -156,6 +195,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         ->default_str(std::to_string(o.net.default_quality))
         ->group(group)
         ->check(CLI::Range(1, 100));
+    rate("--accept-rate", o.net.accept_rate, "connections of one address; more are turned away");
     ms("--handshake", o.net.handshake, "a connection must say what it wants within this");
     ms("--idle", o.net.idle, "a viewer that is silent for this long is closed");
     rate("--pose-rate", o.net.pose_rate, "poses of a viewer; of more the newest is shown later");
@@ -228,6 +268,15 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     if (print_config) {
         std::cout << writeConfig(app) << std::flush;
         return {std::nullopt, std::cout ? 0 : 1, {}, {}};
+    }
+    try {
+        if (o.replay.empty() && !o.explain) readTrust(o);
+        if (!make_token.empty()) {
+            std::cout << tokenFor(*net::roleNamed(make_token), valid_for, token_name, o.net.token_key) << std::endl;
+            return {std::nullopt, std::cout ? 0 : 1, {}, {}};
+        }
+    } catch (const std::exception& e) {
+        return {std::nullopt, 2, e.what(), {}};
     }
     ParsedOptions parsed{std::move(o), 0, {}, {}};
     for (const CLI::Option* option : app.get_options([](const CLI::Option* one) { return one->get_configurable(); }))

@@ -17,6 +17,8 @@ struct ServerOptions {
     std::filesystem::path scene_dir;    // of the scenes that are known by name
     std::vector<std::string> overrides; // key=value, instead of the scene's
     net::NetOptions net;
+    std::filesystem::path token_key; // its bytes are in `net`
+    bool open = false;               // without a key, whoever may reach it
     uint32_t max_viewers = 32;
     uint32_t max_in_flight = 6;
     float most_frame_ms = 500; // of all viewers

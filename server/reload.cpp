@@ -12,6 +12,9 @@ void takeLive(ServerOptions& to, const ServerOptions& from) {
     network.port = to.net.port;
     network.web_root = to.net.web_root;
     network.threads = to.net.threads;
+    network.tls_certificate = to.net.tls_certificate;
+    network.tls_key = to.net.tls_key;
+    if (from.token_key != to.token_key) network.token_key = to.net.token_key;
     to.net = std::move(network);
     to.max_viewers = from.max_viewers;
     to.frame.frame_ms = from.frame.frame_ms;
@@ -45,14 +48,24 @@ void reload(ParsedOptions& now, int argc, const char* const* argv, const Running
         old = with;
         ++changes;
     }
-    if (changes > 0) {
-        takeLive(*now.options, *next.options);
-        running.audience.setMaxViewers(now.options->max_viewers);
-        running.frames.setFrameBudget(now.options->frame.frame_ms);
-        running.network.setOptions(now.options->net);
+    ServerOptions& options = *now.options;
+    const bool new_key = next.options->token_key == options.token_key && next.options->net.token_key != options.net.token_key;
+    if (new_key) {
+        spdlog::info("reload: the key in {} is another: tokens of the old one are no good any more", options.token_key.string());
+        ++changes;
+    }
+    if (changes > 0 || !options.net.tls_key.empty()) { // a certificate may have been renewed
+        takeLive(options, *next.options);
+        try {
+            running.network.setOptions(options.net);
+        } catch (const std::runtime_error& error) {
+            spdlog::error("reload: new connections keep what held before: {}", error.what());
+        }
+        running.audience.setMaxViewers(options.max_viewers);
+        running.frames.setFrameBudget(options.frame.frame_ms);
     }
     spdlog::info("reload: {} setting{} changed", changes, changes == 1 ? "" : "s");
-    spdlog::set_level(spdlog::level::from_str(now.options->log_level));
+    spdlog::set_level(spdlog::level::from_str(options.log_level));
 }
 
 } // namespace brume

@@ -5,8 +5,9 @@
 #include <iostream>
 
 #include <CLI/CLI.hpp>
-#include <arpa/inet.h>
 #include <wordexp.h>
+
+#include "common/address.h"
 
 namespace brume::load {
 namespace {
@@ -32,20 +33,12 @@ std::vector<std::string> wordsOf(const std::string& text) {
     return all;
 }
 
-bool isLoopback(const std::string& host) {
-    in_addr v4{};
-    in6_addr v6{};
-    if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
-    if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6) != 0;
-    return host == "localhost";
-}
-
 } // namespace
 
 std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code) {
     Options options;
     std::vector<std::string> paths{"orbit"}, budgets;
-    std::string server, start = "--scene cloud", out;
+    std::string server, start = "--scene cloud", out, token_file, ca;
     bool anywhere = false;
 
     CLI::App app("Watches a brume server as many viewers at once, and measures what each gets and what they cost.", "brume-load");
@@ -69,6 +62,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         ->check(CLI::Range(0, 100));
     app.add_flag("--decode", options.decode, "Decode the pictures too, as a real viewer does; costs CPU time here");
     auto* const running = app.add_option("--server", server, "A server that runs already: ws://127.0.0.1:8080");
+    app.add_option("--token-file", token_file, "File with an operator's token for that server; without it BRUME_TOKEN")
+        ->needs(running);
+    app.add_option("--ca", ca, "PEM file of who vouches for a wss:// server, instead of whom the system trusts")->needs(running);
     app.add_flag("--reconnect", options.reconnect, "Viewers that lose that server come back: they try four times a second")
         ->needs(running);
     app.add_flag("--anywhere", anywhere, "Let --server be another machine");
@@ -99,6 +95,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         }
         if (!server.empty()) {
             options.server = client::parseUrl(server);
+            options.server->token = client::readToken(token_file);
+            options.server->ca = ca;
             if (!anywhere && !isLoopback(options.server->host))
                 refuse("--server", server, "is not this machine; say --anywhere if you may load it");
         }

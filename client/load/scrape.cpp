@@ -3,12 +3,15 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <stdexcept>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+
+#include "client/native/tls.h"
 
 namespace brume::load {
 namespace {
@@ -22,7 +25,8 @@ using boost::system::error_code;
 struct Get {
     asio::io_context io{1};
     tcp::resolver resolver{io};
-    beast::tcp_stream stream{io};
+    client::TlsContexts tls; // outlives the stream
+    std::optional<ByteStream> stream;
     http::request<http::empty_body> request{http::verb::get, "/metrics", 11};
     beast::flat_buffer buffer;
     http::response<http::string_body> response;
@@ -32,17 +36,26 @@ struct Get {
     void start(const client::Endpoint& server) {
         request.set(http::field::host, server.host + ":" + std::to_string(server.port));
         request.set(http::field::connection, "close");
-        resolver.async_resolve(server.host, std::to_string(server.port),
-                               [this](error_code error, const tcp::resolver::results_type& found) {
-                                   if ((failure = error)) return;
-                                   stream.async_connect(found, [this](error_code e, const tcp::endpoint&) { connected(e); });
-                               });
+        if (!server.token.empty()) request.set(http::field::authorization, "Bearer " + server.token);
+        server.tls ? stream.emplace(beast::tcp_stream(io), tls.of(server.ca)) : stream.emplace(beast::tcp_stream(io));
+        if (server.tls) (void)client::expectHost(*stream->tls(), server.host);
+        resolver.async_resolve(
+            server.host, std::to_string(server.port), [this](error_code error, const tcp::resolver::results_type& found) {
+                if ((failure = error)) return;
+                stream->tcp().async_connect(found, [this](error_code e, const tcp::endpoint&) { connected(e); });
+            });
     }
     void connected(error_code error) {
         if ((failure = error)) return;
-        http::async_write(stream, request, [this](error_code e, size_t) {
+        if (!stream->tls()) return ask();
+        stream->tls()->async_handshake(asio::ssl::stream_base::client, [this](error_code e) {
+            if (!(failure = e)) ask();
+        });
+    }
+    void ask() {
+        http::async_write(*stream, request, [this](error_code e, size_t) {
             if ((failure = e)) return;
-            http::async_read(stream, buffer, response, [this](error_code last, size_t) { failure = last; });
+            http::async_read(*stream, buffer, response, [this](error_code last, size_t) { failure = last; });
         });
     }
 };

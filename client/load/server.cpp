@@ -31,6 +31,8 @@ std::unique_ptr<Process> start(const Options& options) {
                                      "warn",
                                      "--max-viewers",
                                      room,
+                                     "--accept-rate",
+                                     sockets,
                                      "--max-connections",
                                      sockets,
                                      "--max-connections-per-address",
@@ -62,7 +64,7 @@ Server::Server(const Options& options) {
         const std::string why = ended();
         throw std::runtime_error("the server does not start: " + (why.empty() ? "it does not listen in time" : why));
     }
-    endpoint_ = client::parseUrl("ws://" + *address);
+    endpoint_ = client::parseUrl("ws://" + *address); // open: what it is started for is this machine
     if (endpoint_.host == "0.0.0.0") endpoint_.host = "127.0.0.1";
     if (endpoint_.host == "::") endpoint_.host = "::1";
 }

@@ -9,6 +9,8 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "client/native/tls.h"
+#include "common/byte_stream.h"
 #include "protocol/message.h"
 
 namespace brume::client {
@@ -32,6 +34,7 @@ std::string reasonOf(error_code error) {
 
 struct Loop::Io {
     asio::io_context context{1};
+    TlsContexts tls; // after the context that streams live in
 };
 
 Loop::Loop() : io_(std::make_shared<Io>()) {}
@@ -46,7 +49,7 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
     std::chrono::milliseconds timeout;
     asio::io_context& io;
     tcp::resolver resolver{io};
-    websocket::stream<beast::tcp_stream> stream{io};
+    websocket::stream<ByteStream> stream;
     websocket::response_type response;
     beast::flat_buffer incoming;
     std::deque<Bytes> inbox, outbox;
@@ -54,15 +57,20 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
     bool parted = false; // the closing handshake is over
     std::string closed_because;
 
-    Socket(Endpoint where, std::chrono::milliseconds time, asio::io_context& context)
-        : endpoint(std::move(where)), timeout(time), io(context) {}
+    Socket(Endpoint where, std::chrono::milliseconds time, Loop::Io& loop)
+        : endpoint(std::move(where)), timeout(time), io(loop.context), stream(open(endpoint, loop)) {}
+
+    static ByteStream open(const Endpoint& endpoint, Loop::Io& loop) {
+        ByteStream::Tcp tcp(loop.context);
+        return endpoint.tls ? ByteStream(std::move(tcp), loop.tls.of(endpoint.ca)) : ByteStream(std::move(tcp));
+    }
 
     void closedNow(std::string why) {
         if (state == State::closed) return;
         state = State::closed;
         closed_because = std::move(why);
         resolver.cancel();
-        beast::get_lowest_layer(stream).close();
+        stream.next_layer().tcp().close();
     }
 
     void cannotConnect(const std::string& why, const std::string& question) {
@@ -80,7 +88,7 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
     }
 
     void connect(const tcp::resolver::results_type& addresses) {
-        auto& tcp_stream = beast::get_lowest_layer(stream);
+        auto& tcp_stream = stream.next_layer().tcp();
         tcp_stream.expires_after(timeout);
         tcp_stream.async_connect(addresses,
                                  [this, self = shared_from_this(), &tcp_stream](error_code error, const tcp::endpoint&) {
@@ -88,14 +96,26 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
                                      if (error) return cannotConnect(reasonOf(error), "is the server running there?");
                                      error_code ignored; // a socket that cannot do it still works, only later
                                      tcp_stream.socket().set_option(tcp::no_delay(true), ignored);
-                                     tcp_stream.expires_never();
-                                     shakeHands();
+                                     endpoint.tls ? secure() : shakeHands();
                                  });
     }
 
+    void secure() {
+        auto& tls = *stream.next_layer().tls();
+        if (const std::string why = expectHost(tls, endpoint.host); !why.empty()) return cannotConnect(why, "is its name right?");
+        tls.async_handshake(asio::ssl::stream_base::client, [this, self = shared_from_this()](error_code error) {
+            if (state == State::closed) return;
+            if (error)
+                return cannotConnect(tlsFault(*stream.next_layer().tls(), error, reasonOf(error)), "is it TLS there? --ca");
+            shakeHands();
+        });
+    }
+
     void shakeHands() {
+        stream.next_layer().tcp().expires_never(); // the WebSocket has deadlines of its own
         stream.set_option(websocket::stream_base::timeout{timeout, kIdleTimeout, true});
-        stream.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
+        stream.set_option(websocket::stream_base::decorator([token = endpoint.token](websocket::request_type& request) {
+            if (!token.empty()) request.set(beast::http::field::authorization, "Bearer " + token);
             request.set(beast::http::field::sec_websocket_protocol, wire::kSubprotocol);
             request.set(beast::http::field::user_agent, "brume-client/" BRUME_VERSION);
         }));
@@ -104,10 +124,7 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
         const std::string host = endpoint.host + ":" + std::to_string(endpoint.port);
         stream.async_handshake(response, host, endpoint.path, [this, self = shared_from_this()](error_code error) {
             if (state == State::closed) return;
-            if (error == websocket::error::upgrade_declined)
-                return cannotConnect("it answers HTTP " + std::to_string(response.result_int()) + " " +
-                                         std::string(response.reason()),
-                                     "is it a brume server, and not full?");
+            if (error == websocket::error::upgrade_declined) return declined();
             if (error) return cannotConnect(reasonOf(error), "is it a brume server?");
             if (response[beast::http::field::sec_websocket_protocol] != wire::kSubprotocol)
                 return cannotConnect("it does not speak " + std::string(wire::kSubprotocol),
@@ -115,6 +132,16 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
             state = State::open;
             read();
         });
+    }
+
+    // A server that wants a token says so in one line.
+    void declined() {
+        const unsigned status = response.result_int();
+        std::string why = "it answers HTTP " + std::to_string(status) + " " + std::string(response.reason());
+        const bool trust_matters = status == 401 || status == 403;
+        const std::string line = response.body().substr(0, std::min<size_t>(response.body().find('\n'), 200));
+        if (trust_matters && !line.empty()) why += ": " + line;
+        cannotConnect(why, trust_matters ? "--token-file" : "is it a brume server, and not full?");
     }
 
     void read() {
@@ -156,7 +183,7 @@ Connection::Connection(Endpoint endpoint, std::chrono::milliseconds timeout) : C
 }
 
 Connection::Connection(Endpoint endpoint, std::chrono::milliseconds timeout, const Loop& loop)
-    : io_(loop.io_), socket_(std::make_shared<Socket>(std::move(endpoint), timeout, io_->context)), shared_(true) {
+    : io_(loop.io_), socket_(std::make_shared<Socket>(std::move(endpoint), timeout, *io_)), shared_(true) {
     if (io_->context.stopped()) io_->context.restart(); // every socket before this one is closed
     socket_->resolve();
 }
@@ -217,7 +244,7 @@ void Connection::close(std::chrono::milliseconds deadline) {
 
 void Connection::vanish() {
     error_code ignored; // the socket may be gone already
-    auto& tcp_socket = beast::get_lowest_layer(socket_->stream).socket();
+    auto& tcp_socket = socket_->stream.next_layer().tcp().socket();
     tcp_socket.set_option(asio::socket_base::linger(true, 0), ignored);
     socket_->closedNow("dropped by this client");
     socket_->work(std::chrono::milliseconds(0), [] { return false; });

@@ -1,13 +1,18 @@
 #include "client/native/endpoint.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cstdlib>
+#include <fstream>
 #include <stdexcept>
 
 namespace brume::client {
 namespace {
 
+constexpr size_t kMostTokenBytes = 512; // server/net/token.h
+
 [[noreturn]] void refuse(std::string_view url, const std::string& why) {
-    throw std::invalid_argument("bad url '" + std::string(url) + "': " + why + "; write ws://host:port");
+    throw std::invalid_argument("bad url '" + std::string(url) + "': " + why + "; write ws://host:port or wss://host:port");
 }
 
 uint16_t parsePort(std::string_view url, std::string_view text) {
@@ -22,17 +27,18 @@ uint16_t parsePort(std::string_view url, std::string_view text) {
 
 std::string Endpoint::url() const {
     const bool ipv6 = host.find(':') != std::string::npos;
-    return "ws://" + (ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port) + path;
+    return (tls ? "wss://" : "ws://") + (ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port) + path;
 }
 
 Endpoint parseUrl(std::string_view url) {
-    constexpr std::string_view scheme = "ws://";
-    if (!url.starts_with(scheme)) refuse(url, "only ws:// is spoken");
+    const bool tls = url.starts_with("wss://");
+    if (!tls && !url.starts_with("ws://")) refuse(url, "only ws:// and wss:// are spoken");
     for (const char c : url)
         if (c <= ' ' || c > '~') refuse(url, "it has a space or a character that is not ASCII");
 
-    std::string_view rest = url.substr(scheme.size());
+    std::string_view rest = url.substr(tls ? 6 : 5);
     Endpoint endpoint;
+    endpoint.tls = tls;
     if (const size_t slash = rest.find('/'); slash != rest.npos) {
         if (rest.size() > slash + 1) endpoint.path = rest.substr(slash);
         rest = rest.substr(0, slash);
@@ -52,6 +58,26 @@ Endpoint parseUrl(std::string_view url) {
     }
     if (endpoint.host.empty()) refuse(url, "the host is missing");
     return endpoint;
+}
+
+std::string readToken(const std::string& file) {
+    const char* const given = std::getenv("BRUME_TOKEN");
+    std::string token = given ? given : "";
+    if (!file.empty()) {
+        std::ifstream in(file);
+        if (!in) throw std::invalid_argument("--token-file: cannot read '" + file + "'");
+        token.resize(kMostTokenBytes + 64);
+        in.read(token.data(), std::streamsize(token.size()));
+        token.resize(size_t(in.gcount()));
+    }
+    constexpr std::string_view space = " \t\r\n";
+    token.erase(0, std::min(token.find_first_not_of(space), token.size()));
+    token.erase(token.find_last_not_of(space) + 1); // npos + 1 is 0
+    for (const char c : token)
+        if (c <= ' ' || c > '~' || token.size() > kMostTokenBytes)
+            throw std::invalid_argument((file.empty() ? "BRUME_TOKEN" : "'" + file + "'") + " holds no token");
+    if (!file.empty() && token.empty()) throw std::invalid_argument("'" + file + "' holds no token");
+    return token;
 }
 
 } // namespace brume::client

@@ -11,11 +11,19 @@ struct Endpoint {
     std::string host; // name or address, without the brackets of IPv6
     uint16_t port = 8080;
     std::string path = "/ws";
+    bool tls = false;
+    std::string token; // what lets us in; empty: none
+    std::string ca;    // PEM file of who vouches for the server; empty: whom the system trusts
 
-    std::string url() const; // ws://host:port/path
+    std::string url() const; // ws://host:port/path or wss://..., without the token
 };
 
-// "ws://host", "ws://host:port" or "ws://[address]:port/path". Throws std::invalid_argument: one line that says what is allowed.
+// "ws://host", "ws://host:port" or "ws://[address]:port/path"; so with wss. Throws std::invalid_argument: one line that says what
+// is allowed.
 Endpoint parseUrl(std::string_view url);
+
+// The token in a file, or without one in BRUME_TOKEN; empty when there is neither. Space around it is not part of it. Throws
+// std::invalid_argument, one line, when the file cannot be read or holds something else.
+std::string readToken(const std::string& file);
 
 } // namespace brume::client

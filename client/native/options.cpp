@@ -74,13 +74,15 @@ TimedPush parsePush(const std::string& text) {
 
 std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code) {
     Options options;
-    std::string url = "ws://127.0.0.1:8080", size = "640x360", camera, path = "still", out;
+    std::string url = "ws://127.0.0.1:8080", size = "640x360", camera, path = "still", out, token_file, ca;
     std::vector<std::string> pushes;
     bool stereo = false, no_save = false;
 
     CLI::App app("Shows one viewer's picture of a brume server's shared cloud, in a window or without one.", "brume-client");
     app.set_version_flag("--version", "brume-client " BRUME_VERSION);
-    app.add_option("--url", url, "The server: ws://host:port")->capture_default_str();
+    app.add_option("--url", url, "The server: ws://host:port, or wss://host:port for TLS")->capture_default_str();
+    app.add_option("--token-file", token_file, "File with the token that lets in; without it BRUME_TOKEN");
+    app.add_option("--ca", ca, "PEM file of who vouches for a wss:// server, instead of whom the system trusts");
     app.add_option("--size", size, "Pixels of one eye: WIDTHxHEIGHT")->capture_default_str();
     app.add_flag("--stereo", stereo, "Left and right eye side by side, 64 mm apart");
     app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's")
@@ -105,6 +107,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     try {
         app.parse(argc, argv);
         options.endpoint = parseUrl(url);
+        options.endpoint.token = readToken(token_file);
+        options.endpoint.ca = ca;
         parseSize(size, options.wishes);
         options.wishes.views = stereo ? 2 : 1;
         const auto kind = pathNamed(path);

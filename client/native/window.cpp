@@ -22,6 +22,7 @@ constexpr uint64_t kPoseEveryUs = 16'667; // 60 Hz, sent while nothing moves too
 constexpr uint64_t kPushEveryUs = 33'333; // a drag is many events
 constexpr uint64_t kSecondUs = 1'000'000;
 constexpr uint64_t kTitleEveryUs = 500'000;
+constexpr uint64_t kToldUs = 4'000'000;      // what the server refused stays in the title
 constexpr uint64_t kResizeAfterUs = 150'000; // a size is asked for when the hand rests
 constexpr double kFirstRetryS = 0.5, kLastRetryS = 1;
 // The socket is waited for, the window is asked in between: the most that a key stroke waits.
@@ -107,6 +108,7 @@ private:
         for (auto message = session_->next(kLoopWait); message; message = session_->next(milliseconds(0))) {
             if (const auto* error = message->as<wire::Error>()) {
                 statistics_.error(*error);
+                told_us_ = now;
             } else if (const auto* state = message->as<wire::SceneState>()) {
                 paused_ = state->paused();
                 viewers_ = state->viewers();
@@ -219,6 +221,7 @@ private:
         std::string title = fmt::format("brume: {}, {:.1f} fps", session_->granted().scene, statistics_.recentRate(since));
         if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
         title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s", paused_ ? ", paused" : "");
+        if (told_us_ > 0 && now - told_us_ < kToldUs) title = "brume: " + statistics_.lastError(); // such as: this role may not
         display_.setTitle(title);
     }
 
@@ -237,7 +240,8 @@ private:
     uint32_t viewers_ = 0;
     uint64_t tick_ = 0;
     uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
-    uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, retry_at_us_ = 0;
+    uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, retry_at_us_ = 0,
+             told_us_ = 0;
     uint64_t heard_us_ = 0; // the newest frame, or the start of this connection
     double retry_s_ = kFirstRetryS;
     size_t pushed_ = 0;

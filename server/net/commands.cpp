@@ -109,6 +109,22 @@ CommandBody readBody(const wire::Input& input, const SceneFacts& facts, Reader& 
 
 } // namespace
 
+wire::Role roleFor(wire::Command command) {
+    switch (command) {
+    case wire::Command::Impulse:
+    case wire::Command::MoveVolume:
+    case wire::Command::SetLight:
+    case wire::Command::SetMedium:
+    case wire::Command::SetSimulation:
+        return wire::Role::controller;
+    case wire::Command::SetRender: // what a frame costs everyone
+    case wire::Command::Restart:
+    case wire::Command::NONE:
+        break;
+    }
+    return wire::Role::operator_;
+}
+
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts) {
     Reader in;
     CommandBody body = readBody(input, facts, in);

@@ -16,6 +16,9 @@ struct Refusal {
     std::string text;
 };
 
+// Who may say it.
+wire::Role roleFor(wire::Command command);
+
 // Precondition: `input` comes from wire::parse. Directions come back normalised; names are among `facts`.
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts);
 

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "server/net/rate.h"
+
 namespace brume::net {
 
 class Connection {
@@ -22,7 +24,11 @@ public:
 
 class Connections {
 public:
-    Connections(uint32_t max_total, uint32_t max_per_address) : max_total_(max_total), max_per_address_(max_per_address) {}
+    struct Limits {
+        uint32_t total, per_address;
+        double accept_rate = 1e9, burst_s = 1; // of one address: connections a second, and for so long more at once
+    };
+    explicit Connections(const Limits& limits) : limits_(limits) {}
 
     // The right to one open connection, given back when it dies.
     class Place {
@@ -36,17 +42,20 @@ public:
 
     private:
         friend Connections;
-        Place(Connections& owner, std::string address) : owner_(owner), address_(std::move(address)) {}
+        Place(Connections& owner, std::string address, std::string network)
+            : owner_(owner), address_(std::move(address)), network_(std::move(network)) {}
         Connections& owner_;
-        const std::string address_;
+        const std::string address_, network_;
         std::weak_ptr<Connection> occupant_; // guarded by owner_.mutex_
     };
 
-    // Null when there is no room, for all or for this address. Places must not outlive this object.
-    std::unique_ptr<Place> take(const std::string& address);
+    // Null when there is no room, for all or for this address, or when it comes too often. `network` is
+    // what counts as one address: of IPv6 the first 64 bits, which one site has to itself. Places must not outlive this object.
+    enum class Refused { nothing, room, rate };
+    std::unique_ptr<Place> take(const std::string& address, const std::string& network, Refused* why = nullptr);
 
     // For those to come: what is open stays.
-    void setLimits(uint32_t max_total, uint32_t max_per_address);
+    void setLimits(const Limits& limits);
 
     void stopAll();
     void killAll();
@@ -57,10 +66,13 @@ private:
     std::vector<std::shared_ptr<Connection>> occupants();
 
     std::mutex mutex_;
-    uint32_t max_total_, max_per_address_;
+    bool comesTooOften(const std::string& network); // with mutex_
+
+    Limits limits_;
     std::condition_variable emptied_;
     std::set<Place*> places_;
     std::map<std::string, uint32_t> per_address_;
+    std::map<std::string, TokenBucket> accepted_; // of addresses that came lately, kMostLately at most
     bool stopped_ = false;
 };
 

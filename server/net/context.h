@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 
 #include "server/net/connections.h"
 #include "server/net/metrics.h"
@@ -10,6 +11,8 @@
 #include "server/viewer/audience.h"
 
 namespace brume::net {
+
+class Tls;
 
 // One for the server.
 struct House {
@@ -25,12 +28,13 @@ struct House {
 
 // One for every set of options that the server has had: a connection keeps those that held when it was accepted.
 struct Context {
-    Context(NetOptions with, House& house)
-        : options(std::move(with)), audience(house.audience), metrics(house.metrics), pages(house.pages),
-          connections(house.connections), go_to(house.go_to), draining(house.draining), stopping(house.stopping),
-          streams(house.streams), snapshots(house.snapshots) {}
+    Context(NetOptions with, std::shared_ptr<Tls> certificate, House& house)
+        : options(std::move(with)), tls(std::move(certificate)), audience(house.audience), metrics(house.metrics),
+          pages(house.pages), connections(house.connections), go_to(house.go_to), draining(house.draining),
+          stopping(house.stopping), streams(house.streams), snapshots(house.snapshots) {}
 
     const NetOptions options;
+    const std::shared_ptr<Tls> tls; // null: without
     Audience& audience;
     Metrics& metrics;
     Pages& pages;

@@ -5,7 +5,6 @@
 
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
@@ -14,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "protocol/message.h"
+#include "server/net/access.h"
 #include "server/net/coroutine.h"
 #include "server/net/origin.h"
 #include "server/net/picture_query.h"
@@ -57,8 +57,8 @@ std::string headOf(const Reply& reply, std::string_view connection) {
 
 class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
 public:
-    HttpConnection(Context& context, tcp::socket socket, std::unique_ptr<Connections::Place> place)
-        : context_(context), place_(std::move(place)), stream_(std::move(socket)),
+    HttpConnection(Context& context, ByteStream stream, std::unique_ptr<Connections::Place> place)
+        : context_(context), place_(std::move(place)), stream_(std::move(stream)),
           bell_(std::make_shared<Bell>(stream_.get_executor())) {
         context_.metrics.connected(1);
     }
@@ -72,13 +72,13 @@ public:
     void stop() override {
         asio::post(stream_.get_executor(), [self = shared_from_this()] {
             self->bell_->ring();
-            if (self->idle_) self->stream_.close();
+            if (self->idle_) self->stream_.tcp().close();
         });
     }
     void kill() override {
         asio::post(stream_.get_executor(), [self = shared_from_this()] {
             self->bell_->ring();
-            self->stream_.close();
+            self->stream_.tcp().close();
         });
     }
 
@@ -87,10 +87,11 @@ private:
     using Parts = std::array<asio::const_buffer, 3>;
 
     asio::awaitable<void> run();
+    asio::awaitable<bool> secure();
     asio::awaitable<bool> answer(const HttpRequest& request);
-    asio::awaitable<bool> upgrade(const HttpRequest& request);
+    asio::awaitable<bool> upgrade(const HttpRequest& request, Clearance clearance);
     asio::awaitable<bool> snapshot(const HttpRequest& request, std::string_view query);
-    asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query);
+    asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Clearance clearance);
     asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
     asio::awaitable<error_code> write(Parts parts);
     asio::awaitable<FramePtr> nextFrame(Seat& seat);
@@ -100,7 +101,7 @@ private:
 
     Context& context_;
     std::unique_ptr<Connections::Place> place_; // null once the connection is a WebSocket
-    beast::tcp_stream stream_;
+    ByteStream stream_;
     beast::flat_buffer buffer_;
     std::shared_ptr<Bell> bell_; // rings when a frame is there, and when the server stops
     bool idle_ = false;          // between requests
@@ -108,10 +109,12 @@ private:
 
 asio::awaitable<void> HttpConnection::run() {
     const NetOptions& options = context_.options;
+    const bool secured = co_await secure();
+    if (!secured) co_return;
     for (bool first = true; !context_.stopping; first = false) {
         Parser parser;
         parser.header_limit(options.max_header_bytes);
-        stream_.expires_after(first ? options.handshake : options.idle);
+        stream_.tcp().expires_after(first ? options.handshake : options.idle);
         idle_ = true;
         const auto [error, size] = co_await http::async_read_header(stream_, buffer_, parser, kToken);
         idle_ = false;
@@ -124,6 +127,22 @@ asio::awaitable<void> HttpConnection::run() {
         if (!again) break;
     }
     if (place_) co_await linger();
+}
+
+// The TLS handshake, if there is one to do. Who does not get through it in time is gone; nothing can be told to who speaks no
+// TLS.
+asio::awaitable<bool> HttpConnection::secure() {
+    ByteStream::Tls* const tls = stream_.tls();
+    if (!tls) co_return true;
+    idle_ = true;
+    stream_.tcp().expires_after(context_.options.handshake);
+    const auto [error] = co_await tls->async_handshake(asio::ssl::stream_base::server, kToken);
+    idle_ = false;
+    if (error && !context_.stopping) {
+        context_.metrics.refused("tls");
+        spdlog::debug("{}: no TLS: {}", place_->address(), error.message());
+    }
+    co_return !error;
 }
 
 // What is wrong with a request before anyone looks at its path; nothing when it is good, or when the connection is gone.
@@ -162,9 +181,19 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     const size_t question = std::min(target.find('?'), target.size());
     const std::string_view path = target.substr(0, question), query = target.substr(std::min(question + 1, target.size()));
 
-    if (path == "/ws") return upgrade(request);
-    if (path == "/snapshot.jpg") return snapshot(request, query);
-    if (path == "/stream.mjpg") return stream(request, query);
+    const bool metrics = path == "/metrics";
+    if (path == "/ws" || path == "/snapshot.jpg" || path == "/stream.mjpg" || metrics) {
+        const auto bearer = request[http::field::authorization];
+        auto checked = clear({bearer.data(), bearer.size()}, query, metrics ? Role::operator_ : Role::viewer, context_.options);
+        if (auto* refusal = std::get_if<Reply>(&checked)) {
+            context_.metrics.refused(refusal->status == 401 ? "token" : "forbidden");
+            return send(request, "refused", std::move(*refusal));
+        }
+        auto& clearance = std::get<Clearance>(checked);
+        if (path == "/ws") return upgrade(request, std::move(clearance));
+        if (path == "/snapshot.jpg") return snapshot(request, query);
+        if (path == "/stream.mjpg") return stream(request, query, std::move(clearance));
+    }
     if (path == "/healthz" || path == "/readyz" || path == "/metrics") return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
     return send(request, "page", context_.pages.serve(path, {tag.data(), tag.size()}));
@@ -190,7 +219,7 @@ Reply HttpConnection::health(std::string_view path) const {
 }
 
 // To a WebSocket, or one line on why not.
-asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request) {
+asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Clearance clearance) {
     const auto text = [](beast::string_view value) { return std::string_view(value.data(), value.size()); };
     const std::string_view origin = text(request[http::field::origin]);
     Reply refusal;
@@ -203,7 +232,7 @@ asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request) {
         refusal = lineReply(403, "pages of this origin may not connect: allow it with --allow-origin");
         context_.metrics.refused("origin");
     } else {
-        serveWebSocket(context_, std::move(stream_), request, std::move(place_));
+        serveWebSocket(context_, std::move(stream_), request, std::move(place_), std::move(clearance));
         co_return false;
     }
     co_return co_await send(request, "ws", std::move(refusal));
@@ -246,7 +275,7 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::
 }
 
 // Motion JPEG: every part is followed by its boundary at once, so that a reader shows it without waiting for the next.
-asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query) {
+asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query, Clearance clearance) {
     const auto send503 = [&](const char* line) {
         Reply reply = lineReply(503, line);
         reply.headers = {{"Retry-After", "5"}};
@@ -282,7 +311,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     const std::string tail = fmt::format("\r\n--{}\r\n", kBoundary);
     const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / wish.fps));
     auto due = Clock::now();
-    while (frame && !context_.stopping) {
+    while (frame && !context_.stopping && Clock::now() < clearance.until.value_or(Clock::time_point::max())) {
         const std::vector<uint8_t>& jpeg = *frame->jpeg[0];
         head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.size());
         context_.metrics.sent(jpeg.size(), 0);
@@ -324,29 +353,33 @@ asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::stri
 }
 
 asio::awaitable<error_code> HttpConnection::write(Parts parts) {
-    stream_.expires_after(context_.options.write_stall);
+    stream_.tcp().expires_after(context_.options.write_stall);
     const auto [error, size] = co_await asio::async_write(stream_, parts, kToken);
     co_return error;
 }
 
 // Closing with unread data resets the connection and may take our answer with it: let the peer read first.
 asio::awaitable<void> HttpConnection::linger() {
+    stream_.tcp().expires_after(kLinger);
+    if (stream_.tls()) {
+        co_await stream_.tls()->async_shutdown(kToken);
+        co_return stream_.tcp().close();
+    }
     error_code ignored;
-    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-    stream_.expires_after(kLinger);
+    stream_.tcp().socket().shutdown(tcp::socket::shutdown_send, ignored);
     std::array<char, 4096> bin;
     for (size_t total = 0; total < (64u << 10);) {
         const auto [error, size] = co_await stream_.async_read_some(asio::buffer(bin), kToken);
         if (error) break;
         total += size;
     }
-    stream_.close();
+    stream_.tcp().close();
 }
 
 } // namespace
 
-void serveHttp(Context& context, tcp::socket socket, std::unique_ptr<Connections::Place> place) {
-    std::make_shared<HttpConnection>(context, std::move(socket), std::move(place))->start();
+void serveHttp(Context& context, ByteStream stream, std::unique_ptr<Connections::Place> place) {
+    std::make_shared<HttpConnection>(context, std::move(stream), std::move(place))->start();
 }
 
 } // namespace brume::net

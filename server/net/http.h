@@ -3,13 +3,12 @@
 
 #include <memory>
 
-#include <boost/asio/ip/tcp.hpp>
-
+#include "common/byte_stream.h"
 #include "server/net/context.h"
 
 namespace brume::net {
 
-// Precondition: the socket's executor is a strand of its own. Returns at once.
-void serveHttp(Context& context, boost::asio::ip::tcp::socket socket, std::unique_ptr<Connections::Place> place);
+// Shakes hands first where the stream has TLS. Precondition: its executor is a strand of its own. Returns at once.
+void serveHttp(Context& context, ByteStream stream, std::unique_ptr<Connections::Place> place);
 
 } // namespace brume::net

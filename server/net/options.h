@@ -17,6 +17,10 @@ struct NetOptions {
     std::vector<std::string> allowed_origins;
     uint32_t threads = 1; // of the network; one carries a full house
 
+    // Trust.
+    std::string token_key;                          // whose tokens are good (token.h); empty: everyone is operator
+    std::filesystem::path tls_certificate, tls_key; // PEM; empty: no TLS
+
     // Room. Viewers and their window of unacknowledged frames are the Audience's.
     uint32_t max_connections = 256, max_connections_per_address = 128;
     uint32_t max_streams = 8;   // MJPEG, each is also a viewer
@@ -34,7 +38,9 @@ struct NetOptions {
     std::chrono::milliseconds frame_wait{5000};   // a snapshot or stream waits for its next frame
     std::chrono::milliseconds silence{15000};     // of a viewer that frames were sent to and that acknowledges none
 
-    // Rates per viewer, 1/s; a burst may be as long as `burst_s` seconds of it.
+    // Rates, 1/s; a burst may be as long as `burst_s` seconds of it.
+    double accept_rate = 100; // connections of one address: over it they are turned away
+    // Per viewer.
     double pose_rate = 250;     // newer poses replace older ones, the newest is never lost
     double input_rate = 120;    // over it an input is refused
     double message_rate = 2000; // over it we read more slowly

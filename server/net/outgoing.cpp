@@ -22,7 +22,7 @@ auto packPlan(Builder& b, const SceneReport& report) {
 
 } // namespace
 
-wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience) {
+wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience, wire::Role role) {
     return wire::pack([&](Builder& b) {
         const SceneFacts& facts = audience.facts();
         const wire::Vec3 position = toWire(facts.camera.position), target = toWire(facts.camera.target);
@@ -33,7 +33,7 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
         const auto resume = packText(b, viewer.key());
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
                                    float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera, methods,
-                                   quadratures, resume, viewer.resumed());
+                                   quadratures, resume, viewer.resumed(), role);
     });
 }
 

@@ -8,7 +8,7 @@
 
 namespace brume::net {
 
-wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience);
+wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience, wire::Role role);
 wire::Packed packSceneState(const SceneReport& report, uint32_t viewers);
 // All of a frame's message but its JPEG bytes, which follow. `queue_ms`: JPEG ready -> now.
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms);

@@ -15,11 +15,13 @@
 #include "server/net/context.h"
 #include "server/net/coroutine.h"
 #include "server/net/http.h"
+#include "server/net/tls.h"
 
 namespace brume {
 
 using namespace net;
 using asio::ip::tcp;
+namespace beast = boost::beast;
 
 namespace {
 
@@ -27,6 +29,23 @@ constexpr int kMostUnsent = 32 << 10; // bytes
 
 constexpr std::string_view kNoRoom = "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nRetry-After: 5\r\n"
                                      "Connection: close\r\n\r\ntoo many connections: try again later\n";
+
+constexpr std::string_view kTooOften = "HTTP/1.1 429 Too Many Requests\r\nContent-Type: text/plain\r\nRetry-After: 1\r\n"
+                                       "Connection: close\r\n\r\ntoo many connections a second: try again later\n";
+
+Connections::Limits limitsOf(const NetOptions& options) {
+    return {options.max_connections, options.max_connections_per_address, options.accept_rate, options.burst_s};
+}
+
+// What counts as one address: of IPv6 the 64 bits that one site has to itself, of IPv4 in IPv6 the IPv4.
+std::string networkOf(const asio::ip::address& address) {
+    if (address.is_v4()) return address.to_string();
+    const auto v6 = address.to_v6();
+    if (v6.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, v6).to_string();
+    auto bytes = v6.to_bytes();
+    std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
+    return asio::ip::address_v6(bytes).to_string() + "/64";
+}
 
 std::string hostAndPort(const NetOptions& options) {
     const bool v6 = options.listen.find(':') != std::string::npos;
@@ -45,18 +64,23 @@ std::runtime_error cannotListen(const NetOptions& options, const error_code& err
 
 struct NetServer::State {
     State(NetOptions options, Audience& audience, Metrics& metrics)
-        : house{audience, metrics, Pages{options.web_root}, {options.max_connections, options.max_connections_per_address}} {
+        : house{audience, metrics, Pages{options.web_root}, Connections(limitsOf(options))} {
         add(std::move(options));
     }
 
-    void add(NetOptions options) { newest = &contexts.emplace_back(std::move(options), house); }
+    void add(NetOptions options) {
+        std::shared_ptr<Tls> tls;
+        if (!options.tls_key.empty()) tls = std::make_shared<Tls>(options.tls_certificate, options.tls_key);
+        newest = &contexts.emplace_back(std::move(options), std::move(tls), house);
+    }
     const NetOptions& options() const { return newest.load()->options; }
 
     asio::awaitable<void> accept();
     void welcome(tcp::socket socket);
 
     House house;
-    std::deque<Context> contexts; // each stays where it is to the end, for connections that have it: some 300 bytes a reload
+    std::deque<Context>
+        contexts; // each stays where it is to the end, for connections that have it: a KB a reload, tens with a certificate
     std::atomic<Context*> newest;
     // Dies before the contexts: coroutines that never ended are destroyed with it and give their places back.
     asio::io_context io;
@@ -92,14 +116,19 @@ void NetServer::State::welcome(tcp::socket socket) {
     // What the kernel has taken from us but the peer does not: a peer that vanished, or shut its window for good.
     const auto stall_ms = static_cast<unsigned>(context.options.write_stall.count());
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &stall_ms, sizeof stall_ms);
-    auto place = context.connections.take(remote.address().to_string());
+    auto refused = Connections::Refused::nothing;
+    auto place = context.connections.take(remote.address().to_string(), networkOf(remote.address()), &refused);
     if (!place) {
-        context.metrics.refused("connections");
+        const bool room = refused == Connections::Refused::room;
+        context.metrics.refused(room ? "connections" : "accept_rate");
+        if (context.tls) return; // who expects TLS reads no plain words
         socket.non_blocking(true, error);
-        socket.write_some(asio::buffer(kNoRoom), error); // fits a fresh socket's buffer; nobody waits for it
+        socket.write_some(asio::buffer(room ? kNoRoom : kTooOften), error); // fits a fresh socket's buffer; nobody waits for it
         return;
     }
-    serveHttp(context, std::move(socket), std::move(place));
+    beast::tcp_stream tcp(std::move(socket));
+    serveHttp(context, context.tls ? ByteStream(std::move(tcp), context.tls->context) : ByteStream(std::move(tcp)),
+              std::move(place));
 }
 
 NetServer::NetServer(NetOptions options, Audience& audience, Metrics& metrics)
@@ -133,8 +162,11 @@ void NetServer::setOptions(NetOptions options) {
     options.port = old.port;
     options.web_root = old.web_root;
     options.threads = old.threads;
-    s.house.connections.setLimits(options.max_connections, options.max_connections_per_address);
+    options.tls_certificate = old.tls_certificate;
+    options.tls_key = old.tls_key;
+    const Connections::Limits limits = limitsOf(options);
     s.add(std::move(options));
+    s.house.connections.setLimits(limits);
 }
 
 void NetServer::drain() { state_->house.draining = true; }

@@ -13,7 +13,7 @@ namespace brume {
 
 class NetServer {
 public:
-    // `audience` and `metrics` outlive the server.
+    // `audience` and `metrics` outlive the server. Throws std::runtime_error, in one line, when the certificate is none.
     NetServer(net::NetOptions options, Audience& audience, Metrics& metrics);
     ~NetServer(); // stops at once
 
@@ -22,8 +22,9 @@ public:
     void start();
     // The port in use, after start().
     uint16_t port() const;
-    // For the connections to come, while it serves: all but where it listens, its threads and the page's folder. From the thread
-    // that called start().
+    // For the connections to come, while it serves: all but where it listens, its threads and the page's folder. A
+    // certificate is read anew; when it is none, nothing changes and std::runtime_error is thrown. From the thread that called
+    // start().
     void setOptions(net::NetOptions options);
     // /readyz fails from now on; all else goes on.
     void drain();

@@ -15,7 +15,6 @@ constexpr size_t kLongestKey = 64; // that is looked for
 constexpr int kMaxMalformed = 3;   // a program that is not ours does not get better
 // A viewer with a bug is told of it; one that sends nothing but refused messages is closed.
 constexpr double kRefusalRate = 50, kRefusalBurst = 200;
-constexpr Limits kEyeSeparation{0, 10}; // m; people have 0.065, giants and models more
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
@@ -29,27 +28,10 @@ std::string printable(const flatbuffers::String* text) {
 
 } // namespace
 
-bool TokenBucket::take(Clock::time_point now) {
-    refill(now);
-    if (tokens_ < 1) return false;
-    tokens_ -= 1;
-    return true;
-}
-
-Clock::duration TokenBucket::wait(Clock::time_point now) {
-    refill(now);
-    if (tokens_ >= 1) return {};
-    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>((1 - tokens_) / rate_));
-}
-
-void TokenBucket::refill(Clock::time_point now) {
-    if (last_ && now > *last_) tokens_ = std::min(burst_, tokens_ + rate_ * seconds(now - *last_));
-    last_ = std::max(now, last_.value_or(now));
-}
-
-SessionRules::SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened)
-    : options_(options), facts_(facts), hello_deadline_(opened + options.handshake),
-      messages_(options.message_rate, options.message_rate * options.burst_s),
+SessionRules::SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened,
+                           const Clearance& clearance)
+    : options_(options), facts_(facts), hello_deadline_(opened + options.handshake), role_(clearance.role),
+      until_(clearance.until), messages_(options.message_rate, options.message_rate * options.burst_s),
       poses_(options.pose_rate, options.pose_rate * options.burst_s),
       inputs_(options.input_rate, options.input_rate * options.burst_s), pose_complaints_(1, 1),
       refusals_(kRefusalRate, kRefusalBurst) {}
@@ -97,6 +79,7 @@ void SessionRules::onUnknownFrame(uint32_t frame, Clock::time_point now, Effects
 }
 
 void SessionRules::onTick(Clock::time_point now, Effects& out) {
+    if (state_ != State::closed && until_ && now >= *until_) return close(kClosePolicy, "the token has expired", out);
     if (state_ == State::awaiting_hello && now >= hello_deadline_)
         return close(kClosePolicy, fmt::format("no Hello came within {:g} s", seconds(options_.handshake)), out);
     if (state_ == State::watching && held_ && poses_.take(now)) {
@@ -128,15 +111,15 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
                 .fov_y = pose.fov_y(),
                 .eye_separation = pose.eye_separation()};
     if (!isUsable(wanted))
-        return refuse(wire::ErrorCode::out_of_range, "a pose has finite numbers, a unit orientation and fov_y in 0.01 ... 3.1",
+        return refuse(wire::ErrorCode::out_of_range,
+                      fmt::format("a pose has finite numbers, a unit orientation, fov_y in 0.01 ... 3.1 and eye_separation in "
+                                  "{} ... {} m",
+                                  limits::kEyeSeparation.lo, limits::kEyeSeparation.hi),
                       now, out);
     for (int i = 0; i < 3; ++i)
         if (!limits::kPlace.holds(wanted.position[i]))
             return refuse(wire::ErrorCode::out_of_range,
                           fmt::format("position must be {} ... {}", limits::kPlace.lo, limits::kPlace.hi), now, out);
-    if (!kEyeSeparation.holds(wanted.eye_separation))
-        return refuse(wire::ErrorCode::out_of_range,
-                      fmt::format("eye_separation must be {} ... {}", kEyeSeparation.lo, kEyeSeparation.hi), now, out);
     if (pose.frustum()) wanted.frustum = toFrustum(*pose.frustum());
     if (pose.right_frustum()) wanted.right_frustum = toFrustum(*pose.right_frustum());
     if (!isUsable(wanted.frustum) || !isUsable(wanted.right_frustum))
@@ -179,6 +162,8 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
         return refuse(wire::ErrorCode::too_fast, fmt::format("more than {:g} inputs a second", options_.input_rate), now, out,
                       seq);
 
+    if (const Role least = roleFor(input.command_type()); role_ < least)
+        return refuse(wire::ErrorCode::forbidden, forbidden(role_, least), now, out, seq);
     auto command = readCommand(input, facts_);
     if (auto* refusal = std::get_if<Refusal>(&command)) return refuse(refusal->code, std::move(refusal->text), now, out, seq);
     out.push_back(Push{seq, std::get<CommandBody>(std::move(command))});

@@ -7,8 +7,10 @@
 #include <variant>
 #include <vector>
 
+#include "server/net/access.h"
 #include "server/net/commands.h"
 #include "server/net/options.h"
+#include "server/net/rate.h"
 #include "server/viewer/audience.h"
 
 namespace brume::net {
@@ -52,24 +54,10 @@ using Effects = std::vector<Effect>;
 inline constexpr uint16_t kCloseNormal = 1000, kCloseGoingAway = 1001, kCloseProtocol = 1002, kClosePolicy = 1008,
                           kCloseTryLater = 1013;
 
-// Tokens that come back with time. One action costs one.
-class TokenBucket {
-public:
-    TokenBucket(double rate, double burst) : rate_(rate), burst_(burst), tokens_(burst) {}
-    bool take(Clock::time_point now);
-    // How long until take() succeeds.
-    Clock::duration wait(Clock::time_point now);
-
-private:
-    void refill(Clock::time_point now);
-    double rate_, burst_, tokens_;
-    std::optional<Clock::time_point> last_;
-};
-
 class SessionRules {
 public:
     // `options` and `facts` outlive the rules.
-    SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened);
+    SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened, const Clearance& clearance = {});
 
     // Each appends to `out`. Precondition: bytes.data() is aligned to 8.
     void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out);
@@ -94,6 +82,8 @@ private:
     const NetOptions& options_;
     const SceneFacts& facts_;
     const Clock::time_point hello_deadline_;
+    const Role role_;
+    const std::optional<Clock::time_point> until_; // the token's end
     State state_ = State::awaiting_hello;
     PoseRequest granted_;               // size, views, quality as they stand
     std::optional<PoseRequest> held_;   // the newest pose over the rate, shown at a later tick

@@ -34,10 +34,11 @@ float millisecondsSince(Clock::time_point start) {
 // Three coroutines on the connection's strand: run() reads, write() writes, beat() keeps the time. Each holds the session alive.
 class WebSocketSession final : public Connection, public std::enable_shared_from_this<WebSocketSession> {
 public:
-    WebSocketSession(Context& context, beast::tcp_stream stream, std::unique_ptr<Connections::Place> place)
-        : context_(context), place_(std::move(place)), ws_(std::move(stream)),
-          rules_(context.options, context.audience.facts(), Clock::now()), bell_(std::make_shared<Bell>(ws_.get_executor())),
-          room_(std::make_shared<Bell>(ws_.get_executor())), heartbeat_(ws_.get_executor()) {}
+    WebSocketSession(Context& context, ByteStream stream, std::unique_ptr<Connections::Place> place, Clearance clearance)
+        : context_(context), place_(std::move(place)), ws_(std::move(stream)), clearance_(std::move(clearance)),
+          rules_(context.options, context.audience.facts(), Clock::now(), clearance_),
+          bell_(std::make_shared<Bell>(ws_.get_executor())), room_(std::make_shared<Bell>(ws_.get_executor())),
+          heartbeat_(ws_.get_executor()) {}
 
     void start(const HttpRequest& request) {
         place_->occupy(shared_from_this());
@@ -79,7 +80,8 @@ private:
 
     Context& context_;
     std::unique_ptr<Connections::Place> place_;
-    websocket::stream<beast::tcp_stream, false> ws_; // no compression: JPEG does not shrink
+    websocket::stream<ByteStream, false> ws_; // no compression: JPEG does not shrink
+    const Clearance clearance_;
     SessionRules rules_;
     std::shared_ptr<Bell> bell_; // rings when there may be something to write
     std::shared_ptr<Bell> room_; // rings when fewer control messages wait
@@ -111,7 +113,7 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
     ws_.read_message_max(context_.options.max_message_bytes);
     ws_.auto_fragment(false);
     ws_.binary(true);
-    beast::get_lowest_layer(ws_).expires_never(); // the WebSocket has deadlines of its own
+    ws_.next_layer().tcp().expires_never(); // the WebSocket has deadlines of its own
     const auto [refused] = co_await ws_.async_accept(request, kToken);
     if (refused) {
         context_.metrics.requested("ws", 400);
@@ -285,9 +287,10 @@ void WebSocketSession::admit(const Admit& hello) {
         return close(kCloseTryLater, why, kRetryFull);
     }
     name_ = fmt::format("viewer {}", seat_->viewer().id());
-    spdlog::info("{}: {} from {}, {}x{}, {}", name_, hello.client, place_->address(), hello.wish.width, hello.wish.height,
-                 hello.wish.views == 1 ? "one eye" : "two eyes");
-    enqueue(packWelcome(seat_->viewer(), hello.wish, context_.audience));
+    const std::string whose = clearance_.name.empty() ? "" : fmt::format(" ({})", clearance_.name);
+    spdlog::info("{}{}: {} from {}, {}x{}, {}, {}", name_, whose, hello.client, place_->address(), hello.wish.width,
+                 hello.wish.height, hello.wish.views == 1 ? "one eye" : "two eyes", nameOf(clearance_.role));
+    enqueue(packWelcome(seat_->viewer(), hello.wish, context_.audience, clearance_.role));
 }
 
 void WebSocketSession::acknowledge(uint32_t frame) {
@@ -342,7 +345,7 @@ void WebSocketSession::finish(std::string_view why) {
     if (ended_) return;
     ended_ = true;
     leave(why);
-    beast::get_lowest_layer(ws_).close();
+    ws_.next_layer().tcp().close();
     heartbeat_.cancel();
     bell_->ring();
     room_->ring();
@@ -350,9 +353,9 @@ void WebSocketSession::finish(std::string_view why) {
 
 } // namespace
 
-void serveWebSocket(Context& context, beast::tcp_stream stream, const HttpRequest& request,
-                    std::unique_ptr<Connections::Place> place) {
-    std::make_shared<WebSocketSession>(context, std::move(stream), std::move(place))->start(request);
+void serveWebSocket(Context& context, ByteStream stream, const HttpRequest& request, std::unique_ptr<Connections::Place> place,
+                    Clearance clearance) {
+    std::make_shared<WebSocketSession>(context, std::move(stream), std::move(place), std::move(clearance))->start(request);
 }
 
 } // namespace brume::net

@@ -326,3 +326,4 @@ test('a full server refuses politely, and lets in who waits when there is room',
 });
 
 await import('./eyes.mjs');
+await import('./trust.mjs');

@@ -5,7 +5,7 @@ import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const ROOT = fileURLToPath(new URL('../../', import.meta.url));
-const BINARY = process.env.BRUME_SERVER ?? join(ROOT, 'build/release/bin/brume-server');
+export const BINARY = process.env.BRUME_SERVER ?? join(ROOT, 'build/release/bin/brume-server');
 const WEB_ROOT = process.env.BRUME_WEB_ROOT ?? join(ROOT, 'client/web/dist');
 const START_MS = 30_000;
 const STOP_MS = 10_000;
@@ -24,7 +24,7 @@ export async function startServer(...options) {
     const timer = setTimeout(() => fail('did not start in time'), START_MS);
     const read = (chunk) => {
       output += chunk;
-      const found = /listening on (http:\/\/\S+)/.exec(output);
+      const found = /listening on (https?:\/\/\S+)/.exec(output);
       if (!found) return;
       clearTimeout(timer);
       resolve(found[1]);

@@ -15,12 +15,13 @@ void query(Bytes input);   // lines: a request's target (page, picture query), i
 void scene(Bytes input);   // a scene file; a first line "--set KEY=VALUE" is an override
 void ply(Bytes input);     // a point cloud
 void costs(Bytes input);   // what calibration wrote
+void token(Bytes input);   // a token, and a request that may hold one
 
 struct Target {
     const char* name;
     void (*run)(Bytes input);
 };
-inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query},
-                                      {"scene", scene},     {"ply", ply},         {"costs", costs}};
+inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query}, {"scene", scene},
+                                      {"ply", ply},         {"costs", costs},     {"token", token}};
 
 } // namespace brume::fuzz

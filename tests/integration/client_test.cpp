@@ -38,7 +38,10 @@ TEST(Endpoint, UrlsOfEveryShape) {
     EXPECT_EQ(parseUrl("ws://cloud.example/").url(), "ws://cloud.example:8080/ws");
     EXPECT_EQ(parseUrl("ws://[::1]:81/other").url(), "ws://[::1]:81/other");
     EXPECT_EQ(parseUrl("ws://[::1]:81/other").host, "::1");
-    for (const char* bad : {"", "cloud", "http://cloud", "wss://cloud", "ws://", "ws://:80", "ws://a:0", "ws://a:65536",
+    EXPECT_EQ(parseUrl("wss://cloud.example:443").url(), "wss://cloud.example:443/ws");
+    EXPECT_TRUE(parseUrl("wss://[::1]/").tls);
+    EXPECT_FALSE(parseUrl("ws://cloud").tls);
+    for (const char* bad : {"", "cloud", "http://cloud", "wss:/cloud", "ws://", "ws://:80", "ws://a:0", "ws://a:65536",
                             "ws://a:8x", "ws://a:", "ws://[::1", "ws://[::1]80", "ws://a b", "ws://a\n"})
         EXPECT_THROW(parseUrl(bad), std::invalid_argument) << bad;
 }

@@ -27,7 +27,8 @@ class Server:
     def __init__(self, programs, arguments, host='127.0.0.1', port=0, inside=(), wait=True):
         self.host, self.log = host, tempfile.TemporaryFile('w+')
         self.process = subprocess.Popen(
-            [*inside, str(programs / 'brume-server'), '--listen', host, '--port', str(port), *arguments],
+            [*inside, str(programs / 'brume-server'), '--listen', host, '--port', str(port),
+             *(['--open'] if host == '0.0.0.0' else []), *arguments],
             stdout=self.log, stderr=subprocess.STDOUT)
         self.port = port
         if wait:

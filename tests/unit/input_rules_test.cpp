@@ -109,5 +109,58 @@ TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
     EXPECT_NE(only<SendError>(effects).text.find("sphere, isv"), std::string::npos);
 }
 
+// The least role of each command; a refusal uses up the input's number, as all do.
+TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
+    const auto answer = [&](wire::Role role, auto&& build) {
+        rules.emplace(options, facts, now, Clearance{role, {}, {}});
+        watch();
+        const Effects effects = input(1, build);
+        EXPECT_EQ(effects.size(), 1u);
+        if (std::holds_alternative<Push>(effects[0])) return std::string("taken");
+        const auto& error = std::get<SendError>(effects[0]);
+        EXPECT_EQ(error.input_seq, 1u);
+        EXPECT_TRUE(std::holds_alternative<Push>(input(2, build).at(0)) || error.code == ErrorCode::forbidden);
+        EXPECT_NE(error.text.find(nameOf(role)), std::string::npos) << error.text;
+        return std::string(wire::EnumNameErrorCode(error.code));
+    };
+    const auto least = [&](auto&& build) {
+        for (const wire::Role role : wire::EnumValuesRole()) {
+            const std::string said = answer(role, build);
+            if (said == "taken") return std::string(nameOf(role));
+            EXPECT_EQ(said, "forbidden");
+        }
+        return std::string("nobody");
+    };
+    static const wire::Vec3 ahead(0, 0, -1);
+    EXPECT_EQ(least([](auto& b) { return wire::CreateImpulse(b, &ahead, &ahead); }), "controller");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateMoveVolume(b, &ahead); }), "controller");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateSetLight(b, &ahead); }), "controller");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateSetMedium(b, 1.0f); }), "controller");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateSetSimulation(b, true); }), "controller");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateSetRender(b); }), "operator");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateRestart(b); }), "operator");
+}
+
+TEST_F(SessionRulesTest, AViewerLooksAndWhoTriesForbiddenThingsForEverIsClosed) {
+    rules.emplace(options, facts, now, Clearance{wire::Role::viewer, {}, {}});
+    watch();
+    only<Show>(pose({.seq = 1}));
+    only<AnswerPing>(say([](auto& b) { return wire::CreatePing(b, 1, 1); }));
+    bool closed = false;
+    for (uint32_t seq = 1; seq < 1000 && !closed; ++seq)
+        for (const Effect& effect : restart(seq)) closed |= std::holds_alternative<Close>(effect);
+    EXPECT_TRUE(closed);
+}
+
+TEST_F(SessionRulesTest, ASessionEndsWithItsToken) {
+    rules.emplace(options, facts, now, Clearance{wire::Role::viewer, now + 60s, {}});
+    watch();
+    EXPECT_TRUE(tick(60s - 1ms).empty());
+    const Effects effects = tick(1ms);
+    EXPECT_EQ(only<Close>(effects).code, kClosePolicy);
+    EXPECT_EQ(only<Close>(effects).reason, "the token has expired");
+    EXPECT_TRUE(tick(1s).empty()) << "once";
+}
+
 } // namespace
 } // namespace brume::net

@@ -124,10 +124,17 @@ TEST_F(SessionRulesTest, PosesThatCannotBeAreOutOfRange) {
         {.fov_y = -1},
         {.eyes = kNan},
         {.eyes = -1},
-        {.eyes = 1e6f},
+        {.eyes = 10.01f},
     };
     for (size_t i = 0; i < bad.size(); ++i) EXPECT_EQ(onlyError(pose(bad[i])), ErrorCode::out_of_range) << i;
     only<Show>(pose({}));
+}
+
+TEST_F(SessionRulesTest, EyesMayBeAsFarApartAsTheLimitSays) {
+    watch();
+    EXPECT_EQ(only<Show>(pose({.seq = 1, .eyes = 10})).request.pose.eye_separation, 10);
+    const auto refused = pose({.seq = 2, .eyes = 10.01f});
+    EXPECT_NE(only<SendError>(refused).text.find("eye_separation in 0 ... 10 m"), std::string::npos);
 }
 
 TEST_F(SessionRulesTest, EyesHaveFrustaOfTheirOwn) {

@@ -5,7 +5,7 @@ import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodeP
 import { SUBPROTOCOL } from './protocol';
 import type { Command, HelloMessage, PoseMessage, ServerMessage, Welcome } from './protocol';
 
-export type Refusal = 'full' | 'version' | 'goodbye';
+export type Refusal = 'full' | 'version' | 'goodbye' | 'token';
 
 // `retryAt` is on performance.now()'s clock; undefined while a try is under way.
 export type LinkState =
@@ -31,6 +31,7 @@ const LONG_WAIT_S = 3;
 const ERROR_FULL = 5;
 // Handshakes that a healthy server turned down before the page takes itself for outdated.
 const DECLINED_LIMIT = 2;
+const TOKEN_WAIT_S = 30; // another token comes with a new address of the page
 
 export const nowUs = (): bigint => BigInt(Math.round(performance.now() * 1000));
 
@@ -210,19 +211,38 @@ export class Connection {
     this.send(encodePing(this.nonce, nowUs()));
   }
 
-  // The handshake failed. Nobody there, or a server that is alive and does not speak this version?
+  // The handshake failed. Nobody there, or a server that wants another token, or one that does not speak this version? A page is
+  // not told why: the same address over HTTP answers in one line.
   private async turnedDown(): Promise<void> {
+    const wants = await this.whatItWants();
     const alive = await fetch('healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) }).then(
       (response) => response.ok,
       () => false,
     );
     if (this.socket) return; // someone asked for another try meanwhile
-    this.declined = alive ? this.declined + 1 : 0;
-    if (this.declined >= DECLINED_LIMIT) {
+    this.declined = alive && wants === undefined ? this.declined + 1 : 0;
+    if (wants !== undefined) {
+      this.parting = { refusal: 'token', text: wants };
+      this.askedWait = TOKEN_WAIT_S;
+    } else if (this.declined >= DECLINED_LIMIT) {
       this.parting = versionRefusal();
       this.askedWait = 5;
     }
     this.ended();
+  }
+
+  // Of who connects; undefined when our token is good enough, or nobody answers.
+  private async whatItWants(): Promise<string | undefined> {
+    try {
+      const answer = await fetch(this.url.replace(/^ws/, 'http'), {
+        cache: 'no-store',
+        signal: AbortSignal.timeout(2000),
+      });
+      if (answer.status !== 401 && answer.status !== 403) return undefined;
+      return (await answer.text()).split('\n')[0]?.slice(0, 200) ?? '';
+    } catch {
+      return undefined;
+    }
   }
 
   private ended(): void {
@@ -260,3 +280,12 @@ const versionRefusal = (): { refusal: Refusal; text: string } => ({
   refusal: 'version',
   text: 'The server turned this page away.',
 });
+
+// Beside the page, wherever a proxy has put it, and over TLS when the page came so.
+export function socketAddress(token: string | undefined): string {
+  const address = new URL('ws', location.href);
+  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  address.search = address.hash = '';
+  if (token !== undefined) address.searchParams.set('token', token);
+  return address.href;
+}

@@ -11,6 +11,7 @@ export interface ControlsHost {
   readonly fovY: number;
   mode: Mode;
   readonly pushing: boolean; // the push button is on
+  readonly mayPush: boolean; // this viewer's role allows it
   touched(): void; // the first movement of any kind
   pushed(active: boolean, x: number, y: number): void; // where the pushing cursor is, in CSS pixels
 }
@@ -123,7 +124,7 @@ export class Controls {
       }
     } else if (pointer.gesture === 'push') {
       this.startPush(event.timeStamp, pointer);
-    } else if (event.pointerType !== 'mouse') {
+    } else if (event.pointerType !== 'mouse' && this.host.mayPush) {
       pointer.timer = window.setTimeout(() => {
         pointer.gesture = 'push';
         navigator.vibrate?.(12);
@@ -134,7 +135,7 @@ export class Controls {
 
   private gestureOf(event: PointerEvent): Gesture {
     if (event.button !== 0) return 'pan';
-    if (event.altKey || event.ctrlKey || event.metaKey) return 'push';
+    if (this.host.mayPush && (event.altKey || event.ctrlKey || event.metaKey)) return 'push';
     if (event.shiftKey) return 'pan';
     return this.host.pushing ? 'push' : 'turn';
   }

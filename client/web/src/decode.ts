@@ -13,6 +13,7 @@ import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Welcome as WireWelcome } from './wire/brume/wire/welcome';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
 import { ProtocolError } from './protocol';
+import { roleOf } from './role';
 import type { Frame, Frustum, Plan, Quat, SceneState, ServerMessage, Vec3, Welcome } from './protocol';
 
 // Bounds on what a server may send in lists; anything longer is not one of ours.
@@ -94,6 +95,7 @@ function decodeWelcome(w: WireWelcome): Welcome {
     methods: toList(w.methodsLength(), MAX_NAMES, (i) => w.methods(i)),
     quadratures: toList(w.quadraturesLength(), MAX_NAMES, (i) => w.quadratures(i)),
     resume: w.resume() ?? '',
+    role: roleOf(w.role()),
   };
 }
 

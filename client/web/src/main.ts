@@ -1,7 +1,7 @@
 // The page: puts camera, connection, picture, panel and overlay together.
 import { fitAspect, lookAt, same } from './camera';
 import type { Camera } from './camera';
-import { Connection } from './connection';
+import { Connection, socketAddress } from './connection';
 import type { LinkState } from './connection';
 import { Controls, isField } from './controls';
 import type { ControlsHost, Mode } from './controls';
@@ -14,6 +14,7 @@ import { buildPanel } from './panel';
 import { Picture } from './picture';
 import type { Command, Frame, SceneState, ServerMessage, Welcome } from './protocol';
 import { Pusher } from './pusher';
+import { mayControl, takeToken } from './role';
 import { followAddress, loadSettings, saveSettings } from './settings';
 import { Predictor } from './predict';
 import { publishReport } from './report';
@@ -70,11 +71,7 @@ let size: Size = viewing.size();
 
 const notices = new Notices(() => link.retryNow());
 
-// Beside the page, wherever a proxy has put it.
-const address = new URL('ws', location.href);
-address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-address.search = address.hash = '';
-const link = new Connection(address.href, {
+const link = new Connection(socketAddress(takeToken()), {
   hello: () => ({ client: CLIENT, ...size, views: headset ? 2 : viewing.views, quality: settings.quality }),
   state: (state) => {
     linkState = state.name;
@@ -99,6 +96,8 @@ function enter(greeting: Welcome): void {
   picture.clear();
   viewing.clear();
   panel.welcome(greeting, chosenCap());
+  for (const tool of ['push', 'pause']) find<HTMLButtonElement>(`tool-${tool}`).disabled = !mayPush();
+  if (!mayPush()) setPushing(false);
   size = viewing.size();
   setText(find('brand-scene'), greeting.scene);
 }
@@ -167,6 +166,9 @@ const host: ControlsHost = {
   get pushing() {
     return pushing;
   },
+  get mayPush() {
+    return mayPush();
+  },
   touched: () => document.body.classList.add('touched'),
   pushed: (active, x, y) => {
     cursor.classList.toggle('active', active);
@@ -184,10 +186,12 @@ function setMode(value: Mode): void {
   hint();
 }
 
+const mayPush = (): boolean => mayControl(welcome?.role ?? 'operator');
+
 function setPushing(on: boolean): void {
-  pushing = on;
-  setPressed(find('tool-push'), on);
-  document.body.classList.toggle('pushing', on);
+  pushing = on && mayPush();
+  setPressed(find('tool-push'), pushing);
+  document.body.classList.toggle('pushing', pushing);
   hint();
 }
 
@@ -200,8 +204,8 @@ function hint(): void {
   const text = pushing
     ? 'Drag to push the cloud'
     : touch
-      ? `Drag to ${turn} · pinch to zoom · hold, then drag to push`
-      : `Drag to ${turn} · ${travel} · ${key}-drag to push the cloud`;
+      ? `Drag to ${turn} · pinch to zoom${mayPush() ? ' · hold, then drag to push' : ''}`
+      : `Drag to ${turn} · ${travel}${mayPush() ? ` · ${key}-drag to push the cloud` : ''}`;
   setText(find('hint'), text);
 }
 
@@ -264,7 +268,7 @@ const actions: Record<string, () => void> = {
   orbit: () => setMode('orbit'),
   fly: () => setMode('fly'),
   push: () => setPushing(!pushing),
-  pause: () => command({ kind: 'simulation', paused: !(scene?.paused ?? false) }),
+  pause: () => mayPush() && command({ kind: 'simulation', paused: !(scene?.paused ?? false) }),
   reset: () => (camera = home),
   vr: () => void toggleHeadset(),
   stats: () => toggles.stats(!settings.stats),

@@ -15,6 +15,11 @@ const REFUSALS = {
     text: 'They may be of different versions: loading the page again should help.',
     status: 'Other version',
   },
+  token: {
+    title: 'This page may not look here',
+    text: 'It needs a token: ask for an address with one.',
+    status: 'No token',
+  },
   goodbye: { title: 'The server said goodbye', text: 'It asked to come back later.', status: 'Closed' },
 } as const;
 
@@ -88,7 +93,8 @@ export class Notices {
         const refusal = REFUSALS[state.refusal];
         this.retryAt = state.retryAt;
         this.show('refused', refusal.status);
-        const own = state.refusal === 'goodbye' && state.text ? sentence(state.text) : refusal.text;
+        const tells = state.refusal === 'goodbye' || state.refusal === 'token';
+        const own = tells && state.text ? sentence(state.text) : refusal.text;
         this.draw(refusal.title, own, state.refusal === 'version' ? 'Load again' : 'Try now');
         break;
       }

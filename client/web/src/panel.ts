@@ -6,6 +6,7 @@ import { el, setText } from './dom';
 import { button, colour, group, select, slider } from './fields';
 import { planText } from './plan';
 import type { Command, SceneState, Vec3, Welcome } from './protocol';
+import { mayControl, mayOperate } from './role';
 import type { Settings } from './settings';
 import { SIZE_CAPS } from './size';
 
@@ -241,12 +242,17 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const close = button('×', 'Close (O)', () => host.close());
   close.className = 'close';
   close.setAttribute('aria-label', 'Close settings');
-  root.append(
-    el('header', {}, el('h2', {}, 'Settings'), el('small', {}, 'shared by all viewers'), close),
+  const shared = [
     group('Light', true, azimuth.element, elevation.element, strength.element, lightColour.element, rotate.element),
     group('Medium', true, extinction.element, falloff.element, albedo.element, anisotropy.element, asymmetry.element),
-    group('Method', true, method.element, plan, quadrature.element, steps.element, exposure.element),
     group('Cloud', true, el('div', { class: 'actions' }, pause, restart), nudges),
+  ];
+  const rendering = group('Method', true, method.element, plan, quadrature.element, steps.element, exposure.element);
+  root.append(
+    el('header', {}, el('h2', {}, 'Settings'), el('small', {}, 'shared by all viewers'), close),
+    ...shared.slice(0, 2),
+    rendering,
+    ...shared.slice(2),
     group(
       'Picture, yours alone',
       true,
@@ -262,6 +268,9 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   return {
     welcome: (welcome, cap) => {
       size.follow(String(cap));
+      for (const part of shared) part.inert = !mayControl(welcome.role);
+      rendering.inert = !mayOperate(welcome.role);
+      restart.disabled = !mayOperate(welcome.role);
       method.options(welcome.methods.map((value) => ({ value, text: METHOD_NAMES[value] ?? value })));
       quadrature.options(welcome.quadratures.map((value) => ({ value, text: QUADRATURES[value]?.text ?? value })));
     },

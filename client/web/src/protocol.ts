@@ -1,4 +1,5 @@
 // The messages of brume.v1 as plain objects; encode.ts and decode.ts turn them to bytes and back.
+import type { Role } from './role';
 
 export const SUBPROTOCOL = 'brume.v1';
 
@@ -64,6 +65,7 @@ export interface Welcome {
   methods: string[];
   quadratures: string[];
   resume: string; // says who this is when the connection is lost; empty from older servers
+  role: Role;
 }
 
 export interface SceneState {

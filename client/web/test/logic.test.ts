@@ -1,3 +1,4 @@
+import { mayControl, mayOperate, roleOf, tokenIn } from '../src/role';
 import { describe, expect, test } from 'vitest';
 import { Backoff } from '../src/backoff';
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex, toLinear, toSrgb } from '../src/colour';
@@ -251,5 +252,21 @@ describe('pushing', () => {
     pusher.update(900);
     pusher.end(901);
     expect(sent).toEqual([]);
+  });
+});
+
+describe('token and role', () => {
+  test('the token comes from the fragment alone', () => {
+    expect(tokenIn('#token=abc.d-e_f')).toBe('abc.d-e_f');
+    expect(tokenIn('#a=b&token=x')).toBe('x');
+    expect(tokenIn('#token=')).toBe('');
+    expect(tokenIn('')).toBeUndefined();
+    expect(tokenIn('#elsewhere')).toBeUndefined();
+  });
+
+  test('a role allows what it is for, and one that is not known only looks', () => {
+    expect([1, 2, 3, 0, 4].map(roleOf)).toEqual(['viewer', 'controller', 'operator', 'viewer', 'viewer']);
+    expect((['viewer', 'controller', 'operator'] as const).map(mayControl)).toEqual([false, true, true]);
+    expect((['viewer', 'controller', 'operator'] as const).map(mayOperate)).toEqual([false, false, true]);
   });
 });

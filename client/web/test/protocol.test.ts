@@ -137,6 +137,7 @@ describe('decode', () => {
       ...present(b, { height: 'height', tickHz: 'tick_hz', maxInFlight: 'max_in_flight', methods: 'methods' }),
       ...present(b, { quadratures: 'quadratures' }),
       resume: '',
+      role: 'operator', // as before there were roles
       camera: present(camera, { position: 'position', target: 'target', fovY: 'fov_y' }),
     });
   });

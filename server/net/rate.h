@@ -1,0 +1,44 @@
+// How often something may happen.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+namespace brume::net {
+
+// Tokens that come back with time. One action costs one.
+class TokenBucket {
+public:
+    using Time = std::chrono::steady_clock;
+
+    TokenBucket(double rate, double burst) : rate_(rate), burst_(burst), tokens_(burst) {}
+    bool take(Time::time_point now) {
+        refill(now);
+        if (tokens_ < 1) return false;
+        tokens_ -= 1;
+        return true;
+    }
+    // How long until take() succeeds.
+    Time::duration wait(Time::time_point now) {
+        refill(now);
+        if (tokens_ >= 1) return {};
+        return std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>((1 - tokens_) / rate_));
+    }
+    // As if nothing had been taken.
+    bool full(Time::time_point now) const {
+        const std::chrono::duration<double> passed = now - last_.value_or(now);
+        return tokens_ + rate_ * passed.count() >= burst_;
+    }
+
+private:
+    void refill(Time::time_point now) {
+        const std::chrono::duration<double> passed = now - last_.value_or(now);
+        if (passed.count() > 0) tokens_ = std::min(burst_, tokens_ + rate_ * passed.count());
+        last_ = std::max(now, last_.value_or(now));
+    }
+    double rate_, burst_, tokens_;
+    std::optional<Time::time_point> last_;
+};
+
+} // namespace brume::net

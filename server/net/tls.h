@@ -1,0 +1,20 @@
+// The server's side of TLS: its certificate and what it speaks.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include <boost/asio/ssl/context.hpp>
+
+namespace brume::net {
+
+class Tls {
+public:
+    // TLS 1.2 or newer, with the chain and the key in these PEM files. Throws std::runtime_error, in one line, when they cannot
+    // be read or do not belong together.
+    Tls(const std::filesystem::path& certificate, const std::filesystem::path& key);
+
+    boost::asio::ssl::context context;
+};
+
+} // namespace brume::net

@@ -1,0 +1,110 @@
+// Tokens in the page, in a real Chromium: node --test tests/browser/trust.mjs
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { randomBytes } from 'node:crypto';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, describe, test } from 'node:test';
+import { connected, openPage, settled, startBrowser, until } from './pages.mjs';
+import { BINARY, startServer } from './server.mjs';
+
+let browser, folder, key, server;
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'brume-'));
+  key = join(folder, 'token.key');
+  writeFileSync(key, randomBytes(32), { mode: 0o600 });
+  browser = await startBrowser();
+  server = await startServer('--token-key', key);
+});
+after(async () => {
+  await browser?.close();
+  if (server) assert.equal(await server.stop(), 0, 'the server’s exit');
+  if (folder) rmSync(folder, { recursive: true });
+});
+
+const token = (role, seconds = 600) =>
+  execFileSync(BINARY, ['--token-key', key, '--make-token', role, '--valid-for', String(seconds)])
+    .toString()
+    .trim();
+
+const disabled = (page, id) => page.evaluate((name) => document.getElementById(name).disabled, id);
+const inert = (page) =>
+  page.evaluate(() =>
+    Object.fromEntries(
+      [...document.querySelectorAll('#panel details')].map((part) => [part.querySelector('summary').textContent, part.inert]),
+    ),
+  );
+
+describe('a server with a key', () => {
+  test('without a token the page says what is missing', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await until(page, 'it is refused', (brume) => brume.state === 'refused');
+    const text = await page.evaluate(() => document.getElementById('curtain').innerText);
+    assert.match(text, /may not look here/);
+    assert.match(text, /A token is needed/);
+    await page.leave();
+  });
+
+  test('a viewer looks, its token leaves the address bar, and what it may not do is off', async (t) => {
+    const mine = token('viewer');
+    const page = await openPage(t, browser, `${server.url}/?predict=0#token=${mine}`);
+    assert.equal(await page.evaluate(() => location.href), `${server.url}/?predict=0`);
+    await connected(page);
+    await settled(page);
+    assert.ok(await disabled(page, 'tool-push'));
+    assert.ok(await disabled(page, 'tool-pause'));
+    const parts = await inert(page);
+    for (const part of ['Light', 'Medium', 'Method', 'Cloud']) assert.equal(parts[part], true, part);
+    assert.equal(parts['Picture, yours alone'], false);
+    await page.keyboard.press('p');
+    await page.waitForTimeout(300);
+    assert.equal(await page.evaluate(() => window.brume.scene.paused), false);
+    // Loaded again, the tab still has it; the server never wrote it down.
+    await page.reload();
+    await connected(page);
+    assert.ok(!server.output().includes(mine.slice(0, 20)), 'a token in the log');
+    await page.leave();
+  });
+
+  test('a controller pauses, an operator may do everything', async (t) => {
+    const page = await openPage(t, browser, `${server.url}/#token=${token('controller')}`);
+    await connected(page);
+    assert.ok(!(await disabled(page, 'tool-pause')));
+    const parts = await inert(page);
+    assert.deepEqual([parts['Light'], parts['Cloud'], parts['Method']], [false, false, true]);
+    await page.keyboard.press('p');
+    await until(page, 'it is paused', (brume) => brume.scene.paused);
+    const chief = await openPage(t, browser, `${server.url}/#token=${token('operator')}`);
+    await connected(chief);
+    assert.ok(Object.values(await inert(chief)).every((part) => !part));
+    await chief.keyboard.press('p');
+    await until(page, 'it goes on', (brume) => !brume.scene.paused);
+    await chief.leave();
+    await page.leave();
+  });
+
+  test('a forged token is told apart from none', async (t) => {
+    const page = await openPage(t, browser, `${server.url}/#token=${token('viewer').slice(0, -4)}AAAA`);
+    await until(page, 'it is refused', (brume) => brume.state === 'refused');
+    assert.match(await page.evaluate(() => document.getElementById('curtain').innerText), /not made with this server/);
+    await page.leave();
+  });
+});
+
+// The certificate is made by the program `openssl`; Chromium is told to trust it.
+test('over https the page speaks wss', async (t) => {
+  const chain = join(folder, 'certificate.pem');
+  const secret = join(folder, 'key.pem');
+  const made = 'req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 1 -subj /CN=localhost'.split(' ');
+  made.push('-addext', 'subjectAltName=IP:127.0.0.1', '-out', chain, '-keyout', secret);
+  execFileSync('openssl', made, { stdio: 'ignore' });
+  const secure = await startServer('--token-key', key, '--tls-certificate', chain, '--tls-key', secret);
+  t.after(() => secure.stop());
+  assert.match(secure.url, /^https:/);
+  const page = await openPage(t, browser, `${secure.url}/#token=${token('viewer')}`, { ignoreHTTPSErrors: true });
+  await connected(page);
+  await settled(page);
+  await page.leave();
+  assert.equal(await secure.stop(), 0, 'the server’s exit');
+});

@@ -1,0 +1,50 @@
+// Room for connections: for all, for one address, and how often it may come.
+#include <gtest/gtest.h>
+
+#include "server/net/connections.h"
+
+namespace brume::net {
+namespace {
+
+using Refused = Connections::Refused;
+using Place = std::unique_ptr<Connections::Place>;
+
+TEST(Connections, RoomIsCountedForAllAndForEachAddress) {
+    Connections connections({.total = 3, .per_address = 2});
+    Refused why = Refused::nothing;
+    Place a = connections.take("a1", "a"), b = connections.take("a2", "a");
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(a->address(), "a1");
+    EXPECT_FALSE(connections.take("a3", "a", &why)) << "one site";
+    EXPECT_EQ(why, Refused::room);
+    Place c = connections.take("b", "b");
+    ASSERT_TRUE(c);
+    EXPECT_FALSE(connections.take("c", "c")) << "all";
+    a.reset();
+    EXPECT_TRUE(connections.take("a3", "a")) << "a place is free again";
+}
+
+TEST(Connections, OneAddressThatComesTooOftenKeepsNobodyElseOut) {
+    Connections connections({.total = 1000, .per_address = 1000, .accept_rate = 0.001, .burst_s = 5000});
+    for (int i = 0; i < 5; ++i) EXPECT_TRUE(connections.take("a", "a"));
+    Refused why = Refused::nothing;
+    EXPECT_FALSE(connections.take("a", "a", &why));
+    EXPECT_EQ(why, Refused::rate);
+    EXPECT_TRUE(connections.take("b", "b"));
+    connections.setLimits({.total = 1000, .per_address = 1000, .accept_rate = 1, .burst_s = 1});
+    EXPECT_TRUE(connections.take("a", "a")) << "the new rate holds";
+}
+
+// What is remembered of addresses does not grow with them: a bucket that is full again says nothing.
+TEST(Connections, AddressesThatWentAreForgotten) {
+    Connections connections({.total = 10, .per_address = 10, .accept_rate = 1e6, .burst_s = 1});
+    for (int i = 0; i < 20'000; ++i) ASSERT_TRUE(connections.take("x", std::to_string(i))) << i;
+    Connections flooded({.total = 10, .per_address = 10, .accept_rate = 1e-6, .burst_s = 1});
+    int in = 0;
+    for (int i = 0; i < 20'000; ++i) in += flooded.take("x", std::to_string(i)) != nullptr;
+    EXPECT_LE(in, 4096) << "from everywhere at once: no more than are remembered";
+    EXPECT_GE(in, 4000);
+}
+
+} // namespace
+} // namespace brume::net
