@@ -15,6 +15,7 @@
 #include "server/plan/planner.h"
 #include "server/render/renderer.h"
 #include "server/viewer/audience.h"
+#include "server/viewer/schedule.h"
 
 namespace brume {
 
@@ -52,9 +53,12 @@ private:
     void tick();
     Batch* freeBatch();
     void gather(Batch& batch, bool fine);
+    void addJob(Batch& batch, const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due);
     bool render(Batch& batch);
     void encode(Batch& batch);
-    void deliver(const Batch& batch, uint32_t job, float gpu_ms, std::span<const PictureView> views, JpegEncoder& jpeg);
+    void countPasses(std::span<const gpu::PassSample> samples, uint32_t pictures);
+    void shareTime(Batch& batch, std::span<const gpu::PassSample> samples, double shared_ms, double views_ms);
+    void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg);
     void report(Clock::time_point now);
 
     const gpu::Device& device_;
@@ -73,9 +77,11 @@ private:
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     std::vector<EyeRequest> eyes_;
-    uint32_t last_served_ = 0;    // id of the viewer that was taken last
     std::vector<PlanView> views_; // the same, for the plan
-    bool replan_ = false;         // a command came since the last frame
+    std::vector<PoseRequest> requests_;
+    std::vector<Schedule::Wish> wishes_; // the same, and of viewers_
+    Schedule schedule_;
+    bool replan_ = false; // a command came since the last frame
     std::vector<PassTime> passes_;
     Clock::time_point reported_{};
     uint64_t scene_version_ = 0; // of all that is seen

@@ -92,6 +92,11 @@ void Viewer::close() {
 }
 
 std::optional<Viewer::Due> Viewer::takeDue(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
+    const auto request = due(now, scene, fine);
+    return request ? take(*request, now, scene) : std::nullopt;
+}
+
+std::optional<PoseRequest> Viewer::due(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_) return {};
     const QualityStep step = quality_.step();
@@ -110,7 +115,17 @@ std::optional<Viewer::Due> Viewer::takeDue(Clock::time_point now, std::optional<
         held_back_ = held_back_ || pacing_.isHeldByBytes();
         return {};
     }
-    if (++turn_ % step.every != 0) return {};
+    if (skipped_ + 1 < step.every) {
+        ++skipped_;
+        return {};
+    }
+    return request;
+}
+
+std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_point now, std::optional<uint64_t> scene) {
+    const std::scoped_lock lock(mutex_);
+    if (closed_) return {};
+    skipped_ = 0;
     if (++issued_ == 0) ++issued_; // 0 is no frame
     pacing_.issued(issued_, now);
     fine_made_ = request.fine;
@@ -149,6 +164,11 @@ Viewer::Counts Viewer::counts() const {
     Counts counts = counts_;
     counts.in_flight = pacing_.inFlight();
     return counts;
+}
+
+uint32_t Viewer::every() const {
+    const std::scoped_lock lock(mutex_);
+    return quality_.step().every;
 }
 
 Viewer::Link Viewer::link() const {

@@ -54,6 +54,10 @@ public:
     };
     // `fine`: once, the picture that has rested for 150 ms, at JPEG quality 90 or more; nothing else.
     std::optional<Due> takeDue(Clock::time_point now = Clock::now(), std::optional<uint64_t> scene = {}, bool fine = false);
+    // The same in two steps, when not everybody who is due can be drawn: what is due, and taking that.
+    std::optional<PoseRequest> due(Clock::time_point now, std::optional<uint64_t> scene, bool fine);
+    std::optional<Due> take(const PoseRequest& due, Clock::time_point now, std::optional<uint64_t> scene);
+    uint32_t every() const; // ticks between its frames, at least
     // A due frame, ready. One that a newer frame has overtaken is dropped; either way superseded frames free their place.
     void deliver(FramePtr frame);
     // A due frame that could not be rendered: gives its place in the window back.
@@ -88,7 +92,7 @@ private:
     Clock::time_point made_at_{};     // when,
     std::optional<uint64_t> scene_;   // of which scene
     bool fine_made_ = false;          // after it
-    uint32_t turn_ = 0;               // of those that QualityStep::every counts
+    uint32_t skipped_ = 0;            // of those that QualityStep::every counts
     bool always_ = false;             // drawAlways()
     bool held_back_ = false;          // by the window of bytes, since the last look
     uint64_t superseded_seen_ = 0;    // by the last look
