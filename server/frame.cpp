@@ -5,6 +5,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/encode/png.h"
 #include "server/plan/memory.h"
 
 namespace brume {
@@ -14,8 +15,12 @@ constexpr auto kTick = std::chrono::duration_cast<Clock::duration>(std::chrono::
 // When this far behind, the simulation lets time pass without it: a stopped process does not fast-forward.
 constexpr auto kMostBehind = std::chrono::milliseconds(250);
 constexpr auto kReportEvery = std::chrono::seconds(1);
+constexpr auto kLoadEvery = std::chrono::milliseconds(100);
 constexpr size_t kMostEyes = 64;   // of a submission: who comes later comes first in the next one
 constexpr float kSmoothing = 0.1f; // weight of the newest sample in a pass's time
+constexpr auto kRestsFor = std::chrono::milliseconds(150);
+constexpr size_t kMostPng = 4 << 20;    // bytes; a picture that takes more comes as
+constexpr uint8_t kNearlyLossless = 97; // JPEG of this quality, 4:4:4
 
 // `count`. Throws SceneError when so many particles do not fit the memory that there is for them.
 uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
@@ -43,6 +48,7 @@ struct FrameLoop::Batch {
     Clock::time_point taken{}, done{};
     float whole = 1;                  // what one of all who were due would take, over what this one does; predicted
     bool fine = false;                // of what rests
+    bool finer = false;               // with less error: of that, and where there is time
     std::atomic<uint32_t> pending{0}; // jobs not encoded yet
 };
 
@@ -50,7 +56,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
       frame_ms_(options.frame_ms), simulation_(scene),
       renderer_(device, scene, bounded(scene, simulation_.capacity(), options.memory)),
-      planner_(scene_, options.costs, options.frame_ms), workers_(options.encode_threads) {
+      planner_(scene_, options.costs, options.frame_ms), refinement_(options.refine_moving), workers_(options.encode_threads) {
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
 }
@@ -114,6 +120,7 @@ void FrameLoop::run() {
 
         if (!on_device_ && simulation_.tick() != rendered_tick_)
             if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
+        if (now - load_told_ >= kLoadEvery) tellLoad(now);
         if (changed_ || now - reported_ >= kReportEvery) report(now);
     }
 }
@@ -152,7 +159,9 @@ void FrameLoop::gather(Batch& batch, bool fine) {
         return false;
     });
     if (wishes_.empty()) return;
-    for (const uint32_t number : schedule_.choose(wishes_, {frame_ms_, 1, kMostEyes}, batch.taken, kTick))
+    for (const uint32_t number :
+         schedule_.choose(wishes_, {frame_ms_, fine ? planner_.plan().rests_ms / planner_.plan().chosen.ms() : 1, kMostEyes},
+                          batch.taken, kTick))
         if (const auto due = viewers_[number]->take(requests_[number], batch.taken, scene_version_))
             addJob(batch, viewers_[number], *due);
 }
@@ -181,6 +190,7 @@ bool FrameLoop::render(Batch& batch) {
     }
     viewers_.clear();
     if (batch.jobs.empty()) return false;
+    whole_ms_ = std::max(whole_ms_, schedule_.wholeMs());
     rendered_tick_ = batch.tick = simulation_.tick();
     batch.state_hash = simulation_.stateHash();
     batch.whole = schedule_.chosenMs() > 0 ? float(schedule_.wholeMs() / schedule_.chosenMs()) : 1;
@@ -189,9 +199,11 @@ bool FrameLoop::render(Batch& batch) {
         for (int eye = 0; wishes_[i].like == i && eye < requests_[i].views; ++eye)
             views_.push_back({eyePose(requests_[i].pose, eye, requests_[i].views), requests_[i].width, requests_[i].height});
     const RenderSettings& planned = planner_.settings(simulation_, views_, std::exchange(replan_, false), batch.taken);
-    const RenderSettings settings = fine ? finer(planned) : planned;
     batch.fine = fine;
-    renderer_.submit(batch.submission, simulation_, eyes_, &settings);
+    const double dearer = planner_.plan().rests_ms / planner_.plan().chosen.ms();
+    batch.finer = fine || refinement_.next({camerasRest(batch.taken), schedule_.wholeMs(), dearer, frame_ms_}, batch.taken);
+    const RenderSettings settings = batch.finer ? finer(planned) : planned;
+    renderer_.submit(batch.submission, simulation_, eyes_, &settings, fine);
     planner_.refresh(simulation_, views_, batch.taken);
     return true;
 }
@@ -209,8 +221,9 @@ void FrameLoop::encode(Batch& batch) {
 
     double shared_ms = 0, views_ms = 0;
     for (const gpu::PassSample& sample : samples) (sample.view == gpu::kShared ? shared_ms : views_ms) += double(sample.ms);
-    metrics_.drawn(shared_ms, views_ms);
+    metrics_.drawn(shared_ms, views_ms, batch.finer);
     shareTime(batch, samples, shared_ms, views_ms);
+    if (batch.finer && !batch.fine) refinement_.took(double(took));
 
     const auto makes = [&](const Batch::Job& job) { return &job == &batch.jobs[job.pictures]; };
     batch.pending = uint32_t(std::count_if(batch.jobs.begin(), batch.jobs.end(), makes));
@@ -255,18 +268,24 @@ void FrameLoop::shareTime(Batch& batch, std::span<const gpu::PassSample> samples
             else if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views)
                 job.gpu_ms += sample.ms;
         }
-        if (!batch.fine) schedule_.took(job.viewer->id(), own, besides * double(job.gpu_ms));
+        if (!batch.finer) schedule_.took(job.viewer->id(), own, besides * double(job.gpu_ms));
     }
 }
 
 // Encodes one job's pictures, for all viewers that asked for the same ones. On an encoder's thread.
 void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) {
     std::array<Jpeg, 2> bytes;
+    const PoseRequest& wanted = batch.jobs[job].due.request;
+    bool png = wanted.lossless;
     std::string failure;
     try {
-        for (size_t eye = 0; eye < views.size(); ++eye)
-            bytes[eye] =
-                std::make_shared<const std::vector<uint8_t>>(jpeg.encode(views[eye], batch.jobs[job].due.request.quality));
+        for (size_t eye = 0; png && eye < views.size(); ++eye) {
+            bytes[eye] = std::make_shared<const std::vector<uint8_t>>(encodePng(views[eye], kMostPng));
+            png = !bytes[eye]->empty();
+        }
+        for (size_t eye = 0; !png && eye < views.size(); ++eye)
+            bytes[eye] = std::make_shared<const std::vector<uint8_t>>(
+                jpeg.encode(views[eye], wanted.lossless ? kNearlyLossless : wanted.quality));
         metrics_.encoded(uint32_t(views.size()));
     } catch (const std::exception& e) {
         failure = e.what();
@@ -292,9 +311,30 @@ void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const Pictur
         frame->gpu_ms = gpu_ms;
         frame->encoded = encoded;
         frame->jpeg = bytes;
+        frame->png = png;
+        if (wanted.lossless) frame->request.quality = png ? 100 : kNearlyLossless;
         metrics_.rendered(*frame);
         viewer->deliver(std::move(frame));
     }
+}
+
+// All who are due, drawn now, and with nothing given up for anybody.
+bool FrameLoop::camerasRest(Clock::time_point now) const {
+    return planner_.plan().relaxed == 0 && schedule_.chosenMs() > 0.999 * schedule_.wholeMs() &&
+           std::all_of(requests_.begin(), requests_.end(),
+                       [&](const PoseRequest& r) { return !r.lowered && now - r.since >= kRestsFor; });
+}
+
+// To all viewers, and to who watches the server.
+void FrameLoop::tellLoad(Clock::time_point now) {
+    load_told_ = now;
+    audience_.list(viewers_);
+    for (const auto& viewer : viewers_)
+        viewer->deviceHas(
+            {schedule_.predict(viewer->id()), whole_ms_, frame_ms_, std::max(schedule_.active(), 1u), planner_.exhausted()});
+    viewers_.clear();
+    metrics_.budget(whole_ms_ / frame_ms_);
+    if (!on_device_) whole_ms_ = 0;
 }
 
 void FrameLoop::report(Clock::time_point now) {

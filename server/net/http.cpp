@@ -18,6 +18,7 @@
 #include "server/net/origin.h"
 #include "server/net/picture_query.h"
 #include "server/net/seat.h"
+#include "server/net/viewers.h"
 #include "server/net/websocket.h"
 
 namespace brume::net {
@@ -165,7 +166,8 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     if (path == "/ws") return upgrade(request);
     if (path == "/snapshot.jpg") return snapshot(request, query);
     if (path == "/stream.mjpg") return stream(request, query);
-    if (path == "/healthz" || path == "/readyz" || path == "/metrics") return send(request, path.substr(1), health(path));
+    if (path == "/healthz" || path == "/readyz" || path == "/metrics" || path == "/viewers")
+        return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
     return send(request, "page", context_.pages.serve(path, {tag.data(), tag.size()}));
 }
@@ -177,6 +179,9 @@ Reply HttpConnection::health(std::string_view path) const {
     else if (path == "/metrics") {
         reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
         reply.body = context_.metrics.text(context_.audience);
+    } else if (path == "/viewers") {
+        reply.content_type = "application/json";
+        reply.body = viewersJson(context_.audience);
     } else if (context_.stopping)
         reply = lineReply(503, "not ready: the server stops");
     else if (context_.draining)

@@ -29,6 +29,11 @@ double Schedule::predict(uint32_t viewer, double pixels) const {
     return pixels * (seat != seats_.end() && seat->second.ms_per_pixel > 0 ? seat->second.ms_per_pixel : ms_per_pixel_);
 }
 
+double Schedule::predict(uint32_t viewer) const {
+    const auto seat = seats_.find(viewer);
+    return seat == seats_.end() ? 0 : predict(viewer, seat->second.pixels);
+}
+
 Clock::time_point Schedule::deadline(const Wish& wish, Clock::duration tick) {
     const Seat& seat = seats_[wish.viewer];
     if (seat.drawn == Clock::time_point{}) return seat.since;
@@ -43,6 +48,7 @@ std::span<const uint32_t> Schedule::choose(std::span<const Wish> wishes, const L
         Seat& seat = seats_[wish.viewer];
         if (!seat.waits) seat.waits = true, seat.since = now;
         seat.seen = now;
+        seat.pixels = wish.pixels;
     }
     std::erase_if(seats_, [&](const auto& one) { return now - one.second.seen > kForget; });
     active_ =

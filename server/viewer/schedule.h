@@ -45,12 +45,15 @@ public:
     void sharedTook(double ms);
     // Predicted, of a viewer's pictures; of one not measured yet: as the others' pixels. 0 while nothing is known.
     double predict(uint32_t viewer, double pixels) const;
+    // Of the picture that it wanted last.
+    double predict(uint32_t viewer) const;
     // How many viewers wanted pictures in the second before the last choose().
     uint32_t active() const { return active_; }
 
 private:
     struct Seat {
         double ms_per_pixel = 0; // smoothed; 0: not measured
+        double pixels = 0;       // of the last wish
         Clock::time_point drawn{}, since{}, seen{};
         bool waits = false; // since `since`
     };
