@@ -37,8 +37,9 @@ double Schedule::predict(uint32_t viewer) const {
 Clock::time_point Schedule::deadline(const Wish& wish, Clock::duration tick) {
     const Seat& seat = seats_[wish.viewer];
     if (seat.drawn == Clock::time_point{}) return seat.since;
-    const auto part = std::chrono::duration_cast<Clock::duration>(Millis(predict(wish.viewer, wish.pixels) * active_));
-    const Clock::duration interval = std::min<Clock::duration>(std::max(tick * wish.every, part), kLongest);
+    const auto own = std::chrono::duration_cast<Clock::duration>(Millis(predict(wish.viewer, wish.pixels)));
+    const Clock::duration most = std::max<Clock::duration>(kLongest, 2 * own);
+    const Clock::duration interval = std::min(std::max<Clock::duration>(tick * wish.every, own * active_), most);
     return std::max(seat.drawn + interval, seat.since);
 }
 

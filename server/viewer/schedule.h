@@ -12,7 +12,8 @@
 namespace brume {
 
 // A viewer's deadline is its own interval after it was last drawn: as many ticks as its quality allows, or so long that it takes
-// no more than an equal part of the device, whichever is longer, but a second at most; and not before it wanted a picture. While
+// no more than an equal part of the device, whichever is longer, but a second or
+// half of the device at most; and not before it wanted a picture. While
 // it waits its deadline stays and those of others, who are drawn, move on: nobody waits forever.
 class Schedule {
 public:

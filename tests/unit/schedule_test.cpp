@@ -100,6 +100,15 @@ TEST(Schedule, OneThatIsDearDoesNotTakeTheOthersRate) {
     EXPECT_LT(out.longest[4], ms(1300));
 }
 
+// A picture of 900 ms cannot come once a second and leave much: it gets half of the time.
+TEST(Schedule, HalfOfTheTimeIsTheOthersHoweverDearOneIs) {
+    std::vector<double> costs(9, 2.0);
+    costs[0] = 900;
+    const Outcome out = run(costs, 50, 60);
+    for (size_t i = 1; i < costs.size(); ++i) EXPECT_GE(out.frames[i], 60 * 58 / 2 * 9 / 10) << i;
+    EXPECT_GE(out.frames[0], 60 / 2);
+}
+
 TEST(Schedule, AloneItGetsAllOfTheDevice) {
     const Outcome out = run({200.0}, 50, 20);
     EXPECT_GE(out.frames[0], 20'000 / (201 + 17));
