@@ -5,7 +5,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kActEvery{250}, kCleanFor{1000};
 constexpr float kQueueTooLong = 50, kQueueClean = 20; // ms
-constexpr double kSpare = 0.8;                        // of the budget
+constexpr double kTooMuch = 1.5, kSpare = 0.8;        // of the budget
 
 } // namespace
 
@@ -28,7 +28,7 @@ QualityStep QualityControl::step() const {
 bool QualityControl::lookAtDevice(const DeviceLoad& load, Clock::time_point now) {
     // One step better makes the picture four times as large, or only comes more often.
     const double more = device_level_ == 1 && !stepAt(level_).half ? 3 * load.own_ms : 0;
-    const bool over = load.exhausted && load.whole_ms > load.budget_ms && load.own_ms * load.viewers > load.budget_ms;
+    const bool over = load.exhausted && load.whole_ms > kTooMuch * load.budget_ms && load.own_ms * load.viewers > load.budget_ms;
     const bool room = load.whole_ms == 0 || load.whole_ms + more < kSpare * load.budget_ms;
     if (!room) room_since_ = now;
     if (over && device_level_ + 1 < kDeviceSteps) {

@@ -38,9 +38,9 @@ public:
         float queue_ms = 0;      // on the link
         bool held_back = false;  // the window of bytes was closed when a pose waited
         bool superseded = false; // a frame was replaced before the socket took it
-        // A limit of its own. Down at once while a frame of everybody takes more than the budget, the plan has given up all it
-        // may, and this viewer takes more than an equal part; up after a second in which one step better would have left a fifth
-        // of the budget. None: nothing is known.
+        // A limit of its own. Down at once while a frame of everybody takes more than one and a half budgets, the plan has given
+        // up all it may, and this viewer takes more than an equal part; up after a second in which one step better would have
+        // left a fifth of the budget. None: nothing is known.
         std::optional<DeviceLoad> device;
     };
     bool look(const Look& seen, Clock::time_point now);
