@@ -5,6 +5,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/encode/png.h"
 #include "server/plan/memory.h"
 
 namespace brume {
@@ -14,8 +15,12 @@ constexpr auto kTick = std::chrono::duration_cast<Clock::duration>(std::chrono::
 // When this far behind, the simulation lets time pass without it: a stopped process does not fast-forward.
 constexpr auto kMostBehind = std::chrono::milliseconds(250);
 constexpr auto kReportEvery = std::chrono::seconds(1);
+constexpr auto kLoadEvery = std::chrono::milliseconds(100);
 constexpr size_t kMostEyes = 64;   // of a submission: who comes later comes first in the next one
 constexpr float kSmoothing = 0.1f; // weight of the newest sample in a pass's time
+constexpr auto kRestsFor = std::chrono::milliseconds(150);
+constexpr size_t kMostPng = 4 << 20;    // bytes; a picture that takes more comes as
+constexpr uint8_t kNearlyLossless = 97; // JPEG of this quality, 4:4:4
 
 // `count`. Throws SceneError when so many particles do not fit the memory that there is for them.
 uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
@@ -35,11 +40,15 @@ struct FrameLoop::Batch {
         Viewer::Due due;
         uint32_t pictures;  // number of the first job with the same pictures, which makes them
         uint32_t first_eye; // of them
+        float gpu_ms = 0;
     };
     Submission submission;
     std::vector<Job> jobs;
     uint64_t tick = 0, state_hash = 0;
     Clock::time_point taken{}, done{};
+    float whole = 1;                  // what one of all who were due would take, over what this one does; predicted
+    bool fine = false;                // of what rests
+    bool finer = false;               // with less error: of that, and where there is time
     std::atomic<uint32_t> pending{0}; // jobs not encoded yet
 };
 
@@ -47,7 +56,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
       frame_ms_(options.frame_ms), simulation_(scene),
       renderer_(device, scene, bounded(scene, simulation_.capacity(), options.memory)),
-      planner_(scene_, options.costs, options.frame_ms), workers_(options.encode_threads) {
+      planner_(scene_, options.costs, options.frame_ms), refinement_(options.refine_moving), workers_(options.encode_threads) {
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
 }
@@ -111,6 +120,7 @@ void FrameLoop::run() {
 
         if (!on_device_ && simulation_.tick() != rendered_tick_)
             if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
+        if (now - load_told_ >= kLoadEvery) tellLoad(now);
         if (changed_ || now - reported_ >= kReportEvery) report(now);
     }
 }
@@ -132,47 +142,68 @@ FrameLoop::Batch* FrameLoop::freeBatch() {
     return nullptr; // the encoders are behind: newer poses replace older ones meanwhile
 }
 
-// What viewers are due, as the batch's jobs, and their eyes.
+// Of the viewers that are due, as many as there is device time for, as the batch's jobs, and their eyes.
 void FrameLoop::gather(Batch& batch, bool fine) {
     batch.jobs.clear();
     eyes_.clear();
-    for (const auto& viewer : viewers_) {
-        if (eyes_.size() + 2 > kMostEyes) break;
-        const auto due = viewer->takeDue(batch.taken, scene_version_, fine);
-        if (!due) continue;
-        last_served_ = viewer->id();
-        const auto same = std::find_if(batch.jobs.begin(), batch.jobs.end(),
-                                       [&](const Batch::Job& job) { return samePictures(job.due.request, due->request); });
-        if (same != batch.jobs.end()) {
-            batch.jobs.push_back({viewer, *due, same->pictures, same->first_eye});
-            continue;
-        }
-        batch.jobs.push_back({viewer, *due, uint32_t(batch.jobs.size()), uint32_t(eyes_.size())});
-        for (int eye = 0; eye < due->request.views; ++eye)
-            eyes_.push_back(
-                {eyePose(due->request.pose, eye, due->request.views), due->request.width, due->request.height, eye == 1});
-    }
+    requests_.clear();
+    wishes_.clear();
+    std::erase_if(viewers_, [&](const std::shared_ptr<Viewer>& viewer) {
+        const auto due = viewer->due(batch.taken, scene_version_, fine);
+        if (!due) return true;
+        const auto same = std::find_if(requests_.begin(), requests_.end(),
+                                       [&](const PoseRequest& request) { return samePictures(request, *due); });
+        wishes_.push_back({viewer->id(), double(due->width) * due->height * due->views, due->views, viewer->every(),
+                           uint32_t(same - requests_.begin())});
+        requests_.push_back(*due);
+        return false;
+    });
+    if (wishes_.empty()) return;
+    for (const uint32_t number :
+         schedule_.choose(wishes_, {frame_ms_, fine ? planner_.plan().rests_ms / planner_.plan().chosen.ms() : 1, kMostEyes},
+                          batch.taken, kTick))
+        if (const auto due = viewers_[number]->take(requests_[number], batch.taken, scene_version_))
+            addJob(batch, viewers_[number], *due);
 }
 
-// Takes the newest pose of every viewer whose window is open and submits their pictures. False when there is none.
+void FrameLoop::addJob(Batch& batch, const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due) {
+    const auto same = std::find_if(batch.jobs.begin(), batch.jobs.end(),
+                                   [&](const Batch::Job& job) { return samePictures(job.due.request, due.request); });
+    if (same != batch.jobs.end()) {
+        batch.jobs.push_back({viewer, due, same->pictures, same->first_eye});
+        return;
+    }
+    batch.jobs.push_back({viewer, due, uint32_t(batch.jobs.size()), uint32_t(eyes_.size())});
+    for (int eye = 0; eye < due.request.views; ++eye)
+        eyes_.push_back({eyePose(due.request.pose, eye, due.request.views), due.request.width, due.request.height, eye == 1});
+}
+
+// Takes the newest pose of viewers whose window is open and submits their pictures. False when there is none.
 bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
-    audience_.list(viewers_); // by id: on from the one that was last served
-    std::rotate(viewers_.begin(),
-                std::find_if(viewers_.begin(), viewers_.end(), [&](const auto& viewer) { return viewer->id() > last_served_; }),
-                viewers_.end());
+    audience_.list(viewers_);
     gather(batch, false);
-    const bool fine = batch.jobs.empty(); // nothing has changed for anybody: there is time for what rests
-    if (fine) gather(batch, true);
+    const bool fine = wishes_.empty(); // nothing has changed for anybody: there is time for what rests
+    if (fine) {
+        audience_.list(viewers_);
+        gather(batch, true);
+    }
     viewers_.clear();
     if (batch.jobs.empty()) return false;
+    whole_ms_ = std::max(whole_ms_, schedule_.wholeMs());
     rendered_tick_ = batch.tick = simulation_.tick();
     batch.state_hash = simulation_.stateHash();
-    views_.clear();
-    for (const EyeRequest& eye : eyes_) views_.push_back({eye.pose, eye.width, eye.height});
+    batch.whole = schedule_.chosenMs() > 0 ? float(schedule_.wholeMs() / schedule_.chosenMs()) : 1;
+    views_.clear(); // of all who are due, in this batch or not
+    for (size_t i = 0; i < wishes_.size(); ++i)
+        for (int eye = 0; wishes_[i].like == i && eye < requests_[i].views; ++eye)
+            views_.push_back({eyePose(requests_[i].pose, eye, requests_[i].views), requests_[i].width, requests_[i].height});
     const RenderSettings& planned = planner_.settings(simulation_, views_, std::exchange(replan_, false), batch.taken);
-    const RenderSettings settings = fine ? finer(planned) : planned;
-    renderer_.submit(batch.submission, simulation_, eyes_, &settings);
+    batch.fine = fine;
+    const double dearer = planner_.plan().rests_ms / planner_.plan().chosen.ms();
+    batch.finer = fine || refinement_.next({camerasRest(batch.taken), schedule_.wholeMs(), dearer, frame_ms_}, batch.taken);
+    const RenderSettings settings = batch.finer ? finer(planned) : planned;
+    renderer_.submit(batch.submission, simulation_, eyes_, &settings, fine);
     planner_.refresh(simulation_, views_, batch.taken);
     return true;
 }
@@ -182,62 +213,86 @@ void FrameLoop::encode(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
     const auto took = Millis(batch.done - batch.taken).count();
-    planner_.took(double(took), batch.done);
-    audience_.frameTook(float(took));
+    planner_.took(double(took * batch.whole), batch.done);
+    audience_.frameTook(took * batch.whole);
     const std::span<const PictureView> pictures = batch.submission.pictures();
     const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
-
-    // Passes of all views count together, per view.
-    for (PassTime& pass : passes_) {
-        float ms = 0;
-        uint32_t times = 0;
-        for (const gpu::PassSample& sample : samples)
-            if (pass.name == sample.name)
-                ms += sample.ms, times = sample.view == gpu::kEach ? uint32_t(pictures.size()) : times + 1;
-        if (times) pass.ms += kSmoothing * (ms / float(times) - pass.ms);
-    }
-    for (const gpu::PassSample& sample : samples)
-        if (std::none_of(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == sample.name; }))
-            passes_.push_back({sample.name, sample.view == gpu::kEach ? sample.ms / float(pictures.size()) : sample.ms});
+    countPasses(samples, uint32_t(pictures.size()));
 
     double shared_ms = 0, views_ms = 0;
     for (const gpu::PassSample& sample : samples) (sample.view == gpu::kShared ? shared_ms : views_ms) += double(sample.ms);
-    metrics_.drawn(shared_ms, views_ms);
+    metrics_.drawn(shared_ms, views_ms, batch.finer);
+    shareTime(batch, samples, shared_ms, views_ms);
+    if (batch.finer && !batch.fine) refinement_.took(double(took));
 
     const auto makes = [&](const Batch::Job& job) { return &job == &batch.jobs[job.pictures]; };
     batch.pending = uint32_t(std::count_if(batch.jobs.begin(), batch.jobs.end(), makes));
     for (const Batch::Job& job : batch.jobs) {
         if (!makes(job)) continue;
-        const PoseRequest& request = job.due.request;
-        float gpu_ms = 0;
-        for (const gpu::PassSample& sample : samples) {
-            if (sample.view == gpu::kEach)
-                gpu_ms += sample.ms * float(request.views) / float(pictures.size());
-            else if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views)
-                gpu_ms += sample.ms;
-        }
-        workers_.give([this, &batch, &job, gpu_ms, views = pictures.subspan(job.first_eye, request.views)](JpegEncoder& jpeg) {
-            deliver(batch, job.pictures, gpu_ms, views, jpeg);
+        workers_.give([this, &batch, &job, views = pictures.subspan(job.first_eye, job.due.request.views)](JpegEncoder& jpeg) {
+            deliver(batch, job.pictures, views, jpeg);
             batch.pending.fetch_sub(1);
         });
     }
 }
 
+// Passes of all views count together, per view.
+void FrameLoop::countPasses(std::span<const gpu::PassSample> samples, uint32_t pictures) {
+    for (PassTime& pass : passes_) {
+        float ms = 0;
+        uint32_t times = 0;
+        for (const gpu::PassSample& sample : samples)
+            if (pass.name == sample.name) ms += sample.ms, times = sample.view == gpu::kEach ? pictures : times + 1;
+        if (times) pass.ms += kSmoothing * (ms / float(times) - pass.ms);
+    }
+    for (const gpu::PassSample& sample : samples)
+        if (std::none_of(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == sample.name; }))
+            passes_.push_back({sample.name, sample.view == gpu::kEach ? sample.ms / float(pictures) : sample.ms});
+}
+
+// Each viewer's part of the device's time; of passes that draw all of them together, by its pixels. What the loop and the driver
+// need besides (recording, upload) goes to the schedule in the same parts.
+void FrameLoop::shareTime(Batch& batch, std::span<const gpu::PassSample> samples, double shared_ms, double views_ms) {
+    double pixels = 0;
+    for (const EyeRequest& eye : eyes_) pixels += double(eye.width) * eye.height;
+    const double took = std::chrono::duration<double, std::milli>(batch.done - batch.taken).count(), all = shared_ms + views_ms;
+    const double besides = all > 0 ? took / all : 1;
+    schedule_.sharedTook(besides * shared_ms);
+    for (Batch::Job& job : batch.jobs) {
+        const PoseRequest& request = job.due.request;
+        const double own = double(request.width) * request.height * request.views;
+        job.gpu_ms = 0;
+        for (const gpu::PassSample& sample : samples) {
+            if (sample.view == gpu::kEach)
+                job.gpu_ms += sample.ms * float(own / pixels);
+            else if (sample.view != gpu::kShared && sample.view - job.first_eye < request.views)
+                job.gpu_ms += sample.ms;
+        }
+        if (!batch.finer) schedule_.took(job.viewer->id(), own, besides * double(job.gpu_ms));
+    }
+}
+
 // Encodes one job's pictures, for all viewers that asked for the same ones. On an encoder's thread.
-void FrameLoop::deliver(const Batch& batch, uint32_t job, float gpu_ms, std::span<const PictureView> views, JpegEncoder& jpeg) {
+void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) {
     std::array<Jpeg, 2> bytes;
+    const PoseRequest& wanted = batch.jobs[job].due.request;
+    bool png = wanted.lossless;
     std::string failure;
     try {
-        for (size_t eye = 0; eye < views.size(); ++eye)
-            bytes[eye] =
-                std::make_shared<const std::vector<uint8_t>>(jpeg.encode(views[eye], batch.jobs[job].due.request.quality));
+        for (size_t eye = 0; png && eye < views.size(); ++eye) {
+            bytes[eye] = std::make_shared<const std::vector<uint8_t>>(encodePng(views[eye], kMostPng));
+            png = !bytes[eye]->empty();
+        }
+        for (size_t eye = 0; !png && eye < views.size(); ++eye)
+            bytes[eye] = std::make_shared<const std::vector<uint8_t>>(
+                jpeg.encode(views[eye], wanted.lossless ? kNearlyLossless : wanted.quality));
         metrics_.encoded(uint32_t(views.size()));
     } catch (const std::exception& e) {
         failure = e.what();
     }
     const Clock::time_point encoded = Clock::now();
     for (size_t i = job; i < batch.jobs.size(); ++i) {
-        const auto& [viewer, due, pictures, first_eye] = batch.jobs[i];
+        const auto& [viewer, due, pictures, first_eye, gpu_ms] = batch.jobs[i];
         if (pictures != job) continue;
         if (!failure.empty()) {
             spdlog::error("frame {} of viewer {} is lost: {}", due.frame_id, viewer->id(), failure);
@@ -256,9 +311,30 @@ void FrameLoop::deliver(const Batch& batch, uint32_t job, float gpu_ms, std::spa
         frame->gpu_ms = gpu_ms;
         frame->encoded = encoded;
         frame->jpeg = bytes;
+        frame->png = png;
+        if (wanted.lossless) frame->request.quality = png ? 100 : kNearlyLossless;
         metrics_.rendered(*frame);
         viewer->deliver(std::move(frame));
     }
+}
+
+// All who are due, drawn now, and with nothing given up for anybody.
+bool FrameLoop::camerasRest(Clock::time_point now) const {
+    return planner_.plan().relaxed == 0 && schedule_.chosenMs() > 0.999 * schedule_.wholeMs() &&
+           std::all_of(requests_.begin(), requests_.end(),
+                       [&](const PoseRequest& r) { return !r.lowered && now - r.since >= kRestsFor; });
+}
+
+// To all viewers, and to who watches the server.
+void FrameLoop::tellLoad(Clock::time_point now) {
+    load_told_ = now;
+    audience_.list(viewers_);
+    for (const auto& viewer : viewers_)
+        viewer->deviceHas(
+            {schedule_.predict(viewer->id()), whole_ms_, frame_ms_, std::max(schedule_.active(), 1u), planner_.exhausted()});
+    viewers_.clear();
+    metrics_.budget(whole_ms_ / frame_ms_);
+    if (!on_device_) whole_ms_ = 0;
 }
 
 void FrameLoop::report(Clock::time_point now) {

@@ -15,6 +15,8 @@
 #include "server/plan/planner.h"
 #include "server/render/renderer.h"
 #include "server/viewer/audience.h"
+#include "server/viewer/refinement.h"
+#include "server/viewer/schedule.h"
 
 namespace brume {
 
@@ -24,6 +26,7 @@ public:
         unsigned encode_threads = 2;
         unsigned batches = 3;            // one on the device, the others being encoded
         double frame_ms = 50;            // that a frame of all viewers may take before accuracy is given up
+        double refine_moving = 0.5;      // part of frame_ms that finer pictures may take while cameras rest and the medium moves
         uint64_t memory = 1024ull << 20; // bytes that particles may take, on the CPU and on the device together
         CostModel costs = builtInCosts();
         // Called before the first tick and after every one, on the loop's thread, with the commands that it took.
@@ -52,9 +55,14 @@ private:
     void tick();
     Batch* freeBatch();
     void gather(Batch& batch, bool fine);
+    void addJob(Batch& batch, const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due);
     bool render(Batch& batch);
     void encode(Batch& batch);
-    void deliver(const Batch& batch, uint32_t job, float gpu_ms, std::span<const PictureView> views, JpegEncoder& jpeg);
+    void countPasses(std::span<const gpu::PassSample> samples, uint32_t pictures);
+    void shareTime(Batch& batch, std::span<const gpu::PassSample> samples, double shared_ms, double views_ms);
+    void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg);
+    bool camerasRest(Clock::time_point now) const;
+    void tellLoad(Clock::time_point now);
     void report(Clock::time_point now);
 
     const gpu::Device& device_;
@@ -73,9 +81,14 @@ private:
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     std::vector<EyeRequest> eyes_;
-    uint32_t last_served_ = 0;    // id of the viewer that was taken last
     std::vector<PlanView> views_; // the same, for the plan
-    bool replan_ = false;         // a command came since the last frame
+    std::vector<PoseRequest> requests_;
+    std::vector<Schedule::Wish> wishes_; // the same, and of viewers_
+    Schedule schedule_;
+    Refinement refinement_;
+    Clock::time_point load_told_{};
+    double whole_ms_ = 0; // of all viewers' pictures, the most since then
+    bool replan_ = false; // a command came since the last frame
     std::vector<PassTime> passes_;
     Clock::time_point reported_{};
     uint64_t scene_version_ = 0; // of all that is seen

@@ -222,6 +222,10 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         ->group(group)
         ->check(CLI::Range(1.0, 10'000.0))
         ->type_name("MS");
+    app.add_option("--refine-moving", o.frame.refine_moving,
+                   "part of it that finer pictures may take while cameras rest and the medium moves; 0: none")
+        ->group(group)
+        ->check(CLI::Range(0.0, 1.0));
     app.add_option("--most-frame-time", o.most_frame_ms,
                    "that a frame of all viewers may take: newcomers are told to come back later")
         ->group(group)

@@ -48,6 +48,14 @@ vec3 pixelOf(MediumRun run, inout MediumCut cut, uvec2 at, vec3 before) {
     return displayed(here.rgb);
 }
 
+uvec2 full[6]; // with kFull: words of R, G, B of the upper row, then of the lower one
+void keepFull(vec3 rgb, uint row, uint n) {
+    [[unroll]] for (uint c = 0; c < 3; ++c) {
+        const uint byte = byteOf(rgb[c], n);
+        full[3 * row + c] |= n < 4 ? uvec2(byte, 0) : uvec2(0, byte);
+    }
+}
+
 uint lumaByte(vec3 rgb, uint n) { return byteOf(dot(rgb, kLuma), n); }
 
 void main() {
@@ -59,6 +67,7 @@ void main() {
     uvec2 luma[2];
     vec3 chroma[4]; // sums of two pixels side by side, of both rows
     [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] = vec3(0);
+    [[unroll]] for (uint i = 0; i < 6; ++i) full[i] = uvec2(0);
     if (!kDrawn && !kHasOpaque && kRate % 2 == 0) { // both rows at once: they share what they look up
         MediumRun run, next;
         MediumCut none;
@@ -71,6 +80,7 @@ void main() {
             below = pixelOf(next, none, at + uvec2(0, 1), below);
             luma[0][i / 4] |= lumaByte(above, i);
             luma[1][i / 4] |= lumaByte(below, i);
+            if (kFull) keepFull(above, 0, i), keepFull(below, 1, i);
             chroma[i / 2] += above + (odd ? above : below);
         }
     } else if (kDrawn) {
@@ -80,6 +90,7 @@ void main() {
                 const uvec2 at = min(uvec2(block_x * 8 + i, top + row), eye.size - 1);
                 const vec3 rgb = displayed(imageLoad(radiance, ivec2(at)).rgb);
                 luma[row][i / 4] |= lumaByte(rgb, i);
+                if (kFull) keepFull(rgb, row, i);
                 chroma[i / 2] += rgb;
             }
         }
@@ -100,6 +111,7 @@ void main() {
                     cut = mediumCut(run);
                 }
                 rgb = pixelOf(run, cut, at, rgb);
+                if (kFull) keepFull(rgb, row, i);
                 const uint byte = lumaByte(rgb, i);
                 if (i < 4) now.x |= byte;
                 else now.y |= byte;
@@ -108,6 +120,15 @@ void main() {
             if (row == 0) luma[0] = now;
             luma[1] = now;
         }
+    }
+    if (kFull) {
+        for (uint row = 0; row < 2 && !(odd && row == 1); ++row)
+            [[unroll]] for (uint c = 0; c < 3; ++c) {
+                const uint at = fullWord(view.planes, c, top + row, block_x);
+                planes[at] = full[3 * row + c].x;
+                planes[at + 1] = full[3 * row + c].y;
+            }
+        return;
     }
     const uint y_at = lumaWord(view.planes, top, block_x);
     planes[y_at] = luma[0].x;

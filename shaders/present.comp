@@ -48,6 +48,32 @@ void main() {
                 cb[i][j] = float(chroma & 0xffffu) / 256;
                 cr[i][j] = float(chroma >> 16) / 256;
             }
+        if (kFull) {
+            for (uint row = y; row < y + kStep && top + row < rows; ++row) {
+                float across[3][kMostColumns];
+                const vec4 w = cubic(float(row - y) / float(kStep));
+                [[unroll]] for (uint i = 0; i < kColumns; ++i) {
+                    across[0][i] = dot(w, luma[i]);
+                    across[1][i] = dot(w, cb[i]);
+                    across[2][i] = dot(w, cr[i]);
+                }
+                [[unroll]] for (uint b = 0; b < kWide / 8; ++b) {
+                    uvec2 words[3] = uvec2[](uvec2(0), uvec2(0), uvec2(0));
+                    [[unroll]] for (uint n = 0; n < 8; ++n) {
+                        const float x = float(8 * b + n);
+                        const vec3 rgb = rgbOf(along(across[0], x), along(across[1], x), along(across[2], x));
+                        [[unroll]] for (uint c = 0; c < 3; ++c) words[c][n / 4] |= byteOf(rgb[c], n);
+                    }
+                    if (b > 0 && !second) break;
+                    [[unroll]] for (uint c = 0; c < 3; ++c) {
+                        const uint at = fullWord(view.planes, c, view.first + top + row, block + b);
+                        planes[at] = words[c].x;
+                        planes[at + 1] = words[c].y;
+                    }
+                }
+            }
+            continue;
+        }
         for (uint row = y; row < y + kStep && top + row < rows; row += 2) {
             float here[kMostColumns], below[kMostColumns], cb_here[kMostColumns], cr_here[kMostColumns];
             const float part = float(row - y) / float(kStep), half_pixel = 0.5 / float(kStep);

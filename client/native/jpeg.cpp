@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include <png.h>
 #include <turbojpeg.h>
 
 namespace brume::client {
@@ -14,7 +15,26 @@ JpegDecoder::JpegDecoder() : handle_(tjInitDecompress()) {
 JpegDecoder::~JpegDecoder() = default;
 JpegDecoder::JpegDecoder(JpegDecoder&&) noexcept = default;
 
+bool isPng(std::span<const uint8_t> bytes) { return bytes.size() >= 8 && png_sig_cmp(bytes.data(), 0, 8) == 0; }
+
+bool JpegDecoder::decodePng(std::span<const uint8_t> png, int width, int height, uint8_t* pixels, int pitch, int format) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    bool good = png_image_begin_read_from_memory(&image, png.data(), png.size()) != 0;
+    if (good && (image.width != uint32_t(width) || image.height != uint32_t(height))) {
+        error_ = "a PNG of another size than its frame's";
+        png_image_free(&image);
+        return false;
+    }
+    image.format = format == TJPF_BGRX ? PNG_FORMAT_BGRA : PNG_FORMAT_RGB;
+    good = good && png_image_finish_read(&image, nullptr, pixels, pitch, nullptr) != 0;
+    if (!good) error_ = image.message;
+    png_image_free(&image);
+    return good;
+}
+
 bool JpegDecoder::decodeAs(std::span<const uint8_t> jpeg, int width, int height, uint8_t* pixels, int pitch, int format) {
+    if (isPng(jpeg)) return decodePng(jpeg, width, height, pixels, pitch, format);
     int w = 0, h = 0, subsampling = 0, colour_space = 0;
     if (tjDecompressHeader3(handle_.get(), jpeg.data(), jpeg.size(), &w, &h, &subsampling, &colour_space) != 0) {
         error_ = tjGetErrorStr2(handle_.get());

@@ -1,4 +1,4 @@
-// JPEG to pixels, with libjpeg-turbo.
+// A frame's pictures to pixels: JPEG with libjpeg-turbo, PNG with libpng.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,22 @@ struct Picture { // tightly packed rows of RGB, top first
     std::vector<uint8_t> rgb;
 };
 
+bool isPng(std::span<const uint8_t> bytes); // by their first ones
+
 class JpegDecoder {
 public:
     JpegDecoder();
     ~JpegDecoder();
     JpegDecoder(JpegDecoder&&) noexcept;
 
-    // False when the bytes are not one whole JPEG of exactly this size; error() says why.
+    // False when the bytes are not one whole JPEG or PNG of exactly this size; error() says why.
     // Writes `height` rows of `width` pixels of 4 bytes (B, G, R, 255), `pitch` bytes apart.
     bool decodeBgra(std::span<const uint8_t> jpeg, int width, int height, uint8_t* pixels, int pitch);
     bool decode(std::span<const uint8_t> jpeg, int width, int height, Picture& out);
     const std::string& error() const { return error_; }
 
 private:
+    bool decodePng(std::span<const uint8_t> png, int width, int height, uint8_t* pixels, int pitch, int format);
     bool decodeAs(std::span<const uint8_t> jpeg, int width, int height, uint8_t* pixels, int pitch, int format);
 
     struct Free {

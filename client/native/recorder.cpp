@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "client/native/jpeg.h"
+
 namespace brume::client {
 namespace {
 
@@ -36,7 +38,7 @@ void Recorder::frame(const Received& message) {
     for (uint32_t view = 0; view < views; ++view) {
         const char* const side = views == 1 ? "" : view == 0 ? "-left" : "-right";
         const auto jpeg = message.parsed().view(view);
-        writeFile(folder_ / fmt::format("frame-{:05}{}.jpg", next_, side),
+        writeFile(folder_ / fmt::format("frame-{:05}{}.{}", next_, side, isPng(jpeg) ? "png" : "jpg"),
                   {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
     }
     ++next_;

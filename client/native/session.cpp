@@ -57,7 +57,7 @@ void Session::sayHello() {
     greeted_ = true;
     sendMessage([&](flatbuffers::FlatBufferBuilder& b) {
         const auto client = b.CreateString("brume-client " BRUME_VERSION);
-        return wire::CreateHello(b, client, wishes_.width, wishes_.height, wishes_.views, wishes_.quality);
+        return wire::CreateHello(b, client, wishes_.width, wishes_.height, wishes_.views, wishes_.quality, 0, wishes_.lossless);
     });
 }
 

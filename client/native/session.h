@@ -45,6 +45,7 @@ struct Wishes {
     uint16_t width = 640, height = 360; // of one eye
     uint8_t views = 1;                  // 2 for left and right eye
     uint8_t quality = 0;                // JPEG, 0 = the server's
+    bool lossless = true;               // PNG of what rests
 };
 
 // What a welcome grants.

@@ -1,4 +1,4 @@
-// Planes to JPEG with libjpeg-turbo; no colour conversion, the planes are already Y, Cb, Cr 4:2:0.
+// Planes to JPEG with libjpeg-turbo: Y, Cb, Cr 4:2:0 as they are; R, G, B as 4:4:4.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ public:
 
 private:
     void* handle_;
-    std::vector<uint8_t> scratch_;
+    std::vector<uint8_t> scratch_, rgb_;
 };
 
 } // namespace brume

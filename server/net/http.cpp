@@ -18,6 +18,7 @@
 #include "server/net/origin.h"
 #include "server/net/picture_query.h"
 #include "server/net/seat.h"
+#include "server/net/viewers.h"
 #include "server/net/websocket.h"
 
 namespace brume::net {
@@ -181,10 +182,10 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     const size_t question = std::min(target.find('?'), target.size());
     const std::string_view path = target.substr(0, question), query = target.substr(std::min(question + 1, target.size()));
 
-    const bool metrics = path == "/metrics";
-    if (path == "/ws" || path == "/snapshot.jpg" || path == "/stream.mjpg" || metrics) {
+    const bool operators = path == "/metrics" || path == "/viewers";
+    if (path == "/ws" || path == "/snapshot.jpg" || path == "/stream.mjpg" || operators) {
         const auto bearer = request[http::field::authorization];
-        auto checked = clear({bearer.data(), bearer.size()}, query, metrics ? Role::operator_ : Role::viewer, context_.options);
+        auto checked = clear({bearer.data(), bearer.size()}, query, operators ? Role::operator_ : Role::viewer, context_.options);
         if (auto* refusal = std::get_if<Reply>(&checked)) {
             context_.metrics.refused(refusal->status == 401 ? "token" : "forbidden");
             return send(request, "refused", std::move(*refusal));
@@ -194,7 +195,7 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
         if (path == "/snapshot.jpg") return snapshot(request, query);
         if (path == "/stream.mjpg") return stream(request, query, std::move(clearance));
     }
-    if (path == "/healthz" || path == "/readyz" || path == "/metrics") return send(request, path.substr(1), health(path));
+    if (path == "/healthz" || path == "/readyz" || operators) return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
     return send(request, "page", context_.pages.serve(path, {tag.data(), tag.size()}));
 }
@@ -206,6 +207,9 @@ Reply HttpConnection::health(std::string_view path) const {
     else if (path == "/metrics") {
         reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
         reply.body = context_.metrics.text(context_.audience);
+    } else if (path == "/viewers") {
+        reply.content_type = "application/json";
+        reply.body = viewersJson(context_.audience);
     } else if (context_.stopping)
         reply = lineReply(503, "not ready: the server stops");
     else if (context_.draining)

@@ -112,6 +112,37 @@ private:
     std::array<Slot, kSeconds + 1> slots_;
 };
 
+// How many viewers are at each of a few values; all of them, also where nobody is.
+template <class Of>
+void count(pm::MetricFamily& family, std::vector<pm::ClientMetric::Label> label, const char* name, uint32_t lo, uint32_t hi,
+           const std::vector<Viewer::Link>& links, Of of) {
+    label.push_back({name, ""});
+    for (uint32_t value = lo; value <= hi; ++value) {
+        pm::ClientMetric metric;
+        label.back().value = std::to_string(value);
+        metric.label = label;
+        metric.gauge.value =
+            double(std::count_if(links.begin(), links.end(), [&](const Viewer::Link& link) { return of(link) == value; }));
+        family.metric.push_back(std::move(metric));
+    }
+}
+
+pm::MetricFamily windows(const std::vector<Viewer::Link>& links, uint32_t most) {
+    pm::MetricFamily family{
+        "brume_viewers_by_window", "Viewers by the frames that may be on their way.", pm::MetricType::Gauge, {}};
+    count(family, {}, "frames", 1, most, links, [](const Viewer::Link& link) { return link.frames; });
+    return family;
+}
+
+pm::MetricFamily qualities(const std::vector<Viewer::Link>& links) {
+    pm::MetricFamily family{
+        "brume_viewers_by_quality", "Viewers by the steps of quality given up; 0: none.", pm::MetricType::Gauge, {}};
+    count(family, {{"limit", "link"}}, "step", 0, QualityControl::kSteps - 1, links, [](const auto& link) { return link.level; });
+    count(family, {{"limit", "device"}}, "step", 0, QualityControl::kDeviceSteps - 1, links,
+          [](const auto& link) { return link.device_level; });
+    return family;
+}
+
 pm::MetricFamily passGauges(const SceneReport& report) {
     pm::MetricFamily family{"brume_pass_seconds", "GPU time of each pass, smoothed.", pm::MetricType::Gauge, {}};
     for (const PassTime& pass : report.passes) {
@@ -143,6 +174,16 @@ struct Metrics::Families {
                                .Help("Submissions to the device; each draws every viewer that is due.")
                                .Register(registry)
                                .Add({});
+    pm::Counter& finer = pm::BuildCounter()
+                             .Name("brume_finer_batches_total")
+                             .Help("Batches drawn with less error than the plan asks for, since cameras rest.")
+                             .Register(registry)
+                             .Add({});
+    pm::Gauge& budget_used = pm::BuildGauge()
+                                 .Name("brume_frame_budget_used_ratio")
+                                 .Help("What a frame of all viewers takes of the device, over --frame-budget.")
+                                 .Register(registry)
+                                 .Add({});
     pm::Family<pm::Counter>& device = pm::BuildCounter()
                                           .Name("brume_device_seconds_total")
                                           .Help("Device time of passes: once a batch for all its viewers, and for each view.")
@@ -179,7 +220,10 @@ Metrics::~Metrics() = default;
 
 void Metrics::ticked(float work_ms) { families_->tick.Observe(work_ms * 1e-3); }
 
-void Metrics::drawn(double shared_ms, double views_ms) {
+void Metrics::budget(double used) { families_->budget_used.Set(used); }
+
+void Metrics::drawn(double shared_ms, double views_ms, bool finer) {
+    if (finer) families_->finer.Increment();
     families_->batches.Increment();
     families_->shared_passes.Increment(shared_ms * 1e-3);
     families_->view_passes.Increment(views_ms * 1e-3);
@@ -221,7 +265,11 @@ std::string Metrics::text(const Audience& audience) const {
     std::vector<std::shared_ptr<Viewer>> viewers;
     audience.list(viewers);
     uint32_t in_flight = 0;
-    for (const auto& viewer : viewers) in_flight += viewer->counts().in_flight;
+    std::vector<Viewer::Link> links;
+    for (const auto& viewer : viewers) {
+        in_flight += viewer->counts().in_flight;
+        links.push_back(viewer->link());
+    }
 
     auto all = families_->registry.Collect();
     all.push_back(gauge("brume_viewers", "Viewers in the house: pages, clients, streams and snapshots.", double(viewers.size())));
@@ -237,6 +285,8 @@ std::string Metrics::text(const Audience& audience) const {
     all.push_back(gauge("brume_ready", "1 when frames can be had.", audience.ready ? 1 : 0));
     all.push_back(gauge("brume_device_busy_ratio", "Part of the last ten seconds in which the device drew; 1: all of them.",
                         families_->busy.ratio()));
+    all.push_back(windows(links, audience.maxInFlight()));
+    all.push_back(qualities(links));
     all.push_back(passGauges(*report));
     all.push_back(buildInfo());
     all.push_back(processCpu());

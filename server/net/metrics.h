@@ -15,11 +15,13 @@ public:
     ~Metrics();
 
     // --- the frame loop's side ---
-    void ticked(float work_ms);                    // one tick of the shared work: commands, simulation, light
-    void drawn(double shared_ms, double views_ms); // the device is done with a batch: its passes for all, and for each view
-    void encoded(uint32_t pictures);               // viewers with the same camera share one
-    void rendered(const EncodedFrame& frame);      // a frame is encoded; times its wait, render, encode and gpu stages
-    void failed();                                 // a due frame was abandoned
+    void ticked(float work_ms); // one tick of the shared work: commands, simulation, light
+    // The device is done with a batch: its passes for all, and for each view; `finer`: with less error, of what rests.
+    void drawn(double shared_ms, double views_ms, bool finer = false);
+    void budget(double used);                 // part of the frame budget that a frame of all viewers takes; above 1: over it
+    void encoded(uint32_t pictures);          // viewers with the same camera share one
+    void rendered(const EncodedFrame& frame); // a frame is encoded; times its wait, render, encode and gpu stages
+    void failed();                            // a due frame was abandoned
 
     // --- the connections' side ---
     void sent(size_t bytes, float queue_ms); // a frame went to a viewer; queue: JPEG ready -> handed to the socket

@@ -73,7 +73,7 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
         }
         return wire::CreateFrame(b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us, &position,
                                  &orientation, request.pose.fov_y, request.width, request.height, request.quality, &stages,
-                                 jpeg_bytes, frusta[0], frusta[1]);
+                                 jpeg_bytes, frusta[0], frusta[1], frame.png ? wire::Encoding::png : wire::Encoding::jpeg);
     });
 }
 

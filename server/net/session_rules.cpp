@@ -100,6 +100,7 @@ void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Effe
     granted_.width = size.width;
     granted_.height = size.height;
     granted_.views = hello.views();
+    granted_.takes_png = hello.lossless();
     granted_.quality = hello.quality() == 0 ? options_.default_quality : hello.quality();
     state_ = State::watching;
     out.push_back(Admit{printable(hello.client()), granted_, hello.resume() ? hello.resume()->str().substr(0, kLongestKey) : ""});

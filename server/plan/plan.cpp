@@ -296,6 +296,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         ++plan.relaxed;
     }
     plan.within = holds(plan.chosen);
+    plan.rests_ms = prices.of(finer(plan.chosen.settings)).ms();
     plan.passes = prices.passes(plan.chosen.settings);
     plan.others = othersOf(all, plan.chosen, wanted, rank);
     return plan;

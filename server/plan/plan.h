@@ -54,6 +54,7 @@ struct Plan {
     RenderSettings base;  // before overload
     uint32_t relaxed = 0; // steps that overload took, of those asked for: its error ends at ten times the budget
     double finer_ms = 0;  // what one step less would take
+    double rests_ms = 0;  // what chosen would with finer()
 };
 
 // `wanted.method` and settings other than 0 are kept whatever they cost: the plan only chooses what is left open. A method that

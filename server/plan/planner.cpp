@@ -126,8 +126,10 @@ void Planner::took(double ms, Time now) {
     make();
     if (plan_.relaxed < overload_.level()) { // nothing is left to give up
         overload_.stepBack();
+        exhausted_ = true;
         return;
     }
+    exhausted_ = false;
     const char* what = overload_.level() > level ? "frames take too long" : "frames are short enough again";
     spdlog::warn("{} ({:.1f} ms): {}", what, ms, summary(plan_));
 }

@@ -36,6 +36,9 @@ public:
     void took(double ms, Time now);
     void setFrameBudget(double ms) { overload_.setBudget(ms); }
 
+    // Frames took too long with no accuracy left to give up, and have not been short enough since.
+    bool exhausted() const { return exhausted_; }
+
     const Plan& plan() const { return plan_; }
     const CostModel& model() const { return model_; }
     const PlanInputs& inputs() const { return inputs_; } // of the plan
@@ -49,6 +52,7 @@ private:
     Overload overload_;
     PlanInputs inputs_;
     Plan plan_;
+    bool exhausted_ = false;
     Time planned_{}, looked_{}; // when the plan was made; when the scene was looked at
 };
 

@@ -43,7 +43,8 @@ const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
                                        {23, v.rate},
                                        {24, v.sources},
                                        {25, v.drawn},
-                                       {26, v.keep}});
+                                       {26, v.keep},
+                                       {27, v.full}});
     return program;
 }
 
@@ -60,7 +61,7 @@ void Compose::record(gpu::Commands& commands, const EyeInputs& in) {
     const gpu::Commands::Pass pass(commands, "compose", in.view);
     const VkCommandBuffer cmd = commands.handle();
     gpu::computeToCompute(cmd);
-    everyPixel({.drawn = true, .keep = false, .lobe = false, .rate = 8, .sources = 1, .step = 1})
+    everyPixel({.drawn = true, .keep = false, .lobe = false, .full = full_, .rate = 8, .sources = 1, .step = 1})
         .bind(cmd, {in.tick, in.view_block, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
                     gpu::storageBuffer(4, none_), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
                     gpu::sampledImage(8, *in.view_depth, *in.nearest)});
@@ -73,8 +74,8 @@ void Compose::record(gpu::Commands& commands, const ViewGroup& group, const gpu:
     const VkCommandBuffer cmd = commands.handle();
     const EyeInputs& in = *group.any;
     gpu::computeToCompute(cmd);
-    const gpu::ComputeProgram& program =
-        everyPixel({.drawn = false, .keep = keep_, .lobe = in.lobe, .rate = group.rate, .sources = group.sources, .step = 1});
+    const gpu::ComputeProgram& program = everyPixel(
+        {.drawn = false, .keep = keep_, .lobe = in.lobe, .full = full_, .rate = group.rate, .sources = group.sources, .step = 1});
     for (uint32_t i = 0; i < group.count(); ++i) {
         program.bind(cmd, {in.tick, group.blockOf(i), gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
                            gpu::storageBuffer(4, field), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
@@ -92,8 +93,13 @@ void Compose::recordShaded(gpu::Commands& commands, const ViewGroup& group, cons
     {
         const gpu::Commands::Pass pass(commands, "shade", group.view());
         gpu::computeToCompute(cmd);
-        someNodes(
-            {.drawn = false, .keep = false, .lobe = in.lobe, .rate = group.rate, .sources = group.sources, .step = group.step})
+        someNodes({.drawn = false,
+                   .keep = false,
+                   .lobe = in.lobe,
+                   .full = false,
+                   .rate = group.rate,
+                   .sources = group.sources,
+                   .step = group.step})
             .bind(cmd, {in.tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, field)});
         vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8), gpu::groups(gpu::groups(rows, group.step) + 3, 8),
                       group.count());
@@ -122,8 +128,9 @@ void Compose::recordPresent(gpu::Commands& commands, const gpu::Resource& views,
                             glm::uvec3 size, uint32_t step) {
     const gpu::Commands::Pass pass(commands, "present", pass_view);
     const VkCommandBuffer cmd = commands.handle();
-    gpu::ComputeProgram& program = present_[step];
-    if (!program) program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"}, {{22, step}});
+    gpu::ComputeProgram& program = present_[{step, full_}];
+    if (!program)
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"}, {{22, step}, {27, full_}});
     program.bind(cmd, {views, gpu::storageBuffer(3, *any.planes), gpu::storageBuffer(4, shaded_)});
     vkCmdDispatch(cmd, gpu::groups(size.x, 128), gpu::groups(size.y, 32), size.z);
 }

@@ -18,6 +18,9 @@ public:
     void keepRadiance(bool keep) { keep_ = keep; }
     bool keepsRadiance() const { return keep_; }
 
+    // Whether planes hold R, G, B of every pixel from now on (picture.h).
+    void fullColour(bool full) { full_ = full; }
+
     // Pixels between those that are shaded (shading.h): 1 where a picture may have sharp edges, and while radiance is kept.
     // `deviation`: the medium's, in pixels.
     uint32_t stepOf(const EyeInputs& in, uint32_t rate, float deviation) const;
@@ -33,7 +36,7 @@ public:
 
 private:
     struct Variant {
-        bool drawn, keep, lobe;
+        bool drawn, keep, lobe, full;
         uint32_t rate, sources, step;
         auto operator<=>(const Variant&) const = default;
     };
@@ -47,11 +50,12 @@ private:
 
     const gpu::Device& device_;
     SceneFeatures features_;
-    bool keep_ = false;
+    bool keep_ = false, full_ = false;
     gpu::Buffer none_; // where no field is
     gpu::Buffer shaded_;
     std::map<Variant, gpu::ComputeProgram> every_pixel_, some_nodes_;
-    std::map<uint32_t, gpu::ComputeProgram> present_, drawn_nodes_; // by the step
+    std::map<uint32_t, gpu::ComputeProgram> drawn_nodes_;              // by the step
+    std::map<std::pair<uint32_t, bool>, gpu::ComputeProgram> present_; // by the step and fullColour()
 };
 
 } // namespace brume

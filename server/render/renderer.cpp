@@ -114,11 +114,11 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capac
 
 Renderer::~Renderer() = default;
 
-void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes) {
+void Renderer::fitBuffers(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes, bool full) {
     VkDeviceSize planes = 0;
     s.pictures_.clear();
     for (const EyeRequest& eye : eyes) {
-        s.pictures_.push_back({{eye.width, eye.height}, nullptr});
+        s.pictures_.push_back({{eye.width, eye.height, full}, nullptr});
         planes += s.pictures_.back().layout.bytes();
     }
     grow(s.uniforms_, device_, eyeOffset(uint32_t(3 * eyes.size())),
@@ -199,7 +199,7 @@ Method& Renderer::method(const SceneNow& now) {
 }
 
 void Renderer::submit(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes,
-                      const RenderSettings* settings) {
+                      const RenderSettings* settings, bool full) {
     now_ = simulation.now();
     if (settings) now_.render = *settings;
     Method& chosen = method(now_);
@@ -207,7 +207,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     step_ = drawingStep(chosen);
     drawn_.clear();
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
-    fitBuffers(s, simulation, eyes);
+    fitBuffers(s, simulation, eyes, full);
+    compose_.fullColour(full);
 
     const VkCommandBuffer cmd = s.commands.begin();
     fitTargets(cmd, drawn_);

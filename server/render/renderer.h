@@ -55,9 +55,9 @@ public:
 
     // Records and submits everything for `eyes` at the simulation's present state.
     // Precondition: no other submission of this renderer is on the device.
-    // `settings`: instead of the simulation's, whose method may be a choice that is still open.
+    // `settings`: instead of the simulation's, whose method may be a choice that is still open. `full`: pictures of R, G, B.
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
-                const RenderSettings* settings = nullptr);
+                const RenderSettings* settings = nullptr, bool full = false);
 
     // Bytes of the CPU's memory that lists of particles take here.
     uint64_t particleBytes() const;
@@ -71,7 +71,7 @@ public:
     std::vector<glm::vec4> readRadiance();
 
 private:
-    void fitBuffers(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
+    void fitBuffers(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes, bool full);
     void fitParticles(Submission& submission, std::span<const gpu::Particle> particles, std::span<const EyeRequest> eyes);
     void fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes);
     Method& method(const SceneNow& now);

@@ -5,6 +5,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kActEvery{250}, kCleanFor{1000};
 constexpr float kQueueTooLong = 50, kQueueClean = 20; // ms
+constexpr double kTooMuch = 1.5, kSpare = 0.8;        // of the budget
 
 } // namespace
 
@@ -14,8 +15,36 @@ QualityStep QualityControl::stepAt(uint32_t level) {
     return kAll[std::min(level, kSteps - 1)];
 }
 
+QualityStep QualityControl::deviceStepAt(uint32_t level) {
+    constexpr QualityStep kAll[kDeviceSteps] = {{100, false, 1}, {100, true, 1}, {100, true, 2}, {100, true, 4}};
+    return kAll[std::min(level, kDeviceSteps - 1)];
+}
+
+QualityStep QualityControl::step() const {
+    const QualityStep link = stepAt(level_), device = deviceStepAt(device_level_);
+    return {std::min(link.quality, device.quality), link.half || device.half, std::max(link.every, device.every)};
+}
+
+bool QualityControl::lookAtDevice(const DeviceLoad& load, Clock::time_point now) {
+    // One step better makes the picture four times as large, or only comes more often.
+    const double more = device_level_ == 1 && !stepAt(level_).half ? 3 * load.own_ms : 0;
+    const bool over = load.exhausted && load.whole_ms > kTooMuch * load.budget_ms && load.own_ms * load.viewers > load.budget_ms;
+    const bool room = load.whole_ms == 0 || load.whole_ms + more < kSpare * load.budget_ms;
+    if (!room) room_since_ = now;
+    if (over && device_level_ + 1 < kDeviceSteps) {
+        ++device_level_;
+    } else if (room && device_level_ > 0 && now - room_since_ >= kCleanFor) {
+        --device_level_;
+        room_since_ = now;
+    } else {
+        return false;
+    }
+    return true;
+}
+
 bool QualityControl::look(const Look& seen, Clock::time_point now) {
-    seen_ = {std::max(seen_.queue_ms, seen.queue_ms), seen_.held_back || seen.held_back, seen_.superseded || seen.superseded};
+    seen_ = {std::max(seen_.queue_ms, seen.queue_ms), seen_.held_back || seen.held_back, seen_.superseded || seen.superseded,
+             seen.device ? seen.device : seen_.device};
     if (seen_.queue_ms > kQueueClean || seen_.held_back || seen_.superseded) clean_since_ = now;
     if (now - acted_ < kActEvery) return false;
     const uint32_t before = level_;
@@ -26,9 +55,10 @@ bool QualityControl::look(const Look& seen, Clock::time_point now) {
         --level_;
         clean_since_ = now; // the next step needs its own second
     }
+    const bool device_changed = seen_.device && lookAtDevice(*seen_.device, now);
     acted_ = now;
     seen_ = {};
-    return level_ != before;
+    return level_ != before || device_changed;
 }
 
 } // namespace brume

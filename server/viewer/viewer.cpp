@@ -1,6 +1,7 @@
 #include "server/viewer/viewer.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace brume {
 namespace {
@@ -17,7 +18,7 @@ bool samePictures(const PoseRequest& a, const PoseRequest& b) {
     return a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation && a.pose.fov_y == b.pose.fov_y &&
            a.pose.eye_separation == b.pose.eye_separation && a.pose.frustum == b.pose.frustum &&
            a.pose.right_frustum == b.pose.right_frustum && a.width == b.width && a.height == b.height && a.views == b.views &&
-           a.quality == b.quality && a.fine == b.fine;
+           a.quality == b.quality && a.fine == b.fine && a.lossless == b.lossless;
 }
 
 Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> notify)
@@ -27,7 +28,10 @@ void Viewer::setPose(const PoseRequest& request) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || (pose_ && !any_pose_ && !isNewer(request.seq, pose_->seq))) return;
     any_pose_ = false;
+    const bool rests = pose_ && samePictures(*pose_, request);
+    const Clock::time_point since = rests ? pose_->since : request.received;
     pose_ = request;
+    pose_->since = since;
 }
 
 void Viewer::resume(const std::optional<PoseRequest>& pose) {
@@ -57,6 +61,7 @@ FramePtr Viewer::takeFrame(Clock::time_point now) {
         if (jpeg) bytes += jpeg->size();
     const float queue_ms = std::chrono::duration<float, std::milli>(now - frame_->encoded).count();
     pacing_.sent(frame_->id, bytes, frame_->wait_ms + frame_->render_ms + frame_->encode_ms + queue_ms, now);
+    history_.add({frame_->wait_ms, frame_->render_ms, frame_->encode_ms, queue_ms, frame_->gpu_ms}, now);
     return std::move(frame_);
 }
 
@@ -74,7 +79,7 @@ void Viewer::ponged(Clock::duration round_trip, Clock::time_point now) {
 
 Clock::duration Viewer::look(Clock::time_point now) {
     const std::scoped_lock lock(mutex_);
-    quality_.look({pacing_.queueMs(), held_back_, counts_.superseded > superseded_seen_}, now);
+    quality_.look({pacing_.queueMs(), held_back_, counts_.superseded > superseded_seen_, std::exchange(device_, {})}, now);
     held_back_ = false;
     superseded_seen_ = counts_.superseded;
     return pacing_.silence(now);
@@ -92,16 +97,26 @@ void Viewer::close() {
 }
 
 std::optional<Viewer::Due> Viewer::takeDue(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
+    const auto request = due(now, scene, fine);
+    return request ? take(*request, now, scene) : std::nullopt;
+}
+
+std::optional<PoseRequest> Viewer::due(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_) return {};
     const QualityStep step = quality_.step();
     PoseRequest request = *pose_;
+    request.lowered = quality_.level() > 0 || quality_.deviceLevel() > 0;
     request.quality = std::min(request.quality, step.quality);
     if (step.half)
         request.width = std::max<uint16_t>(request.width / 2, 1), request.height = std::max<uint16_t>(request.height / 2, 1);
     if (made_ && !always_ && scene && scene == scene_ && samePictures(*made_, request)) {
-        if (!fine || fine_made_ || quality_.level() > 0 || now - made_at_ < kRestsFor) return {};
+        // PNG is large: not over a link that has queued, where the next pose's picture would wait behind it.
+        const bool lossless = made_detail_ == Detail::fine && request.takes_png && !pacing_.bytes();
+        if (!fine || (made_detail_ != Detail::moving && !lossless)) return {};
+        if (quality_.level() > 0 || quality_.deviceLevel() > 0 || now - made_at_ < kRestsFor) return {};
         request.fine = true;
+        request.lossless = lossless;
         request.quality = std::max(request.quality, kFineQuality);
     } else if (fine) {
         return {};
@@ -110,11 +125,22 @@ std::optional<Viewer::Due> Viewer::takeDue(Clock::time_point now, std::optional<
         held_back_ = held_back_ || pacing_.isHeldByBytes();
         return {};
     }
-    if (++turn_ % step.every != 0) return {};
+    if (skipped_ + 1 < step.every) {
+        ++skipped_;
+        return {};
+    }
+    return request;
+}
+
+std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_point now, std::optional<uint64_t> scene) {
+    const std::scoped_lock lock(mutex_);
+    if (closed_) return {};
+    skipped_ = 0;
     if (++issued_ == 0) ++issued_; // 0 is no frame
     pacing_.issued(issued_, now);
-    fine_made_ = request.fine;
-    if (!request.fine) made_ = request, made_at_ = now;
+    made_detail_ = request.lossless ? Detail::lossless : request.fine ? Detail::fine : Detail::moving;
+    made_at_ = now;
+    if (!request.fine) made_ = request;
     scene_ = scene;
     return Due{issued_, request};
 }
@@ -141,7 +167,7 @@ void Viewer::abandon(uint32_t frame_id) {
     const std::scoped_lock lock(mutex_);
     pacing_.dropped(frame_id);
     made_.reset(); // whatever it was has not been made
-    fine_made_ = false;
+    made_detail_ = Detail::moving;
 }
 
 Viewer::Counts Viewer::counts() const {
@@ -151,9 +177,25 @@ Viewer::Counts Viewer::counts() const {
     return counts;
 }
 
+void Viewer::deviceHas(const DeviceLoad& load) {
+    const std::scoped_lock lock(mutex_);
+    device_ = load;
+}
+
+uint32_t Viewer::every() const {
+    const std::scoped_lock lock(mutex_);
+    return quality_.step().every;
+}
+
+History Viewer::history() const {
+    const std::scoped_lock lock(mutex_);
+    return history_;
+}
+
 Viewer::Link Viewer::link() const {
     const std::scoped_lock lock(mutex_);
-    return {pacing_.baseRoundTripMs(), pacing_.queueMs(), pacing_.frames(), quality_.level()};
+    return {pacing_.baseRoundTripMs(), pacing_.queueMs(),      pacing_.frames(), pacing_.bytesInFlight(),
+            quality_.level(),          quality_.deviceLevel(), quality_.step()};
 }
 
 } // namespace brume

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "server/viewer/history.h"
 #include "server/viewer/pacing.h"
 #include "server/viewer/quality.h"
 
@@ -52,8 +53,15 @@ public:
         uint32_t frame_id = 0;
         PoseRequest request;
     };
-    // `fine`: once, the picture that has rested for 150 ms, at JPEG quality 90 or more; nothing else.
+    // `fine`: once, the picture that has rested for 150 ms, at JPEG quality 90 or more; 150 ms later, once, without loss, for a
+    // viewer that takes PNG and whose link does not queue; nothing else.
     std::optional<Due> takeDue(Clock::time_point now = Clock::now(), std::optional<uint64_t> scene = {}, bool fine = false);
+    // The same in two steps, when not everybody who is due can be drawn: what is due, and taking that.
+    std::optional<PoseRequest> due(Clock::time_point now, std::optional<uint64_t> scene, bool fine);
+    std::optional<Due> take(const PoseRequest& due, Clock::time_point now, std::optional<uint64_t> scene);
+    // What the device has to do now, for the next look().
+    void deviceHas(const DeviceLoad& load);
+    uint32_t every() const; // ticks between its frames, at least
     // A due frame, ready. One that a newer frame has overtaken is dropped; either way superseded frames free their place.
     void deliver(FramePtr frame);
     // A due frame that could not be rendered: gives its place in the window back.
@@ -68,9 +76,12 @@ public:
     struct Link {
         float round_trip_ms = 0, queue_ms = 0; // without queues, and what they add
         uint32_t frames = 0;                   // window
-        uint32_t level = 0;                    // of QualityControl, 0 the best
+        size_t bytes_in_flight = 0;
+        uint32_t level = 0, device_level = 0; // of QualityControl, 0 the best
+        QualityStep step;
     };
     Link link() const;
+    History history() const;
 
 private:
     const uint32_t id_;
@@ -84,15 +95,18 @@ private:
     uint32_t issued_ = 0, sent_ = 0; // frame ids: the last handed out, the last taken by the connection
     Pacing pacing_;
     QualityControl quality_;
-    std::optional<PoseRequest> made_; // what was handed out last, but for fine ones,
-    Clock::time_point made_at_{};     // when,
-    std::optional<uint64_t> scene_;   // of which scene
-    bool fine_made_ = false;          // after it
-    uint32_t turn_ = 0;               // of those that QualityStep::every counts
-    bool always_ = false;             // drawAlways()
-    bool held_back_ = false;          // by the window of bytes, since the last look
-    uint64_t superseded_seen_ = 0;    // by the last look
+    enum class Detail { moving, fine, lossless };
+    std::optional<PoseRequest> made_;     // what was handed out last, but for finer ones of the same,
+    Clock::time_point made_at_{};         // when the last of them was,
+    std::optional<uint64_t> scene_;       // of which scene
+    Detail made_detail_ = Detail::moving; // and how fine it was
+    uint32_t skipped_ = 0;                // of those that QualityStep::every counts
+    bool always_ = false;                 // drawAlways()
+    std::optional<DeviceLoad> device_;    // since the last look
+    bool held_back_ = false;              // by the window of bytes, since the last look
+    uint64_t superseded_seen_ = 0;        // by the last look
     Counts counts_;
+    History history_;
     bool closed_ = false;
 };
 

@@ -59,11 +59,13 @@ void addFrusta(const Table& m, Json& out) {
 }
 
 Json of(const Hello& m) {
-    return Json::object({{"client", text(m.client())},
-                         {"width", m.width()},
-                         {"height", m.height()},
-                         {"views", m.views()},
-                         {"quality", m.quality()}});
+    Json out = Json::object({{"client", text(m.client())},
+                             {"width", m.width()},
+                             {"height", m.height()},
+                             {"views", m.views()},
+                             {"quality", m.quality()}});
+    if (m.lossless()) out["lossless"] = true; // younger than the first examples
+    return out;
 }
 
 Json of(const Pose& m) {
@@ -211,6 +213,7 @@ Json of(const Frame& m) {
         {"stages", {{"wait", s.wait()}, {"render", s.render()}, {"encode", s.encode()}, {"queue", s.queue()}, {"gpu", s.gpu()}}},
         {"jpeg_bytes", std::move(lengths)}};
     addFrusta(m, out);
+    if (m.encoding() != Encoding::jpeg) out["encoding"] = EnumNameEncoding(m.encoding());
     return out;
 }
 
@@ -220,7 +223,8 @@ Json of(const Error& m) {
 
 const Frustum kLeft(1.25f, 0.75f, 1, 1.125f), kRight(0.75f, 1.25f, 1, 1.125f);
 
-Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const uint8_t> jpeg, bool frusta = false) {
+Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const uint8_t> jpeg, bool frusta = false,
+              Encoding encoding = Encoding::jpeg) {
     const Vec3 position(1.5f, -2.25f, 26);
     const Quat orientation(0, 0.6f, 0, 0.8f);
     const Stages stages(3.5f, 12.25f, 0.75f, 0.125f, 9.5f);
@@ -229,7 +233,7 @@ Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const u
         [&](Builder& b) {
             return CreateFrameDirect(b, 41, 123'456'789'012, 0xfedc'ba98'7654'3210, 4'294'967'295, 9'007'199'254'740'993,
                                      &position, &orientation, 0.75f, 1280, 720, 85, &stages, &lengths, frusta ? &kLeft : nullptr,
-                                     frusta ? &kRight : nullptr);
+                                     frusta ? &kRight : nullptr, encoding);
         },
         jpeg);
 }
@@ -288,6 +292,8 @@ std::vector<Example> makeExamples() {
     all.push_back(example(
         "pose_frusta", [&](Builder& b) { return CreatePose(b, 8, 9, &v, &turned, 0.75f, 0.0625f, 512, 544, &kLeft, &kRight); }));
     all.push_back(frame("frame_frusta", {7, 6}, jpeg, true));
+    all.push_back(frame("frame_png", {13}, jpeg, false, Encoding::png));
+    all.push_back(example("hello_lossless", [](Builder& b) { return CreateHelloDirect(b, "x", 64, 48, 1, 0, nullptr, true); }));
     all.push_back(
         example("error", [](Builder& b) { return CreateErrorDirect(b, ErrorCode::unknown_name, "no method \"tetra\"", 5); }));
     return all;

@@ -206,6 +206,81 @@ TEST(Viewer, TwoThreadsNeverExceedTheWindow) {
     EXPECT_EQ(counts.sent + counts.superseded + (viewer.takeFrame() ? 1 : 0), 20000u);
 }
 
+// Everything rests: once finer after 150 ms, once without loss after as much again, then nothing.
+TEST(Viewer, WhatRestsComesFinerThenWithoutLossThenNotAtAll) {
+    for (const bool takes_png : {true, false}) {
+        Viewer viewer(1, windowOf(4), nullptr);
+        PoseRequest pose = poseWithSeq(1);
+        pose.takes_png = takes_png;
+        viewer.setPose(pose);
+        Clock::time_point now{std::chrono::hours(1)};
+        const auto pass = [&](int ms) { now += std::chrono::milliseconds(ms); };
+        ASSERT_TRUE(viewer.takeDue(now, 7));
+        EXPECT_FALSE(viewer.takeDue(now, 7)); // the same again
+        pass(149);
+        EXPECT_FALSE(viewer.takeDue(now, 7, true));
+        pass(1);
+        const auto fine = viewer.takeDue(now, 7, true);
+        ASSERT_TRUE(fine);
+        EXPECT_TRUE(fine->request.fine);
+        EXPECT_FALSE(fine->request.lossless);
+        EXPECT_GE(fine->request.quality, 90);
+        pass(149);
+        EXPECT_FALSE(viewer.takeDue(now, 7, true));
+        pass(1);
+        const auto lossless = viewer.takeDue(now, 7, true);
+        EXPECT_EQ(lossless.has_value(), takes_png);
+        if (takes_png) {
+            EXPECT_TRUE(lossless->request.fine && lossless->request.lossless);
+        }
+        pass(10'000);
+        EXPECT_FALSE(viewer.takeDue(now, 7, true));
+        EXPECT_FALSE(viewer.takeDue(now, 7));
+        const auto moved = viewer.takeDue(now, 8); // the scene goes on
+        ASSERT_TRUE(moved);
+        EXPECT_FALSE(moved->request.fine || moved->request.lossless);
+    }
+}
+
+// PNG is large: the next pose's picture would wait behind it.
+TEST(Viewer, NothingWithoutLossOverALinkThatQueues) {
+    Viewer viewer(1, {.least_frames = 4, .most_frames = 4}, nullptr);
+    PoseRequest pose = poseWithSeq(1);
+    pose.takes_png = true;
+    viewer.setPose(pose);
+    Clock::time_point now{std::chrono::hours(1)};
+    viewer.ponged(std::chrono::milliseconds(1), now);
+    const auto first = viewer.takeDue(now, 7);
+    auto frame = std::make_shared<EncodedFrame>();
+    frame->id = first->frame_id;
+    frame->request = first->request;
+    frame->encoded = now;
+    frame->jpeg[0] = std::make_shared<const std::vector<uint8_t>>(10'000);
+    viewer.deliver(frame);
+    ASSERT_TRUE(viewer.takeFrame(now));
+    ASSERT_TRUE(viewer.acknowledge(first->frame_id, now));
+    viewer.ponged(std::chrono::milliseconds(90), now); // 89 ms of queue: the window of bytes closes
+    const auto fine = viewer.takeDue(now + std::chrono::milliseconds(200), 7, true);
+    ASSERT_TRUE(fine && fine->request.fine);
+    EXPECT_FALSE(viewer.takeDue(now + std::chrono::milliseconds(500), 7, true));
+}
+
+TEST(Viewer, KnowsSinceWhenItsCameraRests) {
+    Viewer viewer(1, windowOf(4), nullptr);
+    const Clock::time_point start{std::chrono::hours(1)};
+    PoseRequest pose = poseWithSeq(1);
+    const auto at = [&](int ms) {
+        pose.received = start + std::chrono::milliseconds(ms);
+        ++pose.seq;
+        viewer.setPose(pose);
+        return viewer.pose()->since - start;
+    };
+    EXPECT_EQ(at(10), std::chrono::milliseconds(10));
+    EXPECT_EQ(at(20), std::chrono::milliseconds(10)); // the same pose again
+    pose.pose.position.x += 1;
+    EXPECT_EQ(at(30), std::chrono::milliseconds(30));
+}
+
 TEST(Audience, TheHouseHasAsManyPlacesAsItSays) {
     Audience audience({}, 2, 2);
     const auto first = audience.join(nullptr), second = audience.join(nullptr);

@@ -1,4 +1,4 @@
-// From JPEG bytes to a surface. The newest frame wins: at most one is being decoded and one waits, an older one is dropped.
+// From JPEG or PNG bytes to a surface. The newest frame wins: at most one is being decoded and one waits, an older one is dropped.
 import type { Presented } from './latency';
 import type { Frame } from './protocol';
 
@@ -99,7 +99,7 @@ export class Picture {
 
 // The server tone-maps to sRGB: nothing is left to convert or to premultiply.
 const toBitmap = (bytes: Uint8Array<ArrayBuffer>): Promise<ImageBitmap> =>
-  createImageBitmap(new Blob([bytes], { type: 'image/jpeg' }), {
+  createImageBitmap(new Blob([bytes], { type: bytes[0] === 0x89 ? 'image/png' : 'image/jpeg' }), {
     colorSpaceConversion: 'none',
     premultiplyAlpha: 'none',
   });

@@ -116,7 +116,7 @@ export interface Frame {
   height: number;
   quality: number;
   stages: { wait: number; render: number; encode: number; queue: number; gpu: number }; // ms
-  jpeg: Uint8Array<ArrayBuffer>[]; // one per view
+  jpeg: Uint8Array<ArrayBuffer>[]; // one per view; PNG where the picture rests without loss
 }
 
 export interface ErrorMessage {

@@ -8,6 +8,7 @@ import type { Command, Frustum, Quat, Vec3 } from '../src/protocol';
 import { Ack } from '../src/wire/brume/wire/ack';
 import { Body } from '../src/wire/brume/wire/body';
 import { Command as CommandType } from '../src/wire/brume/wire/command';
+import { Encoding } from '../src/wire/brume/wire/encoding';
 import { Error as WireError } from '../src/wire/brume/wire/error';
 import { ErrorCode } from '../src/wire/brume/wire/error-code';
 import { Frame } from '../src/wire/brume/wire/frame';
@@ -69,6 +70,7 @@ function read(table: object, like: Fields): Fields {
   for (const [key, value] of Object.entries(like)) {
     const name = key.replace(/_(\w)/g, (_, letter: string) => letter.toUpperCase());
     if (key === 'command_type') out[key] = CommandType[call(name) as number] ?? null;
+    else if (key === 'encoding') out[key] = Encoding[call(name) as number] ?? null;
     else if (key === 'code') out[key] = ErrorCode[call(name) as number] ?? null;
     else if (key === 'command') {
       const Table = tables[like['command_type'] as string];
@@ -162,7 +164,7 @@ describe('decode', () => {
     expect(scene.method).toBe('auto');
   });
 
-  test.each(['frame', 'frame_stereo', 'frame_frusta'])('%s, with the bytes of each view', (name) => {
+  test.each(['frame', 'frame_stereo', 'frame_frusta', 'frame_png'])('%s, with the bytes of each view', (name) => {
     const b = body(name);
     const frame = decode(bytesOf(name));
     if (frame.kind !== 'frame') throw new Error('not a frame');
