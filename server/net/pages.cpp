@@ -77,7 +77,8 @@ Reply Pages::serve(std::string_view path, std::string_view if_none_match) const 
     const auto relative = relativePath(path);
     const auto file = relative ? inside(root_, *relative) : std::nullopt;
     if (!file && path == "/") return lineReply(404, "the page is not built: run ./dev, or give its folder with --web-root");
-    if (!file) return lineReply(404, "no such page; there is / /ws /healthz /readyz /metrics /viewers /snapshot.jpg /stream.mjpg");
+    if (!file)
+        return lineReply(404, "no such page; there is / /ws /healthz /readyz /metrics /viewers /snapshot.jpg /stream.mjpg");
 
     std::error_code error;
     const uintmax_t size = fs::file_size(*file, error);

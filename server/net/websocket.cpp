@@ -11,6 +11,7 @@
 #include "server/net/outgoing.h"
 #include "server/net/seat.h"
 #include "server/net/session_rules.h"
+#include "server/net/tcp_state.h"
 
 namespace brume::net {
 namespace {
@@ -97,6 +98,7 @@ private:
     uint32_t last_nonce_ = 0;
     bool ping_due_ = false;
     std::optional<Clock::time_point> write_began_;
+    bool backlog_ = false;                           // the link did not take all at once, since the last heartbeat
     std::optional<websocket::close_reason> closing_; // after what is queued
     uint64_t revision_told_ = 0;
     Clock::time_point state_told_{};
@@ -196,7 +198,9 @@ asio::awaitable<error_code> WebSocketSession::sendFrame(FramePtr frame) {
     const Parts parts{asio::buffer(header.data(), header.size()), asio::buffer(*frame->jpeg[0]),
                       frame->request.views > 1 ? asio::buffer(*frame->jpeg[1]) : asio::const_buffer()};
     context_.metrics.sent(asio::buffer_size(parts), queue_ms);
-    co_return co_await send(parts);
+    const error_code error = co_await send(parts);
+    backlog_ = backlog_ || tcpState(ws_.next_layer().tcp().socket().native_handle()).backlog;
+    co_return error;
 }
 
 asio::awaitable<error_code> WebSocketSession::send(Parts parts) {
@@ -222,7 +226,7 @@ asio::awaitable<void> WebSocketSession::beat() {
         carryOut(effects);
         if (seat_ && !closing_) {
             ping(now);
-            if (seat_->viewer().look(now) > context_.options.silence) {
+            if (seat_->viewer().look(now, std::exchange(backlog_, false)) > context_.options.silence) {
                 seat_->lose();
                 close(kCloseTryLater, "no frame was acknowledged for too long", kRetryRestart);
             }
@@ -250,7 +254,9 @@ void WebSocketSession::ponged(uint32_t nonce) {
     const auto one = std::find_if(pings_.begin(), pings_.end(), [&](const Ping& p) { return p.nonce == nonce; });
     if (one == pings_.end() || !seat_) return;
     const auto now = Clock::now();
-    seat_->viewer().ponged(now - one->sent, now);
+    const TcpState tcp = tcpState(ws_.next_layer().tcp().socket().native_handle());
+    backlog_ = backlog_ || tcp.backlog;
+    seat_->viewer().ponged(now - one->sent, now, backlog_ ? Pacing::Millis::max() : tcp.queue);
     pings_.erase(pings_.begin(), one + 1);
 }
 

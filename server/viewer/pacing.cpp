@@ -10,8 +10,6 @@ constexpr float kSmoothing = 0.1f;
 
 bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; } // serial numbers that wrap around
 
-using Millis = std::chrono::duration<float, std::milli>;
-
 } // namespace
 
 void Pacing::issued(uint32_t id, Clock::time_point now) {
@@ -41,7 +39,7 @@ size_t Pacing::acknowledged(uint32_t id, Clock::time_point now) {
     return std::erase_if(flight_, [&](const Frame& frame) { return !isNewer(frame.id, id); });
 }
 
-void Pacing::ponged(std::chrono::duration<float, std::milli> round_trip, Clock::time_point now) {
+void Pacing::ponged(Millis round_trip, Clock::time_point now, Millis most_queue) {
     const float ms = std::max(round_trip.count(), 0.0f);
     const int64_t slot = now.time_since_epoch() / (options_.base_window / int(least_.size()));
     Least& least = least_[size_t(slot) % least_.size()];
@@ -50,7 +48,7 @@ void Pacing::ponged(std::chrono::duration<float, std::milli> round_trip, Clock::
     base_ms_ = ms;
     for (const Least& l : least_)
         if (l.slot >= 0 && slot - l.slot < int64_t(least_.size())) base_ms_ = std::min(base_ms_, l.ms);
-    queue_ms_ = ms - base_ms_;
+    queue_ms_ = std::min(ms - base_ms_, most_queue.count());
     fitFrames();
     fitBytes(size_t(frame_bytes_));
 }

@@ -36,8 +36,10 @@ public:
     void dropped(uint32_t id);
     // The viewer has this one and all before it. How many were in flight.
     size_t acknowledged(uint32_t id, Clock::time_point now);
-    // A round trip of a ping.
-    void ponged(std::chrono::duration<float, std::milli> round_trip, Clock::time_point now);
+    // A round trip of a ping. `most_queue`: what of it the link's queue can be, from elsewhere; the rest was the program at the
+    // other end, which smaller frames do not help.
+    using Millis = std::chrono::duration<float, std::milli>;
+    void ponged(Millis round_trip, Clock::time_point now, Millis most_queue = Millis::max());
     void clear() { flight_.clear(); }
 
     // Whether one more frame may be rendered.

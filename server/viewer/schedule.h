@@ -12,9 +12,8 @@
 namespace brume {
 
 // A viewer's deadline is its own interval after it was last drawn: as many ticks as its quality allows, or so long that it takes
-// no more than an equal part of the device, whichever is longer, but a second or
-// half of the device at most; and not before it wanted a picture. While
-// it waits its deadline stays and those of others, who are drawn, move on: nobody waits forever.
+// no more than an equal part of the device, whichever is longer, but a second or half of the device at most; and not before it
+// wanted a picture. While it waits its deadline stays and those of others, who are drawn, move on: nobody waits forever.
 class Schedule {
 public:
     // One viewer that is due, and its pictures.
@@ -32,9 +31,8 @@ public:
     };
 
     // Numbers of the wishes to draw now, in their order. All, when they fit or exceed the budget by half at most: a batch of its
-    // own would cost the rest more than that. Else as many as fit, in the order of deadlines; the first one always, unless
-    // it exceeds the budget alone, its deadline is to come and others want the device. `tick`: seconds between two, as a
-    // duration.
+    // own would cost the rest more than that. Else as many as fit, in the order of deadlines; the first one always, unless it
+    // exceeds the budget alone, its deadline is to come and others want the device. `tick`: between two of the simulation's.
     std::span<const uint32_t> choose(std::span<const Wish> wishes, const Limits& limits, Clock::time_point now,
                                      Clock::duration tick);
     // Of the last choose(), in ms of the device, predicted: of all wishes and of those chosen.

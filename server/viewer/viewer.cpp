@@ -72,14 +72,15 @@ bool Viewer::acknowledge(uint32_t frame_id, Clock::time_point now) {
     return true;
 }
 
-void Viewer::ponged(Clock::duration round_trip, Clock::time_point now) {
+void Viewer::ponged(Clock::duration round_trip, Clock::time_point now, Pacing::Millis most_queue) {
     const std::scoped_lock lock(mutex_);
-    pacing_.ponged(round_trip, now);
+    pacing_.ponged(round_trip, now, most_queue);
 }
 
-Clock::duration Viewer::look(Clock::time_point now) {
+Clock::duration Viewer::look(Clock::time_point now, bool backlog) {
     const std::scoped_lock lock(mutex_);
-    quality_.look({pacing_.queueMs(), held_back_, counts_.superseded > superseded_seen_, std::exchange(device_, {})}, now);
+    quality_.look({pacing_.queueMs(), held_back_, backlog && counts_.superseded > superseded_seen_, std::exchange(device_, {})},
+                  now);
     held_back_ = false;
     superseded_seen_ = counts_.superseded;
     return pacing_.silence(now);

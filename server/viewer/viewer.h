@@ -38,11 +38,12 @@ public:
     FramePtr takeFrame(Clock::time_point now = Clock::now());
     // The viewer has presented frame `id` and, since frames are ordered, every one before it. False for an id not yet sent.
     bool acknowledge(uint32_t frame_id, Clock::time_point now = Clock::now());
-    // The round trip of a ping to it.
-    void ponged(Clock::duration round_trip, Clock::time_point now);
+    // The round trip of a ping to it, as Pacing::ponged.
+    void ponged(Clock::duration round_trip, Clock::time_point now, Pacing::Millis most_queue = Pacing::Millis::max());
     // To be called several times a second: what its link can carry follows what it did. How long frames have been waiting for an
-    // acknowledgement.
-    Clock::duration look(Clock::time_point now);
+    // acknowledgement. `backlog`: since the last look there were bytes that the link had not taken; without, frames that were
+    // replaced say nothing of it.
+    Clock::duration look(Clock::time_point now, bool backlog = true);
     // The connection is gone: nothing is rendered for it and nothing is notified any more. Waits for a running notify.
     void close();
 

@@ -32,6 +32,29 @@ TEST_F(SessionTest, ViewersArePingedAndTheirLinkIsKnown) {
     EXPECT_LT(viewers[0]->link().round_trip_ms, 1000);
 }
 
+// Pings are answered by the program at the other end when it has time. What the link does, the kernel knows.
+TEST_F(SessionTest, ABusyProgramKeepsItsQuality) {
+    serve();
+    const auto client = watch();
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    audience->list(viewers);
+    ASSERT_EQ(viewers.size(), 1u);
+    float longest = 0;
+    for (uint32_t i = 0; i < 12; ++i) {
+        client->pose(1 + i, {float(i), 0, 10});
+        const auto frame = client->next<wire::Frame>();
+        const auto ping = client->next<wire::Ping>();
+        ASSERT_TRUE(frame && ping);
+        client->ack(frame->parsed->as<wire::Frame>()->id());
+        if (i > 2) std::this_thread::sleep_for(150ms);
+        const auto* at = ping->parsed->as<wire::Ping>();
+        client->say([&](auto& b) { return wire::CreatePong(b, at->nonce(), at->time_us()); });
+        EXPECT_EQ(viewers[0]->link().level, 0u) << i;
+        longest = std::max(longest, viewers[0]->link().queue_ms);
+    }
+    EXPECT_LT(longest, 50);
+}
+
 TEST_F(SessionTest, WhoAcknowledgesNothingIsClosedAndMayComeBack) {
     options.silence = 600ms;
     serve();

@@ -131,6 +131,20 @@ TEST(Pacing, TheBaseRoundTripForgetsAfterTenSeconds) {
     EXPECT_FLOAT_EQ(pacing.baseRoundTripMs(), 40); // the way is longer now
 }
 
+TEST(Pacing, ABusyProgramBehindAQuickLinkIsNoQueue) {
+    Pacing pacing{PacingOptions{}};
+    pacing.ponged(milliseconds(1), kStart);
+    pacing.issued(1, kStart);
+    pacing.sent(1, 10'000, 10, kStart);
+    pacing.acknowledged(1, kStart);
+    pacing.ponged(milliseconds(200), kStart + milliseconds(200), milliseconds(2));
+    EXPECT_FLOAT_EQ(pacing.queueMs(), 2);
+    EXPECT_FALSE(pacing.bytes());
+    pacing.ponged(milliseconds(200), kStart + milliseconds(400), milliseconds(300)); // now it is the link
+    EXPECT_FLOAT_EQ(pacing.queueMs(), 199);
+    EXPECT_TRUE(pacing.bytes());
+}
+
 TEST(Quality, DownAtOnceUpAfterACleanSecond) {
     QualityControl quality;
     Clock::time_point now = kStart;

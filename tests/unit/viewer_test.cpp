@@ -265,6 +265,25 @@ TEST(Viewer, NothingWithoutLossOverALinkThatQueues) {
     EXPECT_FALSE(viewer.takeDue(now + std::chrono::milliseconds(500), 7, true));
 }
 
+// Frames that come faster than they are taken: the link's fault only when bytes wait for it.
+TEST(Viewer, ReplacedFramesCostQualityOnlyWhereTheLinkIsBehind) {
+    for (const bool backlog : {false, true}) {
+        Viewer viewer(1, windowOf(4), nullptr);
+        Clock::time_point now{std::chrono::hours(1)};
+        viewer.setPose(poseWithSeq(1));
+        for (int i = 0; i < 2; ++i) {
+            const auto due = viewer.takeDue(now);
+            ASSERT_TRUE(due);
+            auto frame = std::make_shared<EncodedFrame>();
+            frame->id = due->frame_id;
+            viewer.deliver(std::move(frame));
+        }
+        ASSERT_EQ(viewer.counts().superseded, 1u);
+        viewer.look(now, backlog);
+        EXPECT_EQ(viewer.link().level > 0, backlog);
+    }
+}
+
 TEST(Viewer, KnowsSinceWhenItsCameraRests) {
     Viewer viewer(1, windowOf(4), nullptr);
     const Clock::time_point start{std::chrono::hours(1)};
