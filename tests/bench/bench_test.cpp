@@ -154,7 +154,7 @@ name = "Shadow map"
 kind = "light"
 scenes = ["cloud"]
 error = "32x18"
-set = ["medium.count=40"]
+set = ["medium.count=40", "render.method=slabs", "render.rate=1"]
 variant = [
     { name = "coarse", set = ["render.shadow_size=16", "render.shadow_slices=7"] },
     { name = "follows", set = ["render.shadow_size=0", "render.shadow_slices=0"] },
