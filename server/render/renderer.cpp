@@ -8,8 +8,6 @@
 
 namespace brume {
 
-using gpu::storageBuffer;
-
 namespace {
 
 constexpr float kNearDepth = 0.05f; // m
