@@ -93,9 +93,7 @@ BRUME_FN BRUME_OF(ScatterNode) hermiteNode(real line, real k, int i) {
 
 // Mean and standard deviation of the Gaussian on a segment, units of 1/k from the closest approach: 0 and sqrt(1/2) of a whole
 // line. Far out in the tail the mean is only known to lie beyond the nearer end.
-BRUME_STRUCT SegmentMoments {
-    real mean, deviation;
-};
+BRUME_STRUCT SegmentMoments { real mean, deviation; };
 BRUME_FN BRUME_OF(SegmentMoments) segmentMoments(BRUME_OF(GaussianSegment) segment) {
     const real a = segment.a;
     const real c = segment.a + segment.h;
@@ -126,9 +124,7 @@ BRUME_FN BRUME_OF(ScatterNode) truncatedHermiteNode(BRUME_OF(GaussianSegment) se
 
 // How far in front of the Gaussian's mean on a segment light is scattered on average, in sqrt(2) standard deviations: the nearer
 // half hides the farther. Exact for thin segments; of whole lines, error below 1e-3 up to a depth of 2.5, 0.05 up to 10.
-BRUME_FN real scatterShift(real depth) {
-    return real(0.19947114020071635) * depth / sqrt(real(1) + real(0.029) * depth * depth);
-}
+BRUME_FN real scatterShift(real depth) { return real(0.19947114020071635) * depth / sqrt(real(1) + real(0.029) * depth * depth); }
 
 BRUME_PHYSICS_END
 

@@ -92,8 +92,8 @@ struct LightParticle {
     vec3 k;  // 1 / (sqrt(2) standard deviations), along the same
 };
 
-// A particle as the slabs of one eye add it: an ellipsoidal Gaussian, as wide as rays and slabs can carry. Or as the medium's grid does,
-// in nodes instead of metres and eye space.
+// A particle as the slabs of one eye add it: an ellipsoidal Gaussian, as wide as rays and slabs can carry. Or as the medium's
+// grid does, in nodes instead of metres and eye space.
 struct SlabMember {
     vec3 centre;  // right, down and view depth from the eye, m
     float across; // log2(e) / (2 s^2), s = standard deviation across the view
@@ -104,8 +104,8 @@ struct SlabMember {
 
 const uint kSlabTile = 8u; // rays of a tile's side
 
-// The grid of rays and slabs of one eye, or of a band of its rows. Its node (0, 0) is `margin` spacings up and left of the picture's
-// first pixel.
+// The grid of rays and slabs of one eye, or of a band of its rows. Its node (0, 0) is `margin` spacings up and left of the
+// picture's first pixel.
 struct SlabGrid {
     uvec2 nodes;
     uint margin;     // nodes before the first pixel's, in rows and columns
@@ -114,14 +114,14 @@ struct SlabGrid {
     float depth;     // m, view depth of the first slab's near face
     float thickness; // m, of a slab
     uint slabs;
-    uint sheet;      // slabs that are worked on together; divides slabs
-    uvec3 lines;     // columns of tiles, rows of tiles, sheets
+    uint sheet;        // slabs that are worked on together; divides slabs
+    uvec3 lines;       // columns of tiles, rows of tiles, sheets
     uint first_caster; // of the objects: planes come first
-    vec3 albedo;     // of all particles
+    vec3 albedo;       // of all particles
 };
 
-// One picture, or a band of its rows, among those whose passes run together, and where what it has begins in their common buffers,
-// in elements.
+// One picture, or a band of its rows, among those whose passes run together, and where what it has begins in their common
+// buffers, in elements.
 struct View {
     Eye eye;
     SlabGrid grid;
@@ -134,7 +134,8 @@ struct View {
     uint shaded;
 };
 
-// Where the medium's grid lies (server/render/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of kSlabTile a side.
+// Where the medium's grid lies (server/render/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of kSlabTile a
+// side.
 struct MediumGrid {
     vec3 origin;   // m
     float spacing; // m
