@@ -3,7 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 // Of one view: background and medium where they are not drawn yet, exposure, tone map, sRGB, then full-range BT.601 Y, Cb, Cr planes
-// with 4:2:0 chroma, as JPEG (JFIF) has them. A lane makes 8x2 pixels: whole words of every plane.
+// with 4:2:0 chroma, as JPEG (JFIF) has them. A lane makes 8x2 pixels, whole words of every plane, or 24x2: whole cells of the field, too.
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
@@ -17,6 +17,7 @@ layout(constant_id = 23) const uint kRate = 1;     // of the field
 layout(constant_id = 24) const uint kSources = 1;  // of the field
 layout(constant_id = 25) const bool kDrawn = true; // the medium is in `radiance` already
 layout(constant_id = 26) const bool kKeep = false; // `radiance` is wanted afterwards
+layout(constant_id = 28) const uint kBlocks = 1;   // of 8x2 pixels, that a lane makes: 3 are whole cells of rates 3, 6, 12
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(rgba32f, binding = 2) uniform image2D radiance;
@@ -48,12 +49,13 @@ vec3 pixelOf(MediumRun run, inout MediumCut cut, uvec2 at, vec3 before) {
     return displayed(here.rgb);
 }
 
-uvec2 full[6]; // with kFull: words of R, G, B of the upper row, then of the lower one
+const uint kMostBlocks = 3;
+const uint kRunOfBlocks = kBlocks == 1 ? kRun : kRate;
+const uint kMostWords = 2 * kMostBlocks; // of a row in a plane
+
+uint full[6 * kMostWords]; // with kFull: words of R, G, B of the upper row, then of the lower one
 void keepFull(vec3 rgb, uint row, uint n) {
-    [[unroll]] for (uint c = 0; c < 3; ++c) {
-        const uint byte = byteOf(rgb[c], n);
-        full[3 * row + c] |= n < 4 ? uvec2(byte, 0) : uvec2(0, byte);
-    }
+    [[unroll]] for (uint c = 0; c < 3; ++c) full[(3 * row + c) * kMostWords + n / 4] |= byteOf(rgb[c], n);
 }
 
 uint lumaByte(vec3 rgb, uint n) { return byteOf(dot(rgb, kLuma), n); }
@@ -61,89 +63,83 @@ uint lumaByte(vec3 rgb, uint n) { return byteOf(dot(rgb, kLuma), n); }
 void main() {
     enterView(0);
     const View view = views[0];
-    const uint block_x = gl_GlobalInvocationID.x, top = view.first + gl_GlobalInvocationID.y * 2;
+    const uint block_x = gl_GlobalInvocationID.x * kBlocks, top = view.first + gl_GlobalInvocationID.y * 2;
     if (block_x * 8 >= eye.size.x || top >= view.end) return;
+    const uint blocks = min(kBlocks, (eye.size.x + 7) / 8 - block_x);
     const bool odd = top + 1 == eye.size.y; // the last row counts twice
-    uvec2 luma[2];
-    vec3 chroma[4]; // sums of two pixels side by side, of both rows
-    [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] = vec3(0);
-    [[unroll]] for (uint i = 0; i < 6; ++i) full[i] = uvec2(0);
+    uint luma[2 * kMostWords];              // words of the upper row, then of the lower one
+    vec3 chroma[4 * kMostBlocks];           // sums of two pixels side by side, of both rows
+    [[unroll]] for (uint i = 0; i < 4 * kMostBlocks; ++i) chroma[i] = vec3(0);
+    [[unroll]] for (uint i = 0; i < 2 * kMostWords; ++i) luma[i] = 0;
+    [[unroll]] for (uint i = 0; i < 6 * kMostWords; ++i) full[i] = 0;
     if (!kDrawn && !kHasOpaque && kRate % 2 == 0) { // both rows at once: they share what they look up
         MediumRun run, next;
         MediumCut none;
         vec3 above = vec3(0), below = vec3(0);
-        luma[0] = luma[1] = uvec2(0);
         [[unroll]] for (uint i = 0; i < 8; ++i) {
             const uvec2 at = uvec2(block_x * 8 + i, top);
             if (i % kRun == 0) mediumRuns(ivec2(at), run, next);
             above = pixelOf(run, none, at, above);
             below = pixelOf(next, none, at + uvec2(0, 1), below);
-            luma[0][i / 4] |= lumaByte(above, i);
-            luma[1][i / 4] |= lumaByte(below, i);
+            luma[i / 4] |= lumaByte(above, i);
+            luma[kMostWords + i / 4] |= lumaByte(below, i);
             if (kFull) keepFull(above, 0, i), keepFull(below, 1, i);
             chroma[i / 2] += above + (odd ? above : below);
         }
     } else if (kDrawn) {
-        [[unroll]] for (uint row = 0; row < 2; ++row) {
-            luma[row] = uvec2(0);
+        [[unroll]] for (uint row = 0; row < 2; ++row)
             [[unroll]] for (uint i = 0; i < 8; ++i) {
                 const uvec2 at = min(uvec2(block_x * 8 + i, top + row), eye.size - 1);
                 const vec3 rgb = displayed(imageLoad(radiance, ivec2(at)).rgb);
-                luma[row][i / 4] |= lumaByte(rgb, i);
+                luma[row * kMostWords + i / 4] |= lumaByte(rgb, i);
                 if (kFull) keepFull(rgb, row, i);
                 chroma[i / 2] += rgb;
             }
-        }
     } else { // so much code that it is there only once
         for (uint row = 0; row < 2; ++row) {
             if (row == 1 && odd) {
-                [[unroll]] for (uint pair = 0; pair < 4; ++pair) chroma[pair] *= 2;
+                for (uint pair = 0; pair < 4 * kBlocks; ++pair) chroma[pair] *= 2;
                 break;
             }
             MediumRun run;
             MediumCut cut;
-            uvec2 now = uvec2(0);
             vec3 rgb = vec3(0);
-            for (uint i = 0; i < 8; ++i) {
+            for (uint i = 0; i < 8 * blocks; ++i) {
                 const uvec2 at = uvec2(block_x * 8 + i, top + row);
-                if (i % kRun == 0) {
+                if (i % kRunOfBlocks == 0) {
                     run = mediumRun(ivec2(at));
-                    cut = mediumCut(run);
+                    cut = mediumCut(run, ivec2(at), kRunOfBlocks);
                 }
                 rgb = pixelOf(run, cut, at, rgb);
+                luma[row * kMostWords + i / 4] |= lumaByte(rgb, i);
                 if (kFull) keepFull(rgb, row, i);
-                const uint byte = lumaByte(rgb, i);
-                if (i < 4) now.x |= byte;
-                else now.y |= byte;
                 chroma[i / 2] += rgb;
             }
-            if (row == 0) luma[0] = now;
-            luma[1] = now;
         }
     }
-    if (kFull) {
-        for (uint row = 0; row < 2 && !(odd && row == 1); ++row)
-            [[unroll]] for (uint c = 0; c < 3; ++c) {
-                const uint at = fullWord(view.planes, c, top + row, block_x);
-                planes[at] = full[3 * row + c].x;
-                planes[at + 1] = full[3 * row + c].y;
-            }
-        return;
+    for (uint block = 0; block < blocks; ++block) {
+        if (kFull) {
+            for (uint row = 0; row < 2 && !(odd && row == 1); ++row)
+                [[unroll]] for (uint c = 0; c < 3; ++c) {
+                    const uint at = fullWord(view.planes, c, top + row, block_x + block);
+                    planes[at] = full[(3 * row + c) * kMostWords + 2 * block];
+                    planes[at + 1] = full[(3 * row + c) * kMostWords + 2 * block + 1];
+                }
+            continue;
+        }
+        for (uint row = 0; row < 2 && !(odd && row == 1); ++row) {
+            const uint at = lumaWord(view.planes, top + row, block_x + block);
+            planes[at] = luma[row * kMostWords + 2 * block];
+            planes[at + 1] = luma[row * kMostWords + 2 * block + 1];
+        }
+        uint cb = 0, cr = 0;
+        [[unroll]] for (uint pair = 0; pair < 4; ++pair) {
+            const vec3 mean = 0.25 * chroma[4 * block + pair];
+            cb |= byteOf(dot(mean, kCb) + 128, pair);
+            cr |= byteOf(dot(mean, kCr) + 128, pair);
+        }
+        const uint at = chromaWord(view.planes, top / 2, block_x + block);
+        planes[at] = cb;
+        planes[at + crWords()] = cr;
     }
-    const uint y_at = lumaWord(view.planes, top, block_x);
-    planes[y_at] = luma[0].x;
-    planes[y_at + 1] = luma[0].y;
-    if (!odd) {
-        planes[y_at + lumaWords()] = luma[1].x;
-        planes[y_at + lumaWords() + 1] = luma[1].y;
-    }
-    uint cb = 0, cr = 0;
-    [[unroll]] for (uint pair = 0; pair < 4; ++pair) {
-        const vec3 mean = 0.25 * chroma[pair];
-        cb |= byteOf(dot(mean, kCb) + 128, pair);
-        cr |= byteOf(dot(mean, kCr) + 128, pair);
-    }
-    const uint at = chromaWord(view.planes, top / 2, block_x);
-    planes[at] = cb;
-    planes[at + crWords()] = cr;
 }

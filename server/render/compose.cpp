@@ -32,6 +32,9 @@ void Compose::fit(VkDeviceSize shaded_words) {
         shaded_ = gpu::Buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "shaded nodes");
 }
 
+// Of 8x2 pixels, that a lane of compose.comp makes: whole cells of the field, so that its pixels share what they look up.
+uint32_t Compose::blocksOf(uint32_t rate) const { return features_.opaque && (rate == 3 || rate == 6 || rate == 12) ? 3 : 1; }
+
 const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
     gpu::ComputeProgram& program = every_pixel_[v];
     if (!program)
@@ -44,7 +47,8 @@ const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
                                        {24, v.sources},
                                        {25, v.drawn},
                                        {26, v.keep},
-                                       {27, v.full}});
+                                       {27, v.full},
+                                       {28, v.drawn ? 1 : blocksOf(v.rate)}});
     return program;
 }
 
@@ -81,7 +85,7 @@ void Compose::record(gpu::Commands& commands, const ViewGroup& group, const gpu:
                            gpu::storageBuffer(4, field), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
                            gpu::sampledImage(8, *in.view_depth, *in.nearest)});
         const gpu::View& view = group.views[i];
-        vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64), gpu::groups(view.end - view.first, 16), 1);
+        vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64 * blocksOf(group.rate)), gpu::groups(view.end - view.first, 16), 1);
     }
 }
 

@@ -40,6 +40,7 @@ private:
         uint32_t rate, sources, step;
         auto operator<=>(const Variant&) const = default;
     };
+    uint32_t blocksOf(uint32_t rate) const;
     const gpu::ComputeProgram& everyPixel(const Variant& variant);
     const gpu::ComputeProgram& someNodes(const Variant& variant);
     void recordShaded(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field);

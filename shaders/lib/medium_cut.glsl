@@ -4,39 +4,76 @@
 #include "shaders/lib/caster_shadow.glsl"
 
 const float kSameFace = 0.1;              // of a slab: how far apart the pixel's surface and that of the rays around it may be
+const uint kFurther = 1u << 31;           // in castersMet(): all casters behind the first 31
 const uint kLit = kSources == 1 ? 1 : 3; // sources of what is scattered from the light; the others are ambient light's
 
 // What a run has looked up for it.
 struct MediumCut {
-    vec4 ends; // the face of what whole rays hit
+    vec4 ends;    // the face of what whole rays hit
+    uint casters; // bits: those whose shadow the run may meet, the last bit for all others
     FieldFaces ended[kMostSources + 1], shadow_begin[3], shadow_end[3];
 };
 
-MediumCut mediumCut(MediumRun run) {
+// Bits of casters whose shadow a ray of the `pixels` that begin there may meet. The sphere around a caster throws a cylinder; rays pass
+// within `spread` m of the middle one per m of view depth. Across the light this is a cone from q along d, and a circle around 0.
+uint castersMet(ivec2 pixel, uint pixels) {
+    const vec3 middle = rayDirection(vec2(pixel) + 0.5 * vec2(pixels, 1)), l = tick.to_light;
+    const float spread = float(pixels) * eye.tan_y / float(eye.size.y);
+    const vec3 d = middle - dot(middle, l) * l;
+    const float dd = max(dot(d, d), 1e-12), k2 = spread * spread / dd, narrow = sqrt(max(1 - k2, 0));
+    uint met = kFurther;
+    for (uint o = grid.first_caster; o < min(tick.opaque_count, grid.first_caster + 31); ++o) {
+        const vec3 p = eye.position - objects[o].centre, q = p - dot(p, l) * l;
+        const float radius = 1.001 * (objects[o].kind == kSphere ? objects[o].half_size.x : length(objects[o].half_size));
+        const float z = -dot(q, d) / dd, closest = length(q + z * d); // of the middle ray
+        // The least of |q + z d| - spread z, where z > 0.
+        const bool ahead = z * narrow * sqrt(dd) + closest * sqrt(k2) > 0;
+        if (k2 >= 1 || (ahead ? closest * narrow - spread * z : length(q)) <= radius) met |= 1u << (o - grid.first_caster);
+    }
+    return met;
+}
+
+// Of `pixels` from `pixel` on.
+MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
     MediumCut cut;
+    cut.casters = kHasCasters ? castersMet(pixel, pixels) : 0;
     for (uint c = 0; c <= kSources; ++c) cut.ended[c].below = -1;
     for (uint c = 0; c < kLit; ++c) cut.shadow_begin[c].below = cut.shadow_end[c].below = -1;
     if (kHasOpaque) cut.ends = fieldColumns(kRate == 1 ? fieldEnds() : fieldSpline(kSources + 1), run.at, spline(run.at.down));
     return cut;
 }
 
-// Takes away what objects' shadows leave out of the light scattered before `end` (face); nearest first, so that overlaps count once.
+// Takes away what objects' shadows leave out of the light scattered before `end` (face); nearest first, so that overlaps count once:
+// the nearest two, then those that begin behind them.
 void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, MediumRun run, vec3 dir, float end, float part) {
+    const vec2 none = vec2(1e30, 0);
+    vec2 first = none, second = none;
     float from = 0;
-    for (uint n = grid.first_caster; n < tick.opaque_count; ++n) {
-        vec2 next = vec2(1e30, 0);
-        for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
-            vec2 range = (shadowOf(objects[o], eye.position, dir) - grid.depth) / grid.thickness;
-            range = vec2(max(range.x, from), min(range.y, end));
-            if (range.x < range.y && range.x < next.x) next = range;
+    bool more = true;
+    while (true) { // that everything is there only once: the compiler takes long enough
+        if (!(first.x < first.y)) {
+            if (!more) break;
+            uint found = 0;
+            for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
+                if ((cut.casters >> min(o - grid.first_caster, 31) & 1) == 0) continue;
+                vec2 range = (shadowOf(objects[o], eye.position, dir) - grid.depth) / grid.thickness;
+                range = vec2(max(range.x, from), min(range.y, end));
+                if (!(range.x < range.y)) continue;
+                ++found;
+                if (range.x < first.x || !(first.x < first.y)) second = first, first = range;
+                else if (range.x < second.x) second = range;
+            }
+            more = found > 2;
+            if (found == 0) break;
         }
-        if (!(next.x < next.y)) break;
         for (uint c = 0; c < kLit; ++c) {
             const uint set = fieldSetOf(c + 1);
-            const float lost = fieldAt(cut.shadow_end[c], set, run.at, next.y, part) - fieldAt(cut.shadow_begin[c], set, run.at, next.x, part);
+            const float lost = fieldAt(cut.shadow_end[c], set, run.at, first.y, part) - fieldAt(cut.shadow_begin[c], set, run.at, first.x, part);
             scattered[c] = max(scattered[c] - lost, 0);
         }
-        from = next.y;
+        from = first.y;
+        first = vec2(max(second.x, from), second.y);
+        second = none;
     }
 }
 

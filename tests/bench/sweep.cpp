@@ -108,8 +108,10 @@ struct Costs {
         return {{"passes", passes},
                 {"frames", frames.size()},
                 {"medium_ms", median(medium)},
+                {"medium_least_ms", percentile(medium, 0)},
                 {"shared_ms", median(shared)},
                 {"views_ms", median(each)},
+                {"views_least_ms", percentile(each, 0)},
                 {"wall_ms", median(wall)},
                 {"wall_p95_ms", percentile(wall, 0.95)},
                 {"fragments", frames.front().fragments}};

@@ -1,6 +1,7 @@
 // Method slabs: what coarse rays make of pixels between them.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tests/gpu/closed_form.h"
 
@@ -83,6 +84,69 @@ TEST_F(SlabsTest, TheRimOfAThinMediumIsAsBrightAsItIsDense) {
         // Its own shadow takes 2 % at most.
         EXPECT_GT(least, 0.975) << rate;
         EXPECT_LT(most, 1.005) << rate;
+    }
+}
+
+// Where shadows overlap the light is missing once, however many casters there are, in whatever order, and wherever others are.
+// Casters hang above what is seen, others (more than one word's bits) throw their shadows beside the medium.
+TEST_F(SlabsTest, ShadowsThatOverlapCountOnce) {
+    Scene once = soft();
+    once.lights[0].to_light = glm::normalize(glm::vec3(0.2f, 1, 0.1f));
+    const Scene lit = once;
+    once.boxes = {{{-3, 30, 0}, {4, 2, 9}, 0.4f, glm::vec3(0)}};
+    once.spheres = {{{4, 32, 1}, 3, glm::vec3(0)}, {{4.5f, 28, 1}, 3, glm::vec3(0)}};
+    Scene often = lit;
+    for (int i = 0; i < 40; ++i) often.boxes.push_back({{300 + 5 * i, 40, 200}, {4, 4, 4}, 0, glm::vec3(0)});
+    for (int i = 0; i < 4; ++i) often.boxes.push_back(once.boxes[0]);
+    often.spheres = {once.spheres[1], once.spheres[0], once.spheres[1], once.spheres[0]};
+    Stage with_few(device(), once, 60), with_many(device(), often, 60), without(device(), lit, 60);
+    for (const uint32_t rate : {6u, 8u}) {
+        SCOPED_TRACE(rate);
+        const auto see = [&](Stage& stage, Scene scene) {
+            scene.render.rate = rate;
+            return stage.see(scene, kPose, kWidth, kHeight);
+        };
+        const Picture few = see(with_few, once), many = see(with_many, often), none = see(without, lit);
+        double missing = 0, all = 0;
+        for (size_t i = 0; i < few.pixels.size(); ++i) {
+            ASSERT_NEAR(few.pixels[i].r, many.pixels[i].r, 2e-6f + 1e-5f * few.pixels[i].r) << i;
+            missing += double(none.pixels[i].r) - double(few.pixels[i].r);
+            all += double(none.pixels[i].r);
+        }
+        EXPECT_GT(missing, 0.1 * all) << "this test sees no shadow";
+    }
+}
+
+// Of scenes with objects some rates are made in wider blocks: every pixel is still where it belongs, up to the right edge.
+TEST_F(SlabsTest, BlocksOfEveryWidthShowTheSamePicture) {
+    Scene scene = loadScene("server/scenes/props.toml");
+    scene.render.method = "slabs";
+    scene.render.shadow_size = 64;
+    constexpr uint32_t kWidths[] = {641, 169, 23};
+    std::map<uint32_t, std::vector<uint8_t>> before; // by the width
+    for (const uint32_t rate : {4u, 3u, 6u}) {
+        scene.render.rate = rate;
+        const Simulation simulation(scene);
+        Renderer renderer(device(), scene, simulation.capacity());
+        Submission submission(device(), "blocks");
+        for (const uint32_t width : kWidths) {
+            const EyeRequest eye{lookAt({-5, 7, 27}, {-0.5f, 4.8f, 0}, 0.8f), width, 361};
+            submitAndWait(renderer, submission, simulation, {&eye, 1});
+            const PictureView picture = submission.pictures()[0];
+            const std::vector<uint8_t> now(picture.bytes, picture.bytes + picture.layout.bytes());
+            std::vector<uint8_t>& first = before.try_emplace(width, now).first->second;
+            ASSERT_EQ(now.size(), first.size());
+            for (uint32_t block = 0; block < width; block += 8) {
+                double off = 0;
+                const uint32_t columns = std::min(8u, width - block);
+                for (uint32_t y = 0; y < eye.height; ++y)
+                    for (uint32_t x = block; x < block + columns; ++x) {
+                        const size_t at = size_t(y) * picture.layout.lumaStride() + x;
+                        off += std::abs(int(first[at]) - int(now[at]));
+                    }
+                ASSERT_LT(off / (columns * eye.height), 1.5) << width << ' ' << rate << ' ' << block; // levels
+            }
+        }
     }
 }
 
