@@ -54,7 +54,8 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
     beast::flat_buffer incoming;
     std::deque<Bytes> inbox, outbox;
     State state = State::connecting;
-    bool parted = false; // the closing handshake is over
+    bool parted = false;  // the closing handshake is over
+    bool refused = false; // Connection::refused()
     std::string closed_because;
 
     Socket(Endpoint where, std::chrono::milliseconds time, Loop::Io& loop)
@@ -105,6 +106,7 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
         if (const std::string why = expectHost(tls, endpoint.host); !why.empty()) return cannotConnect(why, "is its name right?");
         tls.async_handshake(asio::ssl::stream_base::client, [this, self = shared_from_this()](error_code error) {
             if (state == State::closed) return;
+            refused = error && SSL_get_verify_result(stream.next_layer().tls()->native_handle()) != X509_V_OK;
             if (error)
                 return cannotConnect(tlsFault(*stream.next_layer().tls(), error, reasonOf(error)), "is it TLS there? --ca");
             shakeHands();
@@ -126,7 +128,8 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
             if (state == State::closed) return;
             if (error == websocket::error::upgrade_declined) return declined();
             if (error) return cannotConnect(reasonOf(error), "is it a brume server?");
-            if (response[beast::http::field::sec_websocket_protocol] != wire::kSubprotocol)
+            refused = response[beast::http::field::sec_websocket_protocol] != wire::kSubprotocol;
+            if (refused)
                 return cannotConnect("it does not speak " + std::string(wire::kSubprotocol),
                                      "are client and server of one version?");
             state = State::open;
@@ -139,6 +142,7 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
         const unsigned status = response.result_int();
         std::string why = "it answers HTTP " + std::to_string(status) + " " + std::string(response.reason());
         const bool trust_matters = status == 401 || status == 403;
+        refused = status / 100 == 4 && status != 408 && status != 429; // those two and 5xx pass
         const std::string line = response.body().substr(0, std::min<size_t>(response.body().find('\n'), 200));
         if (trust_matters && !line.empty()) why += ": " + line;
         cannotConnect(why, trust_matters ? "--token-file" : "is it a brume server, and not full?");
@@ -204,6 +208,7 @@ Connection& Connection::operator=(Connection&& other) noexcept {
 const Endpoint& Connection::endpoint() const { return socket_->endpoint; }
 Connection::State Connection::state() const { return socket_->state; }
 const std::string& Connection::closedBecause() const { return socket_->closed_because; }
+bool Connection::refused() const { return socket_->refused; }
 size_t Connection::unsent() const { return socket_->outbox.size(); }
 
 std::optional<Bytes> Connection::receive(std::chrono::milliseconds timeout) {

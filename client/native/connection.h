@@ -44,6 +44,8 @@ public:
     State state() const;
     // Why it is closed, in one line; empty before.
     const std::string& closedBecause() const;
+    // It is closed for what another try will not change: a token, a certificate, the protocol's version.
+    bool refused() const;
 
     // Works on the socket until a message is there, the state changes or the time is over.
     std::optional<Bytes> receive(std::chrono::milliseconds timeout);

@@ -76,7 +76,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     Options options;
     std::string url = "ws://127.0.0.1:8080", size = "640x360", camera, path = "still", out, token_file, ca;
     std::vector<std::string> pushes;
-    bool stereo = false, no_save = false;
+    bool stereo = false, no_save = false, no_reconnect = false;
 
     CLI::App app("Shows one viewer's picture of a brume server's shared cloud, in a window or without one.", "brume-client");
     app.set_version_flag("--version", "brume-client " BRUME_VERSION);
@@ -97,9 +97,11 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--seconds", options.seconds, "Stop so long after the first frame; 0 = go on")->check(CLI::Range(0.0, 1e7));
     app.add_option("--out", out, "Write the frames (frame-00001.jpg ...) and stats.json to this folder");
     app.add_flag("--no-save", no_save, "With --out: only stats.json, no pictures");
-    app.add_option("--timeout", options.timeout, "Give up after so many seconds without a frame")
+    app.add_option("--timeout", options.timeout, "Give a connection up after so many seconds without a frame")
         ->capture_default_str()
         ->check(CLI::Range(0.1, 3600.0));
+    app.add_flag("--no-reconnect", no_reconnect,
+                 "End when the connection is lost. Else it is tried again: in a window for ever, without one for a minute");
     app.footer(
         "In the window: drag to turn, wheel to come nearer, W A S D Q E to move, F to fly or orbit, Ctrl+drag to push the\n"
         "cloud, Space to pause it for everyone, Escape to leave.");
@@ -121,6 +123,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
                          [](const TimedPush& a, const TimedPush& b) { return a.seconds < b.seconds; });
         options.out = out;
         options.save = !no_save;
+        options.reconnect = !no_reconnect;
         if (!out.empty() && options.save && options.frames == 0 && options.seconds == 0)
             throw CLI::ValidationError("--out", "needs --frames or --seconds, so that the disk does not fill up (or --no-save)");
     } catch (const CLI::Success& success) { // --help, --version

@@ -24,6 +24,7 @@ struct Options {
     uint64_t frames = 0;              // stop after so many; 0 = do not
     double seconds = 0;               // stop so long after the first frame; 0 = do not
     double timeout = 10;              // s without a frame, or for connecting
+    bool reconnect = true;            // when the connection is lost
     std::filesystem::path out;        // empty = write nothing
     bool save = true;                 // JPEG files too
     std::optional<CameraPath> camera; // kind is always `path`

@@ -24,8 +24,8 @@ uint64_t nowUs() {
     return static_cast<uint64_t>(duration_cast<microseconds>(steady_clock::now().time_since_epoch()).count());
 }
 
-Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout)
-    : connection_(std::move(endpoint), timeout), wishes_(wishes) {}
+Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, std::string resume)
+    : connection_(std::move(endpoint), timeout), wishes_(wishes), resume_(std::move(resume)) {}
 
 Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop)
     : connection_(std::move(endpoint), timeout, loop), wishes_(wishes) {}
@@ -57,7 +57,9 @@ void Session::sayHello() {
     greeted_ = true;
     sendMessage([&](flatbuffers::FlatBufferBuilder& b) {
         const auto client = b.CreateString("brume-client " BRUME_VERSION);
-        return wire::CreateHello(b, client, wishes_.width, wishes_.height, wishes_.views, wishes_.quality, 0, wishes_.lossless);
+        const auto resume = resume_.empty() ? 0 : b.CreateString(resume_);
+        return wire::CreateHello(b, client, wishes_.width, wishes_.height, wishes_.views, wishes_.quality, resume,
+                                 wishes_.lossless);
     });
 }
 
@@ -82,7 +84,9 @@ void Session::takeNote(const Received& message) {
                            welcome->tick_hz(),
                            position,
                            target,
-                           camera.fov_y()};
+                           camera.fov_y(),
+                           textOf(welcome->resume()),
+                           welcome->resumed()};
     } else if (const auto* error = message.as<wire::Error>()) {
         if (!welcomed()) refusal_ = "the server refuses: " + oneLine(textOf(error->text()));
     } else if (const auto* goodbye = message.as<wire::Goodbye>()) {

@@ -57,6 +57,8 @@ struct Granted {
     float tick_hz = 0;
     glm::vec3 position{0}, target{0}; // the scene's own camera
     float fov_y = 0.8f;
+    std::string resume;   // a secret: the key of this viewer, for a minute after the connection is lost
+    bool resumed = false; // the key of before was known
 };
 
 // A push along a ray; `push` of zero means away from the ray.
@@ -67,7 +69,8 @@ struct Push {
 
 class Session {
 public:
-    Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout);
+    // `resume` is Granted::resume of a connection that was lost, or empty.
+    Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, std::string resume = {});
     // The same in a loop that other sessions share: connection.h.
     Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop);
 
@@ -82,6 +85,8 @@ public:
     bool closed() const { return connection_.state() == Connection::State::closed; }
     // One line; the server's goodbye or its refusal when there was one, else what the socket met.
     std::string closedBecause() const;
+    // Another try would end the same: Connection::refused(), or turned away before the welcome.
+    bool refused() const { return connection_.refused() || (!refusal_.empty() && !welcomed()); }
     // What a goodbye asked for; 0 without one.
     float retryAfterSeconds() const { return retry_after_s_; }
 
@@ -121,6 +126,7 @@ private:
 
     Connection connection_;
     Wishes wishes_;
+    std::string resume_;
     bool greeted_ = false;
     std::optional<Granted> granted_;
     std::string refusal_; // from a goodbye or an error before the welcome

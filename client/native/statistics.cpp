@@ -98,6 +98,7 @@ std::optional<float> percentile(std::vector<float> values, double fraction) {
 void Statistics::welcome(const Granted& granted) {
     granted_ = granted;
     ++welcomes_;
+    if (granted.resumed) ++resumed_;
 }
 
 void Statistics::frame(const FrameRecord& record) {
@@ -163,6 +164,7 @@ Json Statistics::json() const {
             {"device", granted_.device},
             {"viewer", granted_.viewer},
             {"connections", welcomes_},
+            {"resumed", resumed_},
             {"ended", ended_},
             {"frames", frames_},
             {"dropped", dropped_},

@@ -47,7 +47,9 @@ public:
     void frame(const FrameRecord& record);
     void dropped() { ++dropped_; } // a newer frame was there before this one was shown
     void error(const wire::Error& error);
-    void roundTrip(std::optional<float> ms) { round_trip_ms_ = ms; }
+    void roundTrip(std::optional<float> ms) {
+        if (ms) round_trip_ms_ = ms;
+    }
     void inputSent() { ++inputs_; }
     void ended(std::string why) { ended_ = std::move(why); }
 
@@ -72,7 +74,7 @@ private:
 
     std::string url_, ended_;
     Granted granted_;
-    uint32_t welcomes_ = 0;
+    uint32_t welcomes_ = 0, resumed_ = 0;
     uint64_t frames_ = 0, dropped_ = 0, bytes_ = 0, inputs_ = 0, errors_ = 0, first_us_ = 0;
     std::deque<FrameRecord> records_;
     struct ErrorRecord {

@@ -11,6 +11,7 @@
 #include "client/native/display.h"
 #include "client/native/gestures.h"
 #include "client/native/jpeg.h"
+#include "client/native/link.h"
 #include "client/native/recorder.h"
 
 namespace brume::client {
@@ -24,7 +25,6 @@ constexpr uint64_t kSecondUs = 1'000'000;
 constexpr uint64_t kTitleEveryUs = 500'000;
 constexpr uint64_t kToldUs = 4'000'000;      // what the server refused stays in the title
 constexpr uint64_t kResizeAfterUs = 150'000; // a size is asked for when the hand rests
-constexpr double kFirstRetryS = 0.5, kLastRetryS = 1;
 // The socket is waited for, the window is asked in between: the most that a key stroke waits.
 constexpr milliseconds kLoopWait{4};
 
@@ -34,7 +34,7 @@ public:
         : options_(options), interrupt_(interrupt), recorder_(options.out, options.save), statistics_(options.endpoint.url()),
           display_("brume: connecting to " + options.endpoint.url(), options.wishes.width * options.wishes.views,
                    options.wishes.height),
-          wishes_(options.wishes) {}
+          wishes_(options.wishes), link_(options, true) {}
 
     void run() {
         std::string failure;
@@ -44,7 +44,7 @@ public:
             failure = error.what();
         }
         statistics_.ended(failure.empty() ? "as asked" : failure);
-        if (session_) session_->leave("the window was closed");
+        link_.leave("the window was closed");
         if (statistics_.frames() > 0) std::cout << statistics_.summary() << std::endl;
         recorder_.statistics(statistics_);
         if (!failure.empty()) throw std::runtime_error(failure);
@@ -58,19 +58,12 @@ private:
             handleEvents(now);
             if (gestures_) steer(now, static_cast<float>(now - last_us) * 1e-6f);
             last_us = now;
-            if (session_)
-                converse(now);
-            else if (now >= retry_at_us_)
-                connect(now);
+            if (Session* const session = link_.session(wishes_))
+                converse(*session, now);
             else
                 SDL_Delay(kLoopWait.count());
             if (now >= next_title_us_) showTitle(now);
         }
-    }
-
-    void connect(uint64_t now) {
-        session_.emplace(options_.endpoint, wishes_, milliseconds(static_cast<int64_t>(options_.timeout * 1000)));
-        heard_us_ = now;
     }
 
     bool done() const {
@@ -102,10 +95,10 @@ private:
             gestures_->standAt(camera_.at(static_cast<double>(now - start_us_) * 1e-6));
     }
 
-    void converse(uint64_t now) {
-        if (session_->welcomed()) talk(now);
+    void converse(Session& session, uint64_t now) {
+        if (session.welcomed()) talk(session, now);
         std::optional<Received> newest;
-        for (auto message = session_->next(kLoopWait); message; message = session_->next(milliseconds(0))) {
+        for (auto message = session.next(kLoopWait); message; message = session.next(milliseconds(0))) {
             if (const auto* error = message->as<wire::Error>()) {
                 statistics_.error(*error);
                 told_us_ = now;
@@ -113,23 +106,19 @@ private:
                 paused_ = state->paused();
                 viewers_ = state->viewers();
             } else if (message->as<wire::Welcome>()) {
-                welcome();
+                welcome(session.granted());
             } else if (message->as<wire::Frame>()) {
                 if (newest) statistics_.dropped();
                 newest = std::move(message);
             }
         }
-        if (newest) show(*newest);
-        if (session_->closed())
-            reconnectLater(now, session_->closedBecause());
-        else if (static_cast<double>(nowUs() - heard_us_) > options_.timeout * 1e6)
-            reconnectLater(now, fmt::format("no frame from {} in {:g} s", options_.endpoint.url(), options_.timeout));
+        if (newest) show(session, *newest);
+        link_.mind(statistics_.lastError());
     }
 
-    void welcome() {
-        const Granted& granted = session_->granted();
+    void welcome(const Granted& granted) {
         statistics_.welcome(granted);
-        retry_s_ = kFirstRetryS;
+        scene_ = granted.scene;
         next_ping_us_ = 0;
         if (gestures_) return; // again: the camera stays where the user left it
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
@@ -140,38 +129,38 @@ private:
     }
 
     // Poses, pushes and pings that are due.
-    void talk(uint64_t now) {
+    void talk(Session& session, uint64_t now) {
         if (now >= next_pose_us_) {
             Pose pose = gestures_->pose();
             if (wishes_.views == 2) pose.eye_separation = kEyeSeparation;
-            session_->sendPose(pose, wishes_.width, wishes_.height);
+            session.sendPose(pose, wishes_.width, wishes_.height);
             next_pose_us_ = now + kPoseEveryUs;
         }
         if (now >= next_ping_us_) {
-            session_->sendPing();
-            statistics_.roundTrip(session_->roundTripMs());
+            session.sendPing();
+            statistics_.roundTrip(session.roundTripMs());
             next_ping_us_ = now + kSecondUs;
         }
         while (first_us_ > 0 && pushed_ < options_.pushes.size() &&
                static_cast<double>(now - first_us_) >= options_.pushes[pushed_].seconds * 1e6)
-            send(options_.pushes[pushed_++].push);
+            send(session, options_.pushes[pushed_++].push);
         if (now >= next_push_us_) {
             const float seconds = static_cast<float>(now + kPushEveryUs - next_push_us_) * 1e-6f;
             next_push_us_ = now + kPushEveryUs;
-            if (const auto push = gestures_->takePush(seen_, seconds)) send(*push);
+            if (const auto push = gestures_->takePush(seen_, seconds)) send(session, *push);
         }
         if (gestures_->pauseToggled()) {
-            session_->sendPaused(!paused_);
+            session.sendPaused(!paused_);
             statistics_.inputSent();
         }
     }
 
-    void send(const Push& push) {
-        session_->sendPush(push);
+    void send(Session& session, const Push& push) {
+        session.sendPush(push);
         statistics_.inputSent();
     }
 
-    void show(const Received& message) {
+    void show(Session& session, const Received& message) {
         const auto& frame = *message.as<wire::Frame>();
         const int views = static_cast<int>(frame.jpeg_bytes()->size());
         const int width = frame.width(), height = frame.height();
@@ -188,37 +177,25 @@ private:
         if (!whole) throw std::runtime_error("a picture from the server is broken: " + decoder_.error());
         display_.present();
         const uint64_t presented = nowUs();
-        session_->acknowledge(frame.id());
+        session.acknowledge(frame.id());
+        link_.heard(presented);
 
         const FrameRecord record = recordOf(message, static_cast<float>(decoded - decode_start) * 1e-3f, presented);
         statistics_.frame(record);
         recorder_.frame(message);
         if (first_us_ == 0) first_us_ = presented;
-        heard_us_ = presented;
         tick_ = record.tick;
         seen_.position = record.position;
         seen_.orientation = record.orientation;
         seen_.fov_y = record.fov_y;
     }
 
-    // A server that let us in once may come back; one that never did is the user's to look at.
-    void reconnectLater(uint64_t now, const std::string& why) {
-        const double asked_s = session_->retryAfterSeconds();
-        if (!gestures_) throw std::runtime_error(asked_s > 0 ? fmt::format("{} (try again in {:g} s)", why, asked_s) : why);
-        const double wait_s = std::max(retry_s_, asked_s);
-        std::cerr << fmt::format("brume-client: {}; trying again in {:g} s\n", why, wait_s);
-        session_.reset();
-        retry_at_us_ = now + static_cast<uint64_t>(wait_s * 1e6);
-        retry_s_ = std::min(2 * retry_s_, kLastRetryS);
-        next_title_us_ = 0;
-    }
-
     void showTitle(uint64_t now) {
         next_title_us_ = now + kTitleEveryUs;
-        if (!gestures_) return; // "connecting", from the start
-        if (!session_ || !session_->welcomed()) return display_.setTitle("brume: reconnecting to " + options_.endpoint.url());
+        if (!link_.trouble().empty()) return display_.setTitle("brume: reconnecting: " + link_.trouble());
+        if (!gestures_) return;                                               // "connecting", from the start
         const uint64_t since = now > 3 * kSecondUs ? now - 3 * kSecondUs : 0; // slow servers too show a rate
-        std::string title = fmt::format("brume: {}, {:.1f} fps", session_->granted().scene, statistics_.recentRate(since));
+        std::string title = fmt::format("brume: {}, {:.1f} fps", scene_, statistics_.recentRate(since));
         if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
         title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s", paused_ ? ", paused" : "");
         if (told_us_ > 0 && now - told_us_ < kToldUs) title = "brume: " + statistics_.lastError(); // such as: this role may not
@@ -231,19 +208,17 @@ private:
     Statistics statistics_;
     Display display_;
     Wishes wishes_; // the size follows the window
-    std::optional<Session> session_;
+    Link link_;
     JpegDecoder decoder_;
     CameraPath camera_;
     std::optional<Gestures> gestures_; // from the first welcome on
     Pose seen_;                        // of the picture that is shown
+    std::string scene_;
     bool quit_ = false, paused_ = false;
     uint32_t viewers_ = 0;
     uint64_t tick_ = 0;
     uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
-    uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, retry_at_us_ = 0,
-             told_us_ = 0;
-    uint64_t heard_us_ = 0; // the newest frame, or the start of this connection
-    double retry_s_ = kFirstRetryS;
+    uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, told_us_ = 0;
     size_t pushed_ = 0;
 };
 

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -45,9 +47,9 @@ private:
 };
 
 // Returns once the only client of this server has presented frames: a server sends no third one before the first is acknowledged.
-void waitForFrames(const RunningServer& server) {
+void waitForFrames(const RunningServer& server, double frames = 5) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (metric(server.port(), "brume_frames_total{fate=\"sent\"}").value_or(0) < 5) {
+    while (metric(server.port(), "brume_frames_total{fate=\"sent\"}").value_or(0) < frames) {
         if (std::chrono::steady_clock::now() >= deadline) throw std::runtime_error("the client gets no frames");
         std::this_thread::sleep_for(milliseconds(20));
     }
@@ -122,8 +124,8 @@ TEST_F(ClientProgram, CtrlCEndsTidilyWithStatistics) {
 
 TEST_F(ClientProgram, AServerThatStopsEndsInOneLineAndStatistics) {
     RunningServer server;
-    const auto client =
-        startClient({"--headless", "--url", server.url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
+    const auto client = startClient(
+        {"--headless", "--no-reconnect", "--url", server.url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
     waitForFrames(server);
     server.process().signal(SIGTERM);
     expectOneLine(*client, "goodbye");
@@ -132,7 +134,7 @@ TEST_F(ClientProgram, AServerThatStopsEndsInOneLineAndStatistics) {
 
 TEST_F(ClientProgram, AServerThatDiesEndsInOneLine) {
     RunningServer server;
-    const auto client = startClient({"--headless", "--url", server.url(), "--size", "160x96"});
+    const auto client = startClient({"--headless", "--no-reconnect", "--url", server.url(), "--size", "160x96"});
     waitForFrames(server);
     server.process().signal(SIGKILL);
     expectOneLine(*client, "lost");
@@ -141,7 +143,87 @@ TEST_F(ClientProgram, AServerThatDiesEndsInOneLine) {
 TEST_F(ClientProgram, AFullServerEndsInOneLine) {
     RunningServer server({"--max-viewers", "1"});
     Watcher first(server.endpoint());
-    expectOneLine(*startClient({"--headless", "--url", server.url(), "--frames", "1"}), "refuses");
+    expectOneLine(*startClient({"--headless", "--no-reconnect", "--url", server.url(), "--frames", "1"}), "refuses");
+}
+
+// One line says so, and how long it waits.
+bool saysThatItTriesAgain(const Process& client, const std::string& why) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (client.err().find('\n') == std::string::npos && std::chrono::steady_clock::now() < deadline)
+        std::this_thread::sleep_for(milliseconds(20));
+    const std::string line = client.err();
+    return line.find(why) != line.npos && line.find("; trying again in ") != line.npos;
+}
+
+TEST_F(ClientProgram, AFullServerIsAskedAgainWhenItSaid) {
+    RunningServer server({"--max-viewers", "1"});
+    Watcher first(server.endpoint());
+    const auto client = startClient({"--headless", "--url", server.url(), "--frames", "2", "--size", "160x96"});
+    ASSERT_TRUE(saysThatItTriesAgain(*client, "every place is taken")) << client->err();
+    first.session.leave("done");
+    EXPECT_EQ(client->exitCode(), 0) << client->err();
+}
+
+TEST_F(ClientProgram, AKilledServerThatComesBackIsWatchedOnFromTheSamePlace) {
+    auto server = std::make_unique<RunningServer>();
+    const std::string port = std::to_string(server->port());
+    const auto client =
+        startClient({"--headless", "--url", server->url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
+    waitForFrames(*server);
+    server->process().signal(SIGKILL);
+    ASSERT_TRUE(saysThatItTriesAgain(*client, "was lost")) << client->err();
+    ASSERT_TRUE(server->process().exitCode());
+    server = std::make_unique<RunningServer>(std::vector<std::string>{"--port", port, "--set", "camera.position=[9,9,9]"});
+    waitForFrames(*server);
+    client->signal(SIGINT);
+    EXPECT_EQ(client->exitCode(), 0) << client->err();
+    const std::string err = client->err();
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << "one line for all tries: " << err;
+
+    const Json s = stats();
+    EXPECT_EQ(s["ended"], "as asked");
+    EXPECT_EQ(s["connections"], 2);
+    EXPECT_EQ(s["resumed"], 0) << "the new server knows nobody";
+    ASSERT_GE(s["pictures"].size(), 6u); // three of each server at least were acknowledged
+    for (const Json& picture : s["pictures"]) EXPECT_EQ(picture["pose"]["position"], Json({0, 2, 26})); // of the first server
+}
+
+TEST_F(ClientProgram, AViewerWhoseConnectionIsLostIsTheSameAgain) {
+    const RunningServer server({"--idle", "500"}); // ms
+    const auto client = startClient(
+        {"--headless", "--url", server.url(), "--size", "160x96", "--path", "orbit", "--out", out_.string(), "--no-save"});
+    waitForFrames(server);
+    client->signal(SIGSTOP); // a machine that sleeps
+    const auto viewers = [&] { return metric(server.port(), "brume_viewers").value_or(-1); };
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (viewers() != 0 && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(20));
+    ASSERT_EQ(viewers(), 0);
+    const double sent = metric(server.port(), "brume_frames_total{fate=\"sent\"}").value_or(0);
+    client->signal(SIGCONT);
+    waitForFrames(server, sent + 5);
+    client->signal(SIGINT);
+    EXPECT_EQ(client->exitCode(), 0) << client->err();
+    EXPECT_EQ(stats()["connections"], 2);
+    EXPECT_EQ(stats()["resumed"], 1);
+}
+
+// What another try will not change ends it, though it has been in.
+TEST_F(ClientProgram, AServerThatComesBackAndWantsATokenEndsIt) {
+    const fs::path key = fs::temp_directory_path() / ("brume-client-key-" + std::to_string(getpid()));
+    std::ofstream(key) << std::string(32, 'k');
+    fs::permissions(key, fs::perms(0600));
+    auto server = std::make_unique<RunningServer>();
+    const std::string port = std::to_string(server->port());
+    const auto client = startClient({"--headless", "--url", server->url(), "--size", "160x96"});
+    waitForFrames(*server);
+    server->process().signal(SIGKILL);
+    ASSERT_TRUE(server->process().exitCode());
+    server = std::make_unique<RunningServer>(std::vector<std::string>{"--port", port, "--token-key", key.string()});
+    EXPECT_EQ(client->exitCode(), 1) << client->err();
+    const std::string err = client->err();
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 2) << err;
+    EXPECT_NE(err.find("401 Unauthorized: a token is needed"), err.npos) << err;
+    fs::remove(key);
 }
 
 TEST_F(ClientProgram, EveryBadStartEndsInOneLine) {

@@ -7,6 +7,7 @@
 #include "client/native/camera_path.h"
 #include "client/native/controls.h"
 #include "client/native/endpoint.h"
+#include "client/native/link.h"
 #include "client/native/options.h"
 #include "client/native/statistics.h"
 
@@ -84,6 +85,19 @@ TEST(Options, BadOnesAreRefused) {
                                                     {"--out", "x"},
                                                     {"stray"}};
     for (const auto& arguments : bad) EXPECT_FALSE(parsed(arguments)) << arguments[0] << " " << arguments.back();
+}
+
+TEST(Backoff, DoublesToASecondAndKeepsWhatTheServerAsksFor) {
+    Backoff longest, shortest;
+    for (const double step : {0.25, 0.5, 1.0, 1.0, 1.0}) {
+        EXPECT_EQ(longest.next(0, 1), step);
+        EXPECT_EQ(shortest.next(0, 0), step / 2);
+    }
+    EXPECT_GE(longest.next(5, 0), 5);
+    EXPECT_LE(longest.next(5, 1), 5.2);
+    EXPECT_LE(longest.next(1e9, 1), 301) << "a server may not send away for ever";
+    longest.reset();
+    EXPECT_EQ(longest.next(0, 1), 0.25);
 }
 
 TEST(CameraPath, EachStartsWhereItIsTold) {

@@ -73,6 +73,8 @@ TEST_F(Trust, OffLoopbackTheServerDoesNotStartWithoutAKeyOrOpen) {
 TEST_F(Trust, OpenIsDeliberateAndTheLogWarns) {
     const auto process = startServer({"--port", "0", "--listen", "0.0.0.0", "--scene", "cloud", "--open"});
     ASSERT_TRUE(process->lineStarting("listening on http://0.0.0.0:")) << process->err();
+    process->signal(SIGTERM);
+    EXPECT_EQ(process->exitCode(), 0); // and all of its log is read, which is another pipe
     EXPECT_NE(process->err().find("open: everyone who can reach 0.0.0.0"), std::string::npos) << process->err();
 }
 

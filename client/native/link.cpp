@@ -1,0 +1,77 @@
+#include "client/native/link.h"
+
+#include <algorithm>
+#include <iostream>
+#include <random>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace brume::client {
+namespace {
+
+constexpr double kPatienceS = 60;
+constexpr double kLongestAskedS = 300; // the longest wait that a server may ask for
+
+double secondsBetween(uint64_t begin_us, uint64_t end_us) {
+    return static_cast<double>(end_us - std::min(begin_us, end_us)) * 1e-6;
+}
+
+double randomPart() {
+    std::random_device random;
+    return std::generate_canonical<double, 32>(random);
+}
+
+} // namespace
+
+double Backoff::next(double asked_s, double part) {
+    const double step = step_s_ * (0.5 + 0.5 * part);
+    step_s_ = std::min(2 * step_s_, kLongestS);
+    return asked_s > 0 ? std::min(asked_s, kLongestAskedS) + 0.2 * step : step;
+}
+
+Session* Link::session(const Wishes& wishes) {
+    if (session_) return &*session_;
+    const uint64_t now = nowUs();
+    if (now < next_try_us_) return nullptr;
+    session_.emplace(options_.endpoint, wishes, std::chrono::milliseconds(static_cast<int64_t>(options_.timeout * 1000)), key_);
+    connected_us_ = now;
+    return &*session_;
+}
+
+void Link::heard(uint64_t now_us) {
+    heard_us_ = now_us;
+    trouble_.clear();
+    backoff_.reset();
+}
+
+void Link::mind(const std::string& last_error) {
+    if (session_->closed()) return lose(session_->closedBecause());
+    if (secondsBetween(std::max(heard_us_, connected_us_), nowUs()) <= options_.timeout) return;
+    lose(fmt::format("no frame from {} in {:g} s{}", options_.endpoint.url(), options_.timeout,
+                     last_error.empty() ? "" : "; the server said: " + last_error));
+}
+
+void Link::lose(const std::string& why) {
+    const uint64_t now = nowUs();
+    if (session_->welcomed()) {
+        been_in_ = true;
+        key_ = session_->granted().resume;
+    }
+    const double asked_s = session_->retryAfterSeconds();
+    const double wait_s = backoff_.next(asked_s, randomPart());
+    const bool worth_it = asked_s > 0 || (been_in_ && !session_->refused());
+    const bool patient = (for_ever_ && been_in_) || secondsBetween(heard_us_, now) + wait_s < kPatienceS;
+    if (!options_.reconnect || !worth_it || !patient)
+        throw std::runtime_error(asked_s > 0 ? fmt::format("{} (try again in {:g} s)", why, asked_s) : why);
+    if (trouble_.empty()) std::cerr << fmt::format("brume-client: {}; trying again in {:.1f} s\n", why, wait_s) << std::flush;
+    trouble_ = why;
+    session_.reset();
+    next_try_us_ = now + static_cast<uint64_t>(wait_s * 1e6);
+}
+
+void Link::leave(const std::string& reason) {
+    if (session_) session_->leave(reason);
+}
+
+} // namespace brume::client
