@@ -102,7 +102,7 @@ struct RenderSettings {
     std::string quadrature = "simpson"; // isv: simpson | transmittance | analytic; tiles: cached | hermite
     uint32_t steps = 2;                 // simpson 1...10, transmittance 1...3
     uint32_t rate = 0;    // slabs, grid: pixels between rays, 1...16; 0: from the medium's band limit. Other methods,
-                          // without objects: between pixels that are drawn, 2, 4 or 8 at most; 0: all
+                          // between those drawn, 2, 4 or 8 at most, but at edges of objects and shadows; 0: all
     uint32_t slabs = 0;   // slabs, grid: 8...512 along every ray; 0: from the band limit
     uint32_t shading = 0; // slabs, grid: pixels between shaded ones, 1, 2, 4 or 8; 0: from the rays' spacing
     float grid = 0;       // grid: deviations between nodes, at most 1; 0: 0.5. Below 0.25 sampling is cubic

@@ -33,7 +33,7 @@ vec2 intervalFromPlanes(vec3 w, vec3 centre, float scale) {
     return interval;
 }
 
-void main() {
+void drawParticle() {
     const vec3 centre = centre_scale.xyz;
     const float scale = centre_scale.w;
     const RayParticle ray = rayParticle(centre);
@@ -69,4 +69,9 @@ void main() {
         }
     }
     radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, segment.depth);
+}
+
+void main() {
+    if (isFinished()) discard;
+    else drawParticle(); // CPU drivers skip it; code after a discard they do not
 }

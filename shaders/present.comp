@@ -12,17 +12,13 @@ layout(local_size_x = 8, local_size_y = 4) in;
 layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // lib/planes.glsl
 layout(scalar, binding = 4) readonly buffer Shaded { uint shaded[]; };  // lib/shaded.glsl
 
+#include "shaders/lib/cubic.glsl"
 #include "shaders/lib/planes.glsl"
 #include "shaders/lib/shaded.glsl"
 
 const uint kWide = 16, kHigh = 8;
 const uint kColumns = kWide / kStep + 3; // nodes of a lane's row
 const uint kMostColumns = kWide / 2 + 3;
-
-// Weights of the values at -1, 0, 1, 2 at a part of the step between 0 and 1: exact for cubics.
-vec4 cubic(float t) {
-    return vec4(-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6);
-}
 
 float along(float columns[kMostColumns], float x) { // x: pixels from the lane's first
     const uint first = uint(x / float(kStep));

@@ -93,8 +93,13 @@ void main() {
         scattered[p] = hidden[p] = vec3(0);
         if (kHasOpaque) {
             end[p] = texelFetch(view_depth, min(ivec2(pixel) + ivec2(p, 0), ivec2(eye.size) - 1), 0).r * length(d);
-            nearest_end = min(nearest_end, end[p]);
             farthest_end = max(farthest_end, end[p]);
+            if (end[p] > 0) {
+                nearest_end = min(nearest_end, end[p]);
+            } else { // finished: nothing reaches the cut there, and it is not waited for
+                inverse_square[p] = 1e6;
+                transmittance[p] = 0;
+            }
         }
     }
     if (kHasOpaque) {
@@ -109,7 +114,7 @@ void main() {
 
     const uvec2 block = corner / push.grid.block;
     Candidates candidates = Candidates((arguments.instance_count + 31) / 32, 0, 0, 0, 0);
-    for (bool more = true; more;) {
+    for (bool more = !kHasOpaque || farthest_end > 0; more;) {
         uint candidate;
         const uint taken = take(candidates, block.y * push.grid.blocks.x + block.x, lane, lanes, candidate);
         more = taken == lanes;
@@ -165,7 +170,8 @@ void main() {
     const vec3 albedo = splats[0].albedo;
     [[unroll]] for (uint p = 0; p < kPixels; ++p) {
         const ivec2 at = ivec2(pixel) + ivec2(p, 0);
-        const bool changed = transmittance[p] < 1 || scattered[p] != vec3(0); // many thin splats may leave T at 1
+        const bool finished = kHasOpaque && end[p] == 0;
+        const bool changed = !finished && (transmittance[p] < 1 || scattered[p] != vec3(0)); // many thin splats may leave T at 1
         if (changed && all(lessThan(at, ivec2(eye.size)))) {
             float phase = 0.07957747154594767;
             if (kHasLobe) phase = phaseMixture(-tick.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);

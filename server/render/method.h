@@ -19,6 +19,7 @@ namespace brume {
 
 class Background;
 class Compose;
+class DrawnCells;
 
 // What a method may read for one eye, and the target that holds the background and receives the medium.
 struct EyeInputs {
@@ -49,6 +50,9 @@ struct EyeInputs {
     const gpu::Buffer* planes = nullptr; // where the pictures' bytes go, each as PlaneLayout
     const Background* background = nullptr;
     Compose* compose = nullptr;
+    const EyeInputs* nodes =
+        nullptr; // the same at every step-th pixel, of which the medium is drawn first (Renderer::drawsCells)
+    DrawnCells* cells = nullptr;
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;
 };

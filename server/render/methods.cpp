@@ -5,6 +5,7 @@
 #include "common/scene_limits.h"
 #include "server/render/background.h"
 #include "server/render/compose.h"
+#include "server/render/drawn_cells.h"
 #include "server/render/methods/grid.h"
 #include "server/render/methods/isv.h"
 #include "server/render/methods/slabs.h"
@@ -69,6 +70,11 @@ std::unique_ptr<Method> makeMethod(const MethodContext& context) {
 void Method::record(gpu::Commands& commands, std::span<const EyeInputs> eyes) {
     for (const EyeInputs& in : eyes) {
         in.background->record(commands, in);
+        if (in.particle_count > 0 && in.nodes) {
+            in.cells->begin(commands, *in.nodes);
+            recordMedium(commands, *in.nodes);
+            in.cells->record(commands, in);
+        }
         if (in.particle_count > 0) recordMedium(commands, in);
         in.compose->record(commands, in);
     }

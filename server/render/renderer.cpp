@@ -98,7 +98,7 @@ std::span<const PictureView> Submission::pictures() {
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), capacity_(capacity), objects_(opaqueObjects(scene)), shadow_volume_(device, capacity),
       opaque_shadow_(device), particle_light_(device, capacity), background_(device, scene), depth_order_(device, capacity),
-      features_(featuresOf(scene) | besides), compose_(device, features_), linear_(device, VK_FILTER_LINEAR),
+      features_(featuresOf(scene) | besides), compose_(device, features_), cells_(device), linear_(device, VK_FILTER_LINEAR),
       nearest_(device, VK_FILTER_NEAREST) {
     particles_ =
         gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
@@ -175,15 +175,17 @@ void Renderer::fitParticles(Submission& s, std::span<const gpu::Particle> partic
     }
 }
 
-void Renderer::fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes) {
-    VkExtent2D extent = radiance_ ? radiance_.extent() : VkExtent2D{1, 1};
+void Renderer::fitTargets(VkCommandBuffer cmd, Targets& targets, std::span<const EyeRequest> eyes) const {
+    VkExtent2D extent = targets.radiance ? targets.radiance.extent() : VkExtent2D{1, 1};
     for (const EyeRequest& eye : eyes) extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height)};
-    if (radiance_ && extent.width == radiance_.extent().width && extent.height == radiance_.extent().height) return;
+    const VkExtent2D has = targets.radiance ? targets.radiance.extent() : VkExtent2D{};
+    if (extent.width == has.width && extent.height == has.height) return;
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-    radiance_ = gpu::Image(device_, {kRadianceFormat, extent, usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT}, "radiance");
-    view_depth_ = gpu::Image(device_, {VK_FORMAT_R32_SFLOAT, extent, usage}, "view depth");
-    gpu::toGeneral(cmd, radiance_);
-    gpu::toGeneral(cmd, view_depth_);
+    const VkImageUsageFlags copied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    targets.radiance = gpu::Image(device_, {kRadianceFormat, extent, usage | copied}, "radiance");
+    targets.view_depth = gpu::Image(device_, {VK_FORMAT_R32_SFLOAT, extent, usage}, "view depth");
+    gpu::toGeneral(cmd, targets.radiance);
+    gpu::toGeneral(cmd, targets.view_depth);
 }
 
 Method& Renderer::method(const SceneNow& now) {
@@ -209,7 +211,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     compose_.fullColour(full);
 
     const VkCommandBuffer cmd = s.commands.begin();
-    fitTargets(cmd, drawn_);
+    fitTargets(cmd, targets_, drawsCells() ? eyes : drawn_);
+    if (drawsCells()) fitTargets(cmd, node_targets_, drawn_);
     if ((moved_ || merged_.uploadBytes() > 0) && tick_.particle_count > 0) {
         const gpu::Commands::Pass pass(s.commands, "upload");
         gpu::everythingBefore(cmd);
@@ -229,7 +232,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     gatherInputs(s, now_, eyes);
     chosen.prepare(inputs_);
     for (const gpu::View& view : views_)
-        if (step_ > 1) compose_.fit(Compose::shadedWords(view, step_));
+        if (step_ > 1 && !features_.opaque) compose_.fit(Compose::shadedWords(view, step_));
     if (tick_.particle_count > 0) chosen.recordShared(s.commands, inputs_.front());
     chosen.record(s.commands, inputs_);
     {
@@ -279,8 +282,8 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         in.particle_light = &particle_light_.buffer();
         in.shadow_volume = &shadow_volume_.image();
         in.opaque_shadow = &opaque_shadow_.image();
-        in.view_depth = &view_depth_;
-        in.radiance = &radiance_;
+        in.view_depth = &targets_.view_depth;
+        in.radiance = &targets_.radiance;
         in.extent = &extent_;
         in.settings = &now.render;
         if (const MergedMedia::Medium* medium = merged_.of(in.view)) {
@@ -306,6 +309,19 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         std::swap(first.other, in.other);
         in.ordered = true;
     }
+    if (!drawsCells()) return;
+    nodes_ = inputs_;
+    for (EyeInputs& in : inputs_) {
+        EyeInputs& nodes = nodes_[in.view];
+        nodes.radiance = &node_targets_.radiance;
+        nodes.view_depth = &node_targets_.view_depth;
+        in.size = {eyes[in.view].width, eyes[in.view].height};
+        in.step = 1;
+        in.eye = gpu::uniformBuffer(1, s.uniforms_, eyeOffset(in.view), sizeof(gpu::Eye));
+        in.ordered = true; // its nodes have been
+        in.nodes = &nodes;
+        in.cells = &cells_;
+    }
 }
 
 uint64_t Renderer::particleBytes() const {
@@ -316,12 +332,13 @@ uint64_t Renderer::particleBytes() const {
 // A power of two: what present.comp knows.
 uint32_t Renderer::drawingStep(const Method& method) const {
     const uint32_t rate = now_.render.rate;
-    if (!method.draws() || features_.opaque || rate < 2) return 1;
+    if (!method.draws() || rate < 2) return 1;
     return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
 }
 
 std::vector<glm::vec4> Renderer::readRadiance() {
-    const VkExtent2D drawn{drawn_.back().width, drawn_.back().height};
+    const bool every = step_ == 1 || features_.opaque; // pixel is there
+    const VkExtent2D drawn = every ? last_size_ : VkExtent2D{drawn_.back().width, drawn_.back().height};
     const size_t count = size_t(drawn.width) * drawn.height;
     gpu::Buffer pixels(device_, count * sizeof(glm::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
                        "radiance readback");
@@ -331,13 +348,13 @@ std::vector<glm::vec4> Renderer::readRadiance() {
     VkBufferImageCopy copy{};
     copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     copy.imageExtent = {drawn.width, drawn.height, 1};
-    vkCmdCopyImageToBuffer(cmd, radiance_.handle(), VK_IMAGE_LAYOUT_GENERAL, pixels.handle(), 1, &copy);
+    vkCmdCopyImageToBuffer(cmd, targets_.radiance.handle(), VK_IMAGE_LAYOUT_GENERAL, pixels.handle(), 1, &copy);
     gpu::transferToHost(cmd);
     commands.submit();
     commands.wait(~0ull);
     pixels.invalidate();
     const std::span<glm::vec4> mapped = pixels.mapped<glm::vec4>(count);
-    if (step_ == 1) return {mapped.begin(), mapped.end()};
+    if (every) return {mapped.begin(), mapped.end()};
     std::vector<glm::vec4> all;
     for (uint32_t y = 0; y < last_size_.height; ++y)
         for (uint32_t x = 0; x < last_size_.width; ++x) {

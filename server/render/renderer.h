@@ -13,6 +13,7 @@
 #include "server/render/background.h"
 #include "server/render/compose.h"
 #include "server/render/depth_order.h"
+#include "server/render/drawn_cells.h"
 #include "server/render/merged_media.h"
 #include "server/render/method.h"
 #include "server/render/picture.h"
@@ -73,10 +74,15 @@ public:
 private:
     void fitBuffers(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes, bool full);
     void fitParticles(Submission& submission, std::span<const gpu::Particle> particles, std::span<const EyeRequest> eyes);
-    void fitTargets(VkCommandBuffer cmd, std::span<const EyeRequest> eyes);
+    struct Targets {
+        gpu::Image radiance, view_depth;
+    };
+    void fitTargets(VkCommandBuffer cmd, Targets& targets, std::span<const EyeRequest> eyes) const;
     Method& method(const SceneNow& now);
     void recordParticleLight(Submission& submission, const gpu::Resource& tick_block);
     uint32_t drawingStep(const Method& method) const;
+    // Whether only the medium is drawn at every step_-th pixel, and what is behind it at all.
+    bool drawsCells() const { return step_ > 1 && features_.opaque; }
     void gatherInputs(Submission& submission, const SceneNow& now, std::span<const EyeRequest> eyes);
 
     const gpu::Device& device_;
@@ -90,13 +96,14 @@ private:
     DepthOrder depth_order_;
     const SceneFeatures features_; // but for the lobe, which commands turn on and off
     Compose compose_;
+    DrawnCells cells_;
     std::vector<gpu::View> views_;  // one per eye
     std::vector<EyeRequest> drawn_; // what is drawn of it: all of its pixels, or every step_-th
     uint32_t step_ = 1;
-    std::vector<EyeInputs> inputs_;
+    std::vector<EyeInputs> inputs_, nodes_;
     gpu::Sampler linear_, nearest_;
     gpu::Buffer particles_, objects_buffer_, planes_;
-    gpu::Image radiance_, view_depth_;
+    Targets targets_, node_targets_;
     std::map<std::string, std::unique_ptr<Method>> methods_; // by their settings
     VkExtent2D last_size_{};
     SceneNow now_; // of this submission

@@ -17,6 +17,9 @@ layout(constant_id = 4) const bool kMayBeCut = true;   // opaque objects or the 
 
 #include "shaders/lib/light.glsl"
 
+// Whether the medium is in this pixel already (drawn_cells.comp).
+bool isFinished() { return kHasOpaque && texelFetch(view_depth, ivec2(gl_FragCoord.xy), 0).r == 0; }
+
 // A particle as the pixel's ray sees it.
 struct RayParticle {
     vec3 w;          // unit direction of the ray
