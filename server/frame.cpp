@@ -203,6 +203,7 @@ bool FrameLoop::render(Batch& batch) {
     const double dearer = planner_.plan().rests_ms / planner_.plan().chosen.ms();
     batch.finer = fine || refinement_.next({camerasRest(batch.taken), schedule_.wholeMs(), dearer, frame_ms_}, batch.taken);
     const RenderSettings settings = batch.finer ? finer(planned) : planned;
+    for (EyeRequest& eye : eyes_) eye.rate = planner_.rateOf({eye.pose, eye.width, eye.height}, settings);
     renderer_.submit(batch.submission, simulation_, eyes_, &settings, fine);
     planner_.refresh(simulation_, views_, batch.taken);
     return true;

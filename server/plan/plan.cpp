@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "server/render/medium_grid.h"
+#include "server/render/shading.h"
 
 namespace brume {
 namespace {
@@ -76,6 +77,11 @@ double msOf(const Work& work, const CostModel& model) {
     return ns * 1e-6;
 }
 
+// How much farther apart rays may be than the plan says, so that rates stay: less than the steps between rates.
+constexpr double kFarther = 1.15;
+// Pixels of a deviation above which the coarsest rate is finer than needs be: other views would get too many rays by it.
+constexpr double kMostDeviation = double(std::end(kRates)[-1]) / double(kRaysPerDeviation);
+
 double errorOf(const RenderSettings& way, const ViewWork& view) {
     if (!view.sees()) return 0;
     const double own = methodError(way, view.inside());
@@ -92,6 +98,11 @@ public:
         for (const PlanView& view : inputs.views) {
             views_.emplace_back(scene_, view);
             inside_ = inside_ || (views_.back().inside() && views_.back().sees());
+            if (!views_.back().sees()) continue;
+            // The largest that has coarse enough rates; where all are larger, the smallest.
+            const double own = views_.back().deviation();
+            const bool fits = own <= kMostDeviation, had = deviation_ > 0 && deviation_ <= kMostDeviation;
+            if (deviation_ == 0 || (fits ? !had || own > deviation_ : !had && own < deviation_)) deviation_ = own;
         }
         for (const PlanScene::Shadow& shadow : scene_.shadows) shadow_ms_.push_back(msOf(shadowWork(scene_, shadow), model));
     }
@@ -104,12 +115,14 @@ public:
     }
     Candidate of(const RenderSettings& settings) const { return with(withoutShadow(settings), shadowOf(settings)); }
 
+    double deviation() const { return deviation_; }
+
     std::vector<PassCost> passes(const RenderSettings& settings) const {
         Work shared = sharedWork(scene_, settings), each{};
         const Work shadow = shadowWork(scene_, scene_.shadows[shadowOf(settings)]);
         for (size_t i = 0; i < kCosts; ++i) shared[i] += shadow[i];
         for (const ViewWork& view : views_) {
-            const Work work = view.of(settings);
+            const Work work = view.of(in(view, settings));
             for (size_t i = 0; i < kCosts; ++i) each[i] += work[i];
         }
         std::vector<PassCost> all;
@@ -125,11 +138,18 @@ private:
         const auto same = [&](const PlanScene::Shadow& s) { return s.wanted == settings.shadow_error; };
         return size_t(std::find_if(scene_.shadows.begin(), std::prev(scene_.shadows.end()), same) - scene_.shadows.begin());
     }
+    // With the view's own rate.
+    RenderSettings in(const ViewWork& view, RenderSettings way) const {
+        if (marches(way) && scene_.wanted.rate == 0 && deviation_ > 0)
+            way.rate = rateFor(way.rate, view.deviation() / deviation_);
+        return way;
+    }
     Candidate withoutShadow(const RenderSettings& way) const {
         Candidate c{.settings = way, .shared_ms = msOf(sharedWork(scene_, way), model_)};
         for (const ViewWork& view : views_) {
-            c.views_ms += msOf(view.of(way), model_);
-            c.error = std::max(c.error, errorOf(way, view));
+            const RenderSettings own = in(view, way);
+            c.views_ms += msOf(view.of(own), model_);
+            c.error = std::max(c.error, errorOf(own, view));
         }
         return c;
     }
@@ -145,7 +165,8 @@ private:
     const PlanScene& scene_;
     const CostModel& model_;
     std::vector<ViewWork> views_;
-    bool inside_ = false; // some view is
+    bool inside_ = false;  // some view is
+    double deviation_ = 0; // Plan::deviation
     std::vector<double> shadow_ms_;
 };
 
@@ -230,6 +251,14 @@ double methodError(const RenderSettings& settings, bool inside) {
 // = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
 double flipOf(double error, bool inside) { return std::min((inside ? 0.65 : 0.5) * std::pow(error, 0.7), 1.0); }
 
+uint32_t rateFor(uint32_t rate, double part) {
+    if (part > 1 / kFarther && part < kFarther) return rate;
+    uint32_t own = 1;
+    for (const uint32_t r : kRates)
+        if (r <= kFarther * part * rate) own = r;
+    return own;
+}
+
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step) {
     RenderSettings coarser = settings;
     const bool slabs = marches(settings);
@@ -272,6 +301,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         return c.error <= kNearBest * least ? Rank{1, c.ms(), c.error} : Rank{2, c.error, c.ms()};
     };
     plan.views = inputs.views.size();
+    plan.deviation = prices.deviation();
     plan.chosen =
         *std::min_element(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
     if (inputs.before) {

@@ -55,6 +55,7 @@ struct Plan {
     uint32_t relaxed = 0; // steps that overload took, of those asked for: its error ends at ten times the budget
     double finer_ms = 0;  // what one step less would take
     double rests_ms = 0;  // what chosen would with finer()
+    double deviation = 0; // pixels that the medium's has in the view whose rate is settings.rate; 0: no view sees it
 };
 
 // `wanted.method` and settings other than 0 are kept whatever they cost: the plan only chooses what is left open. A method that
@@ -75,6 +76,10 @@ double lightError(double estimated);
 double methodError(const RenderSettings& settings, bool inside);
 // Mean FLIP of pictures with such an error.
 double flipOf(double error, bool inside);
+
+// Pixels between rays in a view where the medium's deviation has `part` of the pixels that it has where they are `rate`: rays as
+// far apart in deviations, up to 15 % farther. Views keep theirs while cameras move a little.
+uint32_t rateFor(uint32_t rate, double part);
 
 // The next coarser settings, in the order in which overload gives up accuracy: slabs, rays, shadow volume, and again; what is at
 // its end is passed over. Empty when all are. `step` counts from 0.

@@ -119,6 +119,11 @@ void Planner::make() {
         spdlog::warn("refused: {}; instead: {}", plan_.refused, summary(plan_));
 }
 
+uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings) const {
+    if (!marches(settings) || inputs_.scene.wanted.rate > 0 || !(plan_.deviation > 0)) return 0;
+    return rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / plan_.deviation);
+}
+
 void Planner::took(double ms, Time now) {
     const double finer = plan_.relaxed > 0 ? plan_.finer_ms / plan_.chosen.ms() : 1;
     const uint32_t level = overload_.level();

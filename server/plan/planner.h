@@ -32,6 +32,10 @@ public:
     // works.
     void refresh(const Simulation& simulation, std::span<const PlanView> views, Time now);
 
+    // Of `view`, which may have moved since: pixels between its rays with these settings, those of settings() or finer ones. 0:
+    // as they say.
+    uint32_t rateOf(const PlanView& view, const RenderSettings& settings) const;
+
     // A frame with these settings took so long. Says each change in the log.
     void took(double ms, Time now);
     void setFrameBudget(double ms) { overload_.setBudget(ms); }

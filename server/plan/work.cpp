@@ -32,6 +32,27 @@ double weightOf(const PlanScene& scene) {
     return scene.sample.empty() ? 0 : double(scene.particles) / double(scene.sample.size());
 }
 
+// View depths between which the medium lies.
+struct Depths {
+    double near, far; // m
+};
+Depths depthsOf(const MediumExtent& e, const Pose& pose) {
+    const glm::dvec3 forward(pose.orientation * glm::vec3(0, 0, -1));
+    Depths depths{1e30, -1e30};
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 at(corner & 1 ? e.hi.x : e.lo.x, corner & 2 ? e.hi.y : e.lo.y, corner & 4 ? e.hi.z : e.lo.z);
+        const double depth = glm::dot(glm::dvec3(at - pose.position), forward);
+        depths.near = std::min(depths.near, depth);
+        depths.far = std::max(depths.far, depth);
+    }
+    depths.near = std::max(depths.near, ViewWork::kNear);
+    depths.far = std::max(depths.far, depths.near);
+    return depths;
+}
+
+// m per m of view depth.
+double pixelOf(const Frustum& frustum, uint32_t height) { return (double(frustum.up) + double(frustum.down)) / double(height); }
+
 // Of the medium's grid.
 void addGrid(const PlanScene& scene, const RenderSettings& settings, Work& work) {
     const gpu::MediumGrid grid = mediumGrid(scene.extent, settings);
@@ -77,24 +98,24 @@ Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow) {
     return work;
 }
 
+double projectedDeviation(const MediumExtent& extent, const PlanView& view) {
+    const Depths depths = depthsOf(extent, view.pose);
+    const double pixel = pixelOf(frustumOf(view.pose, view.width, view.height), view.height);
+    return double(extent.deviation) / (pixel * 0.5 * (depths.near + depths.far));
+}
+
 ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
     : scene_(scene), width_(view.width), height_(view.height), weight_(weightOf(scene)) {
     const Frustum frustum = frustumOf(view.pose, view.width, view.height);
-    pixel_ = (double(frustum.up) + double(frustum.down)) / double(view.height);
+    pixel_ = pixelOf(frustum, view.height);
     const glm::mat3 axes = glm::mat3_cast(view.pose.orientation);
     const auto inView = [&](glm::vec3 x) { // right, down, view depth
         const glm::vec3 d = x - view.pose.position;
         return glm::dvec3(double(glm::dot(d, axes[0])), -double(glm::dot(d, axes[1])), -double(glm::dot(d, axes[2])));
     };
-    near_ = 1e30, far_ = -1e30;
-    for (int corner = 0; corner < 8; ++corner) {
-        const MediumExtent& e = scene.extent;
-        const double depth = inView({corner & 1 ? e.hi.x : e.lo.x, corner & 2 ? e.hi.y : e.lo.y, corner & 4 ? e.hi.z : e.lo.z}).z;
-        near_ = std::min(near_, depth);
-        far_ = std::max(far_, depth);
-    }
-    near_ = std::max(near_, kNear);
-    far_ = std::max(far_, near_);
+    const Depths depths = depthsOf(scene.extent, view.pose);
+    near_ = depths.near;
+    far_ = depths.far;
     const glm::dvec2 axis = glm::dvec2(frustum.left, frustum.up) / pixel_; // where the view axis meets the picture
     for (const gpu::Particle& p : scene.sample) {
         const double radius = supportOf(scene, p);

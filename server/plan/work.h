@@ -52,6 +52,9 @@ Work sharedWork(const PlanScene& scene, const RenderSettings& settings);
 // Whether a way integrates along a grid of rays cut into slabs: its settings have a rate and slabs.
 inline bool marches(const RenderSettings& settings) { return settings.method == "slabs" || settings.method == "grid"; }
 
+// Pixels that the medium's standard deviation has in a picture, in the middle of the view depths between which the medium lies.
+double projectedDeviation(const MediumExtent& extent, const PlanView& view);
+
 // A view with the sample's places in it, for many settings.
 class ViewWork {
 public:
@@ -60,11 +63,12 @@ public:
     // Precondition: where marches(settings), settings.rate and settings.slabs are not 0.
     Work of(const RenderSettings& settings) const;
 
-    bool inside() const { return near_ <= kNear; } // the eye is in the medium's bounds
-    bool sees() const { return far_ > near_; }     // some of the medium is before the eye
-    double raySpacing(uint32_t rate) const;        // of neighbouring rays, in projected standard deviations
-    double slabThickness(uint32_t slabs) const;    // in standard deviations
-    double deviationDepth() const;                 // mean optical depth of a standard deviation's length
+    bool inside() const { return near_ <= kNear; }         // the eye is in the medium's bounds
+    bool sees() const { return far_ > near_; }             // some of the medium is before the eye
+    double raySpacing(uint32_t rate) const;                // of neighbouring rays, in projected standard deviations
+    double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
+    double slabThickness(uint32_t slabs) const;            // in standard deviations
+    double deviationDepth() const;                         // mean optical depth of a standard deviation's length
 
     static constexpr double kNear = 0.05; // m, as the renderer's near plane
 

@@ -44,6 +44,7 @@ struct EyeInputs {
     const gpu::Image* radiance = nullptr;        // RGBA32F: radiance, transmittance of the medium in front
     const MediumExtent* extent = nullptr;        // of all particles
     const RenderSettings* settings = nullptr;
+    uint32_t rate = 0; // pixels between rays, for methods that march; 0: from the band limit
     Pose pose;
     bool lobe = true;                    // anisotropy > 0
     float asymmetry = 0;                 // of the phase function's lobe

@@ -286,6 +286,7 @@ void Renderer::gatherInputs(Submission& s, const SceneNow& now, std::span<const 
         in.radiance = &targets_.radiance;
         in.extent = &extent_;
         in.settings = &now.render;
+        in.rate = eye.rate ? eye.rate : now.render.rate;
         if (const MergedMedia::Medium* medium = merged_.of(in.view)) {
             in.particle_count = medium->tick.particle_count;
             in.tick = medium->tick_block;

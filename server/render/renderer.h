@@ -25,6 +25,7 @@ struct EyeRequest {
     Pose pose;
     uint32_t width = 0, height = 0;
     bool second = false; // of one head's two eyes: the first is the request before it
+    uint32_t rate = 0;   // instead of RenderSettings::rate, of methods that march; 0: that
 };
 
 // What one submission writes and reads on the CPU's side. Several may be alive: one on the device, others being encoded.

@@ -273,7 +273,8 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     try {
         const std::filesystem::path bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-        const Scene scene = loadScene(findScene(scene_name, BRUME_SCENES));
+        Scene scene = loadScene(findScene(scene_name, BRUME_SCENES));
+        if (!checkSettings(scene.render).empty()) scene.render.method = methods().front().name; // auto is the server's
         {
             gpu::DeviceOptions options;
             options.name = device_name;

@@ -186,6 +186,29 @@ TEST(Plan, FartherViewersAskForMoreRays) {
     }
 }
 
+// Viewers with windows of several sizes, or at several distances, cost what each would alone: rays are as far apart in deviations
+// of the medium, not in pixels.
+TEST(Plan, ViewersDoNotPayForOthersPixels) {
+    PlanInputs inputs = inputsOf(cube(5000, 3));
+    inputs.scene.wanted.method = "slabs";
+    const PlanView large = inputs.views.front();
+    PlanView small = large, far = large, close = large;
+    small.width /= 2, small.height /= 2;
+    far.pose = lookAt({0, 4, 60}, {0, 0, 0}, 0.8f);
+    close.pose = lookAt({0, 1, 14}, {0, 0, 0}, 0.3f);
+    for (const PlanView& other : {small, far, close}) {
+        double alone = 0;
+        inputs.views = {large, other, other};
+        const Plan together = makePlan(inputs, builtInCosts());
+        for (const PlanView& view : {large, other, other}) {
+            inputs.views = {view};
+            alone += makePlan(inputs, builtInCosts()).chosen.views_ms;
+        }
+        EXPECT_TRUE(together.within);
+        EXPECT_LT(together.chosen.views_ms, 1.25 * alone); // rates come in steps of a quarter to a half
+    }
+}
+
 // Errors of one cause by itself, measured at 640x360 against the double-precision reference, every fifth pixel. Where a law is
 // below what was measured it is by no more than this: the plan's error is then off by less than a third.
 constexpr double kBelow = 1.3;

@@ -56,7 +56,7 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
     auto [near, far] = depths(in);
     far = std::max(far, near + 1e-3f); // all of it behind the eye: slabs without particles
     const float deviation = in.extent->deviation, projected = projectedDeviation(in, near, far);
-    grid.rate = in.settings->rate;
+    grid.rate = in.rate;
     if (grid.rate == 0)
         for (const uint32_t rate : kRates)
             if (grid.rate = rate; float(rate) <= kRaysPerDeviation * projected) break;
