@@ -19,6 +19,7 @@ from programs import Failed, Load, Server, machine, tell, write
 
 MOST_VIEWERS = 16
 ROUND_S = 20
+SIZES = [(160, 96), (320, 180), (480, 270)]
 # Memory may grow until the allocator has met the busiest moment; after the first quarter it may not, but for its own granules:
 # a leak of one small picture (8 KiB) a second would be 14 MiB in half an hour.
 GRANULES_MIB = 8
@@ -27,7 +28,8 @@ BACK_S = 2
 
 def held(pid):
     status = dict(line.split(':', 1) for line in pathlib.Path(f'/proc/{pid}/status').read_text().splitlines())
-    return {'rss': int(status['VmRSS'].split()[0]) / 1024, 'threads': int(status['Threads']),
+    mib = {name: int(status[name].split()[0]) / 1024 for name in ('VmRSS', 'RssAnon')}
+    return {'rss': mib['VmRSS'], 'heap': mib['RssAnon'], 'threads': int(status['Threads']),
             'descriptors': len(os.listdir(f'/proc/{pid}/fd'))}
 
 
@@ -43,6 +45,14 @@ def url(server):
     return f'ws://127.0.0.1:{server.port}/ws'
 
 
+def fullest(server, options):
+    """As many viewers with two eyes as there may be, of the largest pictures: buffers on the device keep the size of the largest
+    batch that there ever was."""
+    width, height = SIZES[-1]
+    Load(options.programs, url(server), MOST_VIEWERS, 8, '--warm-up', '0', '--paths', 'stereo', '--timeout', '60', '--width', str(width),
+         '--height', str(height)).result()
+
+
 def busy(server, options, rng):
     """One round. Returns how many viewers came, how many were cut off, and the most at one time."""
     parties, came, cut, most = [], 0, 0, 0
@@ -56,7 +66,7 @@ def busy(server, options, rng):
         if room > 0:
             size, seconds = rng.randint(1, min(4, room)), rng.uniform(0.5, 8)
             paths = rng.choice(['orbit', 'fly', 'still', 'stereo'])
-            width, height = rng.choice([(160, 96), (320, 180), (480, 270)])
+            width, height = rng.choice(SIZES)
             load = Load(options.programs, url(server), size, f'{seconds:.2f}', '--warm-up', '0', '--paths', paths, '--timeout', '60',
                         '--width', str(width), '--height', str(height))
             doomed = rng.random() < 0.2
@@ -86,19 +96,23 @@ def quiet(server):
         raise Failed('after a round there is no picture')
     until('ticks go on', lambda: server.metrics()['brume_tick'] > before, 10)
     time.sleep(0.5)  # the snapshot's connection ends
-    return held(server.pid) | {'sent': server.metrics().get('brume_frames_total{fate="sent"}', float('nan'))}
+    metrics = server.metrics()
+    return held(server.pid) | {'device': metrics['brume_device_memory_bytes'] / 2**20,
+                               'sent': metrics.get('brume_frames_total{fate="sent"}', float('nan'))}
 
 
 def soak(server, options):
     rng = random.Random(options.seed)
     rounds, begin = [], time.monotonic()
+    fullest(server, options)
     busy(server, options, rng)  # makes what is made once: pipelines, pools, the allocator's arenas
     quiet(server)
     while time.monotonic() - begin < options.minutes * 60:
         came, cut, most = busy(server, options, rng)
         rounds.append(quiet(server) | {'minute': (time.monotonic() - begin) / 60, 'came': came, 'cut': cut, 'most': most})
         r = rounds[-1]
-        tell(f'{r["minute"]:.1f} min: {came} came, {cut} cut off, {r["rss"]:.1f} MiB, {r["descriptors"]} descriptors, {r["threads"]} threads')
+        tell(f'{r["minute"]:.1f} min: {came} came, {cut} cut off, {r["rss"]:.1f} MiB ({r["heap"]:.1f} heap, {r["device"]:.1f} device), '
+             f'{r["descriptors"]} descriptors, {r["threads"]} threads')
     return rounds
 
 
@@ -153,13 +167,14 @@ def report(rounds, kills, missed, options, where):
     lines = ['# Viewers that come and go', '',
              f'By `./dev soak --minutes {options.minutes:g}`: `{options.start}`, {where}. Rounds of {ROUND_S} s: up to {MOST_VIEWERS} '
              'viewers at a time, 1 to 4 in a group, for 0.5 to 8 s each, in three sizes, moving, still and with two eyes; every fifth '
-             f'group is cut off by SIGKILL. {sum(r["came"] for r in rounds)} viewers in {len(rounds)} rounds, after one that is not '
-             'counted. After each round, with nobody there:', '',
-             '| minute | viewers came | cut off | most at once | memory (RSS), MiB | descriptors | threads | frames sent so far |',
-             '|' + '---|' * 8]
+             f'group is cut off by SIGKILL. {sum(r["came"] for r in rounds)} viewers in {len(rounds)} rounds, after one and one '
+             f'of {MOST_VIEWERS} with two large eyes, which are not counted. The heap and what a software driver has as the device\'s memory are '
+             'parts of the process\' memory. After each round, with nobody there:', '',
+             '| minute | viewers came | cut off | most at once | memory (RSS), MiB | heap | device | descriptors | threads | frames sent so far |',
+             '|' + '---|' * 10]
     step = max(1, len(rounds) // 30)
     for r in rounds[::step] if (len(rounds) - 1) % step == 0 else [*rounds[::step], rounds[-1]]:
-        lines.append(f'| {r["minute"]:.1f} | {r["came"]} | {r["cut"]} | {r["most"]} | {r["rss"]:.1f} | {r["descriptors"]} | '
+        lines.append(f'| {r["minute"]:.1f} | {r["came"]} | {r["cut"]} | {r["most"]} | {r["rss"]:.1f} | {r["heap"]:.1f} | {r["device"]:.1f} | {r["descriptors"]} | '
                      f'{r["threads"]} | {r["sent"]:.0f} |')
     lines += ['', f'Allowed: memory at the end at most {GRANULES_MIB} MiB over the most of the first quarter; no more descriptors and '
               'threads than there.', '',
