@@ -140,8 +140,7 @@ private:
     }
     // With the view's own rate.
     RenderSettings in(const ViewWork& view, RenderSettings way) const {
-        if (marches(way) && scene_.wanted.rate == 0 && deviation_ > 0)
-            way.rate = rateFor(way.rate, view.deviation() / deviation_);
+        if (hasOwnRates(scene_, way) && deviation_ > 0) way.rate = rateFor(way.rate, view.deviation() / deviation_);
         return way;
     }
     Candidate withoutShadow(const RenderSettings& way) const {
@@ -250,6 +249,10 @@ double methodError(const RenderSettings& settings, bool inside) {
 // FLIP's definition for an error e of the luminance Y all over a picture: 0.0575 (38.7 Y^(1/3) e)^0.7, which is 0.56 e^0.7 for Y
 // = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
 double flipOf(double error, bool inside) { return std::min((inside ? 0.65 : 0.5) * std::pow(error, 0.7), 1.0); }
+
+bool hasOwnRates(const PlanScene& scene, const RenderSettings& settings) {
+    return marches(settings) && scene.wanted.rate == 0 && !scene.features.opaque;
+}
 
 uint32_t rateFor(uint32_t rate, double part) {
     if (part > 1 / kFarther && part < kFarther) return rate;

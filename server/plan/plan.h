@@ -77,6 +77,10 @@ double methodError(const RenderSettings& settings, bool inside);
 // Mean FLIP of pictures with such an error.
 double flipOf(double error, bool inside);
 
+// Whether views have their own rates: nobody asked for one, and there are no objects, whose edges are made by a shader of each
+// rate that takes CPU drivers seconds to compile.
+bool hasOwnRates(const PlanScene& scene, const RenderSettings& settings);
+
 // Pixels between rays in a view where the medium's deviation has `part` of the pixels that it has where they are `rate`: rays as
 // far apart in deviations, up to 15 % farther. Views keep theirs while cameras move a little.
 uint32_t rateFor(uint32_t rate, double part);
