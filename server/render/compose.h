@@ -38,7 +38,7 @@ private:
     struct Variant {
         bool drawn, keep, lobe, full;
         uint32_t rate, sources, step;
-        auto operator<=>(const Variant&) const = default;
+        auto operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14 takes it for a 0
     };
     uint32_t blocksOf(uint32_t rate) const;
     const gpu::ComputeProgram& everyPixel(const Variant& variant);
