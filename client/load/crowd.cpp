@@ -1,6 +1,7 @@
 #include "client/load/crowd.h"
 
 #include <algorithm>
+#include <future>
 #include <numbers>
 #include <stdexcept>
 
@@ -62,6 +63,12 @@ double Crowd::enter() {
     const auto ready = [](const auto& viewer) { return viewer->frames >= kFirstFrames; };
     while (double(nowUs() - begin) < options_.warm_up * 1e6 || !std::all_of(viewers_.begin(), viewers_.end(), ready)) step();
     return double(nowUs() - begin) * 1e-6;
+}
+
+void Crowd::during(const std::function<void()>& work) {
+    auto done = std::async(std::launch::async, work);
+    while (done.wait_for(milliseconds(0)) != std::future_status::ready) step();
+    done.get();
 }
 
 Run Crowd::watch(double seconds) {

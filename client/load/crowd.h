@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -22,6 +23,8 @@ public:
 
     // Until every viewer is welcomed, has had a few frames, and the warm-up is over. Returns how long that took, in seconds.
     double enter();
+    // Does `work` in another thread and moves everybody on meanwhile: nobody waits for it. What it throws is thrown here.
+    void during(const std::function<void()>& work);
     // Watches for so long and counts. Precondition: enter() has returned.
     Run watch(double seconds);
     // Says goodbye.

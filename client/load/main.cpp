@@ -27,11 +27,13 @@ std::string machine() {
 Run measure(const Options& options, const Server& server, uint32_t viewers, Interrupt& interrupt, Report& report) {
     Crowd crowd(options, server.endpoint(), viewers, interrupt);
     const double warm_up_s = crowd.enter();
-    const Series before = server.counters();
+    Series before, after;
+    crowd.during([&] { before = server.counters(); });
     const Usage began = usage();
     Run run = crowd.watch(options.seconds);
     const Usage ended = usage();
-    run.server = costBetween(before, server.counters());
+    crowd.during([&] { after = server.counters(); });
+    run.server = costBetween(before, after);
     run.warm_up_s = warm_up_s;
     run.own_cpu_s = ended.own_cpu_s - began.own_cpu_s;
     run.machine_busy_s = ended.busy_s - began.busy_s;

@@ -23,14 +23,7 @@ uint16_t parsePort(std::string_view url, std::string_view text) {
     return static_cast<uint16_t>(port);
 }
 
-} // namespace
-
-std::string Endpoint::url() const {
-    const bool ipv6 = host.find(':') != std::string::npos;
-    return (tls ? "wss://" : "ws://") + (ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port) + path;
-}
-
-Endpoint parseUrl(std::string_view url) {
+Endpoint parse(std::string_view url, uint16_t default_port) {
     const bool tls = url.starts_with("wss://");
     if (!tls && !url.starts_with("ws://")) refuse(url, "only ws:// and wss:// are spoken");
     for (const char c : url)
@@ -38,6 +31,7 @@ Endpoint parseUrl(std::string_view url) {
 
     std::string_view rest = url.substr(tls ? 6 : 5);
     Endpoint endpoint;
+    endpoint.port = default_port;
     endpoint.tls = tls;
     if (const size_t slash = rest.find('/'); slash != rest.npos) {
         if (rest.size() > slash + 1) endpoint.path = rest.substr(slash);
@@ -58,6 +52,28 @@ Endpoint parseUrl(std::string_view url) {
     }
     if (endpoint.host.empty()) refuse(url, "the host is missing");
     return endpoint;
+}
+
+} // namespace
+
+std::string Endpoint::url() const {
+    const bool ipv6 = host.find(':') != std::string::npos;
+    return (tls ? "wss://" : "ws://") + (ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port) + path;
+}
+
+Endpoint parseUrl(std::string_view url) { return parse(url, Endpoint{}.port); }
+
+std::optional<Endpoint> parseGoTo(std::string_view url) {
+    std::string socket(url.substr(0, url.find_first_of("?#")));
+    const bool page = socket.starts_with("http");
+    if (page) socket.replace(0, 4, "ws");
+    try {
+        Endpoint endpoint = parse(socket, socket.starts_with("wss:") ? 443 : 80);
+        if (page) endpoint.path.replace(endpoint.path.rfind('/') + 1, std::string::npos, "ws");
+        return endpoint;
+    } catch (const std::invalid_argument&) {
+        return {};
+    }
 }
 
 std::string readToken(const std::string& file) {

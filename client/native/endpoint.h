@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,10 @@ struct Endpoint {
 // "ws://host", "ws://host:port" or "ws://[address]:port/path"; so with wss. Throws std::invalid_argument: one line that says what
 // is allowed.
 Endpoint parseUrl(std::string_view url);
+
+// The server that a goodbye's `go_to` names, by the URL of its socket (ws, wss) or of the page beside it (http, https); without a
+// port 80 or 443, as in a browser. Nothing for any other text.
+std::optional<Endpoint> parseGoTo(std::string_view url);
 
 // The token in a file, or without one in BRUME_TOKEN; empty when there is neither. Space around it is not part of it. Throws
 // std::invalid_argument, one line, when the file cannot be read or holds something else.

@@ -34,7 +34,7 @@ Session* Link::session(const Wishes& wishes) {
     if (session_) return &*session_;
     const uint64_t now = nowUs();
     if (now < next_try_us_) return nullptr;
-    session_.emplace(options_.endpoint, wishes, std::chrono::milliseconds(static_cast<int64_t>(options_.timeout * 1000)), key_);
+    session_.emplace(server_, wishes, std::chrono::milliseconds(static_cast<int64_t>(options_.timeout * 1000)), key_);
     connected_us_ = now;
     return &*session_;
 }
@@ -48,8 +48,22 @@ void Link::heard(uint64_t now_us) {
 void Link::mind(const std::string& last_error) {
     if (session_->closed()) return lose(session_->closedBecause());
     if (secondsBetween(std::max(heard_us_, connected_us_), nowUs()) <= options_.timeout) return;
-    lose(fmt::format("no frame from {} in {:g} s{}", options_.endpoint.url(), options_.timeout,
+    lose(fmt::format("no frame from {} in {:g} s{}", server_.url(), options_.timeout,
                      last_error.empty() ? "" : "; the server said: " + last_error));
+}
+
+// The next try is elsewhere: where the goodbye says, or at the other end of that when this one does not let us in. The token goes
+// along, since who sends us has it already, but nothing goes from TLS to none.
+bool Link::move() {
+    if (const auto to = parseGoTo(session_->goTo()); to && (to->tls || !server_.tls)) {
+        other_ = server_;
+        server_ = *to;
+        server_.token = other_->token, server_.ca = other_->ca;
+        return true;
+    }
+    if (!other_ || session_->welcomed()) return false;
+    std::swap(server_, *other_);
+    return true;
 }
 
 void Link::lose(const std::string& why) {
@@ -60,11 +74,15 @@ void Link::lose(const std::string& why) {
     }
     const double asked_s = session_->retryAfterSeconds();
     const double wait_s = backoff_.next(asked_s, randomPart());
-    const bool worth_it = asked_s > 0 || (been_in_ && !session_->refused());
+    const bool moves = options_.reconnect && move();
+    if (moves) key_.clear(); // nobody knows it there
+    const bool worth_it = asked_s > 0 || moves || (been_in_ && !session_->refused());
     const bool patient = (for_ever_ && been_in_) || secondsBetween(heard_us_, now) + wait_s < kPatienceS;
     if (!options_.reconnect || !worth_it || !patient)
         throw std::runtime_error(asked_s > 0 ? fmt::format("{} (try again in {:g} s)", why, asked_s) : why);
-    if (trouble_.empty()) std::cerr << fmt::format("brume-client: {}; trying again in {:.1f} s\n", why, wait_s) << std::flush;
+    if (trouble_.empty())
+        std::cerr << fmt::format("brume-client: {}; trying {} in {:.1f} s\n", why, moves ? server_.url() : "again", wait_s)
+                  << std::flush;
     trouble_ = why;
     session_.reset();
     next_try_us_ = now + static_cast<uint64_t>(wait_s * 1e6);

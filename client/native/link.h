@@ -1,4 +1,5 @@
-// The session of a viewer that comes back when its connection breaks, as the page does (client/web/src/backoff.ts).
+// The session of a viewer that comes back when its connection breaks, as the page does (client/web/src/backoff.ts), and goes
+// where a server that stops sends it.
 #pragma once
 
 #include <optional>
@@ -26,7 +27,7 @@ class Link {
 public:
     // A server keeps a lost viewer's place for a minute. After one without a frame this gives up, unless it has been in and is
     // to try `for_ever`.
-    Link(const Options& options, bool for_ever) : options_(options), for_ever_(for_ever) {}
+    Link(const Options& options, bool for_ever) : options_(options), for_ever_(for_ever), server_(options.endpoint) {}
 
     // Connects when it is time, as who it was before. Null until then.
     Session* session(const Wishes& wishes);
@@ -44,9 +45,12 @@ public:
 
 private:
     void lose(const std::string& why);
+    bool move();
 
     const Options& options_;
     bool for_ever_;
+    Endpoint server_;               // the one to try
+    std::optional<Endpoint> other_; // the one to try after it, when it does not let us in: of a goodbye's two ends
     std::optional<Session> session_;
     std::string key_; // of the last welcome
     std::string trouble_;

@@ -93,6 +93,7 @@ void Session::takeNote(const Received& message) {
         if (refusal_.empty()) refusal_ = "the server says goodbye: " + oneLine(textOf(goodbye->reason()));
         const float wait_s = goodbye->retry_after_s();
         retry_after_s_ = wait_s > 0 ? std::min(wait_s, 3600.0f) : 0; // NaN is 0
+        go_to_ = textOf(goodbye->go_to());
         connection_.close(std::chrono::milliseconds(200));
     }
 }

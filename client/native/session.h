@@ -89,6 +89,8 @@ public:
     bool refused() const { return connection_.refused() || (!refusal_.empty() && !welcomed()); }
     // What a goodbye asked for; 0 without one.
     float retryAfterSeconds() const { return retry_after_s_; }
+    // The URL that it named, as it came; empty without one.
+    const std::string& goTo() const { return go_to_; }
 
     // Poses are the newest-wins kind: one is left out while the socket has not taken the ones before. Returns the pose's
     // number, or nothing when it was left out. A size of 0 means as before.
@@ -131,6 +133,7 @@ private:
     std::optional<Granted> granted_;
     std::string refusal_; // from a goodbye or an error before the welcome
     float retry_after_s_ = 0;
+    std::string go_to_;
     uint32_t pose_seq_ = 0, input_seq_ = 0, ping_ = 0;
     std::optional<float> round_trip_ms_;
 };

@@ -7,6 +7,9 @@ namespace brume {
 namespace {
 
 constexpr float kSmoothing = 0.1f;
+constexpr float kDisplayMs = 1000.0f / 60;
+constexpr uint32_t kProbe = 3;   // pings
+constexpr float kSpread = 0.75f; // of a window's even spacing; under 1, so that who falls behind catches up
 
 bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; } // serial numbers that wrap around
 
@@ -49,12 +52,19 @@ void Pacing::ponged(Millis round_trip, Clock::time_point now, Millis most_queue)
     for (const Least& l : least_)
         if (l.slot >= 0 && slot - l.slot < int64_t(least_.size())) base_ms_ = std::min(base_ms_, l.ms);
     queue_ms_ = std::min(ms - base_ms_, most_queue.count());
+    probing_ -= std::min(probing_, 1u);
     fitFrames();
     fitBytes(size_t(frame_bytes_));
 }
 
+void Pacing::probe() {
+    if (bytes_ || frame_bytes_ == 0) return;
+    bytes_ = size_t(float(frames_) * frame_bytes_);
+    probing_ = kProbe;
+}
+
 void Pacing::fitFrames() {
-    const float frames = std::ceil((base_ms_ + stages_ms_) / std::max(interval_ms_, 1000.0f / 60)) + 1;
+    const float frames = std::ceil(tripMs() / std::max(interval_ms_, kDisplayMs)) + 1;
     frames_ = uint32_t(std::clamp(frames, float(options_.least_frames), float(options_.most_frames)));
 }
 
@@ -74,10 +84,14 @@ void Pacing::fitBytes(size_t frame) {
 
 bool Pacing::isOpen(Clock::time_point now) const {
     if (flight_.size() >= frames_ || isSilent(now)) return false;
-    return !isHeldByBytes();
+    const float even = tripMs() / float(frames_); // between the window's frames
+    if (even > kDisplayMs && now - last_issued_ < Millis(kSpread * even)) return false;
+    return !exceedsBytes();
 }
 
-bool Pacing::isHeldByBytes() const {
+bool Pacing::isHeldByBytes() const { return probing_ == 0 && exceedsBytes(); }
+
+bool Pacing::exceedsBytes() const {
     // A frame whose size is not known yet counts as the usual one; so does the one to come.
     return bytes_ && !flight_.empty() && bytesInFlight() + size_t(frame_bytes_) > *bytes_;
 }

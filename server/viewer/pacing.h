@@ -19,9 +19,10 @@ struct PacingOptions {
 };
 
 // The window of frames covers the time from a pose taken to its acknowledgement without queues: round trip, stages, and one more
-// frame to come. The window of bytes follows the queueing delay, by a frame at a time: over a link that cannot carry what the
-// server makes, frames get fewer instead of older. Round trips are pings', which pass through the same queues, never
-// acknowledgements', which wait for the viewer's display.
+// frame to come. Where it cannot cover that at 60 Hz, its frames are spread: they come evenly, not in bursts. The window of bytes
+// follows the queueing delay, by a frame at a time: over a link that cannot carry what the server makes, frames get fewer instead
+// of older. Round trips are pings', which pass through the same queues, never acknowledgements', which wait for the viewer's
+// display.
 class Pacing {
 public:
     explicit Pacing(const PacingOptions& options) : options_(options), frames_(options.least_frames) {
@@ -40,11 +41,14 @@ public:
     // other end, which smaller frames do not help.
     using Millis = std::chrono::duration<float, std::milli>;
     void ponged(Millis round_trip, Clock::time_point now, Millis most_queue = Millis::max());
+    // Frames are about to become larger: no more bytes may be on their way than filled the window so far, until pings find that
+    // the link carries them. To be held by that says nothing of the link for as many pings.
+    void probe();
     void clear() { flight_.clear(); }
 
     // Whether one more frame may be rendered.
     bool isOpen(Clock::time_point now) const;
-    // Whether bytes alone forbid it.
+    // Whether bytes alone forbid it, and not because of probe().
     bool isHeldByBytes() const;
     // Whether frames wait for an acknowledgement that should have come.
     bool isSilent(Clock::time_point now) const { return silence(now) > silenceAllowed(); }
@@ -69,6 +73,8 @@ private:
         float ms = 0;
     };
     Clock::duration silenceAllowed() const;
+    float tripMs() const { return base_ms_ + stages_ms_; } // from a pose taken to its acknowledgement, without queues
+    bool exceedsBytes() const;
     void fitFrames();
     void fitBytes(size_t frame);
 
@@ -80,6 +86,7 @@ private:
     std::optional<size_t> bytes_;
     Clock::time_point last_issued_{}, last_ack_{};
     bool acknowledged_ = false; // something, since the window of bytes last changed
+    uint32_t probing_ = 0;      // pings that are still to come of a probe
 };
 
 } // namespace brume

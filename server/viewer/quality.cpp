@@ -3,7 +3,7 @@
 namespace brume {
 namespace {
 
-constexpr std::chrono::milliseconds kActEvery{250}, kCleanFor{1000};
+constexpr std::chrono::milliseconds kActEvery{250}, kCleanFor{1000}, kTakenBack{2000}, kMostPatience{16000};
 constexpr float kQueueTooLong = 50, kQueueClean = 20; // ms
 constexpr double kTooMuch = 1.5, kSpare = 0.8;        // of the budget
 
@@ -51,9 +51,11 @@ bool QualityControl::look(const Look& seen, Clock::time_point now) {
     const bool bad = seen_.queue_ms > kQueueTooLong || seen_.held_back || seen_.superseded;
     if (bad && level_ + 1 < kSteps) {
         ++level_;
-    } else if (!bad && level_ > 0 && now - clean_since_ >= kCleanFor) {
+        if (raised_) patience_ = now - *raised_ < kTakenBack ? std::min(2 * patience_, kMostPatience) : kCleanFor;
+        raised_.reset();
+    } else if (!bad && level_ > 0 && now - clean_since_ >= patience_) {
         --level_;
-        clean_since_ = now; // the next step needs its own second
+        raised_ = clean_since_ = now; // the next step needs a time of its own
     }
     const bool device_changed = seen_.device && lookAtDevice(*seen_.device, now);
     acted_ = now;

@@ -33,7 +33,9 @@ public:
     static QualityStep deviceStepAt(uint32_t level);
 
     // What happened since the last look. Several times a second; acts every 250 ms. Down at once when the link queues or frames
-    // were held back or replaced because of it; up by one after a second without. True when a level changed.
+    // were held back or replaced because of it; up by one after a second without, or after twice as long as before the last step
+    // up when that had to be taken back within two seconds, up to 16 s: pictures do not swing between two sizes. True when a
+    // level changed.
     struct Look {
         float queue_ms = 0;      // on the link
         bool held_back = false;  // the window of bytes was closed when a pose waited
@@ -54,6 +56,8 @@ private:
     uint32_t level_ = 0, device_level_ = 0;
     Look seen_; // the worst since the last act
     Clock::time_point acted_{}, clean_since_{}, room_since_{};
+    std::optional<Clock::time_point> raised_;  // when it last went up, if it has not gone down since
+    std::chrono::milliseconds patience_{1000}; // without queues, before the next step up
 };
 
 } // namespace brume

@@ -79,8 +79,10 @@ void Viewer::ponged(Clock::duration round_trip, Clock::time_point now, Pacing::M
 
 Clock::duration Viewer::look(Clock::time_point now, bool backlog) {
     const std::scoped_lock lock(mutex_);
+    const uint32_t level = quality_.level();
     quality_.look({pacing_.queueMs(), held_back_, backlog && counts_.superseded > superseded_seen_, std::exchange(device_, {})},
                   now);
+    if (quality_.level() < level) pacing_.probe();
     held_back_ = false;
     superseded_seen_ = counts_.superseded;
     return pacing_.silence(now);

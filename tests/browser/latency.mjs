@@ -1,6 +1,6 @@
 // How far what is shown lags behind the camera while it turns, with and without prediction and reprojection, over a way that is 100 ms
 // longer than loopback: node tests/browser/latency.mjs [SECONDS A RUN] [RUNS]. Writes a table.
-import { connected, openPage, startBrowser } from './pages.mjs';
+import { connected, openPage, startBrowser, until } from './pages.mjs';
 import { startDelay } from './delay.mjs';
 import { startServer } from './server.mjs';
 
@@ -8,6 +8,7 @@ const seconds = Number(process.argv[2] ?? 6);
 const runs = Number(process.argv[3] ?? 3);
 const ADDED_MS = 100; // both ways together
 const SIZE = { width: 400, height: 225 };
+const SMALL = { width: 200, height: 112 }; // where pictures are compared
 const WAYS = [
   { name: 'as they come', query: 'reproject=off&predict=0' },
   { name: 'predicted', query: 'reproject=off&predict=1' },
@@ -55,6 +56,45 @@ function watch(mode) {
   window.samples = samples;
 }
 
+// Runs in the page: several times a second what the screen shows, small, and of which camera it should be.
+function collect({ width, height }, everyMs) {
+  window.pictures = [];
+  let last = 0;
+  const look = (now) => {
+    requestAnimationFrame(look); // after the page's own of this frame, which has drawn
+    if (now - last < everyMs) return;
+    last = now;
+    const warped = document.getElementById('warped');
+    const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+    context.imageSmoothingQuality = 'high';
+    context.drawImage(warped.hidden ? document.getElementById('view') : warped, 0, 0, width, height);
+    window.pictures.push({ context, camera: window.brume.camera });
+  };
+  requestAnimationFrame(look);
+}
+
+// Runs in the page: the root of the mean square difference, in steps of 255, of each to the server's own picture of that camera.
+async function judge({ width, height }, size) {
+  const errors = [];
+  const { pictures } = window;
+  window.pictures = [];
+  for (const { context, camera } of pictures) {
+    const { position, yaw, pitch, distance } = camera;
+    const ahead = [-Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), -Math.cos(yaw) * Math.cos(pitch)];
+    const target = position.map((x, i) => x + ahead[i] * distance);
+    const answer = await fetch(`snapshot.jpg?w=${size.width}&h=${size.height}&quality=95&position=${position}&target=${target}`);
+    if (!answer.ok) throw new Error(`snapshot: ${await answer.text()}`);
+    const copy = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+    copy.imageSmoothingQuality = 'high';
+    copy.drawImage(await createImageBitmap(await answer.blob()), 0, 0, width, height);
+    const [a, b] = [context, copy].map((one) => one.getImageData(0, 0, width, height).data);
+    let sum = 0;
+    for (let i = 0; i < a.length; ++i) if (i % 4 < 3) sum += (a[i] - b[i]) ** 2;
+    errors.push(Math.sqrt(sum / (3 * width * height)));
+  }
+  return errors;
+}
+
 const degrees = (radians) => ((radians * 180) / Math.PI).toFixed(2);
 const rank = (values, part) =>
   [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(part * values.length))] ?? NaN;
@@ -62,15 +102,21 @@ const rank = (values, part) =>
 // Back and forth at a steady speed, 60 degrees a second while the window is 0.8 rad high.
 async function sweep(page, until) {
   const { width, height } = page.viewportSize();
-  await page.mouse.move(0.2 * width, height / 2); // where the first way begins: a jump is no movement
+  await page.mouse.move(0.5 * width, height / 2); // where the first way begins: a jump is no movement
   await page.mouse.down();
   const begin = Date.now();
   for (let now = begin; now < until; now = Date.now()) {
-    const phase = ((now - begin) / 1500) % 2;
+    const phase = ((now - begin) / 1500 + 0.5) % 2;
     await page.mouse.move(width * (0.2 + 0.6 * (phase < 1 ? phase : 2 - phase)), height / 2);
     await page.waitForTimeout(8);
   }
   await page.mouse.up();
+}
+
+async function setPaused(page) {
+  if (await page.evaluate(() => window.brume.scene.paused)) return;
+  await page.keyboard.press('p');
+  await until(page, 'the scene rests', (brume) => brume.scene.paused);
 }
 
 const after = [];
@@ -78,9 +124,9 @@ const browser = await startBrowser();
 const server = await startServer();
 const delay = await startDelay(server.url, ADDED_MS / 2);
 console.log(
-  '| pictures are | camera | behind, median | 95 % | aside, median | 95 % | input to picture p50 · p95 · p99, ms | frames/s |',
+  '| pictures are | camera | behind, median | 95 % | aside, median | 95 % | error, median | 95 % | at rest | input to picture p50 · p95 · p99, ms | frames/s |',
 );
-console.log('|---|---|---|---|---|---|---|---|');
+console.log('|---|---|---|---|---|---|---|---|---|---|---|');
 try {
   for (const camera of ['orbit', 'fly'])
     for (const { name, query } of WAYS) {
@@ -90,10 +136,13 @@ try {
           viewport: SIZE,
         });
         await connected(page);
+        await page.addScriptTag({ content: `${collect}\n${judge}` });
         if (camera === 'fly') await page.keyboard.press('c');
+        await setPaused(page); // so that what moves is the camera
         await page.evaluate(watch, new URLSearchParams(query).get('reproject'));
         await sweep(page, Date.now() + 1500); // the averages settle
         await page.evaluate(() => (window.samples.length = 0));
+        await page.evaluate(([size, ms]) => collect(size, ms), [SMALL, 200]);
         const frames = await page.evaluate(() => window.brume.frames);
         const begin = Date.now();
         await sweep(page, Date.now() + seconds * 1000);
@@ -103,6 +152,11 @@ try {
           shown: window.brume.frames,
         }));
         const rate = (1000 * (shown - frames)) / (Date.now() - begin);
+        const errors = await page.evaluate(([small, size]) => judge(small, size), [SMALL, SIZE]);
+        await page.waitForTimeout(700);
+        await page.evaluate(() => (window.pictures.length = 0));
+        await page.waitForTimeout(700);
+        const resting = await page.evaluate(([small, size]) => judge(small, size), [SMALL, SIZE]);
         const of = (key, part) =>
           rank(
             samples.map((sample) => sample[key]),
@@ -110,6 +164,7 @@ try {
           );
         best.push({
           angles: [of('turned', 0.5), of('turned', 0.95), of('aside', 0.5), of('aside', 0.95)],
+          errors: [rank(errors, 0.5), rank(errors, 0.95), rank(resting, 0.5)],
           latency: [50, 95, 99].map((percent) => latency[percent].total.toFixed(0)),
           rate,
         });
@@ -117,9 +172,9 @@ try {
       }
       // Of several runs the one with the least median latency: the others had the machine less to themselves.
       best.sort((a, b) => a.latency[0] - b.latency[0]);
-      const { angles, latency, rate } = best[0];
+      const { angles, errors, latency, rate } = best[0];
       const seen = angles.map((angle, i) => (i > 1 && camera === 'fly' ? '' : `${degrees(angle)}°`));
-      console.log(`| ${name} | ${camera} | ${seen.join(' | ')} | ${latency.join(' · ')} | ${rate.toFixed(0)} |`);
+      console.log(`| ${name} | ${camera} | ${seen.join(' | ')} | ${errors.map((error) => error.toFixed(1)).join(' | ')} | ${latency.join(' · ')} | ${rate.toFixed(0)} |`);
     }
 } finally {
   delay.stop();

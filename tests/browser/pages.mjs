@@ -17,9 +17,9 @@ export async function startBrowser() {
 }
 
 // A page of its own context, as another person would have, closed with the test `t`. Errors in it and requests to elsewhere
-// fail the test when it leaves.
+// fail the test when it leaves; `sentTo` is the one other server that it may know.
 // `script` runs in the page before its own.
-export async function openPage(t, browser, url, { script, ...options } = {}) {
+export async function openPage(t, browser, url, { script, sentTo, ...options } = {}) {
   const context = await browser.newContext({ viewport: VIEWPORT, ...options });
   t.after(() => context.close());
   const page = await context.newPage();
@@ -28,7 +28,8 @@ export async function openPage(t, browser, url, { script, ...options } = {}) {
   const elsewhere = [];
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('request', (request) => {
-    if (!request.url().startsWith(new URL(url).origin) && !/^(data|blob):/.test(request.url()))
+    const { origin, protocol } = new URL(request.url());
+    if (![url, sentTo].some((known) => known && new URL(known).origin === origin) && !/^(data|blob):/.test(protocol))
       elsewhere.push(request.url());
   });
   await page.goto(url);

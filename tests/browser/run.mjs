@@ -287,6 +287,39 @@ test('a page comes back by itself, where it was, when the server restarts', asyn
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });
 
+test('a page goes where a server that stops sends it, with its camera and its wishes', async (t) => {
+  const next = await startServer();
+  t.after(() => next.stop());
+  const server = await startServer('--drain-time', '0', '--drain-to', `ws://127.0.0.1:${next.port}/ws`);
+  t.after(() => server.stop());
+  const page = await openPage(t, browser, `${server.url}/?predict=0`, { sentTo: next.url });
+  await connected(page);
+  await drag(page, [0.5, 0.5], [0.7, 0.6]);
+  await settled(page);
+  const { camera } = await page.evaluate(() => window.brume);
+  assert.equal(await server.stop(), 0, 'the server’s exit');
+  await page.waitForURL(`${next.url}/?predict=0`); // what it brought along has left the address bar
+  await connected(page);
+  assert.deepEqual(await page.evaluate(() => window.brume.camera), camera);
+  await settled(page);
+  await page.leave();
+  assert.equal(await next.stop(), 0, 'the server’s exit');
+});
+
+test('a page comes back to its server when nobody is where it was sent', async (t) => {
+  const sentTo = 'http://127.0.0.1:1/';
+  let server = await startServer('--drain-time', '0', '--drain-to', sentTo);
+  t.after(() => server.stop());
+  const page = await openPage(t, browser, server.url, { sentTo });
+  await connected(page);
+  assert.equal(await server.stop(), 0, 'the server’s exit');
+  await until(page, 'it is reconnecting', (brume) => brume.state === 'reconnecting');
+  server = await startServer('--port', server.port);
+  await connected(page);
+  await page.leave();
+  assert.equal(await server.stop(), 0, 'the server’s exit');
+});
+
 test('a page whose server is killed is back soon after the port opens', async (t) => {
   let server = await startServer();
   t.after(() => server.stop());

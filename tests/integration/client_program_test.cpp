@@ -208,6 +208,31 @@ TEST_F(ClientProgram, AViewerWhoseConnectionIsLostIsTheSameAgain) {
 }
 
 // What another try will not change ends it, though it has been in.
+TEST_F(ClientProgram, AServerThatStopsSendsItOnAndItComesBackWhenNobodyIsThere) {
+    auto server =
+        std::make_unique<RunningServer>(std::vector<std::string>{"--drain-time", "0", "--drain-to", "http://127.0.0.1:1/"});
+    const std::string port = std::to_string(server->port());
+    const auto client =
+        startClient({"--headless", "--url", server->url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
+    waitForFrames(*server);
+    server->process().signal(SIGTERM);
+    ASSERT_TRUE(server->process().exitCode());
+    const RunningServer next({"--set", "camera.position=[9,9,9]"});
+    // Nobody is at the first URL: back where it was, which sends it on again.
+    server = std::make_unique<RunningServer>(std::vector<std::string>{
+        "--port", port, "--drain-time", "0", "--drain-to", "http://127.0.0.1:" + std::to_string(next.port()) + "/?page#top"});
+    waitForFrames(*server);
+    server->process().signal(SIGTERM);
+    waitForFrames(next);
+    client->signal(SIGINT);
+    EXPECT_EQ(client->exitCode(), 0) << client->err();
+    EXPECT_NE(client->err().find("the server stops; trying ws://127.0.0.1:1/ws in "), std::string::npos) << client->err();
+    EXPECT_NE(client->err().find("; trying ws://127.0.0.1:" + std::to_string(next.port()) + "/ws in "), std::string::npos);
+    const Json s = stats();
+    EXPECT_EQ(s["connections"], 3);
+    for (const Json& picture : s["pictures"]) EXPECT_EQ(picture["pose"]["position"], Json({0, 2, 26})); // of the first server
+}
+
 TEST_F(ClientProgram, AServerThatComesBackAndWantsATokenEndsIt) {
     const fs::path key = fs::temp_directory_path() / ("brume-client-key-" + std::to_string(getpid()));
     std::ofstream(key) << std::string(32, 'k');

@@ -47,6 +47,22 @@ TEST(Endpoint, UrlsOfEveryShape) {
         EXPECT_THROW(parseUrl(bad), std::invalid_argument) << bad;
 }
 
+TEST(Endpoint, WhereAGoodbyeSends) {
+    const std::vector<std::pair<const char*, const char*>> good{
+        {"https://cloud.example", "wss://cloud.example:443/ws"},
+        {"http://cloud.example/", "ws://cloud.example:80/ws"},
+        {"http://cloud.example:81/show/?eyes=side#top", "ws://cloud.example:81/show/ws"},
+        {"https://[::1]:81/show/index.html", "wss://[::1]:81/show/ws"},
+        {"wss://cloud.example/show/socket", "wss://cloud.example:443/show/socket"},
+        {"ws://cloud.example", "ws://cloud.example:80/ws"}};
+    for (const auto& [url, socket] : good) {
+        ASSERT_TRUE(parseGoTo(url)) << url;
+        EXPECT_EQ(parseGoTo(url)->url(), socket);
+    }
+    for (const char* bad : {"", "cloud", "ftp://cloud", "httpx://cloud", "http:", "http://", "https://a:0", "file:///etc/passwd"})
+        EXPECT_FALSE(parseGoTo(bad)) << bad;
+}
+
 TEST(Options, GoodOnes) {
     const auto options = parsed({"--url", "ws://h:1", "--size", "800x450", "--stereo", "--path", "fly", "--camera",
                                  "1,2,3,-4,5e-1,6", "--impulse", "2:0,0,5,0,0,-2,1.5", "--impulse", "0.5:0,0,5,0,1,0,-1"});

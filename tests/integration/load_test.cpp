@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "client/load/crowd.h"
 #include "tests/integration/http.h"
 #include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
@@ -38,6 +40,30 @@ protected:
 
     fs::path out_;
 };
+
+// Counters come over the same link as the frames: while they are asked for, far viewers would stand still and look late.
+TEST_F(Load, ViewersGoOnWhileCountersAreAskedFor) {
+    const RunningServer server;
+    load::Options options;
+    options.wishes.width = 160, options.wishes.height = 96;
+    options.warm_up = 0;
+    client::Interrupt interrupt;
+    load::Crowd crowd(options, server.endpoint(), 1, interrupt);
+    crowd.enter();
+    constexpr auto frames = "brume_frames_total{fate=\"sent\"}";
+    double sent = 0;
+    crowd.during([&] {
+        const double before = metric(server.port(), frames).value();
+        for (int i = 0; i < 600 && sent < 20; ++i) { // more than a window that nobody acknowledges
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            sent = metric(server.port(), frames).value() - before;
+        }
+    });
+    EXPECT_GE(sent, 20);
+    EXPECT_THROW(crowd.during([] { throw std::runtime_error("not answered"); }), std::runtime_error);
+    EXPECT_GT(crowd.watch(0.5).allFrames(), 0u);
+    crowd.leave();
+}
 
 TEST_F(Load, MeasuresARunningServer) {
     const RunningServer server;

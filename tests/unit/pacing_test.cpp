@@ -30,6 +30,7 @@ struct Link {
 struct Outcome {
     int frames = 0;      // acknowledged
     Ms longest_queue{0}; // after the first three seconds
+    Ms longest_pause{0}; // between frames; so on
     uint32_t window = 0, level = 0;
 };
 
@@ -45,6 +46,7 @@ Outcome stream(Link link, size_t bytes, int seconds, bool adapts = false) {
     Outcome out;
     uint32_t id = 0;
     bool held = false;
+    Clock::time_point last = kStart;
     for (Clock::time_point now = kStart; now < kStart + std::chrono::seconds(seconds); now += milliseconds(1)) {
         while (!back.empty() && back.front().at <= now) {
             if (back.front().frame)
@@ -55,13 +57,20 @@ Outcome stream(Link link, size_t bytes, int seconds, bool adapts = false) {
         }
         const auto ms = (now - kStart) / milliseconds(1);
         if (ms % 200 == 0) back.push_back({link.arrivesBack(40, now), now, 0});
-        if (ms % 100 == 0) quality.look({pacing.queueMs(), held, false}, now), held = false;
+        if (ms % 100 == 0) {
+            const uint32_t level = quality.level();
+            quality.look({pacing.queueMs(), held, false}, now);
+            held = false;
+            if (quality.level() < level) pacing.probe();
+        }
         if (ms % 17 == 0) {
             held = held || pacing.isHeldByBytes();
             if (pacing.isOpen(now)) {
                 const QualityStep step = quality.step();
                 const double scale = adapts ? (step.quality < 75 ? double(step.quality) / 110 : 1) * (step.half ? 0.3 : 1) : 1;
                 pacing.issued(++id, now);
+                if (ms > 3000) out.longest_pause = std::max(out.longest_pause, Ms(now - last));
+                last = now;
                 const auto size = size_t(double(bytes) * scale);
                 pacing.sent(id, size, 10, now);
                 back.push_back({link.arrivesBack(size, now), now, id});
@@ -86,7 +95,8 @@ TEST(Pacing, ALongLinkGetsAWiderWindow) {
     EXPECT_GT(stream({12.5e6, milliseconds(60)}, 8000, 10).frames, 560);
     const Outcome far = stream({12.5e6, milliseconds(300)}, 8000, 10);
     EXPECT_EQ(far.window, 6u);
-    EXPECT_GT(far.frames, 10 * 6 * 1000 / 330 * 9 / 10); // six a round trip
+    EXPECT_GT(far.frames, 10 * 6 * 1000 / 330 * 9 / 10); // six a round trip,
+    EXPECT_LT(far.longest_pause, Ms(2 * 330.0f / 6));    // and not six at once
 }
 
 // 1 Mbit/s carries 12 frames of 10 kB a second: rather those than a queue of old ones.
@@ -101,6 +111,9 @@ TEST(Pacing, QualityMakesRoomOnANarrowLink) {
                   adapted = stream({125e3, milliseconds(20)}, 10000, 20, true);
     EXPECT_GT(adapted.frames, 2 * as_it_is.frames);
     EXPECT_GT(adapted.level, 0u);
+    // Also where a step up is tried and taken back: 58 ms a frame of the least quality, 17 of half the size.
+    const Outcome swings = stream({125e3, milliseconds(20)}, 20000, 60, true);
+    EXPECT_LT(swings.longest_queue, Ms(100));
 }
 
 TEST(Pacing, SilenceStopsRendering) {
@@ -159,6 +172,29 @@ TEST(Quality, DownAtOnceUpAfterACleanSecond) {
     EXPECT_FALSE(quality.look({30, false, false}, now += milliseconds(250))); // neither clean nor bad: as it is
     for (int i = 0; i < 40; ++i) quality.look({0, true, false}, now += milliseconds(250));
     EXPECT_EQ(quality.level(), QualityControl::kSteps - 1);
+}
+
+// A link that carries level 1 and not level 0.
+TEST(Quality, AStepThatHadToBeTakenBackIsTriedAgainLaterAndLater) {
+    QualityControl quality;
+    Clock::time_point now = kStart;
+    quality.look({60, false, false}, now);
+    const auto untilUp = [&] {
+        const Clock::time_point since = now;
+        while (quality.level() > 0) quality.look({0, false, false}, now += milliseconds(250));
+        return (now - since) / milliseconds(1);
+    };
+    const auto down = [&](int after_ms) {
+        while (after_ms > 0) quality.look({0, false, false}, now += milliseconds(250)), after_ms -= 250;
+        EXPECT_TRUE(quality.look({60, false, false}, now += milliseconds(250)));
+    };
+    EXPECT_EQ(untilUp(), 1000);
+    for (const int wait : {2000, 4000, 8000, 16000, 16000}) {
+        down(250);
+        EXPECT_EQ(untilUp(), wait);
+    }
+    down(3000); // it held for a while: what came now is news
+    EXPECT_EQ(untilUp(), 1000);
 }
 
 TEST(Quality, EveryStepIsLessThanTheOneBefore) {

@@ -17,8 +17,9 @@ PoseRequest poseWithSeq(uint32_t seq) {
 
 PacingOptions windowOf(uint32_t frames) { return {.least_frames = frames, .most_frames = frames}; }
 
-FramePtr frameFor(const Viewer::Due& due) {
+FramePtr frameFor(const Viewer::Due& due, Clock::time_point encoded = Clock::now()) {
     auto frame = std::make_shared<EncodedFrame>();
+    frame->encoded = encoded;
     frame->id = due.frame_id;
     frame->request = due.request;
     return frame;

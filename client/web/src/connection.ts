@@ -2,6 +2,7 @@
 import { Backoff } from './backoff';
 import { decode } from './decode';
 import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodePong, encodePose } from './encode';
+import { answers, pageOf } from './move';
 import { SUBPROTOCOL } from './protocol';
 import type { Command, HelloMessage, PoseMessage, ServerMessage, Welcome } from './protocol';
 
@@ -19,6 +20,8 @@ export interface LinkEvents {
   state(state: LinkState): void;
   message(message: ServerMessage, bytes: number): void;
   roundTrip(ms: number): void;
+  // The server has stopped, and there is an answer from the page that it named.
+  moved(page: string): void;
 }
 
 const HANDSHAKE_MS = 8000; // from opening to welcome
@@ -47,6 +50,7 @@ export class Connection {
   private openedAt = 0;
   private declined = 0;
   private askedWait = 0;
+  private goTo: string | undefined; // of the last goodbye
   private parting: { refusal?: Refusal; text: string } | undefined;
   private timer: number | undefined;
   private clock: number | undefined;
@@ -77,7 +81,14 @@ export class Connection {
   retryNow(): void {
     if (this.socket) return;
     window.clearTimeout(this.timer);
-    this.open();
+    if (this.goTo === undefined) this.open();
+    else void this.goOn(this.goTo);
+  }
+
+  // Elsewhere, or here again when nobody answers there.
+  private async goOn(page: string): Promise<void> {
+    if (await answers(page)) this.events.moved(page);
+    else if (!this.socket) this.open();
   }
 
   get connected(): boolean {
@@ -173,6 +184,7 @@ export class Connection {
       case 'welcome':
         this.welcomed = this.everWelcomed = true;
         this.resume = message.resume;
+        this.goTo = undefined;
         this.backoff.reset();
         this.ping();
         this.setState({ name: 'connected', welcome: message });
@@ -182,6 +194,7 @@ export class Connection {
         break;
       case 'goodbye':
         this.askedWait = message.retryAfterS > 0 ? message.retryAfterS : 0;
+        this.goTo = pageOf(message.goTo, location.href);
         this.parting = { ...this.parting, text: message.reason || this.parting?.text || '' };
         if (!this.parting.refusal && this.askedWait >= LONG_WAIT_S) this.parting.refusal = 'goodbye';
         this.socket?.close(1000);

@@ -53,7 +53,8 @@ export function decode(data: ArrayBuffer): ServerMessage {
     }
     case Body.Goodbye: {
       const goodbye = message.body(new WireGoodbye()) as WireGoodbye;
-      return { kind: 'goodbye', reason: goodbye.reason() ?? '', retryAfterS: goodbye.retryAfterS() };
+      const [reason, goTo] = [goodbye.reason() ?? '', goodbye.goTo() ?? ''];
+      return { kind: 'goodbye', reason, retryAfterS: goodbye.retryAfterS(), goTo };
     }
     default:
       throw new ProtocolError(`unexpected message type ${type}`);

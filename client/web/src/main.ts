@@ -8,6 +8,7 @@ import type { ControlsHost, Mode } from './controls';
 import { find, setPressed, setText } from './dom';
 import { Headset, headsetSupported } from './headset';
 import type { Presented } from './latency';
+import { addressAt, cameraIn } from './move';
 import { Notices, sentence } from './notices';
 import { Overlay } from './overlay';
 import { buildPanel } from './panel';
@@ -29,6 +30,10 @@ const OVERLAY_MS = 250;
 const RESIZE_SETTLE_MS = 150;
 const ERROR_FULL = 5; // shown as a state, not as a note
 const CLIENT = 'brume-web 0.1.0';
+
+let arrived = cameraIn(location.hash); // from another server, with this camera
+const token = takeToken();
+if (arrived) history.replaceState(history.state, '', location.pathname + location.search);
 
 const canvas = find<HTMLCanvasElement>('view');
 const settings = loadSettings();
@@ -71,7 +76,7 @@ let size: Size = viewing.size();
 
 const notices = new Notices(() => link.retryNow());
 
-const link = new Connection(socketAddress(takeToken()), {
+const link = new Connection(socketAddress(token), {
   hello: () => ({ client: CLIENT, ...size, views: headset ? 2 : viewing.views, quality: settings.quality }),
   state: (state) => {
     linkState = state.name;
@@ -81,13 +86,15 @@ const link = new Connection(socketAddress(takeToken()), {
   },
   message: receive,
   roundTrip: (ms) => statistics.roundTrip(ms),
+  moved: (page) => location.assign(addressAt(page, location.search, token, camera)),
 });
 
 function enter(greeting: Welcome): void {
   // The same scene again: the viewer stays where they were.
   if (welcome?.scene !== greeting.scene) {
     home = fitAspect(lookAt(greeting.camera.position, greeting.camera.target), aspect());
-    camera = home;
+    camera = arrived ?? home;
+    arrived = undefined;
   }
   welcome = greeting;
   sent = undefined;

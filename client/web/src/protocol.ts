@@ -132,6 +132,6 @@ export type ServerMessage =
   | Frame
   | ErrorMessage
   | { kind: 'ping' | 'pong'; nonce: number; timeUs: bigint }
-  | { kind: 'goodbye'; reason: string; retryAfterS: number };
+  | { kind: 'goodbye'; reason: string; retryAfterS: number; goTo: string };
 
 export class ProtocolError extends Error {}

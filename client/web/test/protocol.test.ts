@@ -190,7 +190,9 @@ describe('decode', () => {
     expect(decode(bytesOf('goodbye'))).toEqual({
       kind: 'goodbye',
       ...present(body('goodbye'), { reason: 'reason', retryAfterS: 'retry_after_s' }),
+      goTo: '',
     });
+    expect(decode(bytesOf('goodbye_go_to'))).toMatchObject({ goTo: body('goodbye_go_to')['go_to'] });
     for (const kind of ['ping', 'pong'] as const) {
       const timeUs = BigInt(body(kind)['time_us'] as string);
       expect(decode(bytesOf(kind))).toEqual({ kind, nonce: body(kind)['nonce'], timeUs });
@@ -313,6 +315,6 @@ describe('encode', () => {
       check(name, encode(body['nonce'] as number, BigInt(body['time_us'] as string)));
     }
     const farewell = decode(encodeGoodbye('bye').slice().buffer);
-    expect(farewell).toEqual({ kind: 'goodbye', reason: 'bye', retryAfterS: 0 });
+    expect(farewell).toEqual({ kind: 'goodbye', reason: 'bye', retryAfterS: 0, goTo: '' });
   });
 });
