@@ -9,6 +9,7 @@
 
 #include "common/address.h"
 #include "common/scene_text.h"
+#include "server/ahead.h"
 #include "server/net/server.h"
 #include "server/operate/log.h"
 #include "server/operate/recorder.h"
@@ -75,6 +76,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         std::cout << explained(scene, costs);
         return;
     }
+    if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms);
     SceneFacts facts{scene.name, device.name(), scene.camera, {kAutoMethod}, {}};
     for (const MethodInfo& method : methods()) facts.methods.emplace_back(method.name);
     for (const char* quadrature : quadratures()) facts.quadratures.emplace_back(quadrature);
@@ -101,6 +103,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
                      options.net.listen);
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
+    const std::unique_ptr<Process> ahead = options.ahead == "background" ? startAhead(scene, argc, argv) : nullptr;
 
     int signal = 0;
     while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, network});
@@ -137,6 +140,7 @@ int main(int argc, char** argv) {
 
     try {
         const ServerOptions& options = *parsed.options;
+        if (options.ahead == "only") stepBehind();
         startLog(options.log_level, options.log_format, options.log_file);
         if (options.replay.empty())
             serve(parsed, argc, argv, signals);

@@ -231,6 +231,10 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         ->group(group)
         ->check(CLI::Range(1.0, 60'000.0))
         ->type_name("MS");
+    app.add_option("--ahead", o.ahead, "compile shaders that may be needed later: background, off, or only that and end")
+        ->type_name("HOW")
+        ->check(CLI::IsMember({"background", "off", "only"}))
+        ->group(group);
     app.add_flag("--explain", o.explain, "print what is rendered with, and why, for the scene's own camera, and end")
         ->group(group);
     app.add_option("--encode-threads", o.frame.encode_threads, "JPEG encoders")->group(group)->check(CLI::Range(1, 64));

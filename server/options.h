@@ -29,8 +29,9 @@ struct ServerOptions {
     std::optional<uint32_t> steps, shadow_size, shadow_slices;
     std::optional<float> exposure, cutoff, shadow_error;
     std::optional<bool> paused;
-    std::filesystem::path costs; // folder of the device's constants, as brume-bench calibrate writes them
-    bool explain = false;        // print the plan and end
+    std::filesystem::path costs;      // folder of the device's constants, as brume-bench calibrate writes them
+    bool explain = false;             // print the plan and end
+    std::string ahead = "background"; // compile shaders ahead: so, off, or only that
     std::string log_level = "info", log_format = "text";
     std::filesystem::path log_file;        // empty: standard error
     std::chrono::milliseconds drain{0};    // told to stop: /readyz fails for so long while frames still flow

@@ -16,7 +16,7 @@ using client::nowUs;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr uint64_t kPoseEveryUs = 16'667;  // as a display of 60 Hz
+constexpr uint64_t kPoseEveryUs = 16'393;  // 61 Hz: a display's rate, but no run has the luck of one phase to the server's ticks
 constexpr uint64_t kLookEveryUs = 100'000; // for what does not happen: frames that do not come
 constexpr uint64_t kTryEveryUs = 250'000;  // of those who lost the server
 constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may show shaders being compiled
@@ -135,7 +135,7 @@ void Crowd::talk(Viewer& viewer, uint64_t now) {
     Pose pose = viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period);
     if (viewer.path.stereo) pose.eye_separation = client::kEyeSeparation;
     if (const auto seq = viewer.session.sendPose(pose)) viewer.unanswered.push_back({*seq, now});
-    // 60 a second on average, but none to make up for a time in which this program did not run.
+    // 61 a second on average, but none to make up for a time in which this program did not run.
     viewer.next_pose_us = std::max(viewer.next_pose_us + kPoseEveryUs, now + kPoseEveryUs / 2);
 }
 

@@ -1,4 +1,4 @@
-// Many viewers of one server in one thread, each with a camera of its own: poses at 60 Hz, every frame acknowledged at once.
+// Many viewers of one server in one thread, each with a camera of its own: poses at 61 Hz, every frame acknowledged at once.
 #pragma once
 
 #include <chrono>

@@ -154,7 +154,7 @@ std::string markdown(const Report& report, const Options& options) {
     out += tableHead();
     for (const Run& run : report.runs) out += tableLine(run);
     out +=
-        "\nPose to frame: from every pose that a viewer sends, 60 a second, to the first frame of that pose or a later one.\n"
+        "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or a later one.\n"
         "Shared: passes once a batch for all viewers of it; view: passes of each. Error: relative RMSE that the server's plan\n"
         "predicts, which grows when it gives up accuracy under load. Load: this program; others: what else the machine did.\n";
     if (const Run* const one = ofOneViewer(report)) out += beside(report, *one);

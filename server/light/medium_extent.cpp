@@ -44,4 +44,10 @@ MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float fallof
     return extent;
 }
 
+DepthRange depthRange(const MediumExtent& extent, glm::vec3 eye, glm::vec3 forward) {
+    const float middle = glm::dot(0.5f * (extent.lo + extent.hi) - eye, forward);
+    const float reach = glm::dot(0.5f * (extent.hi - extent.lo), glm::abs(forward));
+    return {middle - reach, middle + reach};
+}
+
 } // namespace brume

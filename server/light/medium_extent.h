@@ -19,4 +19,10 @@ struct MediumExtent {
 // `cut` as gpu::Tick::cut.
 MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float falloff, float cut);
 
+// View depths (m) between which its bounds lie, from `eye` along `forward` (unit); negative ones are behind the eye.
+struct DepthRange {
+    float near = 0, far = 0;
+};
+DepthRange depthRange(const MediumExtent& extent, glm::vec3 eye, glm::vec3 forward);
+
 } // namespace brume

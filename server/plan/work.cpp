@@ -32,19 +32,13 @@ double weightOf(const PlanScene& scene) {
     return scene.sample.empty() ? 0 : double(scene.particles) / double(scene.sample.size());
 }
 
-// View depths between which the medium lies.
+// View depths between which the medium lies before the eye.
 struct Depths {
     double near, far; // m
 };
 Depths depthsOf(const MediumExtent& e, const Pose& pose) {
-    const glm::dvec3 forward(pose.orientation * glm::vec3(0, 0, -1));
-    Depths depths{1e30, -1e30};
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 at(corner & 1 ? e.hi.x : e.lo.x, corner & 2 ? e.hi.y : e.lo.y, corner & 4 ? e.hi.z : e.lo.z);
-        const double depth = glm::dot(glm::dvec3(at - pose.position), forward);
-        depths.near = std::min(depths.near, depth);
-        depths.far = std::max(depths.far, depth);
-    }
+    const DepthRange all = depthRange(e, pose.position, pose.orientation * glm::vec3(0, 0, -1));
+    Depths depths{all.near, all.far};
     depths.near = std::max(depths.near, ViewWork::kNear);
     depths.far = std::max(depths.far, depths.near);
     return depths;

@@ -25,18 +25,12 @@ void DrawnCells::record(gpu::Commands& commands, const EyeInputs& in) {
     const gpu::Commands::Pass pass(commands, "cells", in.view);
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Eye& eye = in.block->eye;
-    struct {
-        float near = 1e30f, far = 0, same;
+    const DepthRange depths = depthRange(*in.extent, eye.position, -eye.back);
+    const struct {
+        float near, far, same;
         uint32_t first_caster;
-    } push{.same = kSame * in.extent->deviation, .first_caster = in.first_caster};
-    for (int i = 0; i < 8; ++i) {
-        const glm::vec3 corner = glm::mix(in.extent->lo, in.extent->hi, glm::vec3(i & 1, i >> 1 & 1, i >> 2));
-        const float depth = glm::dot(eye.back, eye.position - corner);
-        push.near = std::min(push.near, depth);
-        push.far = std::max(push.far, depth);
-    }
-    push.near = std::max(push.near, eye.near_depth);
-    push.far = std::max(push.far, eye.near_depth);
+    } push{std::max(depths.near, eye.near_depth), std::max(depths.far, eye.near_depth), kSame * in.extent->deviation,
+           in.first_caster};
     const EyeInputs& nodes = *in.nodes;
     gpu::ComputeProgram& program = programs_[nodes.step];
     if (!program)

@@ -51,8 +51,7 @@ struct EyeInputs {
     const gpu::Buffer* planes = nullptr; // where the pictures' bytes go, each as PlaneLayout
     const Background* background = nullptr;
     Compose* compose = nullptr;
-    const EyeInputs* nodes =
-        nullptr; // the same at every step-th pixel, of which the medium is drawn first (Renderer::drawsCells)
+    const EyeInputs* nodes = nullptr; // at every step-th pixel: where the medium is drawn first (Renderer::drawsCells)
     DrawnCells* cells = nullptr;
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;

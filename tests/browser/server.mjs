@@ -14,7 +14,7 @@ export async function startServer(...options) {
   for (const path of [BINARY, join(WEB_ROOT, 'index.html')]) {
     if (!existsSync(path)) throw new Error(`${path} is missing: build first, with ./dev`);
   }
-  const flags = ['--scene', 'cloud', '--web-root', WEB_ROOT, ...options];
+  const flags = ['--scene', 'cloud', '--web-root', WEB_ROOT, '--ahead', 'off', ...options];
   if (!options.includes('--port')) flags.push('--port', '0');
   const child = spawn(BINARY, flags, { cwd: ROOT, stdio: ['ignore', 'pipe', 'pipe'] });
   let output = '';

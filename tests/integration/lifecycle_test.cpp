@@ -3,6 +3,8 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -149,6 +151,63 @@ TEST(Lifecycle, APlannedServerShowsItsPlanInMetrics) {
     ASSERT_TRUE(error && relaxed);
     EXPECT_TRUE(*error > 0 && *error < 0.05); // the budget, or ten of them under overload
     EXPECT_GE(*relaxed, 0);
+}
+
+uintmax_t bytesIn(const std::filesystem::path& folder) {
+    uintmax_t bytes = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.is_regular_file()) bytes += entry.file_size();
+    return bytes;
+}
+
+// What a driver's cache on disk does not get any more was there already: nobody waits for it to be compiled.
+TEST(Lifecycle, WhatOverloadAndOtherViewersNeedIsCompiledAhead) {
+    const auto cache = std::filesystem::temp_directory_path() / ("brume-shaders-" + std::to_string(getpid()));
+    std::filesystem::create_directory(cache);
+    const std::vector<std::string> environment{"MESA_SHADER_CACHE_DIR=" + cache.string()};
+    Process ahead({BRUME_SERVER, "--scene", "cloud", "--ahead", "only"}, environment);
+    EXPECT_EQ(ahead.exitCode(std::chrono::minutes(5)), 0) << ahead.err();
+    EXPECT_EQ(ahead.out() + ahead.err(), "");
+    if (bytesIn(cache) == 0) GTEST_SKIP() << "this driver keeps nothing there";
+    // The plan's own rate, one that overload leads to; viewers of several sizes.
+    for (const std::string rate : {"0", "12"}) {
+        Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0", "--ahead", "off", "--set", "render.rate=" + rate},
+                       environment);
+        const auto port = server.lineStarting("listening on http://127.0.0.1:");
+        ASSERT_TRUE(port) << server.err();
+        const uintmax_t started = bytesIn(cache);
+        for (const char* size : {"w=640&h=360", "w=320&h=180", "w=960&h=540"})
+            if (rate == "0" || std::string(size) == "w=640&h=360") {
+                EXPECT_EQ(get(uint16_t(std::stoi(*port)), std::string("/snapshot.jpg?") + size).status, 200);
+                EXPECT_EQ(bytesIn(cache), started) << "rate " << rate << ", " << size;
+            }
+    }
+    std::filesystem::remove_all(cache);
+}
+
+bool runsSomewhere(const std::string& argument) {
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+        std::ifstream in(entry.path() / "cmdline");
+        const std::string all((std::istreambuf_iterator<char>(in)), {});
+        if (all.find(argument) != all.npos && all.find("--ahead") != all.npos) return true;
+    }
+    return false;
+}
+
+TEST(Lifecycle, WhoCompilesAheadEndsWithTheServerHoweverThatEnds) {
+    const std::string mark = "/nowhere/" + std::to_string(getpid()); // among its arguments, to be known by
+    for (const int end : {SIGTERM, SIGKILL}) {
+        Process server({BRUME_SERVER, "--scene", "props", "--port", "0", "--costs", mark});
+        ASSERT_TRUE(server.lineStarting("listening on ")) << server.err();
+        const auto soon = [&](bool runs) {
+            for (int i = 0; i < 1000 && runsSomewhere(mark) != runs; ++i) std::this_thread::sleep_for(milliseconds(10));
+            return runsSomewhere(mark) == runs;
+        };
+        EXPECT_TRUE(soon(true));
+        server.signal(end);
+        EXPECT_TRUE(server.exitCode());
+        EXPECT_TRUE(soon(false));
+    }
 }
 
 TEST(Lifecycle, HelpAndVersion) {

@@ -16,6 +16,7 @@ RunningServer::RunningServer(const std::vector<std::string>& arguments) {
     const auto given = [&](const char* name) { return std::find(all.begin(), all.end(), name) != all.end(); };
     if (!given("--port")) all.insert(all.end(), {"--port", "0"});
     if (!given("--scene")) all.insert(all.end(), {"--scene", "cloud"});
+    if (!given("--ahead")) all.insert(all.end(), {"--ahead", "off"}); // what would be compiled is compiled by the tests
     process_ = startServer(all);
     const auto port = process_->lineStarting("listening on http://127.0.0.1:");
     if (!port) throw std::runtime_error("the server does not get ready: " + process_->out() + process_->err());

@@ -120,7 +120,7 @@ def link(case, by_kernel):
 
 def fast(options):
     return Load(options.programs, f'ws://10.91.1.1:{PORT}/ws', options.fast, options.seconds, '--anywhere', '--warm-up', '1',
-                '--width', '160', '--height', '90', inside=inside(FAST))
+                '--width', '320', '--height', '180', inside=inside(FAST))
 
 
 def beside(case, options, by_kernel):
@@ -171,7 +171,7 @@ def report(rows, missed, options, device, by_kernel, where):
                'a user-space link of whole packets (`tests/network/link.py`; this kernel has no netem)')
     lines = ['# Viewers behind bad links', '',
              f'By `./dev netem`: scene `cloud`, {device}, {where}. One slow viewer (640x360) behind a link made by {made_by}, and '
-             f'{options.fast} fast viewers (160x90) behind a clean one, {options.seconds:g} s each, of each number the least p95 of '
+             f'{options.fast} fast viewers (320x180) behind a clean one, {options.seconds:g} s each, of each number the least p95 of '
              f'{options.rounds} rounds, `{options.start}`. Delay is there and back; loss and rate hold each way; {QUEUE_MS} ms of '
              'packets may wait for a line with a rate.', '',
              'Latency: a pose sent to the first frame of it or of a later one. Age: the pose that a frame shows sent, to the frame got; '
@@ -192,7 +192,7 @@ def main():
     about = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     about.add_argument('--programs', type=pathlib.Path, default='build/release/bin', help='folder of brume-server and brume-load')
     about.add_argument('--out', type=pathlib.Path, help='write the report here, besides printing it')
-    about.add_argument('--fast', type=int, default=4, help='number of fast viewers')
+    about.add_argument('--fast', type=int, default=2, help='number of fast viewers')
     about.add_argument('--seconds', type=float, default=6, help='of each measurement')
     about.add_argument('--rounds', type=int, default=3, help='of each case; of each number the round with the least p95 counts')
     about.add_argument('--window', type=int, default=6, help='unacknowledged frames that the server allows, its --max-in-flight')

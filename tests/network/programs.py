@@ -13,6 +13,9 @@ import time
 import urllib.request
 
 
+signal.signal(signal.SIGTERM, signal.default_int_handler)  # tidied up as after Ctrl-C
+
+
 def tell(line):
     print(line, file=sys.stderr, flush=True)
 

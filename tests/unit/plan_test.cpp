@@ -32,6 +32,22 @@ bool hasPass(const Plan& plan, std::string_view name) {
     return std::any_of(plan.passes.begin(), plan.passes.end(), [&](const PassCost& p) { return p.pass == name; });
 }
 
+TEST(MediumExtent, ItsDepthsAreThoseOfItsCorners) {
+    MediumExtent extent;
+    extent.lo = {-3, 0.5f, 2}, extent.hi = {1, 4, 2.5f};
+    for (const glm::vec3 ahead : {glm::vec3(0, 0, -1), glm::vec3(1, 2, 3), glm::vec3(-5, 0.1f, 0), glm::vec3(0.3f, -1, -0.2f)}) {
+        const glm::vec3 eye(7, -2, 1), forward = glm::normalize(ahead);
+        float near = 1e30f, far = -1e30f;
+        for (int i = 0; i < 8; ++i) {
+            const glm::vec3 corner = glm::mix(extent.lo, extent.hi, glm::vec3(i & 1, i >> 1 & 1, i >> 2));
+            near = std::min(near, glm::dot(corner - eye, forward));
+            far = std::max(far, glm::dot(corner - eye, forward));
+        }
+        EXPECT_NEAR(depthRange(extent, eye, forward).near, near, 1e-5f);
+        EXPECT_NEAR(depthRange(extent, eye, forward).far, far, 1e-5f);
+    }
+}
+
 TEST(Plan, ATighterBudgetNeverPredictsLessTimeOrMoreError) {
     for (const uint32_t count : {50u, 500u, 5000u}) {
         PlanInputs inputs = inputsOf(cube(count, count > 500 ? 3 : 6));

@@ -27,6 +27,7 @@ export interface LinkEvents {
 const HANDSHAKE_MS = 8000; // from opening to welcome
 const SILENCE_MS = 8000; // the server reports the scene each second; longer silence is a dead connection
 const PING_MS = 2000;
+const MOVE_MS = 10_000; // a page that is still here then was not left
 // With this much still unsent the network is behind, and another pose would only be older when it arrives.
 const UNSENT_LIMIT = 64 * 1024;
 // A wait this long is worth telling as a refusal instead of as an interruption.
@@ -87,8 +88,10 @@ export class Connection {
 
   // Elsewhere, or here again when nobody answers there.
   private async goOn(page: string): Promise<void> {
-    if (await answers(page)) this.events.moved(page);
-    else if (!this.socket) this.open();
+    if (await answers(page)) {
+      this.events.moved(page);
+      this.timer = window.setTimeout(() => this.open(), MOVE_MS);
+    } else if (!this.socket) this.open();
   }
 
   get connected(): boolean {

@@ -30,20 +30,11 @@ void coarsen(gpu::SlabGrid& grid) {
     grid.slabs = grid.lines.z * grid.sheet;
 }
 
-// View depths between which the medium lies.
-std::pair<float, float> depths(const EyeInputs& in) {
-    const glm::vec3 forward = in.pose.orientation * glm::vec3(0, 0, -1);
-    float near = 1e30f, far = -1e30f;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 at(corner & 1 ? in.extent->hi.x : in.extent->lo.x, corner & 2 ? in.extent->hi.y : in.extent->lo.y,
-                           corner & 4 ? in.extent->hi.z : in.extent->lo.z);
-        const float depth = glm::dot(at - in.pose.position, forward);
-        near = std::min(near, depth);
-        far = std::max(far, depth);
-    }
-    return {std::max(near, kNearDepth), far};
+// View depths between which the medium lies before the eye.
+DepthRange depths(const EyeInputs& in) {
+    const DepthRange all = depthRange(*in.extent, in.pose.position, in.pose.orientation * glm::vec3(0, 0, -1));
+    return {std::max(all.near, kNearDepth), all.far};
 }
-
 // The medium's standard deviation in pixels, in the middle of the depths where it is.
 float projectedDeviation(const EyeInputs& in, float near, float far) {
     const float pixel = 2 * in.block->eye.tan_y / float(in.size.height); // m per m of view depth
