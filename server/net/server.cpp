@@ -76,7 +76,7 @@ struct NetServer::State {
     const NetOptions& options() const { return newest.load()->options; }
 
     asio::awaitable<void> accept();
-    void welcome(tcp::socket socket);
+    void welcome(tcp::socket socket) const;
 
     House house;
     std::deque<Context>
@@ -103,7 +103,7 @@ asio::awaitable<void> NetServer::State::accept() {
     }
 }
 
-void NetServer::State::welcome(tcp::socket socket) {
+void NetServer::State::welcome(tcp::socket socket) const {
     Context& context = *newest.load();
     error_code error;
     const auto remote = socket.remote_endpoint(error);

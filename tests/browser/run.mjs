@@ -239,6 +239,20 @@ describe('one server', () => {
     await page.leave();
   });
 
+  test('the numbers of a slow server fit into the statistics', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await page.locator('#tool-stats').click();
+    const cut = await page.evaluate(() => {
+      const values = [...document.querySelectorAll('#overlay .legend dd')];
+      for (const value of values) value.textContent = '12345 · 12345 · 12345';
+      return values.filter((value) => value.scrollWidth > value.clientWidth).length;
+    });
+    assert.equal(cut, 0, 'values that are cut off');
+    assert.ok(await page.evaluate(() => document.getElementById('overlay').scrollWidth <= document.getElementById('overlay').clientWidth));
+    await page.leave();
+  });
+
   test('a setting changed in one page is followed by the other’s panel', async (t) => {
     const [one, two] = [await openPage(t, browser, server.url), await openPage(t, browser, server.url)];
     await Promise.all([connected(one), connected(two)]);

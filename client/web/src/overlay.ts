@@ -55,6 +55,7 @@ export class Overlay {
     this.curve.width = CURVE.width * 2;
     this.curve.height = CURVE.height * 2;
     const legend = el('dl', { class: 'legend' });
+    legend.append(el('div', {}, el('dt', {}, 'ms'), el('dd', {}, 'p50 · p95 · p99')));
     for (const stage of STAGES) {
       const part = el('i', { class: `stage-${stage}` });
       const value = el('dd');
@@ -65,7 +66,7 @@ export class Overlay {
     legend.append(el('div', { title: 'The device’s own time, part of render' }, el('dt', {}, 'gpu alone'), this.gpu));
     const facts = el('dl', { class: 'facts' });
     for (const name of [
-      'p50 · p95 · p99',
+      'input to picture',
       'tick',
       'viewers',
       'particles',
@@ -114,7 +115,7 @@ export class Overlay {
       part.style.flexGrow = String(amount ?? 0);
     }
     const total = spread('total');
-    this.fact('p50 · p95 · p99', total && `${total} ms`);
+    this.fact('input to picture', total && `${total} ms`);
     const { scene, frame, welcome } = data;
     setText(this.gpu, frame ? ms(frame.stages.gpu) : '–');
     this.fact('tick', scene && (frame ?? scene).tick.toLocaleString('en'));
