@@ -61,12 +61,12 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
     warmUp();
 }
 
-// One small picture that nobody sees: drivers compile shaders when they are first used, and no viewer should wait for that.
+// One picture that nobody sees, as the first viewer is likely to want it: drivers compile shaders when they are first used, and
+// nobody should wait for that. What may be needed later: ahead.h.
 void FrameLoop::warmUp() {
-    const SceneCamera& camera = scene_.camera;
-    const EyeRequest eye{lookAt(camera.position, camera.target, camera.fov_y), 64, 36};
-    Submission& submission = batches_.front()->submission;
     const PlanView own = ownView(scene_);
+    const EyeRequest eye{own.pose, own.width, own.height};
+    Submission& submission = batches_.front()->submission;
     renderer_.submit(submission, simulation_, {&eye, 1}, &planner_.settings(simulation_, {&own, 1}, false, Clock::now()));
     while (!submission.commands.wait(1'000'000'000)) {
     }
