@@ -23,7 +23,7 @@ bool takesSeveral(const CLI::Option& option) {
 
 // The words that CLI11 would find on a command line; nothing for what is no single value.
 std::optional<std::string> wordOf(const toml::node& node) {
-    if (const auto text = node.value_exact<std::string>()) return text;
+    if (auto text = node.value_exact<std::string>()) return text;
     if (const auto truth = node.value_exact<bool>()) return *truth ? "true" : "false";
     if (const auto whole = node.value_exact<int64_t>()) return std::to_string(*whole);
     if (const auto number = node.value_exact<double>()) return fmt::format("{}", *number);
