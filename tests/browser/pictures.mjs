@@ -28,8 +28,11 @@ for (const [scene, query] of [
   ['props', 'w=960&h=540'],
 ]) {
   const server = await startServer('--scene', scene, ...FINE);
-  await snapshot(server, scene, query);
-  await server.stop();
+  try {
+    await snapshot(server, scene, query);
+  } finally {
+    await server.stop();
+  }
 }
 
 const server = await startServer('--scene', 'plume', ...FINE);

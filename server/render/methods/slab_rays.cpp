@@ -52,8 +52,8 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
         for (const uint32_t rate : kRates)
             if (grid.rate = rate; float(rate) <= kRaysPerDeviation * projected) break;
     // A row of tiles has bits for all particles.
-    while (grid.rate < kRates[0] && gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * (in.particle_count / 8) > kMostBytes)
-        grid.rate *= 2;
+    const VkDeviceSize bits = in.particle_count / 8; // bytes, of a tile
+    while (grid.rate < kRates[0] && gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * bits > kMostBytes) grid.rate *= 2;
     const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
     const uint32_t slabs = in.settings->slabs ? in.settings->slabs : uint32_t(std::clamp(wanted, 1.0f, float(kMostSlabs)));
     grid.sheet = 8;
