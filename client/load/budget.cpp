@@ -30,27 +30,28 @@ std::optional<T> number(std::string_view text) {
     return value;
 }
 
+[[noreturn]] void refuse(const std::string& text) {
+    throw std::invalid_argument("'" + text +
+                                "' is not a budget: METRIC>=VALUE or METRIC<=VALUE, then @VIEWERS or nothing, such as "
+                                "fps>=15@16; METRIC is fps (of the slowest viewer), p50, p95, p99 (ms from pose to frame) or "
+                                "cpu (cores of the server)");
+}
+
 } // namespace
 
 Budget parseBudget(const std::string& text) {
-    const auto refuse = [&] [[noreturn]] {
-        throw std::invalid_argument("'" + text +
-                                    "' is not a budget: METRIC>=VALUE or METRIC<=VALUE, then @VIEWERS or nothing, such as "
-                                    "fps>=15@16; METRIC is fps (of the slowest viewer), p50, p95, p99 (ms from pose to frame) or "
-                                    "cpu (cores of the server)");
-    };
     const size_t sign = std::min(text.find(">="), text.find("<="));
-    if (sign == text.npos) refuse();
+    if (sign == text.npos) refuse(text);
     const size_t at = std::min(text.find('@', sign), text.size());
     Budget budget{text, nullptr, text[sign] == '>', 0, {}};
     for (const Metric& metric : kMetrics)
         if (text.compare(0, sign, metric.name) == 0) budget.of = metric.of;
     const auto bound = number<double>(std::string_view(text).substr(sign + 2, at - sign - 2));
-    if (!budget.of || !bound || !std::isfinite(*bound) || *bound < 0) refuse();
+    if (!budget.of || !bound || !std::isfinite(*bound) || *bound < 0) refuse(text);
     budget.bound = *bound;
     if (at < text.size()) {
         budget.viewers = number<uint32_t>(std::string_view(text).substr(at + 1));
-        if (!budget.viewers) refuse();
+        if (!budget.viewers) refuse(text);
     }
     return budget;
 }

@@ -129,7 +129,7 @@ void Crowd::comeBack(Viewer& viewer, uint64_t now) {
     viewer.next_try_us = now + kTryEveryUs;
 }
 
-void Crowd::talk(Viewer& viewer, uint64_t now) {
+void Crowd::talk(Viewer& viewer, uint64_t now) const {
     if (now < viewer.next_pose_us) return;
     const double period = viewer.path.kind == client::PathKind::fly ? client::kFlySeconds : client::kOrbitSeconds;
     Pose pose = viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period);

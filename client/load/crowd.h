@@ -37,7 +37,7 @@ private:
 
     // Moves everybody on, once.
     void step();
-    void talk(Viewer& viewer, uint64_t now);
+    void talk(Viewer& viewer, uint64_t now) const;
     void listen(Viewer& viewer);
     void take(Viewer& viewer, const client::Received& message);
     void welcome(Viewer& viewer);
