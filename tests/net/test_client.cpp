@@ -143,7 +143,7 @@ WsClient::WsClient(uint16_t port, int receive_buffer, const std::string& headers
     handshake = readAnswer(socket);
 }
 
-bool WsClient::sendMessage(uint8_t opcode, std::span<const uint8_t> payload, Milliseconds timeout) {
+bool WsClient::sendMessage(uint8_t opcode, std::span<const uint8_t> payload, Milliseconds timeout) const {
     std::vector<uint8_t> frame{uint8_t(0x80 | opcode)};
     if (payload.size() < 126) {
         frame.push_back(uint8_t(0x80 | payload.size()));

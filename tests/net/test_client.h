@@ -72,7 +72,7 @@ public:
     Socket socket;
     bool answer_pings = true;
 
-    bool sendMessage(uint8_t opcode, std::span<const uint8_t> payload, Milliseconds timeout = 5s);
+    bool sendMessage(uint8_t opcode, std::span<const uint8_t> payload, Milliseconds timeout = 5s) const;
     template <class Build>
     bool say(Build&& build) {
         const wire::Packed packed = wire::pack(build);
