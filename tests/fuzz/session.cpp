@@ -65,7 +65,7 @@ public:
         promise(double(++pushes_) <= allowance(options_.input_rate), "inputs keep to their rate");
         std::visit(*this, e.body);
     }
-    void operator()(const net::Acknowledge&) { promise(admitted_, "no Ack before Hello"); }
+    void operator()(const net::Acknowledge&) const { promise(admitted_, "no Ack before Hello"); }
     void operator()(const net::SendError& e) {
         promise(e.code >= wire::ErrorCode::MIN && e.code <= wire::ErrorCode::MAX, "an error code that viewers know");
         promiseOneLine(e.text, 256);

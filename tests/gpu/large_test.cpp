@@ -87,7 +87,7 @@ TEST_F(LargeTest, MergedDustIsNearerToThePixelsMean) {
         return pictureOf(device(), scene, Simulation(scene), std::array{EyeRequest{pose, 27 * finer, 27 * finer}});
     };
     const Picture fine = seen(0, kFiner);
-    Picture mean{27, 27, std::vector<glm::vec4>(27 * 27, glm::vec4(0))};
+    Picture mean{27, 27, std::vector<glm::vec4>(size_t(27) * 27, glm::vec4(0))};
     for (uint32_t y = 0; y < fine.height; ++y)
         for (uint32_t x = 0; x < fine.width; ++x)
             mean.pixels[y / kFiner * 27 + x / kFiner] += fine.at(x, y) / float(kFiner * kFiner);

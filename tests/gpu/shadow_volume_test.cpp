@@ -194,7 +194,7 @@ TEST_F(ShadowVolumeTest, InterpolationErrsByNoMoreThanItIsReckonedToErr) {
         for (uint32_t y = 0; y + 1 < size; ++y)
             for (uint32_t x = 0; x + 1 < size; ++x)
                 for (int i = 0; i < kParts * kParts; ++i) {
-                    const glm::dvec2 part((i % kParts + 0.5) / kParts, (i / kParts + 0.5) / kParts);
+                    const glm::dvec2 part = (glm::dvec2(i % kParts, i / kParts) + 0.5) / double(kParts);
                     const auto at = [&](uint32_t i_x, uint32_t i_y) {
                         return double(texels[(size_t(4) * size + y + i_y) * size + x + i_x]);
                     };
