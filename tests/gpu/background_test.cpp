@@ -166,7 +166,7 @@ TEST_F(BackgroundTest, EdgesAreFourSamples) {
                     unclear += std::abs(at) < 1e-4;
                 }
                 if (unclear > 0) continue;
-                ASSERT_NEAR(double(seen.radiance[4 * (y * width + x)]), lit, 1e-5) << x << ' ' << y;
+                ASSERT_NEAR(double(seen.radiance[size_t(4) * (y * width + x)]), lit, 1e-5) << x << ' ' << y;
                 between += lit > 0 && lit < 1;
             }
         EXPECT_GT(between, 10);

@@ -16,7 +16,7 @@ std::vector<gpu::Particle> cloud(int count, float scale, float sigma_t, glm::vec
     return particles;
 }
 
-ShadowResolution follow(const std::vector<gpu::Particle>& particles, glm::vec3 extent, RenderSettings settings = {}) {
+ShadowResolution follow(const std::vector<gpu::Particle>& particles, glm::vec3 extent, const RenderSettings& settings = {}) {
     return shadowResolution(settings, ShadowedMedium(particles, 1, kAxes), extent);
 }
 
