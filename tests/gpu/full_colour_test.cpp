@@ -25,7 +25,7 @@ protected:
         for (uint32_t y = 0; y < layout.height; ++y)
             for (uint32_t x = 0; x < layout.width; ++x)
                 for (size_t c = 0; c < 3; ++c)
-                    out.bytes.push_back(picture.bytes[c * layout.lumaBytes() + y * layout.lumaStride() + x]);
+                    out.bytes.push_back(picture.bytes[c * layout.lumaBytes() + size_t(y) * layout.lumaStride() + x]);
         return out;
     }
 };

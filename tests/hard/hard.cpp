@@ -1,9 +1,10 @@
 #include "tests/hard/hard.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <functional>
 #include <iomanip>
@@ -212,8 +213,9 @@ double worse(double a, double b) { return b <= a || std::isnan(a) ? a : b; }
 
 int differing(const Picture& a, const Picture& b) {
     int count = 0;
+    using Bits = std::array<uint32_t, 4>; // also of what is no number
     for (size_t i = 0; i < a.pixels.size(); ++i)
-        count += i >= b.pixels.size() || std::memcmp(&a.pixels[i], &b.pixels[i], sizeof(glm::vec4)) != 0;
+        count += i >= b.pixels.size() || std::bit_cast<Bits>(a.pixels[i]) != std::bit_cast<Bits>(b.pixels[i]);
     return count;
 }
 
