@@ -44,7 +44,7 @@ std::string plain(std::string markdown) {
 
 class Table {
 public:
-    explicit Table(std::vector<std::string> heads) { line(heads), line(std::vector<std::string>(heads.size(), "---")); }
+    explicit Table(const std::vector<std::string>& heads) { line(heads), line(std::vector<std::string>(heads.size(), "---")); }
     void line(const std::vector<std::string>& cells) {
         text_ += '|';
         for (const std::string& cell : cells) text_ += ' ' + cell + " |";
