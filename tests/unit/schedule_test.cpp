@@ -128,7 +128,10 @@ TEST(Schedule, NobodyStarves) {
 TEST(Schedule, WhoWasLeftOutComesFirst) {
     Schedule schedule;
     const auto wishes = wishesOf({40, 40, 40});
-    for (uint32_t i = 0; i < 3; ++i) schedule.choose(std::span(wishes).subspan(i, 1), {.budget_ms = 50}, kStart, kTick);
+    for (Schedule::Wish alone : wishes) {
+        alone.like = 0; // the first of one
+        schedule.choose({&alone, 1}, {.budget_ms = 50}, kStart, kTick);
+    }
     for (uint32_t i = 0; i < 3; ++i) schedule.took(i, 40, 40);
     std::vector<uint32_t> turns;
     for (int i = 0; i < 6; ++i)
