@@ -25,6 +25,7 @@ public:
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
 
+    pid_t id() const { return pid_; }
     void signal(int number);
     // The exit status, or minus the signal that ended it; nothing when it still runs after `timeout`.
     std::optional<int> exitCode(milliseconds timeout = kPatience);

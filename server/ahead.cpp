@@ -37,7 +37,10 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     }
     std::optional<RenderSettings> coarser = planned;
     for (uint32_t step = 0, rate = planned.rate; step < kMostSteps && (coarser = relaxed(*coarser, step)); ++step)
-        if (coarser->rate != std::exchange(rate, coarser->rate)) draw(own, *coarser, false);
+        if (coarser->rate != std::exchange(rate, coarser->rate)) {
+            draw(own, *coarser, false);
+            draw(own, finer(*coarser), true); // of eyes near the medium, to which that is fine enough
+        }
 }
 
 std::unique_ptr<Process> startAhead(const Scene& scene, int argc, const char* const* argv) {

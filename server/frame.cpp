@@ -133,6 +133,7 @@ void FrameLoop::tick() {
     if (!commands_.empty() || !simulation_.now().paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
     planner_.setFrameBudget(frame_ms_);
+    planner_.setCompiled(compiled_);
     if (ticked_) ticked_(simulation_, commands_);
 }
 

@@ -43,6 +43,8 @@ public:
     void stop();
     // Options::frame_ms from the next tick on. From any thread.
     void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
+    // Whether nobody compiles shaders ahead any more: PlanInputs::compiled. From any thread.
+    void setCompiled(bool compiled) { compiled_ = compiled; }
     // What ended the loop; null while all is well.
     std::exception_ptr failure() const { return failure_; }
 
@@ -71,6 +73,7 @@ private:
     const Scene scene_;
     const std::function<void(const Simulation&, std::span<const Command>)> ticked_;
     std::atomic<double> frame_ms_;
+    std::atomic<bool> compiled_{true};
     Simulation simulation_;
     Renderer renderer_;
     Planner planner_;

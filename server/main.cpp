@@ -104,9 +104,15 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
                      options.net.listen);
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
     const std::unique_ptr<Process> ahead = options.ahead == "background" ? startAhead(scene, argc, argv) : nullptr;
+    frames.setCompiled(!ahead);
 
     int signal = 0;
-    while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, network});
+    while (sigwait(&signals, &signal) == 0 && (signal == SIGHUP || signal == SIGCHLD)) {
+        if (signal == SIGHUP)
+            reload(parsed, argc, argv, {audience, frames, network});
+        else if (ahead && ahead->exitCode(std::chrono::milliseconds(0)))
+            frames.setCompiled(true);
+    }
     drain(network, audience, options.drain, signals, failed);
     spdlog::info("stopping");
     stopping = true;
@@ -132,6 +138,7 @@ int main(int argc, char** argv) {
     // Signals are taken by sigwait alone: blocked here, before any thread starts and inherits it.
     sigset_t signals;
     sigemptyset(&signals);
+    sigaddset(&signals, SIGCHLD);
     sigaddset(&signals, SIGHUP);
     sigaddset(&signals, SIGINT);
     sigaddset(&signals, SIGTERM);

@@ -91,10 +91,15 @@ double errorOf(const RenderSettings& way, const ViewWork& view) {
                       slabError(view.slabThickness(way.slabs), view.deviationDepth(), view.inside()));
 }
 
+// Whether views have their own rates: nobody asked for one, and no shaders have to be compiled for long.
+bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings) {
+    return marches(settings) && inputs.scene.wanted.rate == 0 && (inputs.compiled || !inputs.scene.features.opaque);
+}
+
 // Costs and errors; what several ways have in common is counted once.
 class Prices {
 public:
-    Prices(const PlanInputs& inputs, const CostModel& model) : scene_(inputs.scene), model_(model) {
+    Prices(const PlanInputs& inputs, const CostModel& model) : inputs_(inputs), scene_(inputs.scene), model_(model) {
         for (const PlanView& view : inputs.views) {
             views_.emplace_back(scene_, view);
             inside_ = inside_ || (views_.back().inside() && views_.back().sees());
@@ -140,7 +145,7 @@ private:
     }
     // With the view's own rate.
     RenderSettings in(const ViewWork& view, RenderSettings way) const {
-        if (hasOwnRates(scene_, way) && deviation_ > 0) way.rate = rateFor(way.rate, view.deviation() / deviation_);
+        if (haveOwnRates(inputs_, way) && deviation_ > 0) way.rate = rateFor(way.rate, view.deviation() / deviation_);
         return way;
     }
     Candidate withoutShadow(const RenderSettings& way) const {
@@ -161,7 +166,8 @@ private:
         return c;
     }
 
-    const PlanScene& scene_;
+    const PlanInputs& inputs_;
+    const PlanScene& scene_; // of inputs_
     const CostModel& model_;
     std::vector<ViewWork> views_;
     bool inside_ = false;  // some view is
@@ -250,10 +256,6 @@ double methodError(const RenderSettings& settings, bool inside) {
 // = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
 double flipOf(double error, bool inside) { return std::min((inside ? 0.65 : 0.5) * std::pow(error, 0.7), 1.0); }
 
-bool hasOwnRates(const PlanScene& scene, const RenderSettings& settings) {
-    return marches(settings) && scene.wanted.rate == 0 && !scene.features.opaque;
-}
-
 uint32_t rateFor(uint32_t rate, double part) {
     if (part > 1 / kFarther && part < kFarther) return rate;
     uint32_t own = 1;
@@ -304,7 +306,6 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         return c.error <= kNearBest * least ? Rank{1, c.ms(), c.error} : Rank{2, c.error, c.ms()};
     };
     plan.views = inputs.views.size();
-    plan.deviation = prices.deviation();
     plan.chosen =
         *std::min_element(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
     if (inputs.before) {
@@ -328,6 +329,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         plan.chosen = coarser;
         ++plan.relaxed;
     }
+    plan.deviation = haveOwnRates(inputs, plan.chosen.settings) ? prices.deviation() : 0;
     plan.within = holds(plan.chosen);
     plan.rests_ms = prices.of(finer(plan.chosen.settings)).ms();
     plan.passes = prices.passes(plan.chosen.settings);

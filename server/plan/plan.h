@@ -23,6 +23,9 @@ struct PlanInputs {
     std::vector<std::string> methods;     // that there are
     uint32_t relaxed = 0;                 // steps of relaxed(), under overload
     std::optional<RenderSettings> before; // Plan::base in use: kept unless another way is clearly better
+    // Shaders of all rates: they take CPU drivers seconds where edges of objects are made. Until then all views there have one
+    // rate.
+    bool compiled = true;
 };
 
 // One way to render, predicted.
@@ -55,7 +58,9 @@ struct Plan {
     uint32_t relaxed = 0; // steps that overload took, of those asked for: its error ends at ten times the budget
     double finer_ms = 0;  // what one step less would take
     double rests_ms = 0;  // what chosen would with finer()
-    double deviation = 0; // pixels that the medium's has in the view whose rate is settings.rate; 0: no view sees it
+    // Pixels that the medium's has in the view whose rate is settings.rate; others have their own, by rateFor(). 0: all have that
+    // one, or no view sees the medium.
+    double deviation = 0;
 };
 
 // `wanted.method` and settings other than 0 are kept whatever they cost: the plan only chooses what is left open. A method that
@@ -76,10 +81,6 @@ double lightError(double estimated);
 double methodError(const RenderSettings& settings, bool inside);
 // Mean FLIP of pictures with such an error.
 double flipOf(double error, bool inside);
-
-// Whether views have their own rates: nobody asked for one, and there are no objects, whose edges are made by a shader of each
-// rate that takes CPU drivers seconds to compile.
-bool hasOwnRates(const PlanScene& scene, const RenderSettings& settings);
 
 // Pixels between rays in a view where the medium's deviation has `part` of the pixels that it has where they are `rate`: rays as
 // far apart in deviations, up to 15 % farther. Views keep theirs while cameras move a little.

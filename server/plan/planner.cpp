@@ -120,7 +120,7 @@ void Planner::make() {
 }
 
 uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings) const {
-    if (!hasOwnRates(inputs_.scene, settings) || !(plan_.deviation > 0)) return 0;
+    if (!(plan_.deviation > 0)) return 0;
     return rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / plan_.deviation);
 }
 

@@ -39,6 +39,8 @@ public:
     // A frame with these settings took so long. Says each change in the log.
     void took(double ms, Time now);
     void setFrameBudget(double ms) { overload_.setBudget(ms); }
+    // PlanInputs::compiled, from the next plan on.
+    void setCompiled(bool compiled) { inputs_.compiled = compiled; }
 
     // Frames took too long with no accuracy left to give up, and have not been short enough since.
     bool exhausted() const { return exhausted_; }

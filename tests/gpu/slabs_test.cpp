@@ -120,30 +120,32 @@ TEST_F(SlabsTest, ShadowsThatOverlapCountOnce) {
 
 // Pictures of one submission may each have their own rate: they are what they are alone.
 TEST_F(SlabsTest, APictureMayHaveItsOwnRate) {
-    Scene scene = loadScene("server/scenes/cloud.toml");
-    scene.render.shadow_size = 64;
-    scene.render.slabs = 24;
     const Pose pose = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
     const EyeRequest large{pose, 320, 180}, small{pose, 160, 90}, fine{pose, 160, 90, false, 2};
-    for (const char* method : {"slabs", "grid"}) {
-        scene.render.method = method;
-        const auto planesOf = [&](uint32_t rate, std::span<const EyeRequest> eyes) {
-            scene.render.rate = rate;
-            const Simulation simulation(scene);
-            Renderer renderer(device(), scene, simulation.capacity());
-            Submission submission(device(), "own rate");
-            submitAndWait(renderer, submission, simulation, eyes);
-            std::vector<std::vector<uint8_t>> all;
-            for (const PictureView& picture : submission.pictures())
-                all.emplace_back(picture.bytes, picture.bytes + picture.layout.bytes());
-            return all;
-        };
-        const auto together = planesOf(8, std::array{large, fine, small});
-        EXPECT_EQ(together[0], planesOf(8, {&large, 1})[0]) << method;
-        EXPECT_EQ(together[1], planesOf(2, {&small, 1})[0]) << method;
-        EXPECT_EQ(together[2], planesOf(8, {&small, 1})[0]) << method;
-        EXPECT_NE(together[1], together[2]) << method;
-    }
+    for (const char* name : {"cloud", "props"})
+        for (const char* method : {"slabs", "grid"}) {
+            SCOPED_TRACE(std::string(name) + ", " + method);
+            Scene scene = loadScene("server/scenes/" + std::string(name) + ".toml");
+            scene.render.method = method;
+            scene.render.shadow_size = 64;
+            scene.render.slabs = 24;
+            const auto planesOf = [&](uint32_t rate, std::span<const EyeRequest> eyes) {
+                scene.render.rate = rate;
+                const Simulation simulation(scene);
+                Renderer renderer(device(), scene, simulation.capacity());
+                Submission submission(device(), "own rate");
+                submitAndWait(renderer, submission, simulation, eyes);
+                std::vector<std::vector<uint8_t>> all;
+                for (const PictureView& picture : submission.pictures())
+                    all.emplace_back(picture.bytes, picture.bytes + picture.layout.bytes());
+                return all;
+            };
+            const auto together = planesOf(8, std::array{large, fine, small});
+            EXPECT_EQ(together[0], planesOf(8, {&large, 1})[0]);
+            EXPECT_EQ(together[1], planesOf(2, {&small, 1})[0]);
+            EXPECT_EQ(together[2], planesOf(8, {&small, 1})[0]);
+            EXPECT_NE(together[1], together[2]);
+        }
 }
 
 // Of scenes with objects some rates are made in wider blocks: every pixel is still where it belongs, up to the right edge.

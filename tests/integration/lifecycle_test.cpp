@@ -210,6 +210,32 @@ TEST(Lifecycle, WhoCompilesAheadEndsWithTheServerHoweverThatEnds) {
     }
 }
 
+// Also those that have ended and whose end nobody asked for yet.
+size_t childrenOf(pid_t parent) {
+    size_t children = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+        std::ifstream in(entry.path() / "stat"); // 1234 (name) S parent ...
+        const std::string all((std::istreambuf_iterator<char>(in)), {});
+        const size_t behind = all.rfind(") ");
+        if (behind != all.npos && std::atoi(all.c_str() + behind + 4) == parent) ++children;
+    }
+    return children;
+}
+
+TEST(Lifecycle, WhoHasCompiledAheadIsGone) {
+    Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0"});
+    ASSERT_TRUE(server.lineStarting("listening on ")) << server.err();
+    const auto becomes = [&](size_t children, int seconds) {
+        for (int i = 0; i < 200 * seconds && childrenOf(server.id()) != children; ++i)
+            std::this_thread::sleep_for(milliseconds(5));
+        return childrenOf(server.id()) == children;
+    };
+    EXPECT_TRUE(becomes(1, 30));
+    EXPECT_TRUE(becomes(0, 300));
+    server.signal(SIGTERM);
+    EXPECT_EQ(server.exitCode(), 0) << server.err();
+}
+
 TEST(Lifecycle, HelpAndVersion) {
     for (const std::string flag : {"--help", "--version"}) {
         const auto process = startServer({flag});

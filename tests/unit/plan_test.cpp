@@ -212,17 +212,36 @@ TEST(Plan, ViewersDoNotPayForOthersPixels) {
     small.width /= 2, small.height /= 2;
     far.pose = lookAt({0, 4, 60}, {0, 0, 0}, 0.8f);
     close.pose = lookAt({0, 1, 14}, {0, 0, 0}, 0.3f);
-    for (const PlanView& other : {small, far, close}) {
-        double alone = 0;
-        inputs.views = {large, other, other};
-        const Plan together = makePlan(inputs, builtInCosts());
-        for (const PlanView& view : {large, other, other}) {
-            inputs.views = {view};
-            alone += makePlan(inputs, builtInCosts()).chosen.views_ms;
+    for (const bool objects : {false, true})
+        for (const PlanView& other : {small, far, close}) {
+            inputs.scene.features.opaque = objects;
+            double alone = 0;
+            inputs.views = {large, other, other};
+            const Plan together = makePlan(inputs, builtInCosts());
+            for (const PlanView& view : {large, other, other}) {
+                inputs.views = {view};
+                alone += makePlan(inputs, builtInCosts()).chosen.views_ms;
+            }
+            EXPECT_TRUE(together.within);
+            EXPECT_LT(together.chosen.views_ms, 1.25 * alone); // rates come in steps of a quarter to a half
         }
-        EXPECT_TRUE(together.within);
-        EXPECT_LT(together.chosen.views_ms, 1.25 * alone); // rates come in steps of a quarter to a half
-    }
+}
+
+// Nobody waits for another one's shader.
+TEST(Plan, ViewersBesideObjectsHaveOneRateUntilShadersAreCompiled) {
+    PlanInputs inputs = inputsOf(cube(5000, 3));
+    inputs.scene.wanted.method = "slabs";
+    PlanView small = inputs.views.front();
+    small.width /= 4, small.height /= 4;
+    inputs.views.push_back(small);
+    for (const bool objects : {false, true})
+        for (const bool compiled : {false, true}) {
+            inputs.scene.features.opaque = objects;
+            inputs.compiled = compiled;
+            const Plan plan = makePlan(inputs, builtInCosts());
+            EXPECT_EQ(plan.deviation > 0, compiled || !objects);
+            EXPECT_TRUE(plan.within); // for the small one, too
+        }
 }
 
 // Errors of one cause by itself, measured at 640x360 against the double-precision reference, every fifth pixel. Where a law is
