@@ -307,6 +307,7 @@ void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const Pictur
         frame->tick = batch.tick;
         frame->state_hash = batch.state_hash;
         frame->request = due.request;
+        frame->again = due.again;
         frame->wait_ms = Millis(batch.taken - due.request.received).count();
         frame->render_ms = Millis(batch.done - batch.taken).count();
         frame->encode_ms = Millis(encoded - batch.done).count();

@@ -37,6 +37,7 @@ struct EncodedFrame {
     uint32_t id = 0; // grows by one per viewer
     uint64_t tick = 0, state_hash = 0;
     PoseRequest request;
+    bool again = false; // not the first of its pose: how long that waited says nothing of the server
     float wait_ms = 0, render_ms = 0, encode_ms = 0, gpu_ms = 0;
     Clock::time_point encoded{};
     std::array<Jpeg, 2> jpeg; // [request.views]

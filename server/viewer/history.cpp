@@ -14,12 +14,12 @@ constexpr std::chrono::seconds kRateOver{3};
 void History::add(const Stages& stages, Clock::time_point now) { ring_[frames_++ % kFrames] = {stages, now}; }
 
 History::Percentiles History::of(size_t stage) const {
-    const size_t count = std::min(frames_, kFrames);
-    if (count == 0) return {};
-    std::vector<float> sorted(count);
-    for (size_t i = 0; i < count; ++i) sorted[i] = ring_[i].stages[stage];
+    std::vector<float> sorted;
+    for (size_t i = 0; i < std::min(frames_, kFrames); ++i)
+        if (const float ms = ring_[i].stages[stage]; !std::isnan(ms)) sorted.push_back(ms);
+    if (sorted.empty()) return {};
     std::sort(sorted.begin(), sorted.end());
-    const auto at = [&](double part) { return sorted[std::max(size_t(std::ceil(part * double(count))), size_t(1)) - 1]; };
+    const auto at = [&](double part) { return sorted[std::max(size_t(std::ceil(part * double(sorted.size()))), size_t(1)) - 1]; };
     return {at(0.5), at(0.95), at(0.99)};
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "server/viewer/frame.h"
 
@@ -13,6 +14,7 @@ class History {
 public:
     static constexpr size_t kFrames = 256, kStages = 5;
     static constexpr std::array<const char*, kStages> kNames{"wait", "render", "encode", "queue", "gpu"}; // gpu: part of render
+    static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();                            // does not count
     using Stages = std::array<float, kStages>;                                                            // ms
 
     void add(const Stages& stages, Clock::time_point now);

@@ -18,11 +18,11 @@ struct PacingOptions {
     std::chrono::milliseconds silent{2000}; // without an acknowledgement, or 8 round trips if that is longer: render no more
 };
 
-// The window of frames covers the time from a pose taken to its acknowledgement without queues: round trip, stages, and one more
-// frame to come. Where it cannot cover that at 60 Hz, its frames are spread: they come evenly, not in bursts. The window of bytes
-// follows the queueing delay, by a frame at a time: over a link that cannot carry what the server makes, frames get fewer instead
-// of older. Round trips are pings', which pass through the same queues, never acknowledgements', which wait for the viewer's
-// display.
+// The window of frames covers the time from a frame handed out to its acknowledgement without queues: round trip, stages, and one
+// more frame to come. Where it cannot cover that at 60 Hz, its frames are spread: they come evenly, not in bursts. The window of
+// bytes follows the queueing delay, by a frame at a time: over a link that cannot carry what the server makes, frames get fewer
+// instead of older. Round trips are pings', which pass through the same queues, never acknowledgements', which wait for the
+// viewer's display.
 class Pacing {
 public:
     explicit Pacing(const PacingOptions& options) : options_(options), frames_(options.least_frames) {
@@ -31,7 +31,7 @@ public:
 
     // A frame is handed out to be rendered.
     void issued(uint32_t id, Clock::time_point now);
-    // It goes to the socket: `bytes`, `stages_ms` since its pose was taken.
+    // It goes to the socket: `bytes`, `stages_ms` since it was handed out and what the viewer's display is going to take.
     void sent(uint32_t id, size_t bytes, float stages_ms, Clock::time_point now);
     // It will never be: superseded, or it could not be made.
     void dropped(uint32_t id);
@@ -73,7 +73,7 @@ private:
         float ms = 0;
     };
     Clock::duration silenceAllowed() const;
-    float tripMs() const { return base_ms_ + stages_ms_; } // from a pose taken to its acknowledgement, without queues
+    float tripMs() const { return base_ms_ + stages_ms_; } // of a frame handed out, to its acknowledgement, without queues
     bool exceedsBytes() const;
     void fitFrames();
     void fitBytes(size_t frame);

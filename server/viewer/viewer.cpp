@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kRestsFor{150};
 constexpr uint8_t kFineQuality = 90;
+constexpr float kDisplayMs = 500.0f / 60; // until a display's next frame, on average
 
 // Serial numbers that wrap around: `a` is newer when less than half the range ahead.
 bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
@@ -60,8 +61,9 @@ FramePtr Viewer::takeFrame(Clock::time_point now) {
     for (const Jpeg& jpeg : frame_->jpeg)
         if (jpeg) bytes += jpeg->size();
     const float queue_ms = std::chrono::duration<float, std::milli>(now - frame_->encoded).count();
-    pacing_.sent(frame_->id, bytes, frame_->wait_ms + frame_->render_ms + frame_->encode_ms + queue_ms, now);
-    history_.add({frame_->wait_ms, frame_->render_ms, frame_->encode_ms, queue_ms, frame_->gpu_ms}, now);
+    pacing_.sent(frame_->id, bytes, frame_->render_ms + frame_->encode_ms + queue_ms + kDisplayMs, now);
+    const float wait_ms = frame_->again ? History::kUnknown : frame_->wait_ms;
+    history_.add({wait_ms, frame_->render_ms, frame_->encode_ms, queue_ms, frame_->gpu_ms}, now);
     return std::move(frame_);
 }
 
@@ -139,13 +141,14 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
     const std::scoped_lock lock(mutex_);
     if (closed_) return {};
     skipped_ = 0;
+    const bool again = made_ && made_->seq == request.seq;
     if (++issued_ == 0) ++issued_; // 0 is no frame
     pacing_.issued(issued_, now);
     made_detail_ = request.lossless ? Detail::lossless : request.fine ? Detail::fine : Detail::moving;
     made_at_ = now;
     if (!request.fine) made_ = request;
     scene_ = scene;
-    return Due{issued_, request};
+    return Due{issued_, request, again};
 }
 
 void Viewer::deliver(FramePtr frame) {

@@ -53,6 +53,7 @@ public:
     struct Due {
         uint32_t frame_id = 0;
         PoseRequest request;
+        bool again = false; // frames of this pose were handed out before
     };
     // `fine`: once, the picture that has rested for 150 ms, at JPEG quality 90 or more; 150 ms later, once, without loss, for a
     // viewer that takes PNG and whose link does not queue; nothing else.

@@ -215,7 +215,8 @@ size_t childrenOf(pid_t parent) {
     size_t children = 0;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
         std::ifstream in(entry.path() / "stat"); // 1234 (name) S parent ...
-        const std::string all((std::istreambuf_iterator<char>(in)), {});
+        std::string all;
+        std::getline(in, all);
         const size_t behind = all.rfind(") ");
         if (behind != all.npos && std::atoi(all.c_str() + behind + 4) == parent) ++children;
     }

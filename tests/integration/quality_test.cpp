@@ -85,6 +85,17 @@ TEST(MovingMedium, IsDrawnFinerWhereThereIsTime) {
     EXPECT_EQ(finer({"--frame-budget", "1"}), 0); // ms: no time
 }
 
+// One pose is enough for as long as the camera rests: its age is nothing that frames waited for, and they come no slower for it.
+TEST(MovingMedium, KeepsItsRateWhileTheCameraRests) {
+    RunningServer server;
+    Watcher watcher(server.endpoint(), {.width = 64, .height = 36, .views = 1, .quality = 80});
+    watcher.look(fromFront());
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 120; }));
+    const auto viewer = nlohmann::json::parse(get(server.port(), "/viewers").body)["viewers"][0];
+    EXPECT_LT(viewer["stages_ms"]["wait"]["p99"], 1000);
+    EXPECT_LE(viewer["window_frames"], 4); // as a link without delay needs, not as frames seconds old would
+}
+
 // One stereo picture of full size beside four small ones. In one batch all would come as often as it does.
 TEST(Fairness, ADearViewerDoesNotTakeTheOthersRate) {
     RunningServer server({"--frame-budget", "20", "--set", "render.error=0.003"});

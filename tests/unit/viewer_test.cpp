@@ -285,6 +285,35 @@ TEST(Viewer, ReplacedFramesCostQualityOnlyWhereTheLinkIsBehind) {
     }
 }
 
+// Its pose grows old while the medium moves, which says nothing of how long frames take.
+TEST(Viewer, ARestingCameraKeepsItsRate) {
+    Viewer viewer(1, {}, nullptr);
+    Clock::time_point now{std::chrono::hours(1)};
+    PoseRequest pose = poseWithSeq(1);
+    pose.received = now;
+    viewer.setPose(pose);
+    viewer.ponged(std::chrono::milliseconds(1), now);
+    for (uint64_t tick = 1; tick <= 1800; ++tick) {
+        now += std::chrono::microseconds(16'667);
+        const auto due = viewer.takeDue(now, tick);
+        ASSERT_TRUE(due) << tick;
+        EXPECT_EQ(due->again, tick > 1);
+        auto frame = std::make_shared<EncodedFrame>();
+        frame->id = due->frame_id;
+        frame->request = due->request;
+        frame->again = due->again;
+        frame->wait_ms = std::chrono::duration<float, std::milli>(now - due->request.received).count();
+        frame->render_ms = 5;
+        frame->encoded = now + std::chrono::milliseconds(5);
+        viewer.deliver(frame);
+        ASSERT_TRUE(viewer.takeFrame(frame->encoded));
+        ASSERT_TRUE(viewer.acknowledge(due->frame_id, now + std::chrono::milliseconds(6)));
+    }
+    EXPECT_LE(viewer.link().frames, 3u);
+    EXPECT_NEAR(viewer.history().rate(now), 60, 1);
+    EXPECT_EQ(viewer.history().of(0).p99, 0); // no pose has waited
+}
+
 TEST(Viewer, KnowsSinceWhenItsCameraRests) {
     Viewer viewer(1, windowOf(4), nullptr);
     const Clock::time_point start{std::chrono::hours(1)};
