@@ -264,24 +264,22 @@ uint32_t rateFor(uint32_t rate, double part) {
     return own;
 }
 
-std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step) {
-    RenderSettings coarser = settings;
+std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed) {
     const bool slabs = marches(settings);
     for (uint32_t tries = 0; tries < 3; ++tries) {
+        RenderSettings coarser = settings;
         const uint32_t what = (step + tries) % 3;
         if (what == 0 && slabs && settings.slabs > kSlabCounts[0]) {
             for (const uint32_t fewer : kSlabCounts)
                 if (fewer < settings.slabs) coarser.slabs = fewer;
-            return coarser;
-        }
-        if (what == 1 && slabs && settings.rate < std::end(kRates)[-1]) {
+        } else if (what == 1 && slabs && settings.rate < std::end(kRates)[-1]) {
             coarser.rate = *std::upper_bound(std::begin(kRates), std::end(kRates), settings.rate);
-            return coarser;
-        }
-        if (what == 2 && 2 * settings.shadow_error <= kCoarsestShadow) {
+        } else if (what == 2 && 2 * settings.shadow_error <= kCoarsestShadow) {
             coarser.shadow_error = 2 * settings.shadow_error;
-            return coarser;
+        } else {
+            continue;
         }
+        if (!allowed || allowed(coarser)) return coarser;
     }
     return {};
 }
@@ -321,10 +319,12 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     }
     plan.base = plan.chosen.settings;
     while (plan.relaxed < inputs.relaxed) {
-        const auto next = relaxed(plan.chosen.settings, plan.relaxed);
-        if (!next) break;
-        const Candidate coarser = prices.of(*next);
-        if (coarser.error > kMostRelaxed * double(wanted.error)) break;
+        Candidate coarser;
+        const auto allowed = [&](const RenderSettings& way) {
+            coarser = prices.of(way);
+            return coarser.error <= kMostRelaxed * double(wanted.error);
+        };
+        if (!relaxed(plan.chosen.settings, plan.relaxed, allowed)) break;
         plan.finer_ms = plan.chosen.ms();
         plan.chosen = coarser;
         ++plan.relaxed;

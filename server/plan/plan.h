@@ -2,6 +2,7 @@
 // viewers and what the device's work costs.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -87,8 +88,9 @@ double flipOf(double error, bool inside);
 uint32_t rateFor(uint32_t rate, double part);
 
 // The next coarser settings, in the order in which overload gives up accuracy: slabs, rays, shadow volume, and again; what is at
-// its end is passed over. Empty when all are. `step` counts from 0.
-std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step);
+// its end, or not `allowed`, is passed over. Empty when all are. `step` counts from 0.
+using Allowed = std::function<bool(const RenderSettings&)>;
+std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed = {});
 
 // The plan for people: each choice with its cost and error, then what was not taken and why.
 std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel& model);

@@ -351,6 +351,21 @@ TEST(Relaxed, OverloadPredictsLessTimeAndMoreErrorWithinTenBudgets) {
     EXPECT_GT(last.relaxed, 1u);
 }
 
+// In a small picture rays are so far apart that the next step would miss too much: slabs and shadows go on.
+TEST(Relaxed, WhatMayNotBeGivenUpDoesNotKeepTheRest) {
+    PlanInputs inputs = inputsOf(cube(5000, 3));
+    inputs.scene.wanted.method = "slabs";
+    inputs.views[0].width = 160, inputs.views[0].height = 90;
+    const Plan plan = makePlan(inputs, builtInCosts());
+    inputs.relaxed = 20;
+    const Plan least = makePlan(inputs, builtInCosts());
+    EXPECT_LE(least.chosen.settings.rate, 2u);
+    EXPECT_LT(2 * least.chosen.settings.slabs, plan.chosen.settings.slabs);
+    EXPECT_GT(least.chosen.settings.shadow_error, 2 * plan.chosen.settings.shadow_error);
+    EXPECT_LT(least.relaxed, inputs.relaxed);
+    EXPECT_LE(least.chosen.error, 10 * double(inputs.scene.wanted.error));
+}
+
 // Frames of `ms` for `seconds`, twenty a second; how often the level changed.
 int feed(Overload& overload, Overload::Time& now, double ms, double restored, double seconds) {
     int changes = 0;
