@@ -319,14 +319,12 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     }
     plan.base = plan.chosen.settings;
     while (plan.relaxed < inputs.relaxed) {
-        Candidate coarser;
-        const auto allowed = [&](const RenderSettings& way) {
-            coarser = prices.of(way);
-            return coarser.error <= kMostRelaxed * double(wanted.error);
-        };
-        if (!relaxed(plan.chosen.settings, plan.relaxed, allowed)) break;
+        const auto next = relaxed(plan.chosen.settings, plan.relaxed, [&](const RenderSettings& way) {
+            return prices.of(way).error <= kMostRelaxed * double(wanted.error);
+        });
+        if (!next) break;
         plan.finer_ms = plan.chosen.ms();
-        plan.chosen = coarser;
+        plan.chosen = prices.of(*next);
         ++plan.relaxed;
     }
     plan.deviation = haveOwnRates(inputs, plan.chosen.settings) ? prices.deviation() : 0;

@@ -24,8 +24,8 @@ struct PlanInputs {
     std::vector<std::string> methods;     // that there are
     uint32_t relaxed = 0;                 // steps of relaxed(), under overload
     std::optional<RenderSettings> before; // Plan::base in use: kept unless another way is clearly better
-    // Shaders of all rates: they take CPU drivers seconds where edges of objects are made. Until then all views there have one
-    // rate.
+    // Whether shaders of all rates are: CPU drivers take seconds for one that makes edges of objects. Until then all views of a
+    // scene with objects have one rate.
     bool compiled = true;
 };
 
