@@ -17,6 +17,7 @@
 #include "common/metrics_flip.h"
 #include "tests/bench/features.h"
 #include "tests/bench/native/compare.h"
+#include "tests/bench/pictures.h"
 #include "tests/bench/predict.h"
 #include "tests/bench/report.h"
 #include "tests/bench/sweep.h"
@@ -261,6 +262,12 @@ int run(int argc, char** argv) {
     native_command->add_option("--threads", native.threads, "of the native program")->check(CLI::Range(1, 256));
     native_command->add_option("--out", native.out, "Markdown instead of standard output")->default_str("");
 
+    std::string pictures_only, pictures_out;
+    CLI::App* pictures_command = app.add_subcommand(
+        "pictures", "a fingerprint of every scene's picture by every method: the same text while no bit of any changes");
+    pictures_command->add_option("--only", pictures_only, "scenes whose name holds this")->default_str("");
+    pictures_command->add_option("--out", pictures_out, "text instead of standard output")->default_str("");
+
     std::string json_file, before;
     std::string folder = "docs/results", name = "speed-error";
     CLI::App* report_command =
@@ -287,6 +294,7 @@ int run(int argc, char** argv) {
     if (*plan_command) plan(device, costs, cache, planned, plan_out, command);
     if (*features_command) features(device, feature_frames, features_out, command);
     if (*native_command) nativeSlabs(device, native, cache, command);
+    if (*pictures_command) writeText(pictures_out, pictureHashes(gpu::Device(device), pictures_only));
     if (*report_command) {
         if (before.empty())
             writeReport(readJson(json_file), folder, name);
