@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/process.h"
+#include "server/gpu/device.h"
 #include "server/plan/planner.h"
 
 namespace brume {

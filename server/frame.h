@@ -7,63 +7,64 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <span>
+#include <optional>
 #include <thread>
 
 #include "server/encode/workers.h"
+#include "server/frame_options.h"
+#include "server/loop/batch_planner.h"
+#include "server/loop/device_ledger.h"
+#include "server/loop/tick_source.h"
 #include "server/net/metrics.h"
 #include "server/plan/planner.h"
 #include "server/render/renderer.h"
 #include "server/viewer/audience.h"
 #include "server/viewer/refinement.h"
-#include "server/viewer/schedule.h"
 
 namespace brume {
 
 class FrameLoop {
 public:
-    struct Options {
-        unsigned encode_threads = 2;
-        unsigned batches = 3;            // one on the device, the others being encoded
-        double frame_ms = 50;            // that a frame of all viewers may take before accuracy is given up
-        double refine_moving = 0.5;      // part of frame_ms that finer pictures may take while cameras rest and the medium moves
-        uint64_t memory = 1024ull << 20; // bytes that particles may take, on the CPU and on the device together
-        CostModel costs = builtInCosts();
-        // Called before the first tick and after every one, on the loop's thread, with the commands that it took.
-        std::function<void(const Simulation&, std::span<const Command>)> ticked;
-    };
+    using Options = FrameOptions;
 
-    // Throws SceneError, gpu::Error. `device`, `audience` and `metrics` outlive the loop.
+    // Draws one picture unseen, so that the first viewer does not wait for its shaders. Throws SceneError, gpu::Error. `device`,
+    // `audience` and `metrics` outlive the loop.
     FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options);
     // Stops and waits for what is on the device.
     ~FrameLoop();
 
-    // Starts the loop on a thread of its own. `on_failure` is called from it, once, when it cannot go on; see failure().
-    void start(std::function<void()> on_failure);
+    // Starts the loop on a thread of its own; null: LocalTicks of the audience's commands. `on_failure` is called from that
+    // thread, once, when the loop cannot go on; see failure().
+    void start(std::function<void()> on_failure, std::unique_ptr<TickSource> ticks = nullptr);
     void stop();
-    // Options::frame_ms from the next tick on. From any thread.
+    // Options::frame_ms from the next tick on. Thread-safe.
     void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
-    // Whether nobody compiles shaders ahead any more: PlanInputs::compiled. From any thread.
+    // True once the background shader compiler has finished: PlanInputs::compiled. Thread-safe.
     void setCompiled(bool compiled) { compiled_ = compiled; }
     // What ended the loop; null while all is well.
     std::exception_ptr failure() const { return failure_; }
 
 private:
-    struct Batch;
-    using Millis = std::chrono::duration<float, std::milli>;
+    // One tick's pictures: on the device, then with the encoders, then free again.
+    struct Batch : BatchContents {
+        explicit Batch(const gpu::Device& device) : submission(device, "batch") {}
+
+        Submission submission;
+        uint64_t tick = 0, state_hash = 0;
+        Clock::time_point taken{}, done{}; // when poses were taken, and when the device was done
+        bool low_error = false;            // True: half the distance between rays and slabs; every still picture, and others
+                                           // where there is time
+        std::atomic<uint32_t> pending{0};  // jobs not encoded yet
+    };
 
     void warmUp();
     void run();
     void tick();
     Batch* freeBatch();
-    void gather(Batch& batch, bool fine);
-    void addJob(Batch& batch, const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due);
     bool render(Batch& batch);
+    void drop(Batch& batch, const char* why);
     void encode(Batch& batch);
-    void countPasses(std::span<const gpu::PassSample> samples, uint32_t pictures);
-    void shareTime(Batch& batch, std::span<const gpu::PassSample> samples, double shared_ms, double views_ms);
-    void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg);
-    bool camerasRest(Clock::time_point now) const;
+    void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) noexcept;
     void tellLoad(Clock::time_point now);
     void report(Clock::time_point now);
 
@@ -75,27 +76,23 @@ private:
     std::atomic<double> frame_ms_;
     std::atomic<bool> compiled_{true};
     Simulation simulation_;
-    Renderer renderer_;
+    std::optional<Renderer> renderer_; // made anew when a submission fails
     Planner planner_;
+    std::unique_ptr<TickSource> ticks_;
 
     std::vector<std::unique_ptr<Batch>> batches_;
     Batch* on_device_ = nullptr;
     uint64_t rendered_tick_ = ~0ull; // of the last batch
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
-    std::vector<EyeRequest> eyes_;
-    std::vector<PlanView> views_; // the same, for the plan
-    std::vector<PoseRequest> requests_;
-    std::vector<Schedule::Wish> wishes_; // the same, and of viewers_
-    Schedule schedule_;
+    BatchPlanner batch_planner_;
+    DeviceLedger ledger_;
     Refinement refinement_;
-    Clock::time_point load_told_{};
-    double whole_ms_ = 0; // of all viewers' pictures, the most since then
-    bool replan_ = false; // a command came since the last frame
-    std::vector<PassTime> passes_;
-    Clock::time_point reported_{};
-    uint64_t scene_version_ = 0; // of all that is seen
-    bool changed_ = true;        // a command came since the last report
+    Clock::time_point load_told_{}, reported_{};
+    double most_full_ms_ = 0;    // the most that a batch of all due viewers would have taken since load_told_, predicted
+    bool replan_ = false;        // True: a command came since the last frame
+    bool changed_ = true;        // True: a command came since the last report
+    uint64_t scene_version_ = 0; // grows with everything that is seen
 
     EncodeWorkers workers_; // before the thread that uses it
     std::mutex mutex_;

@@ -37,7 +37,7 @@ std::string explained(const Scene& scene, const CostModel& costs) {
     PlanInputs inputs;
     inputs.scene = planScene(scene, Simulation(scene));
     inputs.views = {ownView(scene)};
-    inputs.methods = methodNames();
+    inputs.methods = allMethods();
     return explain(makePlan(inputs, costs), inputs, costs);
 }
 
@@ -77,9 +77,8 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         return;
     }
     if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms);
-    SceneFacts facts{scene.name, device.name(), scene.camera, {kAutoMethod}, {}};
-    for (const MethodInfo& method : methods()) facts.methods.emplace_back(method.name);
-    for (const char* quadrature : quadratures()) facts.quadratures.emplace_back(quadrature);
+    SceneFacts facts{scene.name, device.name(), scene.camera, {kAutoMethod}, quadratureNames()};
+    for (const std::string& method : methodNames()) facts.methods.push_back(method);
     Audience audience(facts, options.max_viewers, options.max_in_flight);
     audience.admitUpTo(options.most_frame_ms);
     Metrics metrics;

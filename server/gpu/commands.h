@@ -8,18 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "server/gpu/pass_sample.h"
 #include "server/gpu/resource.h"
 
 namespace brume::gpu {
-
-// GPU time of one pass of one submission.
-struct PassSample {
-    const char* name; // static
-    uint32_t view;    // which of the submission's views; kShared for what all share, kEach for what is made of each at once
-    float ms;
-    uint64_t fragments; // shaded, when the device counts them; else 0
-};
-inline constexpr uint32_t kShared = ~0u, kEach = ~1u;
 
 // One command buffer that is recorded and submitted again and again, with its timestamps and its timeline semaphore.
 class Commands {

@@ -14,7 +14,7 @@ uint64_t OwnFrames::hash(const Simulation& simulation) {
     PlanInputs inputs;
     inputs.scene = planScene(scene_, simulation);
     inputs.views = {view};
-    inputs.methods = methodNames();
+    inputs.methods = allMethods();
     const RenderSettings settings = makePlan(inputs, builtInCosts()).chosen.settings;
     const EyeRequest eye{view.pose, view.width, view.height};
     renderer_.submit(submission_, simulation, {&eye, 1}, &settings);

@@ -1,48 +1,51 @@
 #include "server/plan/cost_model.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "server/methods/plans.h"
 
 namespace brume {
 namespace {
 
 constexpr int kVersion = 3; // of the file; grows when a pass counts its work in another unit
 
-constexpr CostInfo kInfo[kCosts] = {
-    {"upload", "upload", nullptr, 38},
-    {"opaque_shadow", "opaque shadow", nullptr, 2},
-    {"shadow_volume", "shadow volume", nullptr, 0.2},
-    {"particle_light", "particle light", nullptr, 130},
-    {"opaque", "opaque", nullptr, 7.3},
-    {"compose", "compose", nullptr, 11},
-    {"order", "cull, sort", nullptr, 1300},
-    {"sphere", "medium", "sphere", 20},
-    {"isv", "medium", "isv", 22},
-    {"tile_bin", "bin", "tiles", 870},
-    {"tiles", "medium", "tiles", 1.1},
-    {"slab_bin", "bin", "slabs", 10},
-    {"slabs", "slabs", "slabs", 0.14},
-    {"slab_light", "slab light", "slabs", 8.9},
-    {"grid_bin", "grid bins", "grid", 14},
-    {"grid", "grid", "grid", 0.15},
-    {"grid_rays", "grid rays", "grid", 12},
-    {"compose_field", "compose", nullptr, 11},
-    {"shade", "shade", nullptr, 170},
-    {"present", "present", nullptr, 3.4},
-};
+constexpr const CostInfo* kCommon[] = {&costs::kUpload,        &costs::kOpaqueShadow, &costs::kShadowVolume,
+                                       &costs::kParticleLight, &costs::kOpaque,       &costs::kCompose};
+
+std::vector<const CostInfo*> collected() {
+    std::vector<const CostInfo*> all(std::begin(kCommon), std::end(kCommon));
+    for (const MethodPlan* plan : methodPlans())
+        for (const CostInfo* cost : plan->costs())
+            if (std::find(all.begin(), all.end(), cost) == all.end()) all.push_back(cost);
+    if (all.size() > kMostCosts) throw std::logic_error("kMostCosts is below the number of passes");
+    return all;
+}
 
 } // namespace
 
-const CostInfo& info(Cost cost) { return kInfo[size_t(cost)]; }
+std::span<const CostInfo* const> allCosts() {
+    static const std::vector<const CostInfo*> kAll = collected();
+    return kAll;
+}
+
+size_t numberOf(const CostInfo& cost) {
+    const std::span<const CostInfo* const> all = allCosts();
+    const auto found = std::find(all.begin(), all.end(), &cost);
+    if (found == all.end()) throw std::logic_error(std::string(cost.key) + " is not among its method's costs()");
+    return size_t(found - all.begin());
+}
 
 CostModel builtInCosts() {
     CostModel model;
-    for (size_t i = 0; i < kCosts; ++i) model.ns[i] = kInfo[i].built_in;
+    for (const CostInfo* cost : allCosts()) model.ns[numberOf(*cost)] = cost->built_in;
     model.source = "built in, estimated on lavapipe; brume-bench calibrate measures this device";
     return model;
 }
@@ -72,11 +75,11 @@ CostModel loadCosts(const std::filesystem::path& file, std::string& complaint) {
     const nlohmann::json parsed = nlohmann::json::parse(in, nullptr, false);
     if (!parsed.is_object()) return refused("cannot be read as JSON");
     if (!parsed.contains("version") || parsed["version"] != kVersion) return refused("is of another version");
-    for (size_t i = 0; i < kCosts; ++i) {
-        const auto ns = parsed.find(kInfo[i].key);
+    for (const CostInfo* cost : allCosts()) {
+        const auto ns = parsed.find(cost->key);
         if (ns == parsed.end() || !ns->is_number() || !(ns->get<double>() > 0) || !std::isfinite(ns->get<double>()))
-            return refused(std::string(kInfo[i].key) + " is no positive number");
-        model.ns[i] = ns->get<double>();
+            return refused(std::string(cost->key) + " is no positive number");
+        model.ns[numberOf(*cost)] = ns->get<double>();
     }
     model.source = "calibrated, " + file.string();
     model.calibrated = true;
@@ -85,7 +88,7 @@ CostModel loadCosts(const std::filesystem::path& file, std::string& complaint) {
 
 void saveCosts(const std::filesystem::path& file, const CostModel& model, std::string_view device, std::string_view driver) {
     nlohmann::ordered_json out{{"version", kVersion}, {"device", device}, {"driver", driver}, {"unit", "ns per unit of work"}};
-    for (size_t i = 0; i < kCosts; ++i) out[kInfo[i].key] = model.ns[i];
+    for (const CostInfo* cost : allCosts()) out[cost->key] = model[*cost];
     std::error_code error;
     std::filesystem::create_directories(file.parent_path(), error);
     std::ofstream stream(file);

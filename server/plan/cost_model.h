@@ -4,58 +4,45 @@
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace brume {
 
-// The passes that are predicted, and the unit that each one's work is counted in.
-enum class Cost : size_t {
-    upload,         // particles
-    opaque_shadow,  // texels x casters
-    shadow_volume,  // particles x the cells that they reach, and the cells
-    particle_light, // particles
-    opaque,         // pixels x (1 + objects)
-    compose,        // pixels, of a medium that was drawn
-    order,          // particles + 2000: cull and sort
-    sphere,         // fragments
-    isv,            // fragments x (1 + steps)
-    tile_bin,       // particles
-    tiles,          // fragments
-    slab_bin,       // particles x lines of tiles and sheets
-    slabs,          // particles x the samples of the tiles and sheets that they reach
-    slab_light,     // rays x slabs
-    grid_bin,       // particles x lines of bricks
-    grid,           // particles x the nodes of the bricks that they reach, and half the nodes
-    grid_rays,      // rays x slabs x (1, 5 where sampling is cubic; with several albedos 4 times that)
-    compose_field,  // pixels of a medium on a grid of rays x (1, 2 more with objects, 2 more for each caster), where all are
-                    // shaded
-    shade,          // shaded pixels, where not all are
-    present,        // pixels, then
-    count
-};
-inline constexpr size_t kCosts = size_t(Cost::count);
-
+// One pass that is predicted, and the unit that its work is counted in.
 struct CostInfo {
-    const char* key;    // in files
-    const char* pass;   // as gpu::PassSample::name
-    const char* method; // whose pass it is, null: of several
-    double built_in;    // ns per unit
+    const char* key;  // in files
+    const char* pass; // as gpu::PassSample::name
+    double built_in;  // ns per unit, measured on lavapipe (Mesa 25.0, 256 bits), two threads of an AMD EPYC
 };
-const CostInfo& info(Cost cost);
+
+// Passes of no method, or of all that draw.
+namespace costs {
+inline constexpr CostInfo kUpload{"upload", "upload", 38};                         // particles
+inline constexpr CostInfo kOpaqueShadow{"opaque_shadow", "opaque shadow", 2};      // texels x casters
+inline constexpr CostInfo kShadowVolume{"shadow_volume", "shadow volume", 0.2};    // particles x cells they reach, and the cells
+inline constexpr CostInfo kParticleLight{"particle_light", "particle light", 130}; // particles
+inline constexpr CostInfo kOpaque{"opaque", "opaque", 7.3};                        // pixels x (1 + objects)
+inline constexpr CostInfo kCompose{"compose", "compose", 11};                      // pixels, of a medium that was drawn
+} // namespace costs
+
+// All costs there are: those above, then those of every method. Their numbers are places in Work and CostModel.
+std::span<const CostInfo* const> allCosts();
+size_t numberOf(const CostInfo& cost);
+inline constexpr size_t kMostCosts = 64;
 
 struct CostModel {
-    std::array<double, kCosts> ns{}; // per unit of work
-    std::string source;              // where the constants are from, for people
-    bool calibrated = false;
+    std::array<double, kMostCosts> ns{}; // per unit of work, by numberOf()
+    std::string source;                  // where the constants are from, for people
+    bool calibrated = false;             // True: measured on this device
 
-    double operator[](Cost cost) const { return ns[size_t(cost)]; }
+    double operator[](const CostInfo& cost) const { return ns[numberOf(cost)]; }
 };
 
-// Measured on lavapipe (Mesa 25.0, 256 bits), two threads of an AMD EPYC.
 CostModel builtInCosts();
 
-// The user's cache folder: $XDG_CACHE_HOME/brume or ~/.cache/brume; here where there is neither.
+// The user's cache folder: $XDG_CACHE_HOME/brume or ~/.cache/brume; the working folder where there is neither.
 std::filesystem::path defaultCostFolder();
 
 // FOLDER/costs-DEVICE-DRIVER.json, with everything but letters and digits as '-'.

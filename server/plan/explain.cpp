@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "server/methods/plans.h"
 #include "server/plan/memory.h"
 #include "server/plan/plan.h"
 
@@ -25,15 +26,7 @@ std::string absent(const SceneFeatures& f) {
 
 } // namespace
 
-std::string wayText(const RenderSettings& s) {
-    if (s.method == "slabs") return fmt::format("slabs, a ray per {0}x{0} pixels, {1} slabs", s.rate, s.slabs);
-    if (s.method == "grid")
-        return fmt::format("grid, nodes {:.3g} deviations apart, a ray per {}x{} pixels, {} slabs", s.grid, s.rate, s.rate,
-                           s.slabs);
-    if (s.method == "isv") return fmt::format("isv, {} {}", s.quadrature, s.steps);
-    if (s.method == "tiles") return fmt::format("tiles, {}", s.quadrature);
-    return s.method;
-}
+std::string wayText(const RenderSettings& settings) { return planOf(settings.method)->text(settings); }
 
 std::string summary(const Plan& plan) {
     const Candidate& c = plan.chosen;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "server/methods/plans.h"
 #include "server/sim/columns.h"
 #include "shaders/shared/splat.h"
 #include "shaders/shared/types.h"
@@ -21,16 +22,22 @@ constexpr uint64_t kBitsOfBins = (409 + 278 + 7) / 8; // lines of tiles: of slab
 constexpr uint64_t kDevice = kParticle + kMerged * 5 / 4 + kSubmissions * (kParticle + kMerged) // uploads
                              + sizeof(gpu::LightParticle) + 2 * sizeof(gpu::ParticleLight)      // of both lists
                              + 4 * sizeof(uint32_t)                                             // sort: keys and values, twice
-                             + kBitsOfBins + std::max(sizeof(gpu::SlabMember), sizeof(gpu::Splat) + sizeof(gpu::SplatCone));
+                             + kBitsOfBins;
+
+uint64_t deviceBytes() { // of one particle
+    uint64_t most = 0;
+    for (const MethodPlan* method : methodPlans()) most = std::max(most, method->bytesPerParticle());
+    return kDevice + most;
+}
 
 } // namespace
 
-ParticleMemory particleMemory(uint32_t count) { return {kCpu * count, kDevice * count}; }
+ParticleMemory particleMemory(uint32_t count) { return {kCpu * count, deviceBytes() * count}; }
 
 std::string memoryRefusal(uint32_t count, uint64_t most) {
     if (particleMemory(count).total() <= most) return {};
     return fmt::format("{} particles take {} MiB, --memory allows {}: use at most {} particles or allow more", count,
-                       particleMemory(count).total() >> 20, most >> 20, most / (kCpu + kDevice));
+                       particleMemory(count).total() >> 20, most >> 20, most / (kCpu + deviceBytes()));
 }
 
 } // namespace brume

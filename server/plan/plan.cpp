@@ -9,15 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "server/render/medium_grid.h"
-#include "server/render/shading.h"
+#include "server/medium/band_limit.h"
+#include "server/methods/plans.h"
 
 namespace brume {
 namespace {
-
-constexpr uint32_t kRates[] = {1, 2, 4, 6, 8, 12, 16};
-constexpr uint32_t kSlabCounts[] = {8, 16, 24, 32, 48, 64, 96, 128, 192, 256};
-constexpr float kGridSpacings[] = {0.2f, 0.35f, 0.5f, 0.7f}; // the first one is sampled cubically
 
 // What is in use stays while it is at most so much dearer, and its error so much larger, than what would be chosen anew: a camera
 // on the edge between two ways does not change them every tick.
@@ -27,73 +23,29 @@ constexpr double kNearBest = 1.1;
 // Overload trades error away up to so many times the budget.
 constexpr double kMostRelaxed = 10;
 
-// The way with every number of rays and slabs that it leaves open.
-void addRays(RenderSettings way, std::vector<RenderSettings>& ways) {
-    const uint32_t wanted_rate = way.rate, wanted_slabs = way.slabs;
-    for (const uint32_t rate : kRates)
-        for (const uint32_t slabs : kSlabCounts) {
-            way.rate = wanted_rate ? wanted_rate : rate;
-            way.slabs = wanted_slabs ? wanted_slabs : slabs;
-            const bool again = (wanted_rate && rate != kRates[0]) || (wanted_slabs && slabs != kSlabCounts[0]);
-            if (!again) ways.push_back(way);
-        }
-}
-
-// Cheapest first is not known: all combinations of what is left open, by `wanted_method`. `refused` says what the scene does not
-// allow.
+// All combinations of what is left open, for the methods that `wanted_method` allows. `refused`: one line on a method that the
+// scene does not allow.
 std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& wanted_method, std::string& refused) {
-    const RenderSettings& wanted = inputs.scene.wanted;
     std::vector<RenderSettings> ways;
-    for (const std::string& method : inputs.methods) {
-        if (wanted_method != kAutoMethod && wanted_method != method) continue;
-        RenderSettings way = wanted;
-        way.method = method;
-        if (method == "slabs") {
-            addRays(way, ways);
-        } else if (method == "grid") {
-            for (const float spacing : kGridSpacings) {
-                if (wanted.grid > 0 && spacing != kGridSpacings[0]) break;
-                way.grid = wanted.grid > 0 ? wanted.grid : spacing;
-                const std::string why = gridRefusal(inputs.scene.extent, way);
-                if (why.empty()) addRays(way, ways);
-                refused = why.empty() ? why : "grid: " + why; // by the coarsest one
-            }
-        } else if (method == "tiles" && wanted_method == kAutoMethod) {
-            for (const char* quadrature : {"cached", "hermite"}) {
-                way.quadrature = quadrature;
-                ways.push_back(way);
-            }
-        } else {
-            if (method == "isv" && wanted_method == kAutoMethod) way.quadrature = "transmittance", way.steps = 2;
-            ways.push_back(way);
-        }
+    for (const MethodPlan* method : inputs.methods) {
+        const bool asked = wanted_method == method->name();
+        if (wanted_method != kAutoMethod && !asked) continue;
+        RenderSettings way = inputs.scene.wanted;
+        way.method = method->name();
+        method->addWays(inputs.scene, way, asked, ways, refused);
     }
     return ways;
 }
 
-double msOf(const Work& work, const CostModel& model) {
-    double ns = 0;
-    for (size_t i = 0; i < kCosts; ++i) ns += work[i] * model.ns[i];
-    return ns * 1e-6;
-}
-
-// How much farther apart rays may be than the plan says, so that rates stay: less than the steps between rates.
-constexpr double kFarther = 1.15;
 // Pixels of a deviation above which the coarsest rate is finer than needs be: other views would get too many rays by it.
 constexpr double kMostDeviation = double(std::end(kRates)[-1]) / double(kRaysPerDeviation);
 
-double errorOf(const RenderSettings& way, const ViewWork& view) {
-    if (!view.sees()) return 0;
-    const double own = methodError(way, view.inside());
-    if (!marches(way)) return own;
-    const double nodes = way.method == "grid" ? gridError(double(way.grid)) : 0;
-    return std::hypot(std::hypot(own, nodes), rayError(view.raySpacing(way.rate)),
-                      slabError(view.slabThickness(way.slabs), view.deviationDepth(), view.inside()));
-}
+double errorOf(const RenderSettings& way, const ViewWork& view) { return view.sees() ? planOf(way.method)->error(way, view) : 0; }
 
-// Whether views have their own rates: nobody asked for one, and no shaders have to be compiled for long.
+// True: views have their own rates, since nobody asked for one and no shaders have to be compiled for long.
 bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings) {
-    return marches(settings) && inputs.scene.wanted.rate == 0 && (inputs.compiled || !inputs.scene.features.opaque);
+    return planOf(settings.method)->hasRays() && inputs.scene.wanted.rate == 0 &&
+           (inputs.compiled || !inputs.scene.features.opaque);
 }
 
 // Costs and errors; what several ways have in common is counted once.
@@ -109,7 +61,7 @@ public:
             const bool fits = own <= kMostDeviation, had = deviation_ > 0 && deviation_ <= kMostDeviation;
             if (deviation_ == 0 || (fits ? !had || own > deviation_ : !had && own < deviation_)) deviation_ = own;
         }
-        for (const PlanScene::Shadow& shadow : scene_.shadows) shadow_ms_.push_back(msOf(shadowWork(scene_, shadow), model));
+        for (const PlanScene::Shadow& shadow : scene_.shadows) shadow_ms_.push_back(shadowWork(scene_, shadow).ms(model));
     }
 
     // A candidate for each shadow map that the settings allow.
@@ -123,17 +75,14 @@ public:
     double deviation() const { return deviation_; }
 
     std::vector<PassCost> passes(const RenderSettings& settings) const {
-        Work shared = sharedWork(scene_, settings), each{};
-        const Work shadow = shadowWork(scene_, scene_.shadows[shadowOf(settings)]);
-        for (size_t i = 0; i < kCosts; ++i) shared[i] += shadow[i];
-        for (const ViewWork& view : views_) {
-            const Work work = view.of(in(view, settings));
-            for (size_t i = 0; i < kCosts; ++i) each[i] += work[i];
-        }
+        Work shared = sharedWork(scene_, settings), each;
+        shared += shadowWork(scene_, scene_.shadows[shadowOf(settings)]);
+        for (const ViewWork& view : views_) each += view.of(in(view, settings));
         std::vector<PassCost> all;
-        for (size_t i = 0; i < kCosts; ++i) {
-            if (shared[i] > 0) all.push_back({info(Cost(i)).pass, true, shared[i] * model_.ns[i] * 1e-6});
-            if (each[i] > 0) all.push_back({info(Cost(i)).pass, false, each[i] * model_.ns[i] * 1e-6});
+        for (const CostInfo* cost : allCosts()) {
+            const double ms_per_unit = model_[*cost] * 1e-6;
+            if (shared[*cost] > 0) all.push_back({cost->pass, true, shared[*cost] * ms_per_unit});
+            if (each[*cost] > 0) all.push_back({cost->pass, false, each[*cost] * ms_per_unit});
         }
         return all;
     }
@@ -143,16 +92,16 @@ private:
         const auto same = [&](const PlanScene::Shadow& s) { return s.wanted == settings.shadow_error; };
         return size_t(std::find_if(scene_.shadows.begin(), std::prev(scene_.shadows.end()), same) - scene_.shadows.begin());
     }
-    // With the view's own rate.
+    // The way with the view's own rate.
     RenderSettings in(const ViewWork& view, RenderSettings way) const {
         if (haveOwnRates(inputs_, way) && deviation_ > 0) way.rate = rateFor(way.rate, view.deviation() / deviation_);
         return way;
     }
     Candidate withoutShadow(const RenderSettings& way) const {
-        Candidate c{.settings = way, .shared_ms = msOf(sharedWork(scene_, way), model_)};
+        Candidate c{.settings = way, .shared_ms = sharedWork(scene_, way).ms(model_)};
         for (const ViewWork& view : views_) {
             const RenderSettings own = in(view, way);
-            c.views_ms += msOf(view.of(own), model_);
+            c.views_ms += view.of(own).ms(model_);
             c.error = std::max(c.error, errorOf(own, view));
         }
         return c;
@@ -170,8 +119,8 @@ private:
     const PlanScene& scene_; // of inputs_
     const CostModel& model_;
     std::vector<ViewWork> views_;
-    bool inside_ = false;  // some view is
-    double deviation_ = 0; // Plan::deviation
+    bool inside_ = false;  // True: some eye is in the medium
+    double deviation_ = 0; // Plan::reference_deviation_px
     std::vector<double> shadow_ms_;
 };
 
@@ -214,72 +163,34 @@ std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candida
 
 std::string checkWanted(const RenderSettings& wanted) {
     RenderSettings named = wanted;
-    if (wanted.method == kAutoMethod) named.method = methods().front().name;
+    if (wanted.method == kAutoMethod) named.method = methodPlans().front()->name();
     std::string wrong = checkSettings(named);
     if (const size_t at = wrong.find("there are: "); at != wrong.npos && wrong.starts_with("no method"))
         wrong.insert(at + 11, std::string(kAutoMethod) + ", ");
     return wrong;
 }
 
-// The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes and props from outside and from
-// within, each cause by itself; docs/results/plan.md has the predictions for views that they do not come from.
-
-// A cubic B-spline errs by the fourth derivative, which of Gaussians grows on with every order: between spacings of a half and
-// two that is the power 4.5.
-double rayError(double spacing) { return 0.0055 * std::pow(spacing, 4.5); }
-
-// Within a slab light and extinction vary together to second order in its thickness: by the depth that a slab has, up to where
-// what lies behind is hidden. The eye that is in the medium sees each slab by itself; from outside the rim, where little is
-// scattered, counts too. Above 1.43 slabs widen the particles: from there on the error grows as the fourth power.
-double slabError(double thickness, double depth, bool inside) {
-    const double curvature = inside ? std::min(0.065 * depth, 0.0145) : std::min(0.06 * depth, 0.0085);
-    return curvature * thickness * thickness * (1 + std::pow(thickness / 2, 4));
-}
+std::vector<const MethodPlan*> allMethods() { return {methodPlans().begin(), methodPlans().end()}; }
 
 // The map's estimate is a mean over views; some see up to 1.4 times as much of it.
 double lightError(double estimated) { return 1.25 * estimated; }
-
-// The largest of cloud, cloud-5000, tubes, plume and grid_test's particles of several sizes: 0.3 % at 0.5, where cloud has 0.06
-// %. Sampled linearly; cubically.
-double gridError(double spacing) {
-    return spacing >= double(kCubicBelow) ? 0.012 * std::pow(spacing, 2) : 0.0016 * std::pow(spacing, 4);
-}
-
-double methodError(const RenderSettings& settings, bool inside) {
-    if (marches(settings)) return 2e-4;
-    if (settings.method == "sphere" || quadratureOf(settings) == "hermite") return 0.03;
-    if (settings.method == "tiles") return inside ? 0.055 : 0.03;
-    return 0.13; // tetrahedra leave out what is beyond their faces
-}
 
 // FLIP's definition for an error e of the luminance Y all over a picture: 0.0575 (38.7 Y^(1/3) e)^0.7, which is 0.56 e^0.7 for Y
 // = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
 double flipOf(double error, bool inside) { return std::min((inside ? 0.65 : 0.5) * std::pow(error, 0.7), 1.0); }
 
-uint32_t rateFor(uint32_t rate, double part) {
-    if (part > 1 / kFarther && part < kFarther) return rate;
-    uint32_t own = 1;
-    for (const uint32_t r : kRates)
-        if (r <= kFarther * part * rate) own = r;
-    return own;
-}
-
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed) {
-    const bool slabs = marches(settings);
+    const MethodPlan& method = *planOf(settings.method);
     for (uint32_t tries = 0; tries < 3; ++tries) {
-        RenderSettings coarser = settings;
+        std::optional<RenderSettings> next;
         const uint32_t what = (step + tries) % 3;
-        if (what == 0 && slabs && settings.slabs > kSlabCounts[0]) {
-            for (const uint32_t fewer : kSlabCounts)
-                if (fewer < settings.slabs) coarser.slabs = fewer;
-        } else if (what == 1 && slabs && settings.rate < std::end(kRates)[-1]) {
-            coarser.rate = *std::upper_bound(std::begin(kRates), std::end(kRates), settings.rate);
-        } else if (what == 2 && 2 * settings.shadow_error <= kCoarsestShadow) {
-            coarser.shadow_error = 2 * settings.shadow_error;
-        } else {
-            continue;
+        if (what < 2) {
+            next = method.coarser(settings, what == 0 ? Coarser::along : Coarser::across);
+        } else if (2 * settings.shadow_error <= kCoarsestShadow) {
+            next = settings;
+            next->shadow_error *= 2;
         }
-        if (!allowed || allowed(coarser)) return coarser;
+        if (next && (!allowed || allowed(*next))) return next;
     }
     return {};
 }
@@ -327,19 +238,14 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         plan.chosen = prices.of(*next);
         ++plan.relaxed;
     }
-    plan.deviation = haveOwnRates(inputs, plan.chosen.settings) ? prices.deviation() : 0;
+    plan.reference_deviation_px = haveOwnRates(inputs, plan.chosen.settings) ? prices.deviation() : 0;
     plan.within = holds(plan.chosen);
-    plan.rests_ms = prices.of(finer(plan.chosen.settings)).ms();
+    plan.still_ms = prices.of(finer(plan.chosen.settings)).ms();
     plan.passes = prices.passes(plan.chosen.settings);
     plan.others = othersOf(all, plan.chosen, wanted, rank);
     return plan;
 }
 
-RenderSettings finer(RenderSettings settings) {
-    if (!marches(settings)) return settings;
-    if (settings.rate > 1) settings.rate /= 2;
-    settings.slabs = std::min(2 * settings.slabs, 512u);
-    return settings;
-}
+RenderSettings finer(const RenderSettings& settings) { return planOf(settings.method)->finer(settings); }
 
 } // namespace brume

@@ -1,5 +1,5 @@
 // What to render with: of all ways, the cheapest whose predicted error is within the budget. A pure function of the scene, the
-// viewers and what the device's work costs.
+// viewers, the methods and the costs of the device's work.
 #pragma once
 
 #include <functional>
@@ -7,25 +7,24 @@
 #include <string>
 #include <vector>
 
-#include "server/plan/cost_model.h"
-#include "server/plan/work.h"
+#include "server/plan/method_plan.h"
 
 namespace brume {
 
 // The method's name that leaves the choice to the plan.
 inline constexpr const char* kAutoMethod = "auto";
 
-// As checkSettings() of server/render/method.h, with "auto" allowed.
+// As checkSettings() (server/methods/plans.h), with "auto" allowed.
 std::string checkWanted(const RenderSettings& wanted);
 
 struct PlanInputs {
     PlanScene scene;
-    std::vector<PlanView> views;          // with none: as if the scene's camera looked
-    std::vector<std::string> methods;     // that there are
-    uint32_t relaxed = 0;                 // steps of relaxed(), under overload
-    std::optional<RenderSettings> before; // Plan::base in use: kept unless another way is clearly better
-    // Whether shaders of all rates are: CPU drivers take seconds for one that makes edges of objects. Until then all views of a
-    // scene with objects have one rate.
+    std::vector<PlanView> views;            // with none: as if the scene's camera looked
+    std::vector<const MethodPlan*> methods; // that there are; see allMethods()
+    uint32_t relaxed = 0;                   // steps of relaxed(), under overload
+    std::optional<RenderSettings> before;   // Plan::base in use: kept unless another way is clearly better
+    // True: shaders of all rates are compiled. CPU drivers take seconds for one that draws the edges of objects; until then all
+    // views of a scene with objects have one rate.
     bool compiled = true;
 };
 
@@ -41,6 +40,9 @@ struct Candidate {
     double ms() const { return shared_ms + views_ms; }
 };
 
+// methodPlans() as PlanInputs takes them.
+std::vector<const MethodPlan*> allMethods();
+
 struct PassCost {
     const char* pass;
     bool shared;
@@ -53,42 +55,28 @@ struct Plan {
     std::vector<Candidate> others; // the best of each method and rate that was not taken
     size_t views = 1;
     std::string refused;  // "grid: why": a method that the scene does not allow; it was not among the ways
-    bool within = true;   // the budget holds; else the cheapest of the most accurate ways was taken
-    bool kept = false;    // as before, though another way is a little cheaper
+    bool within = true;   // True: the budget holds; false: the cheapest of the most accurate ways was taken
+    bool kept = false;    // True: as before, though another way is a little cheaper
     RenderSettings base;  // before overload
     uint32_t relaxed = 0; // steps that overload took, of those asked for: its error ends at ten times the budget
-    double finer_ms = 0;  // what one step less would take
-    double rests_ms = 0;  // what chosen would with finer()
-    // Pixels that the medium's has in the view whose rate is settings.rate; others have their own, by rateFor(). 0: all have that
-    // one, or no view sees the medium.
-    double deviation = 0;
+    double finer_ms = 0;  // predicted time one overload step earlier
+    double still_ms = 0;  // predicted time with finer(), for still pictures
+    // The medium's standard deviation, in pixels, in the view that settings.rate fits; other views have rates of their own, by
+    // rateFor(). 0: all have one rate, or no view sees the medium.
+    double reference_deviation_px = 0;
 };
 
 // `wanted.method` and settings other than 0 are kept whatever they cost: the plan only chooses what is left open. A method that
 // the scene does not allow is not: then all others are open.
 Plan makePlan(const PlanInputs& inputs, const CostModel& model);
 
-// Errors that approximations leave (relative RMSE), as measured against the double-precision reference: docs/results/plan.md.
-// `inside`: the eye is in the medium.
-// Of rays, in projected standard deviations.
-double rayError(double spacing);
-// Of slabs, in standard deviations; `depth`: mean optical depth of one.
-double slabError(double thickness, double depth, bool inside);
-// Of the grid's nodes, in standard deviations.
-double gridError(double spacing);
-// Of the light's map, by its own estimate for the light in the medium.
+// Relative RMSE of pictures for the light's map's own estimate of its error in the medium.
 double lightError(double estimated);
-// What remains of a method however fine the rest is.
-double methodError(const RenderSettings& settings, bool inside);
-// Mean FLIP of pictures with such an error.
+// Mean FLIP of pictures with a relative RMSE. `inside`: the eye is in the medium.
 double flipOf(double error, bool inside);
 
-// Pixels between rays in a view where the medium's deviation has `part` of the pixels that it has where they are `rate`: rays as
-// far apart in deviations, up to 15 % farther. Views keep theirs while cameras move a little.
-uint32_t rateFor(uint32_t rate, double part);
-
-// The next coarser settings, in the order in which overload gives up accuracy: slabs, rays, shadow volume, and again; what is at
-// its end, or not `allowed`, is passed over. Empty when all are. `step` counts from 0.
+// The next coarser settings, in the order in which overload gives up accuracy: along rays, across them, the shadow volume, and
+// again. A kind that is at its end, or not `allowed`, is passed over. Empty when all are. `step` counts from 0.
 using Allowed = std::function<bool(const RenderSettings&)>;
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed = {});
 
@@ -96,10 +84,10 @@ std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t s
 std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel& model);
 // In one line, for a log.
 std::string summary(const Plan& plan);
-// A way, in a few words.
+// A way in a few words.
 std::string wayText(const RenderSettings& settings);
 
-// The same with half as far between rays and slabs, for pictures that rest.
-RenderSettings finer(RenderSettings settings);
+// With a fraction of the error, for pictures that rest: MethodPlan::finer().
+RenderSettings finer(const RenderSettings& settings);
 
 } // namespace brume

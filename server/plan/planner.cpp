@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 
-#include "server/light/tick.h"
+#include "server/inputs/tick_block.h"
+#include "server/medium/band_limit.h"
+#include "server/opaque/objects.h"
 
 namespace brume {
 namespace {
@@ -37,12 +40,6 @@ double meanExtinction(const PlanScene& scene) {
 
 } // namespace
 
-std::vector<std::string> methodNames() {
-    std::vector<std::string> names;
-    for (const MethodInfo& method : methods()) names.emplace_back(method.name);
-    return names;
-}
-
 PlanView ownView(const Scene& scene) {
     return {lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y), 640, 360};
 }
@@ -54,10 +51,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     const std::vector<gpu::Opaque> objects = opaqueObjects(scene);
     PlanScene out;
     out.wanted = now.render;
-    out.features.opaque = !objects.empty();
-    out.features.casters = !scene.boxes.empty() || !scene.spheres.empty();
-    out.features.lobe = now.medium.anisotropy > 0;
-    out.features.ambient = scene.sky.ambient != glm::vec3(0);
+    out.features = featuresOf(scene, now.medium);
     out.objects = uint32_t(objects.size());
     out.casters = uint32_t(scene.boxes.size() + scene.spheres.size());
     out.tick = makeTick(scene, now, particles, objects);
@@ -82,7 +76,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
 
 Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms)
     : scene_(scene), model_(std::move(model)), overload_(frame_budget_ms) {
-    inputs_.methods = methodNames();
+    inputs_.methods = allMethods();
 }
 
 const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed, Time now) {
@@ -120,23 +114,35 @@ void Planner::make() {
 }
 
 uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings) const {
-    if (!(plan_.deviation > 0)) return 0;
-    return rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / plan_.deviation);
+    const double reference = plan_.reference_deviation_px;
+    return reference > 0 ? rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / reference) : 0;
 }
 
 void Planner::took(double ms, Time now) {
     const double finer = plan_.relaxed > 0 ? plan_.finer_ms / plan_.chosen.ms() : 1;
-    const uint32_t level = overload_.level();
+    const uint32_t before = overload_.level();
     if (!overload_.took(ms, finer, now)) return;
     make();
     if (plan_.relaxed < overload_.level()) { // nothing is left to give up
         overload_.stepBack();
-        exhausted_ = true;
+        if (!std::exchange(exhausted_, true))
+            spdlog::warn("frames take too long ({:.1f} ms) with no accuracy left to give up: {}", ms, summary(plan_));
         return;
     }
     exhausted_ = false;
-    const char* what = overload_.level() > level ? "frames take too long" : "frames are short enough again";
-    spdlog::warn("{} ({:.1f} ms): {}", what, ms, summary(plan_));
+    const uint32_t level = overload_.level();
+    worst_ = std::max(worst_, level);
+    if (before == 0) {
+        overloaded_since_ = now;
+        spdlog::warn("frames take too long ({:.1f} ms): accuracy is given up, step by step; first {}", ms, summary(plan_));
+    } else if (level == 0) {
+        const auto lasted = std::chrono::duration_cast<std::chrono::seconds>(now - overloaded_since_);
+        spdlog::warn("accuracy is back after {} s, at worst coarser by {} steps: {}", lasted.count(), std::exchange(worst_, 0),
+                     summary(plan_));
+    } else {
+        spdlog::debug("{} ({:.1f} ms): {}", level > before ? "frames take too long" : "frames are short enough again", ms,
+                      summary(plan_));
+    }
 }
 
 } // namespace brume

@@ -13,9 +13,6 @@ namespace brume {
 // The scene at the simulation's present state. Its cost grows with the particle count: about as that of an upload.
 PlanScene planScene(const Scene& scene, const Simulation& simulation);
 
-// The names of all methods of server/render/methods.cpp.
-std::vector<std::string> methodNames();
-
 // What the scene's own camera sees, 640x360: for a plan without viewers.
 PlanView ownView(const Scene& scene);
 
@@ -32,17 +29,18 @@ public:
     // works.
     void refresh(const Simulation& simulation, std::span<const PlanView> views, Time now);
 
-    // Of `view`, which may have moved since: pixels between its rays with these settings, those of settings() or finer ones. 0:
-    // as they say.
+    // Pixels between the rays of `view`, which may have moved since, with the settings of settings() or finer ones. 0: as they
+    // say.
     uint32_t rateOf(const PlanView& view, const RenderSettings& settings) const;
 
-    // A frame with these settings took so long. Says each change in the log.
+    // A frame with these settings took so long. Logs when accuracy begins to be given up, when none is left to give up, and when
+    // it is back.
     void took(double ms, Time now);
     void setFrameBudget(double ms) { overload_.setBudget(ms); }
     // PlanInputs::compiled, from the next plan on.
     void setCompiled(bool compiled) { inputs_.compiled = compiled; }
 
-    // Frames took too long with no accuracy left to give up, and have not been short enough since.
+    // True: frames took too long with no accuracy left to give up, and have not been short enough since.
     bool exhausted() const { return exhausted_; }
 
     const Plan& plan() const { return plan_; }
@@ -59,6 +57,8 @@ private:
     PlanInputs inputs_;
     Plan plan_;
     bool exhausted_ = false;
+    uint32_t worst_ = 0; // overload level since accuracy was whole
+    Time overloaded_since_{};
     Time planned_{}, looked_{}; // when the plan was made; when the scene was looked at
 };
 

@@ -1,4 +1,5 @@
-// How much work each pass has with a way to render, counted from a sample of the particles: no device, no shader.
+// How much work the passes have, counted from a sample of the particles: what every method's plan counts with. No device, no
+// shader.
 #pragma once
 
 #include <array>
@@ -7,10 +8,10 @@
 
 #include "common/camera.h"
 #include "common/scene.h"
-#include "server/light/medium_extent.h"
+#include "server/inputs/scene_features.h"
 #include "server/light/shadow_resolution.h"
+#include "server/medium/extent.h"
 #include "server/plan/cost_model.h"
-#include "server/render/method.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -38,19 +39,29 @@ struct PlanScene {
         ShadowResolution resolution;
     };
     std::vector<Shadow> shadows;
+
+    double weight() const { return sample.empty() ? 0 : double(particles) / double(sample.size()); } // particles per sample
+    double support(const gpu::Particle& particle) const;                                             // m, radius
 };
 
-inline constexpr float kCoarsestShadow = 0.05f, kFinestShadow = 2e-4f; // of them
+inline constexpr float kCoarsestShadow = 0.05f, kFinestShadow = 2e-4f; // of PlanScene::shadows
 
-// Units as Cost says; of the passes that a frame does not have: 0.
-using Work = std::array<double, kCosts>;
+// Units as each CostInfo says, by numberOf(); 0 for passes that a frame does not have.
+class Work {
+public:
+    double& operator[](const CostInfo& cost) { return units_[numberOf(cost)]; }
+    double operator[](const CostInfo& cost) const { return units_[numberOf(cost)]; }
+    double operator[](size_t number) const { return units_[number]; }
+    Work& operator+=(const Work& other);
+    double ms(const CostModel& model) const;
+
+private:
+    std::array<double, kMostCosts> units_{};
+};
 
 // Once per tick, for everyone: of the volumetric shadow map, and of all the rest.
 Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow);
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings);
-
-// Whether a way integrates along a grid of rays cut into slabs: its settings have a rate and slabs.
-inline bool marches(const RenderSettings& settings) { return settings.method == "slabs" || settings.method == "grid"; }
 
 // Pixels that the medium's standard deviation has in a picture, in the middle of the view depths between which the medium lies.
 double projectedDeviation(const MediumExtent& extent, const PlanView& view);
@@ -60,31 +71,41 @@ class ViewWork {
 public:
     ViewWork(const PlanScene& scene, const PlanView& view);
 
-    // Precondition: where marches(settings), settings.rate and settings.slabs are not 0.
+    // Of the settings' method. Precondition: every setting is chosen.
     Work of(const RenderSettings& settings) const;
 
-    bool inside() const { return near_ <= kNear; }         // the eye is in the medium's bounds
-    bool sees() const { return far_ > near_; }             // some of the medium is before the eye
+    const PlanScene& scene() const { return scene_; }
+    uint32_t width() const { return width_; } // pixels
+    uint32_t height() const { return height_; }
+    double pixels() const { return double(width_) * height_; }
+    double pixel() const { return pixel_; } // m per m of view depth
+    double near() const { return near_; }   // m of view depth, where the medium begins and ends before the eye
+    double far() const { return far_; }
+    bool inside() const;                                   // True: the eye is in the medium's bounds
+    bool sees() const { return far_ > near_; }             // True: some of the medium is before the eye
     double raySpacing(uint32_t rate) const;                // of neighbouring rays, in projected standard deviations
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
     double deviationDepth() const;                         // mean optical depth of a standard deviation's length
+    // Pixels that particles cover, where each covers this part of the box around it.
+    double fragments(double part_of_box) const;
 
-    static constexpr double kNear = 0.05; // m, as the renderer's near plane
-
-private:
-    struct Seen {                        // what is in the picture of a particle: the box around it
+    struct Seen {                        // the box around one of the sample's particles in the picture
         double left, right, top, bottom; // pixels, clipped
         double near, far;                // m of view depth
     };
-    double fragments(double radius_factor) const;
+    std::span<const Seen> seen() const { return seen_; }
 
+private:
     const PlanScene& scene_;
     uint32_t width_, height_;
-    double pixel_;      // m per m of view depth
-    double near_, far_; // m, view depths between which the medium lies
-    double weight_;     // particles per one of the sample
+    double pixel_, near_, far_;
     std::vector<Seen> seen_;
 };
+
+// Cells of `size` that [lo, hi] touches, of `count` from 0.
+double cellsTouched(double lo, double hi, double size, double count);
+// Groups of `size` that cover `count`.
+double groupsOf(uint32_t count, uint32_t size);
 
 } // namespace brume

@@ -1,11 +1,11 @@
-// The last passes of pictures: background, medium, tone map, and the planes that JPEG takes. Pixels whose medium comes as a field
-// are made here and never stored as radiance, unless somebody wants to read it.
+// The last passes of pictures: background, medium, tone map, and the planes of bytes that the encoders take. Pixels whose medium
+// comes as a field are made here and never stored as radiance, unless somebody wants to read it.
 #pragma once
 
 #include <map>
 
-#include "server/render/picture.h"
-#include "server/render/view_group.h"
+#include "server/inputs/scene_features.h"
+#include "server/inputs/view_group.h"
 
 namespace brume {
 
@@ -13,26 +13,18 @@ class Compose {
 public:
     Compose(const gpu::Device& device, const SceneFeatures& features);
 
-    // Whether EyeInputs::radiance holds what was composed afterwards: then every pixel is shaded, and groups are of one view. A
-    // medium that was drawn is always there.
+    // True: RenderTarget::radiance holds the composed picture afterwards; every group is then of one view, with step 1. A medium
+    // that was drawn is always there.
     void keepRadiance(bool keep) { keep_ = keep; }
     bool keepsRadiance() const { return keep_; }
-
-    // Whether planes hold R, G, B of every pixel from now on (picture.h).
+    // True: planes hold R, G, B of every pixel from now on; false: Y, Cb, Cr (picture.h).
     void fullColour(bool full) { full_ = full; }
 
-    // Pixels between those that are shaded (shading.h): 1 where a picture may have sharp edges, and while radiance is kept.
-    // `deviation`: the medium's, in pixels.
-    uint32_t stepOf(const EyeInputs& in, uint32_t rate, float deviation) const;
-    // Words of the buffer that gpu::View::shaded points into.
-    static uint32_t shadedWords(const gpu::View& view, uint32_t step);
-    // Room for so many, nothing of this being on the device.
-    void fit(VkDeviceSize shaded_words);
-
-    // The medium is in EyeInputs::radiance, with what is behind it, of all pixels or of every EyeInputs::step-th.
-    void record(gpu::Commands& commands, const EyeInputs& in);
-    // The medium is in `field`. The background is in EyeInputs::radiance when the scene has opaque objects, else it is the sky.
-    void record(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field);
+    // Makes room for the groups' shaded nodes. Precondition: nothing of this is on the device.
+    void prepare(std::span<const ViewGroup> groups);
+    // Writes the planes of a group's views. The medium is in the group's field, or with what is behind it in the target. What is
+    // behind a field is in the target when the scene has opaque objects; else it is the sky.
+    void record(gpu::Commands& commands, const ViewGroup& group);
 
 private:
     struct Variant {
@@ -43,16 +35,16 @@ private:
     uint32_t blocksOf(uint32_t rate) const;
     const gpu::ComputeProgram& everyPixel(const Variant& variant);
     const gpu::ComputeProgram& someNodes(const Variant& variant);
-    void recordShaded(gpu::Commands& commands, const ViewGroup& group, const gpu::Buffer& field);
-    void recordDrawnNodes(gpu::Commands& commands, const EyeInputs& in);
+    void recordEveryPixel(gpu::Commands& commands, const ViewGroup& group);
+    void shadeField(gpu::Commands& commands, const ViewGroup& group);
+    void shadeTarget(gpu::Commands& commands, const ViewGroup& group);
     // From shaded nodes to planes.
-    void recordPresent(gpu::Commands& commands, const gpu::Resource& views, const EyeInputs& any, uint32_t pass_view,
-                       glm::uvec3 size, uint32_t step);
+    void present(gpu::Commands& commands, const ViewGroup& group);
 
     const gpu::Device& device_;
-    SceneFeatures features_;
+    const SceneFeatures features_;
     bool keep_ = false, full_ = false;
-    gpu::Buffer none_; // where no field is
+    gpu::Buffer none_; // bound where there is no field
     gpu::Buffer shaded_;
     std::map<Variant, gpu::ComputeProgram> every_pixel_, some_nodes_;
     std::map<uint32_t, gpu::ComputeProgram> drawn_nodes_;              // by the step

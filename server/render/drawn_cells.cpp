@@ -2,48 +2,48 @@
 
 #include <algorithm>
 
-#include "server/render/background.h"
 #include "shaders/drawn_cells_comp.h"
 
 namespace brume {
 namespace {
 
-// Of a deviation of the medium: how far a cubic may be off where the medium ends, or its shadow.
+// How far apart depths of a cell's corners may be for it to be interpolated, in standard deviations of the medium.
 constexpr float kSame = 0.25f;
 
 } // namespace
 
-void DrawnCells::begin(gpu::Commands& commands, const EyeInputs& nodes) const {
-    nodes.background->record(commands, nodes);
+void DrawnCells::clear(gpu::Commands& commands, const EyeInputs& coarse) const {
     const VkClearColorValue nothing{{0, 0, 0, 1}};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    vkCmdClearColorImage(commands.handle(), nodes.radiance->handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1, &all);
+    vkCmdClearColorImage(commands.handle(), coarse.target->radiance.handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1, &all);
     gpu::everythingBefore(commands.handle());
 }
 
-void DrawnCells::record(gpu::Commands& commands, const EyeInputs& in) {
-    const gpu::Commands::Pass pass(commands, "cells", in.view);
+void DrawnCells::interpolate(gpu::Commands& commands, const EyeInputs& fine, const EyeInputs& coarse) {
+    const gpu::Commands::Pass pass(commands, "cells", fine.view);
     const VkCommandBuffer cmd = commands.handle();
-    const gpu::Eye& eye = in.block->eye;
-    const DepthRange depths = depthRange(*in.extent, eye.position, -eye.back);
+    const gpu::Eye& eye = fine.block->eye;
+    const MediumExtent& extent = *fine.medium->extent;
+    const DepthRange depths = depthRange(extent, eye.position, -eye.back);
     const struct {
         float near, far, same;
         uint32_t first_caster;
-    } push{std::max(depths.near, eye.near_depth), std::max(depths.far, eye.near_depth), kSame * in.extent->deviation,
-           in.first_caster};
-    const EyeInputs& nodes = *in.nodes;
-    gpu::ComputeProgram& program = programs_[nodes.step];
+    } push{std::max(depths.near, eye.near_depth), std::max(depths.far, eye.near_depth), kSame * extent.deviation,
+           fine.shared->first_caster};
+    gpu::ComputeProgram& program = programs_[coarse.step];
     if (!program)
         program =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"}, {{22, nodes.step}});
+            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"}, {{22, coarse.step}});
     gpu::everythingBefore(cmd);
+    const gpu::Sampler& nearest = *fine.shared->nearest;
     program.bind(cmd,
-                 {in.tick, in.eye, gpu::storageImage(2, *in.radiance), gpu::storageImage(3, *in.view_depth),
-                  gpu::sampledImage(4, *nodes.radiance, *in.nearest), gpu::sampledImage(5, *nodes.view_depth, *in.nearest),
-                  gpu::uniformBuffer(6, *in.objects, 0, in.objects->size())},
+                 {fine.medium->tick, fine.eye, gpu::storageImage(2, fine.target->radiance),
+                  gpu::storageImage(3, fine.target->view_depth), gpu::sampledImage(4, coarse.target->radiance, nearest),
+                  gpu::sampledImage(5, coarse.target->view_depth, nearest),
+                  gpu::uniformBuffer(6, *fine.shared->objects, 0, fine.shared->objects->size())},
                  push);
-    const uint32_t side = 8 * nodes.step;
-    vkCmdDispatch(cmd, gpu::groups(in.size.width, side), gpu::groups(in.size.height, side), 1);
+    const uint32_t side = 8 * coarse.step;
+    vkCmdDispatch(cmd, gpu::groups(fine.size.width, side), gpu::groups(fine.size.height, side), 1);
     gpu::everythingBefore(cmd);
 }
 

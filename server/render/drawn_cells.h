@@ -1,10 +1,11 @@
-// Per eye of a scene with opaque objects: the medium drawn at every step-th pixel alone becomes that of the pixels between, but
-// where surfaces or shafts of shadow make it change sharply.
+// For scenes with opaque objects: the medium drawn at every step-th pixel only becomes that of the pixels between, except in
+// cells that the edge of a surface or of its shadow crosses.
 #pragma once
 
 #include <map>
 
-#include "server/render/method.h"
+#include "server/gpu/commands.h"
+#include "server/inputs/eye_inputs.h"
 
 namespace brume {
 
@@ -12,11 +13,11 @@ class DrawnCells {
 public:
     explicit DrawnCells(const gpu::Device& device) : device_(device) {}
 
-    // Before the medium is drawn at EyeInputs::nodes: nothing is in its radiance, the surfaces are in its view depth.
-    void begin(gpu::Commands& commands, const EyeInputs& nodes) const;
-    // Afterwards: puts it over the background of the pixels that a cubic between nodes can tell, and makes their view depth 0, so
-    // that the method adds nothing more to them.
-    void record(gpu::Commands& commands, const EyeInputs& in);
+    // Before the medium is drawn at every step-th pixel: leaves the surfaces in that target's view depth, and no radiance.
+    void clear(gpu::Commands& commands, const EyeInputs& coarse) const;
+    // Afterwards: interpolates it, over the background that the fine target holds. Pixels that are done get the view depth 0, so
+    // that a method which then draws all pixels adds nothing to them.
+    void interpolate(gpu::Commands& commands, const EyeInputs& fine, const EyeInputs& coarse);
 
 private:
     const gpu::Device& device_;

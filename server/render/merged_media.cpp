@@ -1,8 +1,7 @@
 #include "server/render/merged_media.h"
 
 #include <algorithm>
-
-#include "server/render/renderer.h"
+#include <utility>
 
 namespace brume {
 
@@ -30,7 +29,7 @@ void MergedMedia::choose(std::span<const gpu::Particle> ordered, bool moved, con
     }
 }
 
-// The medium of that exponent: as it was made before, or in the place of one that nobody wants.
+// The level of that exponent: as it was made before, or instead of one that no eye wants.
 MergedMedia::Medium& MergedMedia::merged(std::span<const gpu::Particle> ordered, int exponent, float falloff) {
     for (const auto& medium : all_)
         if (medium->exponent == exponent) return *medium;
@@ -56,17 +55,16 @@ void MergedMedia::write(const gpu::Device& device, const gpu::Buffer& through, V
     for (Medium* medium : media_) {
         if (!medium->fresh) continue;
         const VkDeviceSize bytes = medium->list.size() * sizeof(gpu::Particle);
-        if (!medium->particles || medium->particles.size() < bytes)
-            medium->particles = gpu::Buffer(device, bytes + bytes / 4, // a medium that grows a little stays in it
-                                            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                                            gpu::Memory::device, "merged particles");
+        const VkDeviceSize room = medium->particles.size() < bytes ? bytes + bytes / 4 : bytes; // it may grow a little
+        medium->particles.atLeast(device, room, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                  gpu::Memory::device, "merged particles");
         std::copy(medium->list.begin(), medium->list.end(), through.mapped<gpu::Particle>(medium->list.size(), at).begin());
         at += bytes;
     }
 }
 
-void MergedMedia::record(VkCommandBuffer cmd, const gpu::Buffer& through, VkDeviceSize at) {
-    for (Medium* medium : media_) {
+void MergedMedia::record(VkCommandBuffer cmd, const gpu::Buffer& through, VkDeviceSize at) const {
+    for (const Medium* medium : media_) {
         if (!medium->fresh) continue;
         const VkBufferCopy copy{at, 0, medium->list.size() * sizeof(gpu::Particle)};
         vkCmdCopyBuffer(cmd, through.handle(), medium->particles.handle(), 1, &copy);

@@ -1,48 +1,49 @@
-// The merged media (particle_levels.h) that the eyes of a submission ask for, on the device. Eyes that ask for the same share it.
+// The levels of detail (medium/levels.h) that the eyes of a submission ask for, on the device. Eyes that ask for the same level
+// share it.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "server/gpu/resource.h"
+#include "server/inputs/eye_request.h"
+#include "server/inputs/medium_view.h"
 #include "server/light/particle_light.h"
-#include "server/render/particle_levels.h"
+#include "server/medium/levels.h"
 
 namespace brume {
-
-struct EyeRequest;
 
 class MergedMedia {
 public:
     struct Medium {
         std::vector<gpu::Particle> list;
-        gpu::Buffer particles;                // the list
-        gpu::Tick tick{};                     // the scene's, but of so many particles
-        gpu::Resource tick_block;             // on the device; the renderer's to set
+        gpu::Buffer particles;                // the list on the device
+        gpu::Tick tick{};                     // the scene's, with this list's particle_count
         MediumExtent extent;                  // of the list
-        std::unique_ptr<ParticleLight> light; // when a method reads it
+        std::unique_ptr<ParticleLight> light; // made when a method needs it
+        MediumView view;                      // of all that; set by TickUpload
 
     private:
         friend class MergedMedia;
         int exponent = kNoLevel; // of the cells
-        bool wanted = false, fresh = false;
-        bool worth = false; // fewer than three quarters
+        bool wanted = false;     // True: an eye of this submission sees it
+        bool fresh = false;      // True: it is not on the device yet
+        bool worth = false;      // True: it has fewer than three quarters of the particles
     };
 
-    // For each eye its medium, null where it sees the particles as they are: near ones, or hardly fewer when merged. `ordered`:
-    // the tick's particles in SpatialOrder; `moved`: they are not those of the last call. `extent`: theirs.
+    // Chooses each eye's level: none for an eye that is near, or for which merging would save little. `ordered`: the tick's
+    // particles in SpatialOrder, `extent` of them. `moved`: True if they are not those of the last call.
     void choose(std::span<const gpu::Particle> ordered, bool moved, const gpu::Tick& tick, const MediumExtent& extent,
                 std::span<const EyeRequest> eyes, float merge);
-    Medium* of(size_t eye) const { return of_eye_[eye]; }
+    Medium* of(size_t eye) const { return of_eye_[eye]; }     // null: it sees the particles as they are
     std::span<Medium* const> media() const { return media_; } // those that some eye has, each once
 
-    // Bytes on their way to the device; write() puts them into `through` from `at` on, record() copies them on.
+    // Bytes on their way to the device; write() puts them into `through` from byte `at` on, record() copies them on.
     VkDeviceSize uploadBytes() const;
     void write(const gpu::Device& device, const gpu::Buffer& through, VkDeviceSize at);
-    void record(VkCommandBuffer cmd, const gpu::Buffer& through, VkDeviceSize at);
+    void record(VkCommandBuffer cmd, const gpu::Buffer& through, VkDeviceSize at) const;
 
-    void invalidateLight(); // the shadows have changed
+    void invalidateLight(); // for when the shadows have changed
     uint64_t cpuBytes() const;
 
 private:

@@ -67,15 +67,17 @@ std::span<const uint32_t> Schedule::choose(std::span<const Wish> wishes, const L
         drawn_.assign(wishes.size(), 0);
         double ms = shared_ms_;
         uint32_t eyes = 0;
+        uint64_t bytes = 0;
         for (const uint32_t number : order_) {
             const Wish& wish = wishes[number];
             if (!drawn_[wish.like]) {
                 const double more = cost(wish);
                 const bool alone = chosen_.empty(), in_turn = active_ < 2 || deadlines_[number] <= now;
                 if (ms + more > budget && !(alone && in_turn)) continue;
-                if (eyes + wish.eyes > limits.eyes) continue;
+                if (eyes + wish.eyes > limits.eyes || (!alone && bytes + wish.bytes > limits.bytes)) continue;
                 ms += more;
                 eyes += wish.eyes;
+                bytes += wish.bytes;
                 drawn_[wish.like] = 1;
             }
             chosen_.push_back(number);

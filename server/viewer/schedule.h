@@ -21,13 +21,15 @@ public:
         uint32_t viewer = 0; // id
         double pixels = 0;   // of all its eyes
         uint32_t eyes = 1;
+        uint64_t bytes = 0; // of its pictures on the device
         uint32_t every = 1; // ticks between its frames, at least
         uint32_t like = 0;  // number of the first wish with the same pictures, which are drawn once
     };
     struct Limits {
-        double budget_ms = 0; // that a batch may take
-        double dearer = 1;    // factor on what was measured: for pictures drawn otherwise
-        uint32_t eyes = 64;   // of a batch
+        double budget_ms = 0;   // that a batch may take
+        double dearer = 1;      // factor on what was measured: for pictures drawn otherwise
+        uint32_t eyes = 64;     // of a batch
+        uint64_t bytes = ~0ull; // of a batch's pictures; who exceeds them alone is drawn alone
     };
 
     // Numbers of the wishes to draw now, in their order. All, when they fit or exceed the budget by half at most: a batch of its

@@ -108,7 +108,7 @@ std::optional<Viewer::Due> Viewer::takeDue(Clock::time_point now, std::optional<
 
 std::optional<PoseRequest> Viewer::due(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || !pose_) return {};
+    if (closed_ || !pose_ || !refusal_.empty()) return {};
     const QualityStep step = quality_.step();
     PoseRequest request = *pose_;
     request.lowered = quality_.level() > 0 || quality_.deviceLevel() > 0;
@@ -174,6 +174,20 @@ void Viewer::abandon(uint32_t frame_id) {
     pacing_.dropped(frame_id);
     made_.reset(); // whatever it was has not been made
     made_detail_ = Detail::moving;
+}
+
+void Viewer::refuse(std::string reason) {
+    {
+        const std::scoped_lock lock(mutex_);
+        refusal_ = std::move(reason);
+    }
+    const std::scoped_lock lock(notify_mutex_);
+    if (notify_) notify_();
+}
+
+std::string Viewer::refusal() const {
+    const std::scoped_lock lock(mutex_);
+    return refusal_;
 }
 
 Viewer::Counts Viewer::counts() const {

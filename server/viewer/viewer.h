@@ -44,6 +44,8 @@ public:
     // acknowledgement. `backlog`: since the last look there were bytes that the link had not taken; without, frames that were
     // replaced say nothing of it.
     Clock::duration look(Clock::time_point now, bool backlog = true);
+    // Why the frame loop refuses it; empty while it does not.
+    std::string refusal() const;
     // The connection is gone: nothing is rendered for it and nothing is notified any more. Waits for a running notify.
     void close();
 
@@ -68,6 +70,8 @@ public:
     void deliver(FramePtr frame);
     // A due frame that could not be rendered: gives its place in the window back.
     void abandon(uint32_t frame_id);
+    // Its pictures cannot be drawn: nothing is due any more, and its connection is to end with this reason, one line.
+    void refuse(std::string reason);
 
     struct Counts {
         uint64_t rendered = 0, sent = 0, superseded = 0, acknowledged = 0;
@@ -109,7 +113,8 @@ private:
     uint64_t superseded_seen_ = 0;        // by the last look
     Counts counts_;
     History history_;
-    bool closed_ = false;
+    std::string refusal_;
+    bool closed_ = false; // True: close() was called
 };
 
 } // namespace brume

@@ -134,8 +134,8 @@ struct View {
     uint shaded;
 };
 
-// Where the medium's grid lies (server/render/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of kSlabTile a
-// side.
+// Where the medium's grid lies (server/methods/grid/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of
+// kSlabTile a side.
 struct MediumGrid {
     vec3 origin;   // m
     float spacing; // m

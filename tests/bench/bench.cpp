@@ -134,8 +134,8 @@ void calibrateDevice(const gpu::DeviceOptions& options, const std::filesystem::p
     const CostModel model = calibrate(device, seconds);
     const std::filesystem::path file = costFile(folder, device.name(), device.driver());
     saveCosts(file, model, device.name(), device.driver());
-    for (size_t i = 0; i < kCosts; ++i)
-        std::printf("%-15s %10.4f ns per unit, built in %10.4f\n", info(Cost(i)).key, model.ns[i], info(Cost(i)).built_in);
+    for (const CostInfo* cost : allCosts())
+        std::printf("%-15s %10.4f ns per unit, built in %10.4f\n", cost->key, model[*cost], cost->built_in);
     std::cout << file.string() << '\n';
 }
 

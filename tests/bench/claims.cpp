@@ -16,7 +16,7 @@
 
 #include "common/process.h"
 #include "server/encode/jpeg.h"
-#include "server/light/tick.h"
+#include "server/inputs/tick_block.h"
 #include "server/render/renderer.h"
 #include "tests/bench/passes.h"
 #include "tests/reference/medium_reference.h"
@@ -274,7 +274,7 @@ int main(int argc, char** argv) {
     try {
         const std::filesystem::path bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
         Scene scene = loadScene(findScene(scene_name, BRUME_SCENES));
-        if (!checkSettings(scene.render).empty()) scene.render.method = methods().front().name; // auto is the server's
+        if (!checkSettings(scene.render).empty()) scene.render.method = methodNames().front(); // auto is the server's
         {
             gpu::DeviceOptions options;
             options.name = device_name;

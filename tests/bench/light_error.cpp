@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/metrics.h"
+#include "server/inputs/tick_block.h"
 #include "server/light/shadow_resolution.h"
-#include "server/light/tick.h"
 
 namespace brume::bench {
 namespace {

@@ -45,7 +45,7 @@ public:
 
 private:
     RenderSettings settingsFor(const EyeRequest& eye) const {
-        PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = methodNames()};
+        PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = allMethods()};
         inputs.views = {{eye.pose, eye.width, eye.height}};
         const Plan plan = makePlan(inputs, builtInCosts());
         return scene_.render.method == kAutoMethod ? plan.chosen.settings : scene_.render;

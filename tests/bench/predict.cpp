@@ -49,8 +49,8 @@ std::vector<FrameCost::Pass> passesOf(Stage& stage, double seconds) {
 // What one sample took: of the shared passes, each; of the view's, their sum. A CPU driver runs passes later than it says, so
 // that the time of one may count for its neighbour.
 struct Timed {
-    Work shared{}, view{};
-    std::array<double, kCosts> shared_ms{};
+    Work shared, view;
+    std::array<double, kMostCosts> shared_ms{};
     double view_ms = 0;
 };
 
@@ -59,13 +59,12 @@ Timed timed(Stage& stage, glm::uvec2 size, double seconds) {
     const RenderSettings& settings = stage.scene().render;
     Timed out;
     out.shared = sharedWork(scene, settings);
-    const Work shadow = shadowWork(scene, scene.shadows.front());
-    for (size_t i = 0; i < kCosts; ++i) out.shared[i] += shadow[i];
+    out.shared += shadowWork(scene, scene.shadows.front());
     out.view = ViewWork(scene, {stage.pose(), size.x, size.y}).of(settings);
     for (const FrameCost::Pass& pass : passesOf(stage, seconds)) {
         if (!pass.shared) out.view_ms += pass.ms;
-        for (size_t i = 0; i < kCosts; ++i)
-            if (pass.shared && pass.name == info(Cost(i)).pass) out.shared_ms[i] += pass.ms;
+        for (size_t i = 0; i < allCosts().size(); ++i)
+            if (pass.shared && pass.name == allCosts()[i]->pass) out.shared_ms[i] += pass.ms;
     }
     return out;
 }
@@ -74,17 +73,17 @@ Timed timed(Stage& stage, glm::uvec2 size, double seconds) {
 // constant by how much longer the samples took than predicted, weighted by its part in them. It stays positive.
 void fitViews(const std::vector<Timed>& samples, CostModel& model) {
     for (int round = 0; round < 20; ++round) {
-        std::array<double, kCosts> weight{}, ratio{};
+        std::array<double, kMostCosts> weight{}, ratio{};
         for (const Timed& sample : samples) {
             double predicted = 0;
-            for (size_t i = 0; i < kCosts; ++i) predicted += sample.view[i] * model.ns[i] * 1e-6;
-            for (size_t i = 0; i < kCosts; ++i) {
+            for (size_t i = 0; i < allCosts().size(); ++i) predicted += sample.view[i] * model.ns[i] * 1e-6;
+            for (size_t i = 0; i < allCosts().size(); ++i) {
                 const double part = sample.view[i] * model.ns[i] * 1e-6 / predicted;
                 weight[i] += part;
                 ratio[i] += part * sample.view_ms / predicted;
             }
         }
-        for (size_t i = 0; i < kCosts; ++i)
+        for (size_t i = 0; i < allCosts().size(); ++i)
             if (weight[i] > 0 && ratio[i] > 0) model.ns[i] *= ratio[i] / weight[i];
     }
 }
@@ -123,7 +122,7 @@ std::vector<uint8_t> comparedPixels(const RadianceImage& centres, const Radiance
 CostModel calibrate(const gpu::Device& device, double seconds) {
     CostModel model = builtInCosts();
     std::vector<Timed> samples;
-    std::array<double, kCosts> ms{}, units{};
+    std::array<double, kMostCosts> ms{}, units{};
     for (const Sample& sample : kSamples) {
         Case wanted{.scene = sample.scene, .set = {}, .camera = sample.camera, .size = sample.size};
         wanted.set.push_back(std::string("render.method=") + sample.method);
@@ -131,14 +130,14 @@ CostModel calibrate(const gpu::Device& device, double seconds) {
         if (sample.slabs) wanted.set.push_back("render.slabs=" + std::to_string(sample.slabs));
         Stage stage(device, wanted);
         samples.push_back(timed(stage, sample.size, seconds / double(std::size(kSamples))));
-        for (size_t i = 0; i < kCosts; ++i) ms[i] += samples.back().shared_ms[i], units[i] += samples.back().shared[i];
+        for (size_t i = 0; i < allCosts().size(); ++i) ms[i] += samples.back().shared_ms[i], units[i] += samples.back().shared[i];
     }
-    for (size_t i = 0; i < kCosts; ++i)
+    for (size_t i = 0; i < allCosts().size(); ++i)
         if (ms[i] > 0 && units[i] > 0) model.ns[i] = 1e6 * ms[i] / units[i];
     fitViews(samples, model);
     for (size_t s = 0; s < samples.size(); ++s) {
         double predicted = 0;
-        for (size_t i = 0; i < kCosts; ++i) predicted += samples[s].view[i] * model.ns[i] * 1e-6;
+        for (size_t i = 0; i < allCosts().size(); ++i) predicted += samples[s].view[i] * model.ns[i] * 1e-6;
         std::fprintf(stderr, "  %-11s %-8s %-7s %4u x %-4u view %9.3f ms, fitted %9.3f ms\n", kSamples[s].scene,
                      kSamples[s].camera, kSamples[s].method, kSamples[s].size.x, kSamples[s].size.y, samples[s].view_ms,
                      predicted);

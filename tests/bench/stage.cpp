@@ -72,7 +72,7 @@ Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, cons
         const float angle = 2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers);
         eyes_.push_back({turnedAbout(first, scene_.camera.target, angle), wanted.size.x, wanted.size.y});
     }
-    PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = methodNames()};
+    PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = allMethods()};
     for (const EyeRequest& eye : eyes_) inputs.views.push_back({eye.pose, eye.width, eye.height});
     plan_ = makePlan(inputs, costs);
     if (scene_.render.method != kAutoMethod && plan_.chosen.settings.method != scene_.render.method)

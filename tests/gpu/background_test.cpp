@@ -1,9 +1,9 @@
 // What is behind the medium: by draw and by compute, few objects and many, and edges.
 #include <cmath>
 
-#include "server/light/opaque_shadow.h"
 #include "server/light/shadow_volume.h"
-#include "server/render/background.h"
+#include "server/opaque/shadow_map.h"
+#include "server/opaque/surfaces.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 
@@ -41,35 +41,32 @@ protected:
         const gpu::Buffer medium(device(), std::max<size_t>(particles.size(), 1) * sizeof(gpu::Particle),
                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "particles");
         std::copy(particles.begin(), particles.end(), medium.mapped<gpu::Particle>(particles.size()).begin());
-        const gpu::Image radiance(device(), {VK_FORMAT_R32G32B32A32_SFLOAT, {width, height}, kTarget}, "radiance");
-        const gpu::Image depth(device(), {VK_FORMAT_R32_SFLOAT, {width, height}, kTarget}, "depth");
+        const RenderTarget target{{device(), {VK_FORMAT_R32G32B32A32_SFLOAT, {width, height}, kTarget}, "radiance"},
+                                  {device(), {VK_FORMAT_R32_SFLOAT, {width, height}, kTarget}, "depth"}};
         const gpu::Sampler linear(device(), VK_FILTER_LINEAR), nearest(device(), VK_FILTER_NEAREST);
         ShadowVolume volume(device(), uint32_t(particles.size()));
         OpaqueShadow casters(device());
-        const Background background(device(), scene, by_draw);
+        const Surfaces surfaces(device(), scene, by_draw);
 
         gpu::Commands commands(device(), "background");
         const VkCommandBuffer cmd = commands.begin();
-        gpu::toGeneral(cmd, radiance);
-        gpu::toGeneral(cmd, depth);
+        gpu::toGeneral(cmd, target.radiance);
+        gpu::toGeneral(cmd, target.view_depth);
         const gpu::Resource block = gpu::uniformBuffer(0, uniforms, 0, sizeof(gpu::Tick));
         casters.record(commands, block, tick, objects, all);
         volume.record(commands, block, tick, medium);
-        EyeInputs in;
-        in.size = {width, height};
-        in.tick = block;
+        const TickInputs shared{.objects = &objects,
+                                .shadow_volume = &volume.image(),
+                                .opaque_shadow = &casters.image(),
+                                .linear = &linear,
+                                .nearest = &nearest};
+        const MediumView view{.tick = block};
+        EyeInputs in{.shared = &shared, .medium = &view, .target = &target, .size = {width, height}};
         in.eye = gpu::uniformBuffer(1, uniforms, 256, sizeof(gpu::Eye));
-        in.objects = &objects;
-        in.shadow_volume = &volume.image();
-        in.opaque_shadow = &casters.image();
-        in.view_depth = &depth;
-        in.radiance = &radiance;
-        in.linear = &linear;
-        in.nearest = &nearest;
-        background.record(commands, in);
+        surfaces.record(commands, in);
         commands.submit();
         waitFor(commands);
-        return {readImage(device(), radiance, 4), readImage(device(), depth, 1)};
+        return {readImage(device(), target.radiance, 4), readImage(device(), target.view_depth, 1)};
     }
 };
 

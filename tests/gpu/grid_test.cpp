@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/render/medium_grid.h"
+#include "server/methods/grid/medium_grid.h"
 #include "tests/gpu/closed_form.h"
 
 namespace brume::test {
@@ -34,7 +34,7 @@ double largestError(double h, bool cubic) {
     return worst;
 }
 
-// As server/render/medium_grid.h states, in double precision.
+// As server/methods/grid/medium_grid.h states, in double precision.
 TEST(GridSampling, ErrsByTheStatedPowersOfTheSpacing) {
     for (const double h : {0.08, 0.15, 0.25, 0.35, 0.5, 0.7}) {
         EXPECT_LT(largestError(h, false), h * h / 11) << h;

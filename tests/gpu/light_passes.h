@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "server/light/tick.h"
+#include "server/inputs/tick_block.h"
+#include "server/opaque/objects.h"
 #include "tests/gpu/fixture.h"
 
 namespace brume::test {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/light/opaque_shadow.h"
+#include "server/opaque/shadow_map.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 

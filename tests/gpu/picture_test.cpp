@@ -315,7 +315,7 @@ TEST_F(PictureTest, SettingsAreChecked) {
     EXPECT_EQ(checkSettings(settings), "");
     settings.method = "raymarch";
     says("'raymarch'");
-    for (const MethodInfo& method : methods()) says(method.name);
+    for (const std::string& method : methodNames()) says(method.c_str());
     EXPECT_THROW(plain().see(
                      [&] {
                          Scene scene = sceneOf({Point{}});
@@ -324,8 +324,8 @@ TEST_F(PictureTest, SettingsAreChecked) {
                      }(),
                      Pose{}, 8, 8),
                  gpu::Error);
-    for (const MethodInfo& method : methods()) {
-        settings.method = method.name;
+    for (const std::string& method : methodNames()) {
+        settings.method = method;
         EXPECT_EQ(checkSettings(settings), "");
     }
     settings.merge = -1;
@@ -333,7 +333,7 @@ TEST_F(PictureTest, SettingsAreChecked) {
     settings.merge = 0;
     settings.quadrature = "taylor";
     says("'taylor'");
-    for (const char* name : quadratures()) says(name);
+    for (const std::string& name : quadratureNames()) says(name.c_str());
     const struct {
         const char *quadrature, *range;
         uint32_t bad[2];

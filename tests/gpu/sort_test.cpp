@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "server/render/sort.h"
+#include "server/methods/proxies/sort.h"
 #include "shaders/shared/sort_key.h"
 #include "tests/gpu/fixture.h"
 

@@ -9,9 +9,9 @@
 #include <functional>
 #include <iomanip>
 
-#include "server/light/tick.h"
-#include "server/render/medium_grid.h"
-#include "server/render/method.h"
+#include "server/inputs/tick_block.h"
+#include "server/methods/grid/node_grid_plan.h"
+#include "server/methods/plans.h"
 
 namespace brume::test {
 namespace {
@@ -62,11 +62,11 @@ std::string Way::name() const {
 
 std::vector<Way> ways() {
     std::vector<Way> all;
-    for (const MethodInfo& method : methods()) {
-        if (method.quadratures.empty()) all.push_back({method.name, "", 0});
-        for (const std::string quadrature : method.quadratures) {
+    for (const MethodPlan* method : methodPlans()) {
+        if (method->quadratures().empty()) all.push_back({method->name(), "", 0});
+        for (const std::string quadrature : method->quadratures()) {
             const bool has_steps = quadrature == "simpson" || quadrature == "transmittance";
-            all.push_back({method.name, quadrature, has_steps ? 2u : 0u});
+            all.push_back({method->name(), quadrature, has_steps ? 2u : 0u});
         }
     }
     return all;

@@ -72,7 +72,7 @@ TEST(OverloadedServer, AccuracyComesBackWhenTheLoadLeaves) {
     light.look(fromFront());
     EXPECT_EQ(relaxedWhen(server, light, [](double steps) { return steps == 0; }), 0);
     const std::string said = server.process().out() + server.process().err();
-    EXPECT_NE(said.find("frames are short enough again"), said.npos) << said;
+    EXPECT_NE(said.find("accuracy is back"), said.npos) << said;
 }
 
 } // namespace

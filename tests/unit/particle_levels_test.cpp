@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "common/scene.h"
+#include "server/medium/levels.h"
 #include "server/plan/memory.h"
-#include "server/render/particle_levels.h"
 #include "server/sim/random.h"
 
 namespace brume {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/methods/plans.h"
+#include "server/methods/rays/ray_plan.h"
 #include "server/plan/planner.h"
 
 namespace brume {
@@ -23,12 +25,19 @@ PlanInputs inputsOf(const Scene& scene) {
     PlanInputs inputs;
     inputs.scene = planScene(scene, Simulation(scene));
     inputs.views = {ownView(scene)};
-    inputs.methods = methodNames();
+    inputs.methods = allMethods();
     return inputs;
 }
 
 bool hasPass(const Plan& plan, std::string_view name) {
     return std::any_of(plan.passes.begin(), plan.passes.end(), [&](const PassCost& p) { return p.pass == name; });
+}
+
+// Methods that have the pass.
+size_t usersOf(const CostInfo& cost) {
+    size_t users = 0;
+    for (const MethodPlan* plan : methodPlans()) users += size_t(std::count(plan->costs().begin(), plan->costs().end(), &cost));
+    return users;
 }
 
 TEST(MediumExtent, ItsDepthsAreThoseOfItsCorners) {
@@ -91,8 +100,9 @@ TEST(Plan, TakesWhatIsCheapestOnTheDevice) {
     inputs.scene.wanted.error = inputs.scene.wanted.flip = 1;
     for (const char* method : {"slabs", "grid", "sphere", "isv", "tiles"}) {
         CostModel model = builtInCosts();
-        for (size_t i = 0; i < kCosts; ++i)
-            if (const char* whose = info(Cost(i)).method) model.ns[i] = std::string_view(whose) == method ? 1e-6 : 1e3;
+        for (const MethodPlan* plan : methodPlans())
+            for (const CostInfo* cost : plan->costs())
+                if (usersOf(*cost) == 1) model.ns[numberOf(*cost)] = std::string_view(plan->name()) == method ? 1e-6 : 1e3;
         EXPECT_EQ(makePlan(inputs, model).chosen.settings.method, method);
     }
 }
@@ -145,7 +155,7 @@ TEST(Plan, EverythingThatIsLeftOpenIsResolved) {
     const Plan plan = makePlan(inputsOf(cube()), builtInCosts());
     EXPECT_EQ(checkSettings(plan.chosen.settings), "");
     EXPECT_GT(plan.chosen.ms(), 0);
-    if (marches(plan.chosen.settings)) {
+    if (planOf(plan.chosen.settings.method)->hasRays()) {
         EXPECT_GT(plan.chosen.settings.rate, 0u);
         EXPECT_GT(plan.chosen.settings.slabs, 0u);
     }
@@ -196,7 +206,7 @@ TEST(Plan, FartherViewersAskForMoreRays) {
         EXPECT_GT(now, spacing);
         spacing = now;
         const RenderSettings s = makePlan(inputs, builtInCosts()).chosen.settings;
-        ASSERT_TRUE(marches(s)) << s.method;
+        ASSERT_TRUE(planOf(s.method)->hasRays()) << s.method;
         EXPECT_LE(rayError(now * s.rate), 5e-3);
     }
 }
@@ -238,7 +248,7 @@ TEST(Plan, ViewersBesideObjectsHaveOneRateUntilShadersAreCompiled) {
             inputs.scene.features.opaque = objects;
             inputs.compiled = compiled;
             const Plan plan = makePlan(inputs, builtInCosts());
-            EXPECT_EQ(plan.deviation > 0, compiled || !objects);
+            EXPECT_EQ(plan.reference_deviation_px > 0, compiled || !objects);
             EXPECT_TRUE(plan.within); // for the small one, too
         }
 }
@@ -301,8 +311,8 @@ TEST(Plan, WorkOfTheSampleStandsForAllParticles) {
     whole.sample.resize(5000);
     Simulation(scene).write(whole.sample);
     const Work all = ViewWork(whole, inputs.views[0]).of(way);
-    for (size_t i = 0; i < kCosts; ++i) // 1/sqrt(256) of a spread that is no wider than the mean
-        EXPECT_NEAR(some[i], all[i], 0.1 * all[i]) << info(Cost(i)).key;
+    for (const CostInfo* cost : allCosts()) // 1/sqrt(256) of a spread that is no wider than the mean
+        EXPECT_NEAR(some[*cost], all[*cost], 0.1 * all[*cost]) << cost->key;
 }
 
 TEST(Plan, AnEmptyMediumIsPlannedToo) {

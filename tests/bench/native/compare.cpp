@@ -63,7 +63,9 @@ void addVulkan(const FrameCost& frame, double display, Times& times) {
 double vulkanSamples(const Stage& stage, const RenderSettings& way) {
     PlanScene scene = planScene(stage.scene(), stage.simulation());
     scene.sample = stage.particles();
-    return ViewWork(scene, {stage.pose(), kSize.x, kSize.y}).of(way)[size_t(Cost::slabs)];
+    const Work work = ViewWork(scene, {stage.pose(), kSize.x, kSize.y}).of(way);
+    const auto adds = [](const CostInfo* cost) { return cost->key == std::string_view("slabs"); };
+    return work[**std::find_if(allCosts().begin(), allCosts().end(), adds)];
 }
 
 double off(const RadianceImage& value, const RadianceImage& reference) {

@@ -8,7 +8,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "server/light/tick.h"
+#include "server/inputs/tick_block.h"
+#include "server/opaque/objects.h"
 #include "shaders/shared/erf.h"
 #include "shaders/shared/sharpen.h"
 #include "shaders/shared/support.h"

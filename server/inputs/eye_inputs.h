@@ -1,0 +1,34 @@
+// What a pass may read for one eye, and the images that it draws into.
+#pragma once
+
+#include "common/camera.h"
+#include "server/inputs/medium_view.h"
+#include "server/inputs/tick_inputs.h"
+#include "shaders/shared/types.h"
+
+namespace brume {
+
+// Images that all eyes use one after the other; they may be larger than the picture.
+struct RenderTarget {
+    gpu::Image radiance;   // RGBA32F: radiance, and transmittance of the medium in front of it
+    gpu::Image view_depth; // R32F: m, of the nearest opaque surface
+};
+
+struct EyeInputs {
+    const TickInputs* shared = nullptr;
+    const MediumView* medium = nullptr;
+    const RenderTarget* target = nullptr;
+    uint32_t view = 0; // the eye's number in the submission, for the names of passes
+    VkExtent2D size{}; // pixels that are drawn
+    uint32_t step = 1; // one pixel is drawn for step x step pixels of the finished picture
+    uint32_t rate = 0; // pixels between rays, for methods that have rays; 0: as the medium's band limit allows
+    Pose pose;
+    gpu::Resource eye;                // gpu::Eye of the drawn pixels: uniform block, binding 1
+    gpu::Resource stereo_partner;     // gpu::Eye of this head's other eye, binding 6; this eye's own in mono
+    const gpu::View* block = nullptr; // the finished picture: its eye, its rows and where its bytes go; on the CPU
+    gpu::Resource view_block;         // the same on the device: storage buffer, binding 1
+    bool near_plane_cuts = true;      // True: the near plane may cut particles
+    bool order_ready = false;         // True: DepthOrder holds this eye's order already, no sort is needed
+};
+
+} // namespace brume

@@ -1,0 +1,19 @@
+// One picture that is asked for.
+#pragma once
+
+#include <cstdint>
+
+#include "common/camera.h"
+
+namespace brume {
+
+inline constexpr float kNearDepth = 0.05f; // m, view depth in front of which nothing is drawn
+
+struct EyeRequest {
+    Pose pose;
+    uint32_t width = 0, height = 0; // pixels
+    bool second = false;            // True: the right eye of a head whose left eye is the request before it
+    uint32_t rate = 0;              // pixels between rays in this picture, for methods that have rays; 0: RenderSettings::rate
+};
+
+} // namespace brume

@@ -1,0 +1,106 @@
+#include "server/inputs/tick_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/light/shadow_resolution.h"
+#include "shaders/shared/support.h"
+
+namespace brume {
+namespace {
+
+// Optical depth that no single particle's proxy may leave out, however few there are: its rim would be seen.
+constexpr float kMostCut = 1e-4f;
+// And one that it may, however small the setting is: a Gaussian has no end.
+constexpr float kLeastCut = 1e-12f;
+
+struct LightBounds {
+    glm::vec3 lo{std::numeric_limits<float>::max()}, hi{std::numeric_limits<float>::lowest()};
+    void add(glm::vec3 point, float radius) {
+        lo = glm::min(lo, point - radius);
+        hi = glm::max(hi, point + radius);
+    }
+    void fallback() { // nothing inside, or no extent to divide by
+        if (!(lo.x <= hi.x)) lo = glm::vec3(-1), hi = glm::vec3(1);
+        hi = glm::max(hi, lo + 1e-3f);
+    }
+};
+
+glm::vec3 inLightSpace(const gpu::Tick& tick, glm::vec3 x) {
+    return {glm::dot(tick.light_x, x), glm::dot(tick.light_y, x), glm::dot(tick.to_light, x)};
+}
+
+// Of every particle's support. Most lie so far inside that no radius of theirs can matter.
+LightBounds mediumBounds(std::span<const gpu::Particle> particles, const gpu::Tick& tick) {
+    LightBounds bounds;
+    float largest_scale = 0, largest_sigma_t = 0;
+    for (const gpu::Particle& p : particles) {
+        largest_scale = std::max(largest_scale, p.scale);
+        largest_sigma_t = std::max(largest_sigma_t, p.sigma_t);
+    }
+    const float most = std::max(physics::supportRadius(largest_sigma_t, largest_scale * tick.falloff, tick.cut), 0.0f);
+    for (const gpu::Particle& p : particles) {
+        const glm::vec3 at = inLightSpace(tick, p.centre);
+        if (glm::all(glm::greaterThan(at - most, bounds.lo)) && glm::all(glm::lessThan(at + most, bounds.hi))) continue;
+        bounds.add(at, std::max(physics::supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut), 0.0f));
+    }
+    bounds.fallback();
+    return bounds;
+}
+
+} // namespace
+
+gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
+                   std::span<const gpu::Opaque> objects) {
+    gpu::Tick tick{};
+    tick.to_light = now.light.to_light;
+    const glm::vec3 helper = std::abs(tick.to_light.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0); // also for light along Y
+    tick.light_x = glm::normalize(glm::cross(helper, tick.to_light));
+    tick.light_y = glm::cross(tick.to_light, tick.light_x);
+    tick.falloff = now.medium.falloff;
+    tick.anisotropy = now.medium.anisotropy;
+    tick.asymmetry = now.medium.asymmetry;
+    tick.irradiance = now.light.irradiance;
+    if (tick.to_light.y <= 0 && !scene.planes.empty()) tick.irradiance = glm::vec3(0); // the light is below the ground
+    tick.particle_count = uint32_t(particles.size());
+    tick.cut = std::clamp(now.render.cutoff / float(std::max<size_t>(particles.size(), 1)), kLeastCut, kMostCut);
+    tick.ambient = scene.sky.ambient;
+    tick.sky_zenith = scene.sky.zenith;
+    tick.sky_horizon = scene.sky.horizon;
+
+    const LightBounds medium = mediumBounds(particles, tick);
+    tick.shadow_lo = medium.lo;
+    tick.shadow_hi = medium.hi;
+    const glm::vec3 size = medium.hi - medium.lo;
+    const glm::mat3 basis(tick.light_x, tick.light_y, tick.to_light);
+    const bool follow = now.render.shadow_size == 0 || now.render.shadow_slices == 0;
+    const ShadowResolution resolution = shadowResolution(
+        now.render, ShadowedMedium(follow ? particles : std::span<const gpu::Particle>(), tick.falloff, basis), size);
+    tick.shadow_size = resolution.texels;
+    tick.shadow_slices = resolution.slices;
+    tick.shadow_u = glm::vec4(tick.light_x, -medium.lo.x) / size.x;
+    tick.shadow_v = glm::vec4(tick.light_y, -medium.lo.y) / size.y;
+    tick.shadow_plane = glm::vec4(-tick.to_light, medium.hi.z) * (float(tick.shadow_slices - 1) / size.z);
+
+    LightBounds casters;
+    for (const gpu::Opaque& o : objects) {
+        if (o.kind == gpu::kSphere) casters.add(inLightSpace(tick, o.centre), o.half_size.x);
+        if (o.kind != gpu::kBox) continue;
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::vec3 h = o.half_size * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+            casters.add(inLightSpace(tick, o.centre + glm::vec3(o.yaw_cos * h.x + o.yaw_sin * h.z, h.y,
+                                                                -o.yaw_sin * h.x + o.yaw_cos * h.z)),
+                        0);
+        }
+    }
+    tick.opaque_size = casters.lo.x <= casters.hi.x ? now.render.opaque_shadow_size : 1;
+    casters.fallback();
+    const glm::vec2 margin = 2.0f / float(tick.opaque_size) * (glm::vec2(casters.hi) - glm::vec2(casters.lo));
+    tick.opaque_lo = glm::vec2(casters.lo) - margin; // a rim of empty texels, so that filtering meets no edge
+    tick.opaque_hi = glm::vec2(casters.hi) + margin;
+    tick.opaque_count = uint32_t(objects.size());
+    return tick;
+}
+
+} // namespace brume

@@ -1,0 +1,55 @@
+// Views whose passes run together, one for each z of their workgroups: of one medium, by the same programs.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "server/gpu/commands.h"
+#include "server/inputs/eye_inputs.h"
+
+namespace brume {
+
+struct ViewGroup {
+    const EyeInputs* any = nullptr;     // one of them, for what all have in common
+    std::span<const gpu::View> views;   // on the CPU: whole pictures, or bands of their rows
+    gpu::Resource block;                // the same on the device: storage buffer, binding 1
+    uint32_t rate = 1, sources = 1;     // of their fields (shaders/lib/slab_field.glsl)
+    uint32_t step = 1;                  // pixels between those that are shaded
+    VkDeviceSize bins = 0;              // words of bits that all of them need together
+    const gpu::Buffer* field = nullptr; // where the method leaves the medium of these views; null: in RenderTarget::radiance
+
+    // View `i` alone on the device.
+    gpu::Resource blockOf(uint32_t i) const {
+        gpu::Resource one = block;
+        one.buffer.offset += i * sizeof(gpu::View);
+        one.buffer.range = sizeof(gpu::View);
+        return one;
+    }
+    uint32_t count() const { return uint32_t(views.size()); }
+    // What the times of this group's passes count for: one view, or each of several.
+    uint32_t view() const { return count() == 1 ? any->view : gpu::kEach; }
+    // The largest of a number that each view has.
+    template <class Of>
+    uint32_t most(Of of) const {
+        uint32_t all = 0;
+        for (const gpu::View& view : views) all = std::max(all, uint32_t(of(view)));
+        return all;
+    }
+};
+
+// Words of gpu::View::shaded that a view needs when one pixel of step x step is shaded (shaders/lib/shaded.glsl).
+inline uint32_t shadedWords(const gpu::View& view, uint32_t step) {
+    return step == 1 ? 0 : 2 * (gpu::groups(view.eye.size.x, step) + 3) * (gpu::groups(view.end - view.first, step) + 3);
+}
+
+// The group of one eye whose medium is drawn into its target.
+inline ViewGroup drawnAlone(const EyeInputs& in) {
+    return {.any = &in, .views = {in.block, 1}, .block = in.view_block, .step = in.step};
+}
+inline void drawnOneByOne(std::span<const EyeInputs> eyes, std::vector<ViewGroup>& groups) {
+    groups.clear();
+    for (const EyeInputs& in : eyes) groups.push_back(drawnAlone(in));
+}
+
+} // namespace brume

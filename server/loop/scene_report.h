@@ -1,0 +1,15 @@
+// What viewers and operators are told of the scene.
+#pragma once
+
+#include <memory>
+
+#include "server/plan/plan.h"
+#include "server/sim/simulation.h"
+#include "server/viewer/audience.h"
+
+namespace brume {
+
+// The scene and the plan as they are now; passes and memory are left to the caller.
+std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Plan& plan);
+
+} // namespace brume

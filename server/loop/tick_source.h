@@ -1,0 +1,46 @@
+// Where ticks come from: when the next one is due, and which commands it takes.
+#pragma once
+
+#include <vector>
+
+#include "server/sim/command.h"
+#include "server/sim/simulation.h"
+#include "server/viewer/frame.h"
+
+namespace brume {
+
+inline constexpr auto kTick = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kTickSeconds));
+
+class TickSource {
+public:
+    virtual ~TickSource() = default;
+    // When the next tick is due; Clock::time_point::max() when there are no more.
+    virtual Clock::time_point due() const = 0;
+    // Takes the next tick if it is due at `now`: `commands` are then those that it takes, in order. False if none is due.
+    virtual bool take(Clock::time_point now, std::vector<Command>& commands) = 0;
+};
+
+// Sixty ticks a second of this machine's clock, with what viewers have asked for until then.
+class LocalTicks final : public TickSource {
+public:
+    // `queue` outlives this. The first tick is due at `begin`.
+    LocalTicks(CommandQueue& queue, Clock::time_point begin) : queue_(queue), next_(begin) {}
+
+    Clock::time_point due() const override { return next_; }
+    bool take(Clock::time_point now, std::vector<Command>& commands) override {
+        if (now - next_ > kMostBehind) next_ = now;
+        if (next_ > now) return false;
+        next_ += kTick;
+        queue_.drain(commands);
+        return true;
+    }
+
+private:
+    // When this far behind, time passes without ticks: a process that was stopped does not fast-forward.
+    static constexpr std::chrono::milliseconds kMostBehind{250};
+
+    CommandQueue& queue_;
+    Clock::time_point next_;
+};
+
+} // namespace brume

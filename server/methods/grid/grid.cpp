@@ -1,0 +1,44 @@
+// Slabs along a coarse grid of rays, sampled from a grid of the medium in world space that is made once per tick for all viewers:
+// the cost of a viewer does not depend on the number of particles.
+#include "server/methods/grid/medium_grid.h"
+#include "server/methods/rays/slab_rays.h"
+#include "shaders/grid_rays_comp.h"
+
+namespace brume::methods::grid {
+namespace {
+
+class Grid : public SlabRays {
+public:
+    explicit Grid(const MethodContext& context) : SlabRays(context), medium_(context.device) {}
+
+    MethodNeeds needs() const override { return {.one_medium = true, .draws = false}; }
+    void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {
+        medium_.record(commands, medium, *tick.settings);
+    }
+
+private:
+    void recordRays(gpu::Commands& commands, const ViewGroup& group) override {
+        const VkCommandBuffer cmd = commands.handle();
+        const EyeInputs& in = *group.any;
+        const uint32_t cubic = isCubic(*in.shared->settings);
+        const gpu::Commands::Pass pass(commands, "grid rays", group.view());
+        gpu::computeToCompute(cmd);
+        program(grid_rays_comp, "grid_rays", 2 * group.sources + cubic, {{0, features_.opaque}, {21, cubic}, {24, group.sources}})
+            .bind(cmd,
+                  {in.medium->tick, group.block, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
+                   gpu::storageBuffer(5, medium_.marks()), gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
+                   gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
+                  medium_.grid());
+        vkCmdDispatch(cmd, group.most([](const gpu::View& v) { return v.grid.lines.x; }),
+                      group.most([](const gpu::View& v) { return v.grid.lines.y; }), group.count());
+        gpu::computeToCompute(cmd);
+    }
+
+    GridPass medium_;
+};
+
+} // namespace
+
+std::unique_ptr<Method> make(const MethodContext& context) { return std::make_unique<Grid>(context); }
+
+} // namespace brume::methods::grid

@@ -1,0 +1,62 @@
+#include "server/methods/grid/medium_grid.h"
+
+#include "server/methods/rays/line_bins.h"
+#include "shaders/grid_bins_comp.h"
+#include "shaders/grid_fill_comp.h"
+
+namespace brume {
+namespace {
+
+uint32_t markBytes(const gpu::MediumGrid& grid) {
+    return 2 * gpu::groups(grid.bricks.x, 32) * grid.bricks.y * grid.bricks.z * uint32_t(sizeof(uint32_t));
+}
+
+constexpr VkBufferUsageFlags kScratch = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+
+bool same(const gpu::MediumGrid& a, const gpu::MediumGrid& b) {
+    return a.origin == b.origin && a.spacing == b.spacing && a.bricks == b.bricks && a.variance == b.variance;
+}
+
+} // namespace
+
+GridPass::GridPass(const gpu::Device& device)
+    : device_(device), bins_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_bins_comp, "grid_bins"}),
+      fill_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"}) {}
+
+void GridPass::record(gpu::Commands& commands, const MediumView& in, const RenderSettings& settings) {
+    const gpu::MediumGrid grid = gridThatFits(*in.extent, settings);
+    if (version_ == in.version && same(grid, grid_) && one_albedo_ == in.extent->one_albedo) return;
+    version_ = in.version;
+    grid_ = grid;
+    one_albedo_ = in.extent->one_albedo;
+    const uint32_t words = gpu::groups(in.count, 32), lines = grid.bricks.x + grid.bricks.y + grid.bricks.z;
+    members_.atLeast(device_, in.count * sizeof(gpu::SlabMember), kScratch, gpu::Memory::device, "grid members");
+    const VkDeviceSize bin_bytes = lineBinBytes(lines, in.count);
+    bins_.atLeast(device_, bin_bytes, kScratch, gpu::Memory::device, "grid bins");
+    nodes_.atLeast(device_, gridBytes(grid, one_albedo_), kScratch, gpu::Memory::device, "grid nodes");
+    marks_.atLeast(device_, markBytes(grid), kScratch, gpu::Memory::device, "grid marks");
+
+    const VkCommandBuffer cmd = commands.handle();
+    {
+        const gpu::Commands::Pass pass(commands, "grid bins");
+        gpu::everythingBefore(cmd); // the last tick's viewers have read it
+        vkCmdFillBuffer(cmd, marks_.handle(), 0, markBytes(grid), 0);
+        vkCmdFillBuffer(cmd, bins_.handle(), 0, bin_bytes, 0);
+        gpu::transferToCompute(cmd);
+        bins_program_.bind(cmd,
+                           {in.tick, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(3, members_),
+                            gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, marks_)},
+                           grid);
+        vkCmdDispatch(cmd, words, 1, 1);
+        gpu::computeToCompute(cmd);
+    }
+    const gpu::Commands::Pass pass(commands, "grid");
+    fill_program_.bind(cmd,
+                       {in.tick, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, nodes_), gpu::storageBuffer(4, bins_),
+                        gpu::storageBuffer(5, marks_)},
+                       grid);
+    vkCmdDispatch(cmd, grid.bricks.x, grid.bricks.y, grid.bricks.z * (one_albedo_ ? 1 : 4));
+    gpu::computeToCompute(cmd);
+}
+
+} // namespace brume

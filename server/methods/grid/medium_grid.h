@@ -1,0 +1,37 @@
+// Makes the grid of nodes (node_grid_plan.h) on the device, once a tick for all viewers.
+#pragma once
+
+#include <optional>
+
+#include "server/gpu/commands.h"
+#include "server/gpu/program.h"
+#include "server/inputs/medium_view.h"
+#include "server/methods/grid/node_grid_plan.h"
+
+namespace brume {
+
+class GridPass {
+public:
+    explicit GridPass(const gpu::Device& device);
+
+    // Records the grid, unless it is that of the last time. A grid that is refused is made so coarse that it fits: no frame fails
+    // for it. Preconditions: there are particles; nothing of the grid's is on the device, its buffers may be replaced. Ends with
+    // its writes visible to compute.
+    void record(gpu::Commands& commands, const MediumView& medium, const RenderSettings& settings);
+
+    const gpu::MediumGrid& grid() const { return grid_; }
+    const gpu::Buffer& nodes() const {
+        return nodes_;
+    } // float[kind][plane][row][node]; undefined where marks say that none reads
+    const gpu::Buffer& marks() const { return marks_; } // shaders/lib/grid_marks.glsl
+
+private:
+    const gpu::Device& device_;
+    gpu::ComputeProgram bins_program_, fill_program_;
+    gpu::Buffer members_, bins_, nodes_, marks_;
+    gpu::MediumGrid grid_{};
+    std::optional<uint64_t> version_; // of the particles that the nodes hold
+    bool one_albedo_ = true;
+};
+
+} // namespace brume

@@ -1,0 +1,49 @@
+#include "server/methods/grid/node_grid_plan.h"
+
+#include <fmt/format.h>
+
+namespace brume {
+namespace {
+
+constexpr float kLinearVariance = 1.0f / 6, kCubicVariance = 1.0f / 3; // of what interpolates, spacings^2
+constexpr float kRim = 3;                                              // nodes beyond the medium that its samples read
+
+gpu::MediumGrid gridOf(const MediumExtent& extent, float spacing, bool cubic) {
+    gpu::MediumGrid grid{};
+    grid.spacing = spacing;
+    grid.variance = cubic ? kCubicVariance : kLinearVariance;
+    const glm::vec3 first = glm::floor(extent.lo / spacing) - kRim, last = glm::ceil(extent.hi / spacing) + kRim;
+    grid.origin = first * spacing;
+    // Beyond any that fits where the medium is enormous: to be refused, not to be wrapped around.
+    grid.bricks = glm::uvec3(glm::ceil(glm::min(last - first + 1.0f, glm::vec3(1e6f)) / float(gpu::kSlabTile)));
+    return grid;
+}
+
+} // namespace
+
+gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings) {
+    const float spacing = settings.grid > 0 ? settings.grid : kGridSpacing;
+    return gridOf(extent, spacing * extent.deviation, isCubic(settings));
+}
+
+gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings) {
+    gpu::MediumGrid grid = mediumGrid(extent, settings);
+    while (gridBytes(grid, extent.one_albedo) > kMostGridBytes) grid = gridOf(extent, 1.25f * grid.spacing, isCubic(settings));
+    return grid;
+}
+
+uint64_t gridBytes(const gpu::MediumGrid& grid, bool one_albedo) {
+    constexpr uint64_t kNodes = uint64_t(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
+    return uint64_t(grid.bricks.x) * grid.bricks.y * grid.bricks.z * kNodes * (one_albedo ? 1 : 4) * sizeof(float);
+}
+
+std::string gridRefusal(const MediumExtent& extent, const RenderSettings& settings) {
+    const gpu::MediumGrid grid = mediumGrid(extent, settings);
+    const uint64_t bytes = gridBytes(grid, extent.one_albedo);
+    if (bytes <= kMostGridBytes) return {};
+    const glm::vec3 size = extent.hi - extent.lo;
+    return fmt::format("nodes {:.3g} m apart over {:.3g} x {:.3g} x {:.3g} m would take {:.3g} MiB, at most {} are allowed",
+                       grid.spacing, size.x, size.y, size.z, double(bytes) / (1 << 20), kMostGridBytes >> 20);
+}
+
+} // namespace brume

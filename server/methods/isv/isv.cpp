@@ -1,0 +1,25 @@
+// Interval shaded volumetrics (seed 000): tetrahedra as interval proxies, by mesh shader where the device has it.
+#include "server/methods/plans.h"
+#include "server/methods/proxies/raster.h"
+#include "shaders/isv_frag.h"
+#include "shaders/isv_mesh.h"
+#include "shaders/isv_vert.h"
+
+namespace brume::methods::isv {
+
+std::unique_ptr<Method> make(const MethodContext& context) {
+    RasterInfo info;
+    info.support = DepthOrder::Support::tetrahedron;
+    if (context.device.hasMeshShaders())
+        info.shaders = {{VK_SHADER_STAGE_MESH_BIT_EXT, isv_mesh, "isv_mesh"}};
+    else
+        info.shaders = {{VK_SHADER_STAGE_VERTEX_BIT, isv_vert, "isv_vert"}};
+    info.shaders.push_back({VK_SHADER_STAGE_FRAGMENT_BIT, isv_frag, "isv_frag"});
+    info.vertices = 12;
+    info.particles_per_group = 32; // as in isv.mesh
+    const std::string_view quadrature = quadratureOf(context.settings);
+    info.constants = {{10, quadrature == "simpson" ? 0u : quadrature == "transmittance" ? 1u : 2u}, {11, context.settings.steps}};
+    return makeRaster(context, std::move(info));
+}
+
+} // namespace brume::methods::isv

@@ -1,0 +1,49 @@
+#include "server/methods/proxies/depth_order.h"
+
+#include <algorithm>
+
+#include "shaders/cull_comp.h"
+#include "shaders/draw_arguments_comp.h"
+
+namespace brume {
+
+using gpu::storageBuffer;
+
+DepthOrder::DepthOrder(const gpu::Device& device, uint32_t capacity)
+    : cull_(device, {VK_SHADER_STAGE_COMPUTE_BIT, cull_comp, "cull"}),
+      draw_arguments_(device, {VK_SHADER_STAGE_COMPUTE_BIT, draw_arguments_comp, "draw_arguments"}), sort_(device, capacity) {
+    const VkDeviceSize bytes = std::max(capacity, 1u) * sizeof(uint32_t);
+    keys_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth keys");
+    values_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth order");
+    arguments_ =
+        gpu::Buffer(device, sizeof(gpu::DrawArguments),
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                    gpu::Memory::device, "draw arguments");
+}
+
+void DepthOrder::record(gpu::Commands& commands, const EyeInputs& in, Support support, uint32_t vertices,
+                        uint32_t particles_per_group) {
+    if (in.order_ready) return;
+    const VkCommandBuffer cmd = commands.handle();
+    {
+        const gpu::Commands::Pass pass(commands, "cull", in.view);
+        gpu::everythingBefore(cmd); // the scratch is shared by all eyes
+        vkCmdFillBuffer(cmd, arguments_.handle(), 0, sizeof(gpu::DrawArguments), 0);
+        gpu::transferToCompute(cmd);
+        const uint32_t full_support = support == Support::sphere;
+        cull_.bind(cmd,
+                   {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles), storageBuffer(3, keys_),
+                    storageBuffer(4, values_), storageBuffer(5, arguments_), in.stereo_partner},
+                   full_support);
+        vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
+        gpu::computeToCompute(cmd);
+        const uint32_t push[] = {vertices, particles_per_group};
+        draw_arguments_.bind(cmd, {storageBuffer(5, arguments_)}, push);
+        vkCmdDispatch(cmd, 1, 1, 1);
+    }
+    const gpu::Commands::Pass pass(commands, "sort", in.view);
+    sort_.record(cmd, keys_, values_, in.medium->count);
+    gpu::computeToDraw(cmd);
+}
+
+} // namespace brume

@@ -1,0 +1,60 @@
+#include "server/methods/proxies/raster.h"
+
+#include <utility>
+
+namespace brume {
+namespace {
+
+class Raster : public Method {
+public:
+    Raster(const MethodContext& context, RasterInfo info)
+        : device_(context.device), order_(context.depth_order), info_(std::move(info)) {
+        gpu::GraphicsInfo graphics;
+        graphics.topology = info_.topology;
+        const SceneFeatures& f = context.features; // ids as in shaders/lib/medium_shading.glsl
+        for (const bool may_be_cut : {false, true}) {
+            if (f.opaque && !may_be_cut) continue;
+            std::vector<gpu::SpecConstant> constants{{0, f.opaque}, {1, f.casters}, {2, f.lobe}, {3, f.ambient}, {4, may_be_cut}};
+            constants.insert(constants.end(), info_.constants.begin(), info_.constants.end());
+            programs_[may_be_cut] = gpu::GraphicsProgram(device_, info_.shaders, graphics, constants);
+        }
+        has_opaque_ = f.opaque;
+        mesh_ = info_.shaders.front().stage == VK_SHADER_STAGE_MESH_BIT_EXT;
+    }
+
+    void recordGroup(gpu::Commands& commands, const ViewGroup& group) override {
+        const EyeInputs& in = *group.any;
+        const VkCommandBuffer cmd = commands.handle();
+        order_.record(commands, in, info_.support, info_.vertices, info_.particles_per_group);
+
+        const gpu::Commands::Pass pass(commands, "medium", in.view);
+        gpu::beginDrawing(cmd, in.size, {&in.target->radiance});
+        programs_[has_opaque_ || in.near_plane_cuts].bind(
+            cmd, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.medium->particles), gpu::storageBuffer(4, order_.order()),
+                  gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
+                  gpu::sampledImage(7, *in.shared->opaque_shadow, *in.shared->nearest),
+                  gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        if (mesh_)
+            device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1, 0);
+        else
+            vkCmdDrawIndirect(cmd, order_.arguments().handle(), 0, 1, 0);
+        vkCmdEndRendering(cmd);
+        gpu::drawToCompute(cmd); // within the pass: a software driver draws when it must, and its time counts here
+    }
+
+private:
+    const gpu::Device& device_;
+    DepthOrder& order_;
+    RasterInfo info_;
+    gpu::GraphicsProgram programs_[2]; // [1]: an interval may be cut inside a particle
+    bool has_opaque_ = false;
+    bool mesh_ = false;
+};
+
+} // namespace
+
+std::unique_ptr<Method> makeRaster(const MethodContext& context, RasterInfo info) {
+    return std::make_unique<Raster>(context, std::move(info));
+}
+
+} // namespace brume

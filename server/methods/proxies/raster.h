@@ -1,0 +1,20 @@
+// A method that draws one proxy per particle, far to near, with premultiplied blending.
+#pragma once
+
+#include "server/methods/method.h"
+#include "server/methods/proxies/depth_order.h"
+
+namespace brume {
+
+struct RasterInfo {
+    DepthOrder::Support support{};
+    std::vector<gpu::ShaderCode> shaders; // with a mesh stage: drawn by mesh tasks
+    VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    uint32_t vertices = 0;                    // per particle, of the vertex stage
+    uint32_t particles_per_group = 1;         // of the mesh stage
+    std::vector<gpu::SpecConstant> constants; // beside those of the scene's features
+};
+
+std::unique_ptr<Method> makeRaster(const MethodContext& context, RasterInfo info);
+
+} // namespace brume

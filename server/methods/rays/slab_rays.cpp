@@ -1,0 +1,221 @@
+#include "server/methods/rays/slab_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "server/inputs/eye_request.h"
+#include "server/medium/band_limit.h"
+#include "server/methods/rays/ray_plan.h"
+#include "shaders/slab_spline_comp.h"
+
+namespace brume {
+namespace {
+
+constexpr VkDeviceSize kMostBytes = 96 << 20; // of a buffer: every device can bind 128 MiB
+
+void coarsen(gpu::SlabGrid& grid) {
+    grid.thickness *= 2;
+    grid.lines.z = gpu::groups(grid.lines.z, 2);
+    grid.slabs = grid.lines.z * grid.sheet;
+}
+
+// View depths between which the medium lies before the eye.
+DepthRange depths(const EyeInputs& in) {
+    const DepthRange all = depthRange(*in.medium->extent, in.pose.position, in.pose.orientation * glm::vec3(0, 0, -1));
+    return {std::max(all.near, kNearDepth), all.far};
+}
+
+float pixelOf(const EyeInputs& in) { return 2 * in.block->eye.tan_y / float(in.size.height); } // m per m of view depth, rad
+
+// The medium's standard deviation in pixels, in the middle of the depths where it is.
+float deviationInPixels(const EyeInputs& in, float near, float far) {
+    return in.medium->extent->deviation / (pixelOf(in) * 0.5f * (near + far));
+}
+
+// The grid of the whole picture, but for its rows.
+gpu::SlabGrid gridOf(const EyeInputs& in) {
+    gpu::SlabGrid grid{};
+    auto [near, far] = depths(in);
+    far = std::max(far, near + 1e-3f); // all of it behind the eye: slabs without particles
+    const float deviation = in.medium->extent->deviation, projected = deviationInPixels(in, near, far);
+    grid.rate = in.rate;
+    if (grid.rate == 0)
+        for (auto rate = std::rbegin(kRates); rate != std::rend(kRates); ++rate)
+            if (grid.rate = *rate; float(*rate) <= kRaysPerDeviation * projected) break;
+    // A row of tiles has bits for all particles.
+    const VkDeviceSize bits = in.medium->count / 8; // bytes, of a tile
+    while (grid.rate < std::end(kRates)[-1] && gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * bits > kMostBytes)
+        grid.rate *= 2;
+    const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
+    const uint32_t asked = in.shared->settings->slabs;
+    const uint32_t slabs = asked ? asked : uint32_t(std::clamp(wanted, 1.0f, float(kMostSlabs)));
+    grid.sheet = 8;
+    grid.margin = grid.rate > 1 ? kRayMargin : 1;
+    grid.nodes = {gpu::groups(in.size.width, grid.rate) + raysBeyond(grid.margin), 0};
+    grid.lines = {gpu::groups(grid.nodes.x, gpu::kSlabTile), 0, gpu::groups(std::max(slabs, kLeastSlabs), grid.sheet)};
+    grid.slabs = grid.lines.z * grid.sheet;
+    grid.depth = near;
+    grid.thickness = (far - near) / float(grid.slabs);
+    grid.first_caster = in.shared->first_caster;
+    grid.albedo = in.medium->extent->albedo;
+    return grid;
+}
+
+} // namespace
+
+std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
+    group(eyes);
+    fit(field_, most_.field * sizeof(float), "slab field");
+    fitRoom(most_);
+    views_buffer_.atLeast(device_, views_.size() * sizeof(gpu::View), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
+                          "views");
+    std::copy(views_.begin(), views_.end(), views_buffer_.mapped<gpu::View>(views_.size()).begin());
+    views_buffer_.flush();
+    for (ViewGroup& group : groups_) {
+        group.field = &field_;
+        group.block = gpu::storageBuffer(1, views_buffer_, VkDeviceSize(group.views.data() - views_.data()) * sizeof(gpu::View),
+                                         group.views.size_bytes());
+    }
+    return groups_;
+}
+
+// Pixels between those that are shaded.
+uint32_t SlabRays::shadingStepOf(const EyeInputs& in, uint32_t rate) const {
+    if (in.shared->uses_target) return 1;
+    const auto [near, far] = depths(in);
+    const float lobe =
+        in.shared->lobe ? (1 - std::abs(in.shared->asymmetry)) / pixelOf(in) : std::numeric_limits<float>::infinity();
+    return shadingStep(*in.shared->settings, rate, deviationInPixels(in, near, std::max(near, far)), lobe);
+}
+
+// Makes views_, and groups_ of them. Alone in a group is each view of one eye in several bands, and every view that passes
+// through the common target.
+void SlabRays::group(std::span<const EyeInputs> eyes) {
+    order_.clear();
+    for (const EyeInputs& in : eyes) order_.push_back(&in);
+    const auto kind = [&](const EyeInputs* in) {
+        const uint32_t rate = gridOf(*in).rate;
+        return std::tuple(in->medium->particles, sources(*in), rate, shadingStepOf(*in, rate));
+    };
+    const bool alone = eyes.front().shared->uses_target;
+    if (!alone)
+        std::sort(order_.begin(), order_.end(), [&](const EyeInputs* a, const EyeInputs* b) {
+            return std::tuple(kind(a), a->view) < std::tuple(kind(b), b->view);
+        });
+    views_.clear();
+    groups_.clear();
+    firsts_.clear();
+    most_ = {};
+    Room room;
+    bool open = false; // True: the last group takes more views
+    for (const EyeInputs* in : order_) {
+        const Bands bands = bandsOf(*in);
+        const uint32_t step = shadingStepOf(*in, bands.grid.rate), count = sources(*in);
+        const bool whole = bands.step >= bands.cells && !alone;
+        for (uint32_t row = 0; row < bands.cells; row += bands.step) {
+            Room with = room;
+            gpu::View view = viewOf(*in, bands, row, step, with);
+            const auto fits = [&](const ViewGroup& last) {
+                return last.any->medium == in->medium && last.rate == bands.grid.rate && last.sources == count &&
+                       last.step == step && bytesOfLargest(with) <= kMostBytes;
+            };
+            if (!(open && whole && fits(groups_.back()))) {
+                with = {};
+                view = viewOf(*in, bands, row, step, with);
+                groups_.push_back({.any = in, .rate = bands.grid.rate, .sources = count, .step = step});
+                firsts_.push_back(views_.size());
+            }
+            groups_.back().bins = with.bins;
+            open = whole;
+            room = with;
+            views_.push_back(view);
+            most_ = {std::max(most_.members, room.members), std::max(most_.bins, room.bins), std::max(most_.added, room.added),
+                     std::max(most_.field, room.field), std::max(most_.shaded, room.shaded)};
+        }
+    }
+    firsts_.push_back(views_.size());
+    for (size_t g = 0; g < groups_.size(); ++g)
+        groups_[g].views = std::span(views_).subspan(firsts_[g], firsts_[g + 1] - firsts_[g]);
+}
+
+VkDeviceSize SlabRays::bytesOfLargest(const Room& room) {
+    return std::max({room.members * sizeof(gpu::SlabMember), room.bins * sizeof(uint32_t), room.added * sizeof(glm::vec4),
+                     room.field * sizeof(float), room.shaded * sizeof(uint32_t)});
+}
+
+gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const {
+    gpu::View view = *in.block;
+    view.grid = bands.grid;
+    view.grid.first_row = first_row;
+    view.first = first_row * bands.grid.rate;
+    view.end = std::min(view.first + bands.step * bands.grid.rate, in.size.height);
+    view.members = uint32_t(room.members);
+    view.bins = uint32_t(room.bins);
+    view.added = uint32_t(room.added);
+    view.field = uint32_t(room.field);
+    view.shaded = uint32_t(room.shaded);
+    const Room own = roomOf(in, view.grid, sources(in));
+    room.members += own.members;
+    room.bins += own.bins;
+    room.added += own.added;
+    room.field += fieldWords(view.grid, sources(in));
+    room.shaded += shadedWords(view, step);
+    return view;
+}
+
+void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
+    gpu::everythingBefore(commands.handle()); // the group before has used the same buffers
+    recordRays(commands, group);
+    if (group.rate > 1) recordSpline(commands, group);
+}
+
+void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
+    const gpu::Commands::Pass pass(commands, "spline", group.view());
+    program(slab_spline_comp, "slab_spline", group.sources, {{0, features_.opaque}, {24, group.sources}})
+        .bind(commands.handle(), {group.block, gpu::storageBuffer(2, field_)});
+    const uint32_t nodes = group.most([](const gpu::View& v) { return v.grid.nodes.x * v.grid.nodes.y; });
+    vkCmdDispatch(commands.handle(), gpu::groups(nodes, 64), 1, group.count());
+    gpu::computeToCompute(commands.handle());
+}
+
+VkDeviceSize SlabRays::fieldWords(const gpu::SlabGrid& grid, uint32_t sources) const { // lib/slab_field.glsl
+    const uint32_t planes = (sources + 1) * (features_.opaque ? grid.slabs + 3 : 2) + 2;
+    return VkDeviceSize(grid.nodes.x) * grid.nodes.y * planes;
+}
+
+SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
+    Bands bands{gridOf(in), 0, 0};
+    gpu::SlabGrid& grid = bands.grid;
+    bands.cells = gpu::groups(in.size.height, grid.rate);
+    const auto tooLarge = [&] {
+        const Room room{.added = roomOf(in, grid, sources(in)).added, .field = fieldWords(grid, sources(in))};
+        return bytesOfLargest(room) > kMostBytes;
+    };
+    const auto rowsOfTiles = [&](uint32_t rows) {
+        grid.lines.y = rows;
+        grid.nodes.y = rows * gpu::kSlabTile;
+    };
+    const uint32_t beyond = raysBeyond(grid.margin);
+    rowsOfTiles(gpu::groups(bands.cells + beyond, gpu::kSlabTile));
+    while (grid.lines.y > 2 && tooLarge()) rowsOfTiles(gpu::groups(grid.lines.y, 2));
+    while (tooLarge()) coarsen(grid);
+    // The next band has the rows again that lie beyond its cells; even, since compose makes two rows of pixels at a time.
+    bands.step = grid.nodes.y < bands.cells + beyond ? (grid.nodes.y - beyond) & ~1u : bands.cells;
+    return bands;
+}
+
+void SlabRays::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
+    buffer.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device,
+                   name);
+}
+
+const gpu::ComputeProgram& SlabRays::program(std::span<const uint32_t> code, const char* name, uint32_t variant,
+                                             std::initializer_list<gpu::SpecConstant> constants) {
+    gpu::ComputeProgram& made = programs_[{code.data(), variant}];
+    if (!made) made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, code, name}, constants);
+    return made;
+}
+
+} // namespace brume

@@ -1,0 +1,69 @@
+// What methods have in common that integrate the medium along a coarse grid of rays cut into slabs (physics: "Order-independent
+// slabs"): the rays and slabs that the medium's band limit asks for, bands of rows so that no buffer grows with the picture, and
+// the field of all rays that Compose samples (shaders/lib/slab_march.glsl). Passes of several eyes run together.
+#pragma once
+
+#include <map>
+#include <utility>
+
+#include "server/methods/method.h"
+
+namespace brume {
+
+class SlabRays : public Method {
+public:
+    explicit SlabRays(const MethodContext& context) : device_(context.device), features_(context.features) {}
+
+    MethodNeeds needs() const override { return {.draws = false}; }
+    std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) final;
+    void recordGroup(gpu::Commands& commands, const ViewGroup& group) final;
+
+protected:
+    static constexpr uint32_t kRaysOfTile = gpu::kSlabTile * gpu::kSlabTile;
+
+    // Elements of the buffers that gpu::View points into.
+    struct Room {
+        VkDeviceSize members = 0, bins = 0, added = 0, field = 0, shaded = 0;
+    };
+    // What a band needs of the method's own buffers: members, bins, added.
+    virtual Room roomOf(const EyeInputs&, const gpu::SlabGrid&, uint32_t /*sources*/) const { return {}; }
+    // Makes such room. Precondition: nothing of the method is on the device.
+    virtual void fitRoom(const Room&) {}
+    // Writes field_ for all rays of a group; earlier contents have been read. Its writes are visible to compute afterwards.
+    virtual void recordRays(gpu::Commands& commands, const ViewGroup& group) = 0;
+
+    // Sources of scattered light that are kept apart (shaders/lib/slab_field.glsl).
+    uint32_t sources(const EyeInputs& in) const { return in.medium->extent->one_albedo ? 1u : features_.ambient ? 6u : 3u; }
+    void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
+    // A program, made when it is first asked for. `variant` differs between programs of one shader.
+    const gpu::ComputeProgram& program(std::span<const uint32_t> code, const char* name, uint32_t variant,
+                                       std::initializer_list<gpu::SpecConstant> constants);
+
+    const gpu::Device& device_;
+    const SceneFeatures features_;
+    gpu::Buffer field_;
+
+private:
+    // How a picture is made: all of it, or one band of rows of tiles after the other.
+    struct Bands {
+        gpu::SlabGrid grid;
+        uint32_t cells, step; // rows of cells: of the picture, and of one band
+    };
+    Bands bandsOf(const EyeInputs& in) const;
+    static VkDeviceSize bytesOfLargest(const Room& room); // of the buffers
+    uint32_t shadingStepOf(const EyeInputs& in, uint32_t rate) const;
+    VkDeviceSize fieldWords(const gpu::SlabGrid& grid, uint32_t sources) const;
+    // The view of `in` in rows of pixels from first_row on. It is put behind what is in `room` already, which grows by it.
+    gpu::View viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const;
+    void group(std::span<const EyeInputs> eyes);
+    void recordSpline(gpu::Commands& commands, const ViewGroup& group);
+
+    std::vector<const EyeInputs*> order_; // eyes that may be together stand together
+    std::vector<gpu::View> views_;
+    std::vector<size_t> firsts_; // of groups_, in views_
+    gpu::Buffer views_buffer_;
+    Room most_; // of all groups
+    std::map<std::pair<const uint32_t*, uint32_t>, gpu::ComputeProgram> programs_;
+};
+
+} // namespace brume

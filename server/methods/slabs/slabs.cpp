@@ -1,0 +1,82 @@
+// Order-independent slabs: optical depth and in-scattered light of the true overlapping medium along a coarse grid of rays, which
+// the medium's band limit allows; no sort (physics: "Order-independent slabs").
+#include "server/methods/rays/line_bins.h"
+#include "server/methods/rays/slab_rays.h"
+#include "shaders/slab_bins_comp.h"
+#include "shaders/slab_light_comp.h"
+#include "shaders/slabs_comp.h"
+
+namespace brume::methods::slabs {
+namespace {
+
+class Slabs : public SlabRays {
+public:
+    explicit Slabs(const MethodContext& context)
+        : SlabRays(context), bins_program_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, slab_bins_comp, "slab_bins"}) {}
+
+private:
+    Room roomOf(const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) const override {
+        const VkDeviceSize bits = lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.medium->count);
+        return {.members = in.medium->count,
+                .bins = bits / sizeof(uint32_t),
+                .added = VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * whatsOf(sources)};
+    }
+
+    void fitRoom(const Room& room) override {
+        fit(members_, room.members * sizeof(gpu::SlabMember), "slab members");
+        fit(bins_, room.bins * sizeof(uint32_t), "slab bins");
+        fit(added_, room.added * sizeof(glm::vec4), "slab extinction");
+    }
+
+    // What is added up: extinction, and where albedos differ what scatters each colour.
+    static uint32_t whatsOf(uint32_t sources) { return sources > 1 ? 4 : 1; }
+
+    void recordRays(gpu::Commands& commands, const ViewGroup& group) override {
+        const VkCommandBuffer cmd = commands.handle();
+        const EyeInputs& in = *group.any;
+        const uint32_t columns = group.most([](const gpu::View& v) { return v.grid.lines.x; });
+        const uint32_t rows = group.most([](const gpu::View& v) { return v.grid.lines.y; });
+        {
+            const gpu::Commands::Pass pass(commands, "bin", group.view());
+            gpu::everythingBefore(cmd);
+            vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
+            gpu::transferToCompute(cmd);
+            bins_program_.bind(cmd, {in.medium->tick, group.block, gpu::storageBuffer(2, *in.medium->particles),
+                                     gpu::storageBuffer(3, members_), gpu::storageBuffer(4, bins_)});
+            vkCmdDispatch(cmd, gpu::groups(in.medium->count, 32), 1, group.count());
+            gpu::computeToCompute(cmd);
+        }
+        {
+            const gpu::Commands::Pass pass(commands, "slabs", group.view());
+            struct Push {
+                uint32_t sheets, whats;
+            } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), whatsOf(group.sources)};
+            const uint32_t sheet = group.views.front().grid.sheet;
+            program(slabs_comp, "slabs", sheet, {{20, sheet}})
+                .bind(cmd,
+                      {in.medium->tick, group.block, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
+                       gpu::storageBuffer(4, bins_)},
+                      push);
+            vkCmdDispatch(cmd, columns, rows, push.sheets * push.whats * group.count());
+            gpu::computeToCompute(cmd);
+        }
+        {
+            const gpu::Commands::Pass pass(commands, "slab light", group.view());
+            program(slab_light_comp, "slab_light", group.sources, {{0, features_.opaque}, {24, group.sources}})
+                .bind(cmd, {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
+                            gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
+                            gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+            vkCmdDispatch(cmd, columns, rows, group.count());
+            gpu::computeToCompute(cmd);
+        }
+    }
+
+    gpu::ComputeProgram bins_program_;
+    gpu::Buffer members_, bins_, added_;
+};
+
+} // namespace
+
+std::unique_ptr<Method> make(const MethodContext& context) { return std::make_unique<Slabs>(context); }
+
+} // namespace brume::methods::slabs

@@ -1,0 +1,130 @@
+// Compute tiles: splats of the whole Gaussian, gathered per tile near to far, several pixels a lane. Two quadratures: `cached`,
+// light linear on every particle (light/particle_light.h), and `hermite`, two points with the shadow volume.
+#include <algorithm>
+#include <map>
+
+#include "server/methods/method.h"
+#include "server/methods/plans.h"
+#include "server/methods/proxies/depth_order.h"
+#include "shaders/shared/splat.h"
+#include "shaders/tiles_bin_comp.h"
+#include "shaders/tiles_comp.h"
+#include "shaders/tiles_project_comp.h"
+
+namespace brume::methods::tiles {
+namespace {
+
+using gpu::storageBuffer;
+
+constexpr VkExtent2D kTile{16, 8}; // pixels, as in shaders/lib/tiles.glsl
+// A CPU driver is fastest where a lane does much; a GPU where there are many lanes.
+constexpr uint32_t kPixelsPerLane = 16, kPixelsPerLaneOfGpu = 4;
+// Of tiles that share a list of splats: pixels, doubled until all lists of a picture fit the memory.
+constexpr VkExtent2D kBlock{64, 32};
+constexpr VkDeviceSize kMostMaskBytes = 64 << 20;
+
+class Tiles : public Method {
+public:
+    explicit Tiles(const MethodContext& context)
+        : device_(context.device), order_(context.depth_order), features_(context.features),
+          cached_(quadratureOf(context.settings) == "cached"),
+          project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"}, {{10, cached_}}),
+          bin_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_bin_comp, "tiles_bin"}) {}
+
+    MethodNeeds needs() const override { return {.particle_light = cached_}; }
+
+    // Memory for all particles and the largest eye, which the eyes use one after another.
+    std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
+        VkDeviceSize words = 1, capacity = 1; // of the longest list
+        for (const EyeInputs& in : eyes) {
+            words = std::max<VkDeviceSize>(words, gpu::groups(in.medium->count, 32));
+            capacity = std::max<VkDeviceSize>(capacity, in.medium->particles->size() / sizeof(gpu::Particle));
+        }
+        const auto most = [&] { // bytes of masks
+            uint32_t blocks = 1;
+            for (const EyeInputs& in : eyes)
+                blocks = std::max(blocks, gpu::groups(in.size.width, block_.width) * gpu::groups(in.size.height, block_.height));
+            return words * blocks * sizeof(uint32_t);
+        };
+        for (block_ = kBlock; most() > kMostMaskBytes;) block_ = {block_.width * 2, block_.height * 2};
+        grow(masks_, most(), "splat masks");
+        grow(splats_, capacity * sizeof(gpu::Splat), "splats");
+        grow(cones_, capacity * sizeof(gpu::SplatCone), "splat cones");
+        return Method::prepare(eyes);
+    }
+
+    void recordGroup(gpu::Commands& commands, const ViewGroup& group) override {
+        const EyeInputs& in = *group.any;
+        const VkCommandBuffer cmd = commands.handle();
+        order_.record(commands, in, DepthOrder::Support::sphere, 0, 1);
+        gpu::computeToCompute(cmd);
+        const gpu::SplatGrid grid{{gpu::groups(in.size.width, block_.width), gpu::groups(in.size.height, block_.height)},
+                                  {block_.width, block_.height},
+                                  in.shared->settings->least_transmittance};
+        const gpu::Resource arguments = storageBuffer(5, order_.arguments()), cones = storageBuffer(7, cones_),
+                            splats = storageBuffer(8, splats_), masks = storageBuffer(9, masks_);
+        const gpu::Buffer& light = cached_ ? *in.medium->light : *in.medium->particles; // bound, but not read
+        {
+            const gpu::Commands::Pass pass(commands, "bin", in.view);
+            project_.bind(cmd, {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
+                                storageBuffer(4, order_.order()), arguments, storageBuffer(6, light), cones, splats});
+            vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
+            gpu::computeToCompute(cmd);
+            bin_.bind(cmd, {in.eye, arguments, cones, masks}, grid);
+            vkCmdDispatch(cmd, gpu::groups(grid.blocks.x * grid.blocks.y, 64), gpu::groups(in.medium->count, 32), 1);
+            gpu::computeToCompute(cmd);
+        }
+        const gpu::Commands::Pass pass(commands, "medium", in.view);
+        program(features_.opaque || in.near_plane_cuts, in.medium->extent->one_albedo)
+            .bind(cmd,
+                  {in.medium->tick, in.eye, gpu::storageImage(2, in.target->radiance),
+                   gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
+                   gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest), arguments,
+                   gpu::sampledImage(6, in.target->view_depth, *in.shared->nearest), cones, splats, masks},
+                  grid);
+        vkCmdDispatch(cmd, gpu::groups(in.size.width, kTile.width), gpu::groups(in.size.height, kTile.height), 1);
+        gpu::computeToCompute(cmd);
+    }
+
+private:
+    void grow(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
+        if (buffer && buffer.size() >= bytes) return;
+        const VkDeviceSize most = device_.properties().limits.maxStorageBufferRange;
+        if (bytes > most)
+            throw gpu::Error("method tiles: " + std::string(name) + " of " + std::to_string(bytes >> 20) +
+                             " MiB, the device allows " + std::to_string(most >> 20) + "; use fewer particles");
+        buffer = gpu::Buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, name);
+    }
+
+    const gpu::ComputeProgram& program(bool may_be_cut, bool one_albedo) {
+        gpu::ComputeProgram& made = programs_[{may_be_cut, one_albedo}];
+        const uint32_t pixels = device_.isCpu() ? kPixelsPerLane : kPixelsPerLaneOfGpu;
+        if (!made)
+            made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_comp, "tiles"},
+                                       {{0, features_.opaque},
+                                        {1, features_.casters},
+                                        {2, features_.lobe},
+                                        {3, features_.ambient},
+                                        {4, may_be_cut},
+                                        {5, one_albedo},
+                                        {10, cached_},
+                                        {11, pixels},
+                                        {12, kTile.width * kTile.height / pixels}});
+        return made;
+    }
+
+    const gpu::Device& device_;
+    DepthOrder& order_;
+    const SceneFeatures features_;
+    const bool cached_;
+    gpu::ComputeProgram project_, bin_;
+    std::map<std::pair<bool, bool>, gpu::ComputeProgram> programs_; // by what their pictures may lack
+    gpu::Buffer splats_, cones_, masks_;
+    VkExtent2D block_ = kBlock;
+};
+
+} // namespace
+
+std::unique_ptr<Method> make(const MethodContext& context) { return std::make_unique<Tiles>(context); }
+
+} // namespace brume::methods::tiles

@@ -1,0 +1,58 @@
+// Compute tiles as the plan sees them.
+#include "server/methods/proxies/proxy_plan.h"
+#include "shaders/shared/splat.h"
+
+namespace brume::methods::tiles {
+namespace {
+
+constexpr CostInfo kBin{"tile_bin", "bin", 870};    // particles
+constexpr CostInfo kMedium{"tiles", "medium", 1.1}; // fragments, twice with two points
+constexpr const CostInfo* kCosts[] = {&costs::kOrder, &kBin, &kMedium};
+constexpr const char* kQuadratures[] = {"cached", "hermite"};
+
+class Plan final : public MethodPlan {
+public:
+    const char* name() const override { return "tiles"; }
+    const char* about() const override {
+        return "compute tiles, the full Gaussian, light cached on particles or 2-point Gauss-Hermite";
+    }
+    std::span<const char* const> quadratures() const override { return kQuadratures; }
+    uint32_t variant(const RenderSettings& s) const override { return isCached(s); }
+    std::string text(const RenderSettings& s) const override { return "tiles, " + s.quadrature; }
+    uint64_t bytesPerParticle() const override { return sizeof(gpu::Splat) + sizeof(gpu::SplatCone); }
+    std::span<const CostInfo* const> costs() const override { return kCosts; }
+
+    void addWays(const PlanScene&, const RenderSettings& wanted, bool asked, std::vector<RenderSettings>& ways,
+                 std::string&) const override {
+        if (asked) return ways.push_back(wanted);
+        RenderSettings way = wanted;
+        for (const char* quadrature : kQuadratures) {
+            way.quadrature = quadrature;
+            ways.push_back(way);
+        }
+    }
+    void addSharedWork(const PlanScene& scene, const RenderSettings& settings, Work& work) const override {
+        if (isCached(settings)) work[costs::kParticleLight] = scene.particles;
+    }
+    void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
+        addDrawnWork(view, work);
+        work[kBin] = view.scene().particles;
+        work[kMedium] = view.fragments(1) * (isCached(settings) ? 1 : 2);
+    }
+    // Light that is linear on a particle is farther off where the eye is among them.
+    double error(const RenderSettings& settings, const ViewWork& view) const override {
+        return isCached(settings) && view.inside() ? 0.055 : kTwoPointError;
+    }
+
+private:
+    bool isCached(const RenderSettings& settings) const { return quadratureOf(settings) == kQuadratures[0]; }
+};
+
+} // namespace
+
+const MethodPlan& plan() {
+    static const Plan kPlan;
+    return kPlan;
+}
+
+} // namespace brume::methods::tiles

@@ -1,0 +1,84 @@
+#include "server/render/tick_upload.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "server/gpu/commands.h"
+#include "server/inputs/tick_block.h"
+
+namespace brume {
+namespace {
+
+bool sameBits(std::span<const gpu::Particle> a, std::span<const gpu::Particle> b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+} // namespace
+
+TickUpload::TickUpload(const gpu::Device& device, uint32_t capacity)
+    : device_(device), capacity_(capacity),
+      particles_(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
+                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, "particles") {}
+
+void TickUpload::take(const Simulation& simulation, const Scene& scene, const SceneNow& now, std::span<const gpu::Opaque> objects,
+                      std::span<const EyeRequest> eyes, gpu::Buffer& staging) {
+    now_.resize(simulation.liveCount());
+    simulation.write(now_);
+    moved_ = !sameBits(now_, then_);
+    const gpu::Tick before = tick_;
+    tick_ = makeTick(scene, now, now_, objects);
+    if (moved_ || tick_.falloff != before.falloff || tick_.cut != before.cut) {
+        ++all_.version;
+        extent_ = mediumExtent(now_, tick_.falloff, tick_.cut);
+    }
+    std::span<const gpu::Particle> ordered = now_;
+    if (now_.size() >= kLargeMedium) {
+        ordered_.resize(now_.size());
+        if (moved_) order_.sort(now_, ordered_);
+        ordered = ordered_;
+    }
+    levels_.choose(ordered, moved_, tick_, extent_, eyes, now.render.merge);
+    const VkDeviceSize bytes = capacity_ * sizeof(gpu::Particle);
+    staging.atLeast(device_, std::max<VkDeviceSize>(bytes + levels_.uploadBytes(), 256), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                    gpu::Memory::upload, "particle upload");
+    if (moved_) std::copy(ordered.begin(), ordered.end(), staging.mapped<gpu::Particle>(ordered.size()).begin());
+    levels_.write(device_, staging, bytes);
+    staging.flush();
+}
+
+void TickUpload::writeBlocks(const UniformBlocks& blocks) {
+    blocks.setTick(tick_);
+    all_.tick = blocks.tick();
+    all_.particles = &particles_;
+    all_.count = tick_.particle_count;
+    all_.extent = &extent_;
+    uint32_t level = 0;
+    for (MergedMedia::Medium* medium : levels_.media()) {
+        blocks.setLevel(level, medium->tick);
+        medium->view = {blocks.level(level++), &medium->particles, medium->tick.particle_count, all_.version, nullptr,
+                        &medium->extent};
+    }
+}
+
+const MediumView& TickUpload::of(size_t eye) const {
+    const MergedMedia::Medium* level = levels_.of(eye);
+    return level ? level->view : all_;
+}
+
+void TickUpload::record(gpu::Commands& commands, const gpu::Buffer& staging) const {
+    if ((!moved_ && levels_.uploadBytes() == 0) || tick_.particle_count == 0) return;
+    const gpu::Commands::Pass pass(commands, "upload");
+    const VkCommandBuffer cmd = commands.handle();
+    gpu::everythingBefore(cmd);
+    const VkBufferCopy copy{0, 0, tick_.particle_count * sizeof(gpu::Particle)};
+    if (moved_) vkCmdCopyBuffer(cmd, staging.handle(), particles_.handle(), 1, &copy);
+    levels_.record(cmd, staging, capacity_ * sizeof(gpu::Particle));
+    gpu::transferToCompute(cmd);
+}
+
+uint64_t TickUpload::cpuBytes() const {
+    return (now_.capacity() + then_.capacity() + ordered_.capacity()) * sizeof(gpu::Particle) + order_.bytes() +
+           levels_.cpuBytes();
+}
+
+} // namespace brume

@@ -1,0 +1,62 @@
+// The particles of a tick on their way to the device: in the order of space where they are many, and as levels of detail for eyes
+// far away. Nothing is uploaded that the device has already.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "server/inputs/eye_request.h"
+#include "server/inputs/medium_view.h"
+#include "server/render/merged_media.h"
+#include "server/render/uniform_blocks.h"
+#include "server/sim/simulation.h"
+
+namespace brume {
+
+class TickUpload {
+public:
+    // For at most `capacity` particles.
+    TickUpload(const gpu::Device& device, uint32_t capacity);
+
+    // Takes the simulation's particles for these eyes, and writes to `staging` what is new. `scene`, `now`, `objects`: as
+    // makeTick() wants them. Precondition: nothing of this is on the device.
+    void take(const Simulation& simulation, const Scene& scene, const SceneNow& now, std::span<const gpu::Opaque> objects,
+              std::span<const EyeRequest> eyes, gpu::Buffer& staging);
+    // Writes the tick's blocks, and makes views of all lists. After take().
+    void writeBlocks(const UniformBlocks& blocks);
+    // Records the copies from `staging`. Ends with its writes visible to compute.
+    void record(gpu::Commands& commands, const gpu::Buffer& staging) const;
+    // The submission is on its way: what take() found is what the device has.
+    void submitted() { std::swap(now_, then_); }
+    // The device has nothing: the next take() uploads everything.
+    void forget() { then_.clear(); }
+
+    uint32_t capacity() const { return capacity_; }
+    const gpu::Tick& tick() const { return tick_; }
+    const MediumExtent& extent() const { return extent_; }
+    bool moved() const { return moved_; } // True: the particles are not those of the last submission
+    const gpu::Buffer& particles() const { return particles_; }
+
+    // All particles, and what eye number `eye` sees.
+    MediumView& all() { return all_; }
+    const MediumView& of(size_t eye) const;
+    std::span<MergedMedia::Medium* const> levels() const { return levels_.media(); }
+    void invalidateLight() { levels_.invalidateLight(); }
+
+    uint64_t cpuBytes() const; // that lists of particles take of the CPU's memory
+
+private:
+    const gpu::Device& device_;
+    const uint32_t capacity_;
+    gpu::Buffer particles_;
+    gpu::Tick tick_{};
+    MediumExtent extent_;
+    MediumView all_;
+    MergedMedia levels_;
+    SpatialOrder order_;
+    std::vector<gpu::Particle> now_, then_, ordered_; // of this submission, of the last one; now_ in the order of space
+    bool moved_ = true;
+};
+
+} // namespace brume
