@@ -66,9 +66,15 @@ Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampl
     return {binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, {}, {sampler.handle(), image.view(), VK_IMAGE_LAYOUT_GENERAL}};
 }
 
-Program::Program(const Device& device, std::span<const ShaderCode> shaders, VkPipelineBindPoint bind_point)
+Program::Program(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants,
+                 VkPipelineBindPoint bind_point)
     : device_(&device), bind_point_(bind_point), name_(shaders.front().name) {
-    for (const ShaderCode& shader : shaders) reflect(shader);
+    std::vector<uint32_t> known;
+    for (const ShaderCode& shader : shaders) reflect(shader, known);
+    for (const SpecConstant& c : constants)
+        if (std::find(known.begin(), known.end(), c.id) == known.end())
+            throw Error(name_ + ": no shader has a specialization constant with the id " + std::to_string(c.id) +
+                        " (shaders/shared/constants.h)");
     createLayout();
 }
 
@@ -91,7 +97,7 @@ void Program::swap(Program& other) noexcept {
     std::swap(name_, other.name_);
 }
 
-void Program::reflect(const ShaderCode& shader) {
+void Program::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids) {
     stages_ |= shader.stage;
     spvc_context context = nullptr;
     if (spvc_context_create(&context) != SPVC_SUCCESS) throw Error("SPIRV-Cross cannot start");
@@ -141,6 +147,9 @@ void Program::reflect(const ShaderCode& shader) {
             throw Error(std::string(shader.name) + ": stages disagree on the push constants");
         push_bytes_ = uint32_t(bytes);
     }
+    const spvc_specialization_constant* constants = nullptr;
+    need(spvc_compiler_get_specialization_constants(compiler, &constants, &count));
+    for (size_t i = 0; i < count; ++i) constant_ids.push_back(constants[i].constant_id);
     if (expected_.size() > kMaxBindings) throw Error(std::string(shader.name) + ": too many bindings");
 }
 
@@ -187,7 +196,7 @@ void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std
 }
 
 ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader, std::initializer_list<SpecConstant> constants)
-    : Program(device, std::span(&shader, 1), VK_PIPELINE_BIND_POINT_COMPUTE) {
+    : Program(device, std::span(&shader, 1), std::span(constants.begin(), constants.size()), VK_PIPELINE_BIND_POINT_COMPUTE) {
     const ShaderModule module(device.handle(), shader);
     const Specialization special(std::span(constants.begin(), constants.size()));
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
@@ -202,7 +211,7 @@ ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader, s
 
 GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCode> shaders, const GraphicsInfo& what,
                                  std::span<const SpecConstant> constants)
-    : Program(device, shaders, VK_PIPELINE_BIND_POINT_GRAPHICS) {
+    : Program(device, shaders, constants, VK_PIPELINE_BIND_POINT_GRAPHICS) {
     const Specialization special(constants);
     std::vector<std::unique_ptr<ShaderModule>> modules;
     std::vector<VkPipelineShaderStageCreateInfo> stages;

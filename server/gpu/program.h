@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/gpu/resource.h"
+#include "shaders/shared/constants.h"
 
 namespace brume::gpu {
 
@@ -19,8 +20,9 @@ struct ShaderCode {
     const char* name;
 };
 
-struct SpecConstant { // layout(constant_id = id); booleans and integers alike are 32 bits
-    uint32_t id;
+// The value of a specialization constant. Booleans and integers alike are 32 bits.
+struct SpecConstant {
+    uint32_t id; // of shaders/shared/constants.h
     uint32_t value;
 };
 
@@ -60,7 +62,9 @@ public:
     explicit operator bool() const { return pipeline_ != VK_NULL_HANDLE; }
 
 protected:
-    Program(const Device& device, std::span<const ShaderCode> shaders, VkPipelineBindPoint bind_point);
+    // Throws Error when none of the shaders has a specialization constant with the id of one of `constants`.
+    Program(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants,
+            VkPipelineBindPoint bind_point);
     void swap(Program& other) noexcept;
 
     struct Expected {
@@ -79,7 +83,7 @@ protected:
     std::string name_;
 
 private:
-    void reflect(const ShaderCode& shader);
+    void reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids);
     void createLayout();
 };
 

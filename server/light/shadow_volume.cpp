@@ -44,10 +44,10 @@ ShadowVolume::Shape ShadowVolume::shapeFor(const gpu::Device& device) {
 }
 
 ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape shape)
-    : device_(device), shape_(shape),
-      particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"}, {{1, shape.lanes}}),
+    : device_(device), shape_(shape), particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
+                                                 {{gpu::kIdShadowLanes, shape.lanes}}),
       volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
-              {{0, shape.lanes * shape.tiles}, {1, shape.lanes}}) {
+              {{gpu::kIdShadowGroupLanes, shape.lanes * shape.tiles}, {gpu::kIdShadowLanes, shape.lanes}}) {
     light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
 }

@@ -34,8 +34,8 @@ void DrawnCells::record(gpu::Commands& commands, const EyeInputs& in) {
     const EyeInputs& nodes = *in.nodes;
     gpu::ComputeProgram& program = programs_[nodes.step];
     if (!program)
-        program =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"}, {{22, nodes.step}});
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"},
+                                      {{gpu::kIdStep, nodes.step}});
     gpu::everythingBefore(cmd);
     program.bind(cmd,
                  {in.tick, in.eye, gpu::storageImage(2, *in.radiance), gpu::storageImage(3, *in.view_depth),

@@ -3,7 +3,11 @@
 
 #include "tests/gpu/fixture.h"
 
-#include "test_shaders/layouts_comp.h" // after it: the words of a shader need <cstdint>
+// After it: the words of a shader need <cstdint>.
+#include "shaders/background_frag.h"
+#include "shaders/background_vert.h"
+#include "shaders/slabs_comp.h"
+#include "test_shaders/layouts_comp.h"
 
 namespace brume::test {
 namespace {
@@ -84,6 +88,34 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     words.invalidate();
     const auto got = words.mapped<uint32_t>(expected.size());
     EXPECT_EQ(std::vector<uint32_t>(got.begin(), got.end()), expected);
+}
+
+// The text of the Error that `action` throws; empty if it throws none.
+template <class Action>
+std::string refusal(Action action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
+    const ShaderCode slabs{VK_SHADER_STAGE_COMPUTE_BIT, slabs_comp, "slabs"};
+    EXPECT_NO_THROW(ComputeProgram(device(), slabs, {{kIdSheet, 8}})); // the size of its workgroups
+    const auto unknown_id = [&] { ComputeProgram(device(), slabs, {{kIdSheet, 8}, {kIdStep, 4}}); };
+    EXPECT_EQ(refusal(unknown_id), "slabs: no shader has a specialization constant with the id 20 (shaders/shared/constants.h)");
+
+    // Of two stages, one that has the constant is enough.
+    const ShaderCode stages[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
+                                 {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
+    GraphicsInfo info;
+    info.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
+    info.blend = Blend::replace;
+    const SpecConstant known[] = {{kIdPlanes, 1}, {kIdBoxes, 0}}, unknown[] = {{kIdPlanes, 1}, {kIdHasOpaque, 0}};
+    EXPECT_NO_THROW(GraphicsProgram(device(), stages, info, known));
+    EXPECT_THROW(GraphicsProgram(device(), stages, info, unknown), Error);
 }
 
 TEST_F(GpuTest, AProgramRefusesWrongBindings) {
