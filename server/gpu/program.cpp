@@ -54,6 +54,7 @@ const char* typeName(VkDescriptorType type) {
 } // namespace
 
 Resource storageBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size) {
+    if (size == VK_WHOLE_SIZE) size = buffer.size() - offset;
     return {binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, {buffer.handle(), offset, size}, {}};
 }
 Resource uniformBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size) {
@@ -171,6 +172,16 @@ void Program::createLayout() {
     check(vkCreatePipelineLayout(device_->handle(), &info, nullptr, &layout_), name_.c_str());
 }
 
+void Program::checkRange(const Resource& given, const Expected& e) const {
+    const VkPhysicalDeviceLimits& limits = device_->properties().limits;
+    const VkDeviceSize most = e.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER   ? limits.maxStorageBufferRange
+                              : e.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? limits.maxUniformBufferRange
+                                                                            : VK_WHOLE_SIZE;
+    if (given.buffer.range > most)
+        throw Error(name_ + ": " + typeName(e.type) + " '" + e.name + "' of " + std::to_string(given.buffer.range) +
+                    " bytes, the device allows " + std::to_string(most) + "; use fewer particles or smaller pictures");
+}
+
 void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std::span<const std::byte> push) const {
     std::array<VkWriteDescriptorSet, kMaxBindings> writes;
     uint32_t count = 0;
@@ -179,6 +190,7 @@ void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std
             std::find_if(resources.begin(), resources.end(), [&](const auto& r) { return r.binding == e.binding; });
         if (given == resources.end() || given->type != e.type)
             throw Error(name_ + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" + e.name + "'");
+        checkRange(*given, e);
         VkWriteDescriptorSet& write = writes[count++];
         write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstBinding = e.binding;

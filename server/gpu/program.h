@@ -49,8 +49,8 @@ public:
         return *this;
     }
 
-    // Binds pipeline, descriptors and push constants. Throws Error when a resource that the shaders use is missing or of
-    // another kind, or when the push constants have another size. Allocates nothing.
+    // Binds pipeline, descriptors and push constants. Throws Error when a resource that the shaders use is missing, of
+    // another kind, or larger than the device can bind, or when the push constants have another size. Allocates nothing.
     void bind(VkCommandBuffer cmd, std::span<const Resource> resources, std::span<const std::byte> push) const;
     template <class Push>
     void bind(VkCommandBuffer cmd, std::initializer_list<Resource> resources, const Push& push) const {
@@ -85,6 +85,7 @@ protected:
 private:
     void reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids);
     void createLayout();
+    void checkRange(const Resource& given, const Expected& expected) const;
 };
 
 class ComputeProgram : public Program {

@@ -75,6 +75,10 @@ Buffer::~Buffer() {
     vkDestroyBuffer(device_, buffer_, nullptr);
 }
 
+void Buffer::atLeast(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, Memory memory, const char* name) {
+    if (size_ < bytes) *this = Buffer(device, bytes, usage, memory, name);
+}
+
 void Buffer::swap(Buffer& other) noexcept {
     std::swap(device_, other.device_);
     std::swap(buffer_, other.buffer_);

@@ -50,6 +50,10 @@ public:
         return *this;
     }
 
+    // Makes the buffer hold at least `bytes`: a smaller one is replaced, and what it held is lost.
+    // Precondition: the device does not use a buffer that is too small.
+    void atLeast(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, Memory memory, const char* name);
+
     VkBuffer handle() const { return buffer_; }
     VkDeviceSize size() const { return size_; }
     explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
