@@ -4,20 +4,21 @@
 #extension GL_EXT_control_flow_attributes : require
 // Of one view: background and medium where they are not drawn yet, exposure, tone map, sRGB, then full-range BT.601 Y, Cb, Cr planes
 // with 4:2:0 chroma, as JPEG (JFIF) has them. A lane makes 8x2 pixels, whole words of every plane, or 24x2: whole cells of the field, too.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(constant_id = 0) const bool kHasOpaque = true;
-layout(constant_id = 1) const bool kHasCasters = true;
-layout(constant_id = 2) const bool kHasLobe = true;
-layout(constant_id = 3) const bool kHasAmbient = true;
-layout(constant_id = 23) const uint kRate = 1;     // of the field
-layout(constant_id = 24) const uint kSources = 1;  // of the field
-layout(constant_id = 25) const bool kDrawn = true; // the medium is in `radiance` already
-layout(constant_id = 26) const bool kKeep = false; // `radiance` is wanted afterwards
-layout(constant_id = 28) const uint kBlocks = 1;   // of 8x2 pixels, that a lane makes: 3 are whole cells of rates 3, 6, 12
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
+layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
+layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
+layout(constant_id = kIdRate) const uint kRate = 1;
+layout(constant_id = kIdSources) const uint kSources = 1;
+layout(constant_id = kIdDrawn) const bool kDrawn = true;
+layout(constant_id = kIdKeep) const bool kKeep = false;
+layout(constant_id = kIdBlocks) const uint kBlocks = 1;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(rgba32f, binding = 2) uniform image2D radiance;

@@ -4,6 +4,7 @@
 #extension GL_EXT_control_flow_attributes : require
 // Per eye: the medium that was drawn at every kStep-th pixel, put over the pixels between where a cubic can tell it. A lane is a cell of
 // kStep x kStep pixels; workgroups look their nodes up together.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -23,7 +24,7 @@ layout(push_constant, scalar) uniform Push {
     uint first_caster;  // of the objects
 } push;
 
-layout(constant_id = 22) const uint kStep = 4;
+layout(constant_id = kIdStep) const uint kStep = 4;
 
 #include "shaders/lib/cubic.glsl"
 #include "shaders/lib/eye.glsl"

@@ -3,14 +3,15 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 // The medium's grid, per eye: rays through it.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
 layout(local_size_x = 64) in; // kSlabTile * kSlabTile
 
-layout(constant_id = 0) const bool kHasOpaque = true;
-layout(constant_id = 24) const uint kSources = 1;  // as in lib/slab_field.glsl
-layout(constant_id = 21) const bool kCubic = true; // else linear, of a finer grid
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdSources) const uint kSources = 1;
+layout(constant_id = kIdCubic) const bool kCubic = true;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // as in grid_fill.comp

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // Interval shading: the interval from the two interpolated depths, the light depth linear between its ends (seed 000 eq. 8).
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
@@ -14,8 +15,8 @@ layout(location = 3) flat in uint clipped;
 
 layout(location = 0) out vec4 radiance_transmittance;
 
-layout(constant_id = 10) const uint kQuadrature = 0; // 0 Simpson, 1 transmittance space, 2 analytic
-layout(constant_id = 11) const int kSteps = 2;
+layout(constant_id = kIdQuadrature) const uint kQuadrature = 0;
+layout(constant_id = kIdSteps) const int kSteps = 2;
 
 #include "shaders/lib/medium_shading.glsl"
 

@@ -3,16 +3,17 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 // Of each view whose picture is band-limited: what the display shows of every kStep-th pixel, for present.comp. A lane is a node.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 const bool kHasOpaque = false, kHasCasters = false;
-layout(constant_id = 2) const bool kHasLobe = true;
-layout(constant_id = 3) const bool kHasAmbient = true;
-layout(constant_id = 23) const uint kRate = 2;    // of the field
-layout(constant_id = 24) const uint kSources = 1; // of the field
+layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
+layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
+layout(constant_id = kIdRate) const uint kRate = 2;
+layout(constant_id = kIdSources) const uint kSources = 1;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 3) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl

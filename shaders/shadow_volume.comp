@@ -7,10 +7,11 @@
 // tau_L(x) = [sigma sqrt(pi)/(2k) erfc(k s)] exp(-k^2 b^2) (physics: light depth) is a factor per axis: each of kLanes lanes takes a
 // particle and computes its rows and planes, then all add each other's particles to their own column of texels.
 // Planes are added up from the light: a particle costs something only where its depth changes.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/erf.h"
 
-layout(local_size_x_id = 0) in;
+layout(local_size_x_id = kIdShadowGroupLanes) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 3) readonly buffer LightParticles { LightParticle light_particles[]; };

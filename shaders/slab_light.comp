@@ -2,13 +2,14 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // Slabs, third pass: rays through what the second one has added to their slabs.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
 layout(local_size_x = 64) in; // kSlabTile * kSlabTile
 
-layout(constant_id = 0) const bool kHasOpaque = true;
-layout(constant_id = 24) const uint kSources = 1; // as in lib/slab_field.glsl
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdSources) const uint kSources = 1;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Added { float added[]; }; // as in slabs.comp

@@ -4,14 +4,15 @@
 #extension GL_EXT_control_flow_attributes : require
 // Slabs, last pass: what whole rays see becomes the coefficients of a cubic B-spline through it, whose error is a fourth of that of
 // Catmull-Rom's where rays are 0.8 standard deviations apart. A lane is a node.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
 layout(local_size_x = 64) in;
 
-layout(constant_id = 0) const bool kHasOpaque = true;
-layout(constant_id = 23) const uint kRate = 2;
-layout(constant_id = 24) const uint kSources = 1; // as in lib/slab_field.glsl
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdRate) const uint kRate = 2;
+layout(constant_id = kIdSources) const uint kSources = 1;
 
 layout(scalar, binding = 2) buffer Field { float field[]; };
 

@@ -7,10 +7,11 @@
 // Slabs, second pass: the optical depth that all particles together add to each slab of each ray, sampled at the slab's middle.
 // One workgroup per tile of 8x8 rays and sheet of slabs; a lane is a slab. On its plane the rays' points are equally spaced, so
 // that a Gaussian is a product of two recurrences, and adding a particle to 64 rays costs little more than 64 multiply-adds.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
-layout(local_size_x_id = 20) in; // slabs of a sheet
+layout(local_size_x_id = kIdSheet) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };

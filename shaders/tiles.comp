@@ -8,11 +8,12 @@
 // Method `tiles`, per eye: the splats of a tile over its pixels, near to far. A workgroup is a tile, a lane owns a run of pixels of a
 // row, so that what it knows of a splat serves all of them. Splats go round a subgroup, whatever its size: each lane loads one, all
 // add it. (A load that all lanes share is as slow as one for each on CPU drivers.)
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/splat.h"
 
-layout(local_size_x_id = 12) in;
+layout(local_size_x_id = kIdTileLanes) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
@@ -28,14 +29,14 @@ layout(scalar, binding = 9) readonly buffer Masks { uint masks[]; }; // [word][b
 layout(push_constant, scalar) uniform Push { SplatGrid grid; } push;
 
 // What a scene does not have is compiled out.
-layout(constant_id = 0) const bool kHasOpaque = true;  // objects that hide and shadow
-layout(constant_id = 1) const bool kHasCasters = true; // of them, some that cast shadows on the medium
-layout(constant_id = 2) const bool kHasLobe = true;    // anisotropy > 0
-layout(constant_id = 3) const bool kHasAmbient = true;
-layout(constant_id = 4) const bool kMayBeCut = true; // opaque objects or the near plane may end a line inside a particle
-layout(constant_id = 5) const bool kOneAlbedo = false;
-layout(constant_id = 10) const bool kCached = true;
-layout(constant_id = 11) const uint kPixels = 16; // of a lane
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
+layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
+layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
+layout(constant_id = kIdMayBeCut) const bool kMayBeCut = true;
+layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = false;
+layout(constant_id = kIdCached) const bool kCached = true;
+layout(constant_id = kIdPixelsPerLane) const uint kPixels = 16;
 
 #include "shaders/lib/splat_run.glsl"
 #include "shaders/lib/tiles.glsl"

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // Method `tiles`, per eye: the particles that can be seen, near to far, as functions of the pixel.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/splat.h"
 #include "shaders/shared/support.h"
@@ -18,7 +19,7 @@ layout(scalar, binding = 6) readonly buffer Lights { ParticleLight lights[]; };
 layout(scalar, binding = 7) writeonly buffer Cones { SplatCone cones[]; };
 layout(scalar, binding = 8) writeonly buffer Splats { Splat splats[]; };
 
-layout(constant_id = 10) const bool kCached = true;
+layout(constant_id = kIdCached) const bool kCached = true;
 
 // v . d as a function of the pixel.
 vec3 affine(vec3 v) { return vec3(dot(v, eye.ray), dot(v, eye.ray_right), dot(v, eye.ray_down)); }

@@ -54,6 +54,7 @@ const char* typeName(VkDescriptorType type) {
 } // namespace
 
 Resource storageBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size) {
+    if (size == VK_WHOLE_SIZE) size = buffer.size() - offset;
     return {binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, {buffer.handle(), offset, size}, {}};
 }
 Resource uniformBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size) {
@@ -66,9 +67,15 @@ Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampl
     return {binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, {}, {sampler.handle(), image.view(), VK_IMAGE_LAYOUT_GENERAL}};
 }
 
-Program::Program(const Device& device, std::span<const ShaderCode> shaders, VkPipelineBindPoint bind_point)
+Program::Program(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants,
+                 VkPipelineBindPoint bind_point)
     : device_(&device), bind_point_(bind_point), name_(shaders.front().name) {
-    for (const ShaderCode& shader : shaders) reflect(shader);
+    std::vector<uint32_t> known;
+    for (const ShaderCode& shader : shaders) reflect(shader, known);
+    for (const SpecConstant& c : constants)
+        if (std::find(known.begin(), known.end(), c.id) == known.end())
+            throw Error(name_ + ": no shader has a specialization constant with the id " + std::to_string(c.id) +
+                        " (shaders/shared/constants.h)");
     createLayout();
 }
 
@@ -91,7 +98,7 @@ void Program::swap(Program& other) noexcept {
     std::swap(name_, other.name_);
 }
 
-void Program::reflect(const ShaderCode& shader) {
+void Program::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids) {
     stages_ |= shader.stage;
     spvc_context context = nullptr;
     if (spvc_context_create(&context) != SPVC_SUCCESS) throw Error("SPIRV-Cross cannot start");
@@ -141,6 +148,9 @@ void Program::reflect(const ShaderCode& shader) {
             throw Error(std::string(shader.name) + ": stages disagree on the push constants");
         push_bytes_ = uint32_t(bytes);
     }
+    const spvc_specialization_constant* constants = nullptr;
+    need(spvc_compiler_get_specialization_constants(compiler, &constants, &count));
+    for (size_t i = 0; i < count; ++i) constant_ids.push_back(constants[i].constant_id);
     if (expected_.size() > kMaxBindings) throw Error(std::string(shader.name) + ": too many bindings");
 }
 
@@ -162,6 +172,16 @@ void Program::createLayout() {
     check(vkCreatePipelineLayout(device_->handle(), &info, nullptr, &layout_), name_.c_str());
 }
 
+void Program::checkRange(const Resource& given, const Expected& e) const {
+    const VkPhysicalDeviceLimits& limits = device_->properties().limits;
+    const VkDeviceSize most = e.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER   ? limits.maxStorageBufferRange
+                              : e.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? limits.maxUniformBufferRange
+                                                                            : VK_WHOLE_SIZE;
+    if (given.buffer.range > most)
+        throw Error(name_ + ": " + typeName(e.type) + " '" + e.name + "' of " + std::to_string(given.buffer.range) +
+                    " bytes, the device allows " + std::to_string(most) + "; use fewer particles or smaller pictures");
+}
+
 void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std::span<const std::byte> push) const {
     std::array<VkWriteDescriptorSet, kMaxBindings> writes;
     uint32_t count = 0;
@@ -170,6 +190,7 @@ void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std
             std::find_if(resources.begin(), resources.end(), [&](const auto& r) { return r.binding == e.binding; });
         if (given == resources.end() || given->type != e.type)
             throw Error(name_ + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" + e.name + "'");
+        checkRange(*given, e);
         VkWriteDescriptorSet& write = writes[count++];
         write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstBinding = e.binding;
@@ -187,7 +208,7 @@ void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std
 }
 
 ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader, std::initializer_list<SpecConstant> constants)
-    : Program(device, std::span(&shader, 1), VK_PIPELINE_BIND_POINT_COMPUTE) {
+    : Program(device, std::span(&shader, 1), std::span(constants.begin(), constants.size()), VK_PIPELINE_BIND_POINT_COMPUTE) {
     const ShaderModule module(device.handle(), shader);
     const Specialization special(std::span(constants.begin(), constants.size()));
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
@@ -202,7 +223,7 @@ ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader, s
 
 GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCode> shaders, const GraphicsInfo& what,
                                  std::span<const SpecConstant> constants)
-    : Program(device, shaders, VK_PIPELINE_BIND_POINT_GRAPHICS) {
+    : Program(device, shaders, constants, VK_PIPELINE_BIND_POINT_GRAPHICS) {
     const Specialization special(constants);
     std::vector<std::unique_ptr<ShaderModule>> modules;
     std::vector<VkPipelineShaderStageCreateInfo> stages;

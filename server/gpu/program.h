@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/gpu/resource.h"
+#include "shaders/shared/constants.h"
 
 namespace brume::gpu {
 
@@ -19,8 +20,9 @@ struct ShaderCode {
     const char* name;
 };
 
-struct SpecConstant { // layout(constant_id = id); booleans and integers alike are 32 bits
-    uint32_t id;
+// The value of a specialization constant. Booleans and integers alike are 32 bits.
+struct SpecConstant {
+    uint32_t id; // of shaders/shared/constants.h
     uint32_t value;
 };
 
@@ -47,8 +49,8 @@ public:
         return *this;
     }
 
-    // Binds pipeline, descriptors and push constants. Throws Error when a resource that the shaders use is missing or of
-    // another kind, or when the push constants have another size. Allocates nothing.
+    // Binds pipeline, descriptors and push constants. Throws Error when a resource that the shaders use is missing, of
+    // another kind, or larger than the device can bind, or when the push constants have another size. Allocates nothing.
     void bind(VkCommandBuffer cmd, std::span<const Resource> resources, std::span<const std::byte> push) const;
     template <class Push>
     void bind(VkCommandBuffer cmd, std::initializer_list<Resource> resources, const Push& push) const {
@@ -60,7 +62,9 @@ public:
     explicit operator bool() const { return pipeline_ != VK_NULL_HANDLE; }
 
 protected:
-    Program(const Device& device, std::span<const ShaderCode> shaders, VkPipelineBindPoint bind_point);
+    // Throws Error when none of the shaders has a specialization constant with the id of one of `constants`.
+    Program(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants,
+            VkPipelineBindPoint bind_point);
     void swap(Program& other) noexcept;
 
     struct Expected {
@@ -79,8 +83,9 @@ protected:
     std::string name_;
 
 private:
-    void reflect(const ShaderCode& shader);
+    void reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids);
     void createLayout();
+    void checkRange(const Resource& given, const Expected& expected) const;
 };
 
 class ComputeProgram : public Program {

@@ -23,12 +23,6 @@ struct Band {
 // Of texels that wait for their way into the image. Devices need not let a shader see more than 128 MiB of a buffer.
 constexpr VkDeviceSize kMostStaged = 64 << 20;
 
-// Makes `buffer` hold at least `bytes`; what it held is lost.
-void grow(gpu::Buffer& buffer, const gpu::Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, const char* name) {
-    if (!buffer || buffer.size() < bytes)
-        buffer = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, gpu::Memory::device, name);
-}
-
 // Whether two ticks of the same particles have the same volume.
 bool sameVolume(const gpu::Tick& a, const gpu::Tick& b) {
     return a.particle_count == b.particle_count && a.to_light == b.to_light && a.light_x == b.light_x && a.falloff == b.falloff &&
@@ -44,10 +38,10 @@ ShadowVolume::Shape ShadowVolume::shapeFor(const gpu::Device& device) {
 }
 
 ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape shape)
-    : device_(device), shape_(shape),
-      particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"}, {{1, shape.lanes}}),
+    : device_(device), shape_(shape), particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
+                                                 {{gpu::kIdShadowLanes, shape.lanes}}),
       volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
-              {{0, shape.lanes * shape.tiles}, {1, shape.lanes}}) {
+              {{gpu::kIdShadowGroupLanes, shape.lanes * shape.tiles}, {gpu::kIdShadowLanes, shape.lanes}}) {
     light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
 }
@@ -75,7 +69,8 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
                      gpu::groups(tick.shadow_slices - 1, kGroup)},
                     gpu::groups(std::max(tick.particle_count, 1u), 256) * 8};
     const VkDeviceSize bytes = VkDeviceSize(bins.tiles.x + bins.tiles.y + bins.tiles.z) * bins.words * sizeof(uint32_t);
-    grow(bits_, device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "shadow bins");
+    bits_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device,
+                  "shadow bins");
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
     vkCmdFillBuffer(cmd, bits_.handle(), 0, bytes, 0);
     gpu::transferToCompute(cmd);
@@ -87,8 +82,8 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     // Band by band through a buffer, which a CPU driver stores to several times faster than to an image.
     const VkDeviceSize row = VkDeviceSize(tick.shadow_size.x) * image_.layers() * sizeof(glm::vec4); // of texels
     const uint32_t most_rows = uint32_t(std::clamp<VkDeviceSize>(kMostStaged / (row * kRows), 1, bins.tiles.y));
-    grow(texels_, device_, row * std::min(tick.shadow_size.y, most_rows * kRows), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
-         "shadow texels");
+    texels_.atLeast(device_, row * std::min(tick.shadow_size.y, most_rows * kRows),
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "shadow texels");
     for (uint32_t first = 0; first < bins.tiles.y; first += most_rows) {
         const Band band{bins, first, std::min(most_rows, bins.tiles.y - first)};
         volume_.bind(cmd, {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)},

@@ -7,8 +7,8 @@
 namespace brume {
 
 Surfaces::Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw) {
-    const gpu::SpecConstant planes{0, uint32_t(scene.planes.size())}, boxes{1, uint32_t(scene.boxes.size())},
-        spheres{2, uint32_t(scene.spheres.size())};
+    const gpu::SpecConstant planes{gpu::kIdPlanes, uint32_t(scene.planes.size())},
+        boxes{gpu::kIdBoxes, uint32_t(scene.boxes.size())}, spheres{gpu::kIdSpheres, uint32_t(scene.spheres.size())};
     if (by_draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};

@@ -28,16 +28,16 @@ const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
     gpu::ComputeProgram& program = every_pixel_[v];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"},
-                                      {{0, features_.opaque},
-                                       {1, features_.casters},
-                                       {2, v.lobe},
-                                       {3, features_.ambient},
-                                       {23, v.rate},
-                                       {24, v.sources},
-                                       {25, v.drawn},
-                                       {26, v.keep},
-                                       {27, v.full},
-                                       {28, v.drawn ? 1 : blocksOf(v.rate)}});
+                                      {{gpu::kIdHasOpaque, features_.opaque},
+                                       {gpu::kIdHasCasters, features_.casters},
+                                       {gpu::kIdHasLobe, v.lobe},
+                                       {gpu::kIdHasAmbient, features_.ambient},
+                                       {gpu::kIdRate, v.rate},
+                                       {gpu::kIdSources, v.sources},
+                                       {gpu::kIdDrawn, v.drawn},
+                                       {gpu::kIdKeep, v.keep},
+                                       {gpu::kIdFull, v.full},
+                                       {gpu::kIdBlocks, v.drawn ? 1 : blocksOf(v.rate)}});
     return program;
 }
 
@@ -45,7 +45,11 @@ const gpu::ComputeProgram& Compose::someNodes(const Variant& v) {
     gpu::ComputeProgram& program = some_nodes_[v];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_comp, "shade"},
-                                      {{2, v.lobe}, {3, features_.ambient}, {22, v.step}, {23, v.rate}, {24, v.sources}});
+                                      {{gpu::kIdHasLobe, v.lobe},
+                                       {gpu::kIdHasAmbient, features_.ambient},
+                                       {gpu::kIdStep, v.step},
+                                       {gpu::kIdRate, v.rate},
+                                       {gpu::kIdSources, v.sources}});
     return program;
 }
 
@@ -106,8 +110,8 @@ void Compose::shadeTarget(gpu::Commands& commands, const ViewGroup& group) {
     gpu::computeToCompute(cmd);
     gpu::ComputeProgram& program = drawn_nodes_[group.step];
     if (!program)
-        program =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_drawn_comp, "shade_drawn"}, {{22, group.step}});
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_drawn_comp, "shade_drawn"},
+                                      {{gpu::kIdStep, group.step}});
     program.bind(cmd, {group.block, gpu::storageImage(2, in.target->radiance), gpu::storageBuffer(3, shaded_)});
     vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     gpu::computeToCompute(cmd);
@@ -118,8 +122,8 @@ void Compose::present(gpu::Commands& commands, const ViewGroup& group) {
     const VkCommandBuffer cmd = commands.handle();
     gpu::ComputeProgram& program = present_[{group.step, full_}];
     if (!program)
-        program =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"}, {{22, group.step}, {27, full_}});
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"},
+                                      {{gpu::kIdStep, group.step}, {gpu::kIdFull, full_}});
     program.bind(cmd, {group.block, gpu::storageBuffer(3, *group.any->shared->planes), gpu::storageBuffer(4, shaded_)});
     const uint32_t width = group.most([](const gpu::View& v) { return v.eye.size.x; });
     const uint32_t rows = group.most([](const gpu::View& v) { return v.end - v.first; });

@@ -32,8 +32,8 @@ void DrawnCells::interpolate(gpu::Commands& commands, const EyeInputs& fine, con
            fine.shared->first_caster};
     gpu::ComputeProgram& program = programs_[coarse.step];
     if (!program)
-        program =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"}, {{22, coarse.step}});
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"},
+                                      {{gpu::kIdStep, coarse.step}});
     gpu::everythingBefore(cmd);
     const gpu::Sampler& nearest = *fine.shared->nearest;
     program.bind(cmd,

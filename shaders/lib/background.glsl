@@ -1,13 +1,15 @@
 // The sky and the opaque objects behind the medium, lit by the light through the medium. Declares the bindings that it reads; include
 // after the tick's and the eye's blocks.
+#include "shaders/shared/constants.h"
+
 layout(scalar, binding = 2) uniform Objects { Opaque objects[kMostObjects]; };
 layout(binding = 3) uniform sampler2DArray shadow_volume;
 layout(binding = 4) uniform sampler2D opaque_shadow;
 
 // How many there are of each kind, which stand in this order: loops over a few are unrolled, and nothing is left of none.
-layout(constant_id = 0) const uint kPlanes = 1;
-layout(constant_id = 1) const uint kBoxes = 1;
-layout(constant_id = 2) const uint kSpheres = 1;
+layout(constant_id = kIdPlanes) const uint kPlanes = 1;
+layout(constant_id = kIdBoxes) const uint kBoxes = 1;
+layout(constant_id = kIdSpheres) const uint kSpheres = 1;
 
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/light.glsl"

@@ -1,5 +1,6 @@
 // What one particle's interval adds to a pixel: shared by every raster method. Declares the bindings of the light, the opaque depth
 // and the target; include after the tick's and the eye's blocks.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
@@ -9,11 +10,11 @@ layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 8) uniform sampler2D view_depth;
 
 // What a scene does not have is compiled out.
-layout(constant_id = 0) const bool kHasOpaque = true;  // objects that hide and shadow
-layout(constant_id = 1) const bool kHasCasters = true; // of them, some that cast shadows on the medium
-layout(constant_id = 2) const bool kHasLobe = true;    // anisotropy > 0
-layout(constant_id = 3) const bool kHasAmbient = true;
-layout(constant_id = 4) const bool kMayBeCut = true;   // opaque objects or the near plane may end an interval inside a particle
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
+layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
+layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
+layout(constant_id = kIdMayBeCut) const bool kMayBeCut = true;
 
 #include "shaders/lib/light.glsl"
 

@@ -1,8 +1,9 @@
 // The planes that JPEG (JFIF) takes, as server/render/picture.h lays them out, in words of four bytes: full-range BT.601 Y, Cb, Cr
 // with 4:2:0 chroma, 128 added to Cb and Cr. Where kFull holds: sRGB R, G, B of all pixels instead. Include after the eye is declared.
+#include "shaders/shared/constants.h"
 #include "shaders/lib/whole.glsl"
 
-layout(constant_id = 27) const bool kFull = false;
+layout(constant_id = kIdFull) const bool kFull = false;
 
 const vec3 kLuma = vec3(0.299, 0.587, 0.114);
 const vec3 kCb = vec3(-0.168735892, -0.331264108, 0.5), kCr = vec3(0.5, -0.418687589, -0.081312411);

@@ -1,10 +1,11 @@
 // Which particles reach a tile of the volumetric shadow map: a tile is where a column of tiles, a row of tiles and a group of planes
 // meet, each of these lines has a bit per particle, and the three words are and-ed. Setting bits commutes: the same on every run.
 // Include after the push constants.
+#include "shaders/shared/constants.h"
 
-layout(constant_id = 1) const uint kLanes = 8; // that work on one tile together, texels of its width; a power of two, at most 8
-const uint kRows = 8;                          // texels of its height, all of them a lane's own
-const uint kGroup = 6;                         // planes that a lane has at a time, two layers of the map
+layout(constant_id = kIdShadowLanes) const uint kLanes = 8;
+const uint kRows = 8;  // texels of its height, all of them a lane's own
+const uint kGroup = 6; // planes that a lane has at a time, two layers of the map
 
 uint wordOf(uint particle) { return particle / 256 * 8 + particle % 8; }
 uint bitOf(uint particle) { return particle / 8 % 32; }

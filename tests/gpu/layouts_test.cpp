@@ -3,7 +3,12 @@
 
 #include "tests/gpu/fixture.h"
 
-#include "test_shaders/layouts_comp.h" // after it: the words of a shader need <cstdint>
+// After it: the words of a shader need <cstdint>.
+#include "shaders/background_frag.h"
+#include "shaders/background_vert.h"
+#include "shaders/shadow_particles_comp.h"
+#include "shaders/slabs_comp.h"
+#include "test_shaders/layouts_comp.h"
 
 namespace brume::test {
 namespace {
@@ -84,6 +89,78 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     words.invalidate();
     const auto got = words.mapped<uint32_t>(expected.size());
     EXPECT_EQ(std::vector<uint32_t>(got.begin(), got.end()), expected);
+}
+
+// The text of the Error that `action` throws; empty if it throws none.
+template <class Action>
+std::string refusal(Action action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
+    const ShaderCode slabs{VK_SHADER_STAGE_COMPUTE_BIT, slabs_comp, "slabs"};
+    EXPECT_NO_THROW(ComputeProgram(device(), slabs, {{kIdSheet, 8}})); // the size of its workgroups
+    const auto unknown_id = [&] { ComputeProgram(device(), slabs, {{kIdSheet, 8}, {kIdStep, 4}}); };
+    EXPECT_EQ(refusal(unknown_id), "slabs: no shader has a specialization constant with the id 20 (shaders/shared/constants.h)");
+
+    // Of two stages, one that has the constant is enough.
+    const ShaderCode stages[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
+                                 {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
+    GraphicsInfo info;
+    info.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
+    info.blend = Blend::replace;
+    const SpecConstant known[] = {{kIdPlanes, 1}, {kIdBoxes, 0}}, unknown[] = {{kIdPlanes, 1}, {kIdHasOpaque, 0}};
+    EXPECT_NO_THROW(GraphicsProgram(device(), stages, info, known));
+    EXPECT_THROW(GraphicsProgram(device(), stages, info, unknown), Error);
+}
+
+TEST_F(GpuTest, AProgramRefusesBuffersLargerThanTheDeviceCanBind) {
+    const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"});
+    const VkDeviceSize storage = device().properties().limits.maxStorageBufferRange,
+                       uniform = device().properties().limits.maxUniformBufferRange;
+    const auto tooLarge = [](const std::string& what, VkDeviceSize most) {
+        return "shadow_particles: " + what + " of " + std::to_string(most + 1) + " bytes, the device allows " +
+               std::to_string(most) + "; use fewer particles or smaller pictures";
+    };
+    constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+    const Buffer buffer(device(), 256, kUsage, Memory::device, "some");
+    EXPECT_EQ(storageBuffer(2, buffer, 16).buffer.range, 240u);
+
+    Commands commands(device(), "too large");
+    const VkCommandBuffer cmd = commands.begin();
+    const auto bind = [&](VkDeviceSize tick, VkDeviceSize particles) { // bytes; nothing is dispatched
+        const glm::uvec4 push{};
+        program.bind(cmd,
+                     {uniformBuffer(0, buffer, 0, tick), storageBuffer(2, buffer, 0, particles), storageBuffer(3, buffer),
+                      storageBuffer(4, buffer)},
+                     push);
+    };
+    EXPECT_NO_THROW(bind(256, 256));
+    EXPECT_EQ(refusal([&] { bind(256, storage + 1); }), tooLarge("storage buffer 'Particles'", storage));
+    EXPECT_EQ(refusal([&] { bind(uniform + 1, 256); }), tooLarge("uniform buffer 'TickBlock'", uniform));
+    commands.submit();
+    waitFor(commands);
+}
+
+TEST_F(GpuTest, ABufferIsReplacedOnlyByALargerOne) {
+    Buffer buffer;
+    const auto fit = [&](VkDeviceSize bytes) {
+        buffer.atLeast(device(), bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::upload, "some");
+        return buffer.handle();
+    };
+    EXPECT_EQ(fit(0), VkBuffer{}); // no buffer holds nothing
+    const VkBuffer first = fit(256);
+    buffer.mapped<uint32_t>(1)[0] = 7;
+    EXPECT_EQ(fit(100), first);
+    EXPECT_EQ(buffer.size(), 256u);
+    EXPECT_EQ(buffer.mapped<uint32_t>(1)[0], 7u);
+    fit(257);
+    EXPECT_EQ(buffer.size(), 257u);
 }
 
 TEST_F(GpuTest, AProgramRefusesWrongBindings) {

@@ -23,7 +23,8 @@ private:
         const uint32_t cubic = isCubic(*in.shared->settings);
         const gpu::Commands::Pass pass(commands, "grid rays", group.view());
         gpu::computeToCompute(cmd);
-        program(grid_rays_comp, "grid_rays", 2 * group.sources + cubic, {{0, features_.opaque}, {21, cubic}, {24, group.sources}})
+        program(grid_rays_comp, "grid_rays", 2 * group.sources + cubic,
+                {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdCubic, cubic}, {gpu::kIdSources, group.sources}})
             .bind(cmd,
                   {in.medium->tick, group.block, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
                    gpu::storageBuffer(5, medium_.marks()), gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),

@@ -18,7 +18,10 @@ std::unique_ptr<Method> make(const MethodContext& context) {
     info.vertices = 12;
     info.particles_per_group = 32; // as in isv.mesh
     const std::string_view quadrature = quadratureOf(context.settings);
-    info.constants = {{10, quadrature == "simpson" ? 0u : quadrature == "transmittance" ? 1u : 2u}, {11, context.settings.steps}};
+    info.constants = {{gpu::kIdQuadrature, quadrature == "simpson"         ? 0u
+                                           : quadrature == "transmittance" ? 1u
+                                                                           : 2u},
+                      {gpu::kIdSteps, context.settings.steps}};
     return makeRaster(context, std::move(info));
 }
 

@@ -11,10 +11,14 @@ public:
         : device_(context.device), order_(context.depth_order), info_(std::move(info)) {
         gpu::GraphicsInfo graphics;
         graphics.topology = info_.topology;
-        const SceneFeatures& f = context.features; // ids as in shaders/lib/medium_shading.glsl
+        const SceneFeatures& f = context.features;
         for (const bool may_be_cut : {false, true}) {
             if (f.opaque && !may_be_cut) continue;
-            std::vector<gpu::SpecConstant> constants{{0, f.opaque}, {1, f.casters}, {2, f.lobe}, {3, f.ambient}, {4, may_be_cut}};
+            std::vector<gpu::SpecConstant> constants{{gpu::kIdHasOpaque, f.opaque},
+                                                     {gpu::kIdHasCasters, f.casters},
+                                                     {gpu::kIdHasLobe, f.lobe},
+                                                     {gpu::kIdHasAmbient, f.ambient},
+                                                     {gpu::kIdMayBeCut, may_be_cut}};
             constants.insert(constants.end(), info_.constants.begin(), info_.constants.end());
             programs_[may_be_cut] = gpu::GraphicsProgram(device_, info_.shaders, graphics, constants);
         }

@@ -52,7 +52,7 @@ private:
                 uint32_t sheets, whats;
             } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), whatsOf(group.sources)};
             const uint32_t sheet = group.views.front().grid.sheet;
-            program(slabs_comp, "slabs", sheet, {{20, sheet}})
+            program(slabs_comp, "slabs", sheet, {{gpu::kIdSheet, sheet}})
                 .bind(cmd,
                       {in.medium->tick, group.block, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
                        gpu::storageBuffer(4, bins_)},
@@ -62,7 +62,8 @@ private:
         }
         {
             const gpu::Commands::Pass pass(commands, "slab light", group.view());
-            program(slab_light_comp, "slab_light", group.sources, {{0, features_.opaque}, {24, group.sources}})
+            program(slab_light_comp, "slab_light", group.sources,
+                    {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdSources, group.sources}})
                 .bind(cmd, {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
                             gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
                             gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});

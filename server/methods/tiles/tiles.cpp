@@ -28,7 +28,7 @@ public:
     explicit Tiles(const MethodContext& context)
         : device_(context.device), order_(context.depth_order), features_(context.features),
           cached_(quadratureOf(context.settings) == "cached"),
-          project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"}, {{10, cached_}}),
+          project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"}, {{gpu::kIdCached, cached_}}),
           bin_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_bin_comp, "tiles_bin"}) {}
 
     MethodNeeds needs() const override { return {.particle_light = cached_}; }
@@ -101,15 +101,15 @@ private:
         const uint32_t pixels = device_.isCpu() ? kPixelsPerLane : kPixelsPerLaneOfGpu;
         if (!made)
             made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_comp, "tiles"},
-                                       {{0, features_.opaque},
-                                        {1, features_.casters},
-                                        {2, features_.lobe},
-                                        {3, features_.ambient},
-                                        {4, may_be_cut},
-                                        {5, one_albedo},
-                                        {10, cached_},
-                                        {11, pixels},
-                                        {12, kTile.width * kTile.height / pixels}});
+                                       {{gpu::kIdHasOpaque, features_.opaque},
+                                        {gpu::kIdHasCasters, features_.casters},
+                                        {gpu::kIdHasLobe, features_.lobe},
+                                        {gpu::kIdHasAmbient, features_.ambient},
+                                        {gpu::kIdMayBeCut, may_be_cut},
+                                        {gpu::kIdOneAlbedo, one_albedo},
+                                        {gpu::kIdCached, cached_},
+                                        {gpu::kIdPixelsPerLane, pixels},
+                                        {gpu::kIdTileLanes, kTile.width * kTile.height / pixels}});
         return made;
     }
 

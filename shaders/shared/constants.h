@@ -1,0 +1,53 @@
+// Ids of the shaders' specialization constants, one list compiled as C++ and as GLSL. An id has the same meaning in all shaders.
+// Shaders write `layout(constant_id = kIdStep) const uint kStep = 4;`, C++ writes `{gpu::kIdStep, step}`.
+#ifndef BRUME_SHARED_CONSTANTS_H
+#define BRUME_SHARED_CONSTANTS_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace brume::gpu {
+using uint = uint32_t;
+#endif
+
+// The scene: code for what it lacks is left out.
+const uint kIdHasOpaque = 0u;  // bool: objects hide the medium and shadow it
+const uint kIdHasCasters = 1u; // bool: some of these objects cast shadows on the medium
+const uint kIdHasLobe = 2u;    // bool: anisotropy > 0
+const uint kIdHasAmbient = 3u; // bool: ambient radiance > 0
+const uint kIdMayBeCut = 4u;   // bool: objects or the near plane may end a ray inside a particle
+const uint kIdOneAlbedo = 5u;  // bool: all particles have the same albedo
+const uint kIdPlanes = 6u;     // objects of each kind
+const uint kIdBoxes = 7u;
+const uint kIdSpheres = 8u;
+
+// The volumetric shadow map.
+const uint kIdShadowLanes = 9u;  // lanes that work on one tile together, texels of its width; a power of two, at most 8
+const uint kIdShadowGroupLanes = 10u; // lanes of a workgroup
+
+// Method `isv`.
+const uint kIdQuadrature = 11u; // 0: Simpson, 1: in transmittance, 2: analytic
+const uint kIdSteps = 12u;
+
+// Method `tiles`.
+const uint kIdCached = 13u;        // bool: light is looked up once for each particle, not at each pixel
+const uint kIdPixelsPerLane = 14u; // pixels of a lane's run
+const uint kIdTileLanes = 15u;     // lanes of a workgroup
+
+// Methods `slabs` and `grid`: the field of rays.
+const uint kIdSheet = 16u;   // slabs that one workgroup works on together: its lanes
+const uint kIdCubic = 17u;   // bool: the grid is interpolated by cubics; else linearly, and it is finer
+const uint kIdRate = 18u;    // pixels between neighbouring rays
+const uint kIdSources = 19u; // sources of scattered light that are kept apart: lib/slab_field.glsl
+
+// The picture.
+const uint kIdStep = 20u;   // pixels between neighbouring nodes of a picture that is shaded or drawn coarsely
+const uint kIdDrawn = 21u;  // bool: `radiance` holds the medium already
+const uint kIdKeep = 22u;   // bool: the radiance of every pixel is stored for later reading
+const uint kIdFull = 23u;   // bool: R, G, B of all pixels instead of Y, Cb, Cr
+const uint kIdBlocks = 24u; // blocks of 8x2 pixels that a lane makes: 3 are whole cells of rates 3, 6, 12
+
+#ifdef __cplusplus
+} // namespace brume::gpu
+#endif
+
+#endif
