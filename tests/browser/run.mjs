@@ -374,3 +374,4 @@ test('a full server refuses politely, and lets in who waits when there is room',
 
 await import('./eyes.mjs');
 await import('./trust.mjs');
+await import('./window.mjs');

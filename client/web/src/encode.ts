@@ -57,6 +57,7 @@ export function encodePose(pose: PoseMessage): Uint8Array<ArrayBuffer> {
   const [frustum, right] = pose.frusta ?? [];
   if (frustum) WirePose.addFrustum(builder, createFrustum(builder, frustum));
   if (right) WirePose.addRightFrustum(builder, createFrustum(builder, right));
+  WirePose.addHidden(builder, pose.hidden ?? false);
   return finish(builder, Body.Pose, WirePose.endPose(builder));
 }
 

@@ -7,6 +7,7 @@ import { Controls, isField } from './controls';
 import type { ControlsHost, Mode } from './controls';
 import { find, setPressed, setText } from './dom';
 import { Headset, headsetSupported } from './headset';
+import { hintText } from './hint';
 import type { Presented } from './latency';
 import { addressAt, cameraIn } from './move';
 import { Notices, sentence } from './notices';
@@ -23,6 +24,7 @@ import { SIZE_CAPS, defaultCap } from './size';
 import type { Size } from './size';
 import { Statistics } from './statistics';
 import { Viewing } from './viewing';
+import { Visibility } from './visibility';
 
 // A still camera sends its pose again this often, so that the latency shown stays true.
 const POSE_REFRESH_MS = 500;
@@ -107,6 +109,7 @@ function enter(greeting: Welcome): void {
   if (!mayPush()) setPushing(false);
   size = viewing.size();
   setText(find('brand-scene'), greeting.scene);
+  if (visibility.hidden) ask(performance.now());
 }
 
 function receive(message: ServerMessage, bytes: number): void {
@@ -202,19 +205,7 @@ function setPushing(on: boolean): void {
   hint();
 }
 
-function hint(): void {
-  const touch = matchMedia('(pointer: coarse)').matches;
-  // Many window managers keep Alt-drag to themselves, and a Mac's Ctrl-click is another click.
-  const key = /^(Mac|iP)/.test(navigator.platform) ? 'Option' : 'Ctrl';
-  const turn = mode === 'orbit' ? 'orbit' : 'look around';
-  const travel = mode === 'orbit' ? 'scroll to zoom' : 'WASD to fly';
-  const text = pushing
-    ? 'Drag to push the cloud'
-    : touch
-      ? `Drag to ${turn} · pinch to zoom${mayPush() ? ' · hold, then drag to push' : ''}`
-      : `Drag to ${turn} · ${travel}${mayPush() ? ` · ${key}-drag to push the cloud` : ''}`;
-  setText(find('hint'), text);
-}
+const hint = (): void => setText(find('hint'), hintText(mode, pushing, mayPush()));
 
 const toggles = {
   stats: (on: boolean): void => {
@@ -360,15 +351,19 @@ function ask(now: number): void {
   const lead = settings.predict ? (statistics.average.get()?.total ?? 0) : 0;
   const foreseen = (lead > 0 && predictor.predict(lead)) || camera;
   const wish = viewing.wish(foreseen, size);
-  if (!link.sendPose(wish)) return;
+  if (!link.sendPose({ ...wish, hidden: visibility.hidden })) return;
   statistics.sent(link.lastPose, movedAt === undefined ? 0 : performance.now() - movedAt);
   movedAt = undefined;
   const said = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height].map(Math.fround).join();
   sent = { camera, size, at: now, pose: sent?.said === said ? sent.pose : link.lastPose, said };
 }
 
-// A hidden page presents nothing: what it was shown of poses from before says nothing about the way here.
-document.addEventListener('visibilitychange', () => (statistics.answeredPose = link.lastPose));
+// The server draws nothing for a hidden page. Animation frames, which send the other poses, stop in it too.
+const visibility = new Visibility(() => !headset && link.connected && ask(performance.now()));
+document.addEventListener('visibilitychange', () => {
+  statistics.answeredPose = link.lastPose; // frames of poses from before were not presented when they came
+  visibility.update(document.hidden);
+});
 
 let settle: number | undefined;
 new ResizeObserver(() => {

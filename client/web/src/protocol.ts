@@ -33,6 +33,7 @@ export interface PoseMessage {
   frusta?: readonly Frustum[]; // of each eye, instead of fovY
   width: number;
   height: number;
+  hidden?: boolean; // true: the page is not seen, the server draws nothing until a pose without it
 }
 
 export type Command =
