@@ -1,9 +1,9 @@
-// The page as one window among others: it is hidden and seen again.
+// The page as one window among others: it is hidden and seen again, and the keyboard's focus comes and goes.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { after, before, describe, test } from 'node:test';
 import { setTimeout } from 'node:timers/promises';
 import { startDelay } from './delay.mjs';
-import { connected, openPage, startBrowser, until } from './pages.mjs';
+import { connected, drag, openPage, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
 let browser;
@@ -82,4 +82,50 @@ test('a hidden page costs the server nothing, and has pictures again when it is 
   assert.deepEqual(now, { viewer, state: 'connected' }, 'the same viewer, never disconnected');
   await page.leave();
   assert.equal(await server.stop(), 0, 'the server’s exit');
+});
+
+describe('the keyboard’s focus', () => {
+  let server;
+  before(async () => {
+    server = await startServer();
+  });
+  after(async () => {
+    assert.equal(await server?.stop(), 0, 'the server’s exit');
+  });
+  const outline = (page) => page.evaluate(() => getComputedStyle(document.getElementById('view')).outlineStyle);
+
+  test('shows no frame around the picture after a drag, also after a key', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await drag(page, [0.5, 0.5], [0.7, 0.6]);
+    assert.equal(await outline(page), 'none', 'after a drag');
+    await page.keyboard.press('w');
+    await drag(page, [0.5, 0.5], [0.7, 0.6]);
+    assert.equal(await outline(page), 'none', 'after a key and a drag');
+    await page.leave();
+  });
+
+  test('shows one when it comes by Tab, until the mouse takes over', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    const focused = () => page.evaluate(() => document.activeElement?.id);
+    for (let i = 0; i < 40 && (await focused()) !== 'view'; ++i) await page.keyboard.press('Tab');
+    assert.equal(await focused(), 'view', 'Tab comes to the picture');
+    assert.equal(await outline(page), 'solid', 'after Tab');
+    await drag(page, [0.5, 0.5], [0.7, 0.6]);
+    assert.equal(await outline(page), 'none', 'after a drag');
+    await page.leave();
+  });
+
+  test('leaves a field of the panel when the picture is pressed: keys move the camera again', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await page.locator('#tool-panel').click();
+    await page.getByRole('slider', { name: 'Exposure' }).focus();
+    await drag(page, [0.3, 0.5], [0.4, 0.5]);
+    const { yaw } = await page.evaluate(() => window.brume.camera);
+    await page.keyboard.press('ArrowLeft', { delay: 200 });
+    await until(page, 'an arrow key turns the camera', (brume, old) => brume.camera.yaw !== old, yaw);
+    await page.leave();
+  });
 });

@@ -109,7 +109,8 @@ export class Controls {
 
   private down(event: PointerEvent): void {
     event.preventDefault();
-    this.canvas.focus({ preventScroll: true });
+    // Keys go to the camera again, not to a field. Focusing the canvas instead would draw the keyboard's focus ring around it.
+    if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
     this.canvas.setPointerCapture(event.pointerId);
     this.host.touched();
     const { clientX: x, clientY: y } = event;
