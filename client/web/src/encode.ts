@@ -1,4 +1,4 @@
-// Messages to the server. One WebSocket message is one size-prefixed FlatBuffer.
+// Encodes messages to the server. One WebSocket message is one size-prefixed FlatBuffer.
 import { Builder } from 'flatbuffers';
 import { Ack } from './wire/brume/wire/ack';
 import { Body } from './wire/brume/wire/body';

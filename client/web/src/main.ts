@@ -1,4 +1,4 @@
-// The page: puts camera, connection, picture, panel and overlay together.
+// The page: connects camera, connection, picture, panel and overlay.
 import { fitAspect, lookAt, same } from './camera';
 import type { Camera } from './camera';
 import { Connection, socketAddress } from './connection';
@@ -26,14 +26,14 @@ import { Statistics } from './statistics';
 import { Viewing } from './viewing';
 import { Visibility } from './visibility';
 
-// A still camera sends its pose again this often, so that the latency shown stays true.
+// A still camera sends its pose again this often: the latency shown is then never older.
 const POSE_REFRESH_MS = 500;
 const OVERLAY_MS = 250;
 const RESIZE_SETTLE_MS = 150;
-const ERROR_FULL = 5; // shown as a state, not as a note
+const ERROR_FULL = 5; // ErrorCode.full; the connection's state shows it, no note does
 const CLIENT = 'brume-web 0.1.0';
 
-let arrived = cameraIn(location.hash); // from another server, with this camera
+let arrived = cameraIn(location.hash); // camera of a viewer that another server sent here
 const token = takeToken();
 if (arrived) history.replaceState(history.state, '', location.pathname + location.search);
 
@@ -49,7 +49,8 @@ let mode: Mode = 'orbit';
 let pushing = false;
 let linkState: LinkState['name'] = 'connecting';
 let movedAt: number | undefined; // ms, of the first input since the last pose that was sent
-// pose: the number of the first that said the same, `said`, to the server, which has float32: it draws what rests only once.
+// The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
+// pose with the same numbers, since the server draws a still picture only once.
 let sent: { camera: Camera; size: Size; at: number; pose: number; said: string } | undefined;
 let headset: Headset | undefined;
 const statistics = new Statistics();
@@ -92,7 +93,7 @@ const link = new Connection(socketAddress(token), {
 });
 
 function enter(greeting: Welcome): void {
-  // The same scene again: the viewer stays where they were.
+  // The camera starts at the scene's own; in the same scene it stays where it was.
   if (welcome?.scene !== greeting.scene) {
     home = fitAspect(lookAt(greeting.camera.position, greeting.camera.target), aspect());
     camera = arrived ?? home;
@@ -185,7 +186,7 @@ const host: ControlsHost = {
     cursor.style.transform = `translate(${x}px, ${y}px)`;
   },
 };
-// Pushes made while the connection is away are moot.
+// Pushes that are made without a connection are lost.
 const pusher = new Pusher((impulse) => void link.sendInput(impulse));
 const controls = new Controls(canvas, host, pusher);
 
@@ -223,7 +224,7 @@ const toggles = {
   },
 };
 
-// How many eyes look is part of the hello.
+// Chooses eyes and reprojection. The number of eyes is part of the hello, so a change of it connects again.
 function look(change: Partial<Pick<typeof settings, 'eyes' | 'reprojection'>>): void {
   const { eyes, reprojection } = { ...settings, ...change };
   const views = viewing.views;
@@ -337,7 +338,7 @@ function refreshOverlay(): void {
 let before = performance.now();
 function animate(now: number): void {
   requestAnimationFrame(animate);
-  if (headset) return; // its own display's frames do all of this
+  if (headset) return; // the headset's own animation frames do all of this
   picture.draw();
   controls.update(now, Math.min(0.1, Math.max(0, (now - before) / 1000)));
   before = now;

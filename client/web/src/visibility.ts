@@ -1,5 +1,5 @@
-// Whether the page counts as hidden: two seconds after it stopped being seen, and no longer from the moment it is seen again.
-const PATIENCE_MS = 2000; // a glance at another tab stops no pictures
+// Decides whether the page counts as hidden: once nobody has seen it for two seconds, until somebody sees it again.
+const PATIENCE_MS = 2000; // so that a look at another tab does not stop the pictures
 
 export class Visibility {
   hidden = false;
