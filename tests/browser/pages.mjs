@@ -74,7 +74,11 @@ export async function settled(page) {
 // Until it is the finer one that follows when neither the camera nor a paused medium moves.
 export async function rested(page) {
   await settled(page);
-  await until(page, 'the picture rests', (brume) => brume.lastFrame.quality >= 90 && brume.lastFrame.poseSeq >= brume.sentPose);
+  await until(
+    page,
+    'the picture rests',
+    (brume) => brume.lastFrame.quality >= 90 && brume.lastFrame.poseSeq >= brume.sentPose,
+  );
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))); // drawn, too
 }
 
@@ -84,10 +88,15 @@ export async function another(page, count = 1) {
   await until(page, 'pictures come', (brume, most) => brume.frames >= most, frames + count);
 }
 
-// Until the camera, which was at `before`, has moved and come to rest: the same in two animation frames.
+// Until the camera, which was at `before`, has moved and come to rest.
 export async function cameraRests(page, before) {
   await until(page, 'the camera moves', (brume, old) => JSON.stringify(brume.camera) !== old, JSON.stringify(before));
-  await page.evaluate(
+  await cameraStill(page);
+}
+
+// Until the camera is the same in two animation frames.
+export const cameraStill = (page) =>
+  page.evaluate(
     () =>
       new Promise((done) => {
         let last = '';
@@ -100,7 +109,6 @@ export async function cameraRests(page, before) {
         look();
       }),
   );
-}
 
 // Until nothing on the page fades or slides any more.
 export const faded = (page) =>

@@ -32,7 +32,13 @@ const hideable = `(() => {
 
 async function metrics(server) {
   const text = await (await fetch(`${server.url}/metrics`)).text();
-  const value = (name) => Number(text.split('\n').find((line) => line.startsWith(`${name} `))?.split(' ')[1]);
+  const value = (name) =>
+    Number(
+      text
+        .split('\n')
+        .find((line) => line.startsWith(`${name} `))
+        ?.split(' ')[1],
+    );
   return { rendered: value('brume_frames_total{fate="rendered"}'), ticks: value('brume_tick_seconds_count') };
 }
 
@@ -61,14 +67,16 @@ test('a hidden page costs the server nothing, and has pictures again when it is 
   t.after(() => delay.stop());
   const page = await openPage(t, browser, delay.url, { script: hideable });
   await connected(page);
-  for (const deadline = Date.now() + 30_000; (await windowOf(server)) < 4; ) assert.ok(Date.now() < deadline, 'a wide window');
+  for (const deadline = Date.now() + 30_000; (await windowOf(server)) < 4; )
+    assert.ok(Date.now() < deadline, 'a wide window');
   assert.ok((await renderedIn(server, 60)) > 0, 'the cloud moves');
   const viewer = await page.evaluate(() => window.brume.viewer);
 
   await page.evaluate(() => window.see(false));
   const hidden = performance.now();
   let rendered = Infinity;
-  for (const deadline = Date.now() + 30_000; rendered > 0 && Date.now() < deadline; ) rendered = await renderedIn(server, 60);
+  for (const deadline = Date.now() + 30_000; rendered > 0 && Date.now() < deadline; )
+    rendered = await renderedIn(server, 60);
   assert.equal(rendered, 0, 'frames in a second long after the page was hidden');
   t.diagnostic(`a second without a frame ended ${Math.round(performance.now() - hidden)} ms after the page was hidden`);
 
