@@ -1,5 +1,5 @@
 // Camera maths; uses nothing of the page. Metres, radians, right-handed, +Y up; a camera looks down its own -Z.
-// One state serves both ways of moving: orbiting turns about the point `distance` ahead, flying moves the camera itself.
+// Orbiting turns the camera about the point `distance` ahead, its pivot; flying moves the camera itself.
 import type { Quat, Vec3 } from './protocol';
 
 export interface Camera {

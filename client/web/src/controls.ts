@@ -14,7 +14,7 @@ export interface ControlsHost {
   readonly pushing: boolean; // true: the push button is on
   readonly mayPush: boolean; // true: this viewer's role allows pushes
   touched(): void; // the viewer has moved the camera or pressed the canvas
-  pushed(active: boolean, x: number, y: number): void; // `active`: a push is under way; x, y: its cursor, in CSS pixels
+  pushed(active: boolean, x: number, y: number): void; // active: a push is under way; x, y: CSS pixels
 }
 
 type Gesture = 'turn' | 'pan' | 'push';
@@ -110,7 +110,7 @@ export class Controls {
 
   private down(event: PointerEvent): void {
     event.preventDefault();
-    // Keys go to the camera again, not to a field. Focusing the canvas instead would draw the keyboard's focus ring around it.
+    // Keys go to the camera again, not to a field. Focusing the canvas would draw the keyboard's focus ring around it.
     if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
     this.canvas.setPointerCapture(event.pointerId);
     this.host.touched();

@@ -3,7 +3,7 @@
 import { clamp } from './camera';
 import type { Camera } from './camera';
 
-const SPAN_MS = 80; // length of the movement that is extrapolated: a longer one lags behind, a shorter one follows single events
+const SPAN_MS = 80; // of movement is extrapolated: more would lag behind, less would follow single events
 const LEAST_MS = 12;
 // Longest prediction: a hand changes its direction after that.
 const LONGEST_MS = 150;
