@@ -16,10 +16,10 @@ using client::nowUs;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr uint64_t kPoseEveryUs = 16'393;  // 61 Hz: a display's rate, but no run has the luck of one phase to the server's ticks
-constexpr uint64_t kLookEveryUs = 100'000; // for what does not happen: frames that do not come
-constexpr uint64_t kTryEveryUs = 250'000;  // of those who lost the server
-constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may show shaders being compiled
+constexpr uint64_t kPoseEveryUs = 16'393;  // 61 Hz, not 60: no phase to the server's ticks lasts for a whole run
+constexpr uint64_t kLookEveryUs = 100'000; // between two checks for viewers that get no frames
+constexpr uint64_t kTryEveryUs = 250'000;  // between two tries to connect of a viewer that lost the server
+constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may wait for shaders to be compiled
 
 milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1e3)); }
 
@@ -29,7 +29,7 @@ struct Crowd::Viewer {
     uint32_t number; // from 1
     client::Session session;
     Path path;
-    double phase; // of its way, in [0, 1)
+    double phase; // its start on the path, in [0, 1) of a round
     client::CameraPath camera;
     uint64_t next_pose_us = 0, heard_us = nowUs(), frames = 0;
     uint64_t lost_us = 0, next_try_us = 0; // from the end of its connection to the first frame of the next; else 0
@@ -94,7 +94,7 @@ Run Crowd::watch(double seconds) {
 void Crowd::step() {
     if (interrupt_.asked()) throw std::runtime_error("interrupted");
     uint64_t now = nowUs(), next = now + kLookEveryUs;
-    const Viewer *refused = nullptr, *awaited = nullptr; // one of those that were, or have no answer yet
+    const Viewer *refused = nullptr, *awaited = nullptr; // one that the server refused; one that waits for an answer
     const bool look = now >= next_look_us_;
     if (look) next_look_us_ = now + kLookEveryUs;
     for (const auto& viewer : viewers_) {
@@ -135,7 +135,7 @@ void Crowd::talk(Viewer& viewer, uint64_t now) const {
     Pose pose = viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period);
     if (viewer.path.stereo) pose.eye_separation = client::kEyeSeparation;
     if (const auto seq = viewer.session.sendPose(pose)) viewer.unanswered.push_back({*seq, now});
-    // 61 a second on average, but none to make up for a time in which this program did not run.
+    // 61 a second on average, without catching up on a time in which this program did not run.
     viewer.next_pose_us = std::max(viewer.next_pose_us + kPoseEveryUs, now + kPoseEveryUs / 2);
 }
 
@@ -154,11 +154,11 @@ void Crowd::listen(Viewer& viewer) {
 void Crowd::welcome(Viewer& viewer) {
     const client::Granted& granted = viewer.session.granted();
     viewer.camera = {client::PathKind::orbit, granted.position, granted.target, granted.fov_y};
-    if (viewer.path.kind == client::PathKind::still) // each at another place of the orbit
+    if (viewer.path.kind == client::PathKind::still) // each stands at another point of the orbit
         viewer.camera.position = viewer.camera.at(viewer.phase * client::kOrbitSeconds).position;
     viewer.camera.kind = viewer.path.kind;
     viewer.heard_us = nowUs();
-    viewer.next_pose_us = viewer.heard_us + uint64_t(viewer.phase * kPoseEveryUs); // not all in one moment
+    viewer.next_pose_us = viewer.heard_us + uint64_t(viewer.phase * kPoseEveryUs); // spread over the interval
 }
 
 void Crowd::take(Viewer& viewer, const client::Received& message) {

@@ -113,10 +113,10 @@ std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint
     return seq;
 }
 
-uint32_t Session::sendPush(const Push& push) {
-    const wire::Vec3 origin = toWire(push.origin), direction = toWire(push.direction), along = toWire(push.push);
+uint32_t Session::sendImpulse(const Impulse& impulse) {
+    const wire::Vec3 origin = toWire(impulse.origin), direction = toWire(impulse.direction), along = toWire(impulse.push);
     return sendCommand<wire::Impulse>(
-        [&](auto& b) { return wire::CreateImpulse(b, &origin, &direction, &along, push.strength); });
+        [&](auto& b) { return wire::CreateImpulse(b, &origin, &direction, &along, impulse.strength); });
 }
 
 uint32_t Session::sendPaused(bool paused) {

@@ -113,7 +113,7 @@ private:
             }
         }
         if (newest) show(session, *newest);
-        link_.mind(statistics_.lastError());
+        link_.check(statistics_.lastError());
     }
 
     void welcome(const Granted& granted) {
@@ -141,13 +141,13 @@ private:
             statistics_.roundTrip(session.roundTripMs());
             next_ping_us_ = now + kSecondUs;
         }
-        while (first_us_ > 0 && pushed_ < options_.pushes.size() &&
-               static_cast<double>(now - first_us_) >= options_.pushes[pushed_].seconds * 1e6)
-            send(session, options_.pushes[pushed_++].push);
+        while (first_us_ > 0 && impulses_sent_ < options_.impulses.size() &&
+               static_cast<double>(now - first_us_) >= options_.impulses[impulses_sent_].seconds * 1e6)
+            send(session, options_.impulses[impulses_sent_++].impulse);
         if (now >= next_push_us_) {
             const float seconds = static_cast<float>(now + kPushEveryUs - next_push_us_) * 1e-6f;
             next_push_us_ = now + kPushEveryUs;
-            if (const auto push = gestures_->takePush(seen_, seconds)) send(session, *push);
+            if (const auto impulse = gestures_->takeImpulse(seen_, seconds)) send(session, *impulse);
         }
         if (gestures_->pauseToggled()) {
             session.sendPaused(!paused_);
@@ -155,8 +155,8 @@ private:
         }
     }
 
-    void send(Session& session, const Push& push) {
-        session.sendPush(push);
+    void send(Session& session, const Impulse& impulse) {
+        session.sendImpulse(impulse);
         statistics_.inputSent();
     }
 
@@ -219,7 +219,7 @@ private:
     uint64_t tick_ = 0;
     uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, told_us_ = 0;
-    size_t pushed_ = 0;
+    size_t impulses_sent_ = 0;
 };
 
 } // namespace

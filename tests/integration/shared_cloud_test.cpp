@@ -106,8 +106,8 @@ TEST_F(SharedCloud, TwoEqualCamerasGetEqualBytes) {
 
     // And while everything moves, at equal ticks.
     const uint64_t moving = setPaused(a, false, {&b});
-    client::Push push{{0, 0, 26}, {0, 0, -1}, {3, 0, 0}, 1};
-    a.session.sendPush(push);
+    client::Impulse impulse{{0, 0, 26}, {0, 0, -1}, {3, 0, 0}, 1};
+    a.session.sendImpulse(impulse);
     ASSERT_TRUE(watch({&a, &b}, [&] { return commonTicks(a, b, moving).size() >= 3; }));
     for (const auto& [x, y] : commonTicks(a, b, moving)) EXPECT_EQ(x->jpegs, y->jpegs) << "at tick " << x->tick;
 
@@ -131,7 +131,7 @@ TEST_F(SharedCloud, AnImpulseOfOneIsSeenByAll) {
     ASSERT_EQ(a_before.state_hash, firstFrom(pusher, before)->state_hash);
 
     // Time stands still, so that only the impulse can change the state: the particles get their speed.
-    pusher.session.sendPush({{0, 0, 26}, {0, 0, -1}, {0, 0, 0}, 10});
+    pusher.session.sendImpulse({{0, 0, 26}, {0, 0, -1}, {0, 0, 0}, 10});
     const auto pushed = [&](const Watcher& w) { return !w.frames.empty() && w.last().state_hash != a_before.state_hash; };
     ASSERT_TRUE(watch(all, [&] { return pushed(pusher) && pushed(a) && pushed(b); }));
     EXPECT_EQ(a.last().state_hash, b.last().state_hash);
