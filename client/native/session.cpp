@@ -100,7 +100,7 @@ void Session::takeNote(const Received& message) {
 
 std::string Session::closedBecause() const { return refusal_.empty() ? connection_.closedBecause() : refusal_; }
 
-std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint16_t height) {
+std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint16_t height, bool hidden) {
     constexpr size_t enough_unsent = 4; // more would only grow old
     if (connection_.unsent() >= enough_unsent) return {};
     const uint32_t seq = ++pose_seq_;
@@ -108,7 +108,8 @@ std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint
     const glm::quat& q = pose.orientation;
     const wire::Quat orientation(q.x, q.y, q.z, q.w);
     sendMessage([&](auto& b) {
-        return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width, height);
+        return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width, height, nullptr,
+                                nullptr, hidden);
     });
     return seq;
 }

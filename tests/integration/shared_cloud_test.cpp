@@ -198,6 +198,22 @@ TEST_F(SharedCloud, TheNewestPoseWins) {
 }
 
 // A viewer that is behind is waited for; it holds up nobody else.
+TEST_F(SharedCloud, AHiddenWindowGetsNoFramesAndTheOthersGoOn) {
+    Watcher hidden(server()), other(server());
+    const std::vector<Watcher*> all{&hidden, &other};
+    const auto others = [&](size_t frames) { return watch(all, [&] { return other.frames.size() >= frames; }); };
+    hidden.look(fromFront());
+    other.look(fromSide());
+    ASSERT_TRUE(watch(all, [&] { return hidden.frames.size() >= 3; }));
+    ASSERT_TRUE(hidden.session.sendPose(fromFront(), 0, 0, true));
+    ASSERT_TRUE(others(other.frames.size() + 10)); // those that were on their way have come
+    const size_t before = hidden.frames.size();
+    ASSERT_TRUE(others(other.frames.size() + 30));
+    EXPECT_EQ(hidden.frames.size(), before);
+    const uint32_t pose = hidden.look(fromFront());
+    EXPECT_TRUE(watch(all, [&] { return hidden.last().pose_seq == pose; }));
+}
+
 TEST_F(SharedCloud, AViewerThatDoesNotAcknowledgeIsNotRenderedFor) {
     Watcher lazy(server()), keen(server());
     lazy.acknowledging = false;
