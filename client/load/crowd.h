@@ -43,7 +43,7 @@ private:
     void take(Viewer& viewer, const client::Received& message);
     void welcome(Viewer& viewer);
     void comeBack(Viewer& viewer, uint64_t now);
-    client::Session session(const Path& path);
+    client::Session session(const Path& path, const std::string& key = {});
     [[noreturn]] void fail(const Viewer& viewer, const std::string& why) const;
 
     const Options& options_;

@@ -27,8 +27,8 @@ uint64_t nowUs() {
 Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, std::string resume)
     : connection_(std::move(endpoint), timeout), wishes_(wishes), resume_(std::move(resume)) {}
 
-Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop)
-    : connection_(std::move(endpoint), timeout, loop), wishes_(wishes) {}
+Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop, std::string resume)
+    : connection_(std::move(endpoint), timeout, loop), wishes_(wishes), resume_(std::move(resume)) {}
 
 std::optional<Received> Session::next(std::chrono::milliseconds timeout) {
     const auto deadline = std::chrono::steady_clock::now() + timeout;

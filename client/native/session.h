@@ -72,7 +72,8 @@ public:
     // `resume` is Granted::resume of a connection that was lost, or empty.
     Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, std::string resume = {});
     // Likewise, in a loop that other sessions share (connection.h).
-    Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop);
+    Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop,
+            std::string resume = {});
 
     // The next message, or nothing when none comes in time. Sends the hello, answers pings, and reads welcome, errors
     // and goodbye for the functions below. Pings and pongs are not returned, all other messages are.
