@@ -1,4 +1,4 @@
-// What a run must keep: "fps>=15@16" says that with 16 viewers each gets 15 frames a second or more.
+// A bound on what a run measures: "fps>=15@16" holds if each of 16 viewers gets 15 frames a second or more.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,19 @@
 namespace brume::load {
 
 struct Budget {
-    std::string text; // as written
-    double (*of)(const Run&);
-    bool at_least; // else at most
+    std::string text;         // as the user wrote it
+    double (*of)(const Run&); // the measured value
+    bool at_least;            // true: >=, false: <=
     double bound;
-    std::optional<uint32_t> viewers; // of all runs when it names none
+    std::optional<uint32_t> viewers; // number of viewers of the runs that it bounds; none: of all runs
 };
 
-// METRIC>=VALUE or METRIC<=VALUE, then @VIEWERS or nothing. Throws std::invalid_argument: one line that says what is allowed.
+// Reads METRIC>=VALUE or METRIC<=VALUE, then @VIEWERS or nothing. Throws std::invalid_argument: one line that says
+// what is allowed.
 Budget parseBudget(const std::string& text);
 
-// One line when the run does not keep it, or when what it is about was not measured; empty otherwise, also when the budget is
-// about another number of viewers.
+// One line if the budget does not hold for this run or its value was not measured. Empty if it holds, or is about
+// another number of viewers.
 std::string broken(const Budget& budget, const Run& run);
 
 } // namespace brume::load

@@ -16,10 +16,10 @@ using client::nowUs;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr uint64_t kPoseEveryUs = 16'393;  // 61 Hz: a display's rate, but no run has the luck of one phase to the server's ticks
-constexpr uint64_t kLookEveryUs = 100'000; // for what does not happen: frames that do not come
-constexpr uint64_t kTryEveryUs = 250'000;  // of those who lost the server
-constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may show shaders being compiled
+constexpr uint64_t kPoseEveryUs = 16'393;  // 61 Hz, not 60: no phase to the server's ticks lasts for a whole run
+constexpr uint64_t kLookEveryUs = 100'000; // between two checks for viewers that get no frames
+constexpr uint64_t kTryEveryUs = 250'000;  // between two tries to connect of a viewer that lost the server
+constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may wait for shaders to be compiled
 
 milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1e3)); }
 
@@ -29,15 +29,12 @@ struct Crowd::Viewer {
     uint32_t number; // from 1
     client::Session session;
     Path path;
-    double phase; // of its way, in [0, 1)
+    double phase; // its start on the path, in [0, 1) of a round
     client::CameraPath camera;
     uint64_t next_pose_us = 0, heard_us = nowUs(), frames = 0;
     uint64_t lost_us = 0, next_try_us = 0; // from the end of its connection to the first frame of the next; else 0
-    struct Sent {
-        uint32_t seq;
-        uint64_t us;
-    };
-    std::deque<Sent> unanswered;
+    std::string key;                       // Granted::resume of the connection that was lost
+    std::deque<uint64_t> unanswered;       // times (nowUs()) at which poses were sent that no frame has answered yet
 };
 
 Crowd::Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt)
@@ -48,10 +45,10 @@ Crowd::Crowd(const Options& options, const client::Endpoint& server, uint32_t vi
     }
 }
 
-client::Session Crowd::session(const Path& path) {
+client::Session Crowd::session(const Path& path, const std::string& key) {
     client::Wishes wishes = options_.wishes;
     wishes.views = path.stereo ? 2 : 1;
-    return {server_, wishes, millis(options_.timeout), loop_};
+    return {server_, wishes, millis(options_.timeout), loop_, key};
 }
 
 Crowd::~Crowd() = default;
@@ -83,7 +80,7 @@ Run Crowd::watch(double seconds) {
     run.seconds = double(end - begin) * 1e-6;
     for (const auto& viewer : viewers_)
         if (!viewer->unanswered.empty())
-            run.oldest_unanswered_ms = std::max(run.oldest_unanswered_ms, double(end - viewer->unanswered.front().us) * 1e-3);
+            run.oldest_unanswered_ms = std::max(run.oldest_unanswered_ms, double(end - viewer->unanswered.front()) * 1e-3);
     if (const auto frames = double(run.allFrames()); frames > 0)
         for (double StageMeans::*mean : {&StageMeans::wait, &StageMeans::render, &StageMeans::gpu, &StageMeans::encode,
                                          &StageMeans::queue, &StageMeans::decode})
@@ -94,7 +91,7 @@ Run Crowd::watch(double seconds) {
 void Crowd::step() {
     if (interrupt_.asked()) throw std::runtime_error("interrupted");
     uint64_t now = nowUs(), next = now + kLookEveryUs;
-    const Viewer *refused = nullptr, *awaited = nullptr; // one of those that were, or have no answer yet
+    const Viewer *refused = nullptr, *awaited = nullptr; // one that the server refused; one that waits for an answer
     const bool look = now >= next_look_us_;
     if (look) next_look_us_ = now + kLookEveryUs;
     for (const auto& viewer : viewers_) {
@@ -118,11 +115,12 @@ void Crowd::step() {
 }
 
 void Crowd::comeBack(Viewer& viewer, uint64_t now) {
+    if (viewer.session.welcomed()) viewer.key = viewer.session.granted().resume;
     if (viewer.lost_us == 0) {
         viewer.lost_us = now;
         viewer.unanswered.clear();
     } else if (now >= viewer.next_try_us) {
-        viewer.session = session(viewer.path);
+        viewer.session = session(viewer.path, viewer.key);
     } else {
         return;
     }
@@ -134,8 +132,8 @@ void Crowd::talk(Viewer& viewer, uint64_t now) const {
     const double period = viewer.path.kind == client::PathKind::fly ? client::kFlySeconds : client::kOrbitSeconds;
     Pose pose = viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period);
     if (viewer.path.stereo) pose.eye_separation = client::kEyeSeparation;
-    if (const auto seq = viewer.session.sendPose(pose)) viewer.unanswered.push_back({*seq, now});
-    // 61 a second on average, but none to make up for a time in which this program did not run.
+    if (viewer.session.sendPose(pose)) viewer.unanswered.push_back(now);
+    // 61 a second on average, without catching up on a time in which this program did not run.
     viewer.next_pose_us = std::max(viewer.next_pose_us + kPoseEveryUs, now + kPoseEveryUs / 2);
 }
 
@@ -154,11 +152,11 @@ void Crowd::listen(Viewer& viewer) {
 void Crowd::welcome(Viewer& viewer) {
     const client::Granted& granted = viewer.session.granted();
     viewer.camera = {client::PathKind::orbit, granted.position, granted.target, granted.fov_y};
-    if (viewer.path.kind == client::PathKind::still) // each at another place of the orbit
+    if (viewer.path.kind == client::PathKind::still) // each stands at another point of the orbit
         viewer.camera.position = viewer.camera.at(viewer.phase * client::kOrbitSeconds).position;
     viewer.camera.kind = viewer.path.kind;
     viewer.heard_us = nowUs();
-    viewer.next_pose_us = viewer.heard_us + uint64_t(viewer.phase * kPoseEveryUs); // not all in one moment
+    viewer.next_pose_us = viewer.heard_us + uint64_t(viewer.phase * kPoseEveryUs); // spread over the interval
 }
 
 void Crowd::take(Viewer& viewer, const client::Received& message) {
@@ -174,9 +172,10 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
     ++viewer.frames;
     if (viewer.lost_us != 0 && run_) run_->returns.push_back({viewer.lost_us, shown});
     viewer.lost_us = 0;
-    // Serial numbers that wrap around: this frame answers all poses up to its own.
-    while (!viewer.unanswered.empty() && int32_t(frame.pose_seq() - viewer.unanswered.front().seq) >= 0) {
-        if (run_) run_->latencies_ms.push_back(float(shown - viewer.unanswered.front().us) * 1e-3f);
+    // The frame answers all poses up to its own, by the time in it: numbers begin anew with a connection, and the
+    // first frames of a viewer that came back show a pose of the connection before.
+    while (!viewer.unanswered.empty() && frame.client_time_us() >= viewer.unanswered.front()) {
+        if (run_) run_->latencies_ms.push_back(float(shown - viewer.unanswered.front()) * 1e-3f);
         viewer.unanswered.pop_front();
     }
     if (!run_) return;

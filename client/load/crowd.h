@@ -1,4 +1,5 @@
-// Many viewers of one server in one thread, each with a camera of its own: poses at 61 Hz, every frame acknowledged at once.
+// Many viewers of one server in one thread. Each has its own camera, sends 61 poses a second and acknowledges each
+// frame at once.
 #pragma once
 
 #include <chrono>
@@ -17,17 +18,17 @@ namespace brume::load {
 // Every failure throws std::runtime_error: one line.
 class Crowd {
 public:
-    // `options` and `interrupt` outlive it.
+    // `options` and `interrupt` must outlive it.
     Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt);
     ~Crowd();
 
-    // Until every viewer is welcomed, has had a few frames, and the warm-up is over. Returns how long that took, in seconds.
+    // Runs until every viewer has had a few frames and the warm-up is over. Returns how long that took, in seconds.
     double enter();
-    // Does `work` in another thread and moves everybody on meanwhile: nobody waits for it. What it throws is thrown here.
+    // Runs `work` in another thread and serves the viewers meanwhile. Throws what `work` throws.
     void during(const std::function<void()>& work);
-    // Watches for so long and counts. Precondition: enter() has returned.
+    // Serves the viewers for so long and counts what they get. Precondition: enter() has returned.
     Run watch(double seconds);
-    // Says goodbye.
+    // Sends every viewer's goodbye.
     void leave();
 
     const client::Granted& granted() const; // of the first viewer
@@ -35,14 +36,14 @@ public:
 private:
     struct Viewer;
 
-    // Moves everybody on, once.
+    // Serves every viewer once, then waits for the sockets or the next pose.
     void step();
     void talk(Viewer& viewer, uint64_t now) const;
     void listen(Viewer& viewer);
     void take(Viewer& viewer, const client::Received& message);
     void welcome(Viewer& viewer);
     void comeBack(Viewer& viewer, uint64_t now);
-    client::Session session(const Path& path);
+    client::Session session(const Path& path, const std::string& key = {});
     [[noreturn]] void fail(const Viewer& viewer, const std::string& why) const;
 
     const Options& options_;
@@ -53,8 +54,8 @@ private:
     client::JpegDecoder decoder_;
     client::Picture picture_;
     uint64_t next_look_us_ = 0;
-    uint64_t start_us_ = 0; // of the cameras' ways
-    Run* run_ = nullptr;    // where to count, while it counts
+    uint64_t start_us_ = 0; // start of the cameras' paths
+    Run* run_ = nullptr;    // the counts of watch(), while it runs; otherwise null
 };
 
 } // namespace brume::load

@@ -1,4 +1,4 @@
-// brume-load: many viewers of one brume server, and what each gets and costs. Front door: ./dev load.
+// brume-load: many viewers of one brume server; measures what each gets and costs. ./dev load builds and runs it.
 #include <cmath>
 #include <cstdlib>
 #include <exception>

@@ -1,4 +1,4 @@
-// What the user asked for on the command line, checked.
+// The options of the command line, checked.
 #pragma once
 
 #include <cstdint>
@@ -16,28 +16,28 @@ namespace brume::load {
 
 inline constexpr uint32_t kMostViewers = 256;
 
-// Where a viewer goes and with how many eyes.
+// How a viewer's camera moves, and with how many eyes.
 struct Path {
     client::PathKind kind = client::PathKind::orbit;
-    bool stereo = false;
+    bool stereo = false; // true: two eyes
 };
 
 struct Options {
-    std::vector<uint32_t> viewers{1, 2, 4, 8, 16, 32}; // of one run each
-    double seconds = 10, warm_up = 2;                  // of each run
-    double timeout = 30;                               // s without a frame, or for connecting
-    std::vector<Path> paths{Path{}};                   // viewers take them in turn
+    std::vector<uint32_t> viewers{1, 2, 4, 8, 16, 32}; // numbers of viewers; one run for each
+    double seconds = 10, warm_up = 2;                  // lengths of each run and of the time before it
+    double timeout = 30;                               // s without a frame, or for connecting, until it gives up
+    std::vector<Path> paths{Path{}};                   // given to the viewers in turn
     client::Wishes wishes;
-    bool decode = false;
-    bool reconnect = false;                    // viewers whose connection ends come back
-    std::optional<client::Endpoint> server;    // one that runs already; else one is started:
-    std::vector<std::string> server_arguments; // of the started one
-    std::filesystem::path out;                 // empty: write nothing
+    bool decode = false;                       // true: the pictures are decoded too
+    bool reconnect = false;                    // true: a viewer whose connection ends connects again
+    std::optional<client::Endpoint> server;    // a running server; none: one is started
+    std::vector<std::string> server_arguments; // of the server that is started
+    std::filesystem::path out;                 // folder for the results; empty: nothing is written
     std::vector<Budget> budgets;
 };
 
-// Nothing when the program is done: `exit_code` is set and what there was to say is printed (help, version, or one line
-// on what is wrong).
+// Nothing if the program is to end: then `exit_code` is set and the text is printed (help, version, or one line that
+// says what is wrong).
 std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code);
 
 } // namespace brume::load

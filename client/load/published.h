@@ -1,4 +1,4 @@
-// Costs against the number of viewers that others have published.
+// Published costs of rendering for several viewers, to compare with.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ inline constexpr Published kPublished[] = {
     {"shared grid, Trash God 0.333 m", {3.64, 5.91, 8.27, 12.88, 15.63, 18.57, 23.70, 30.49}},
 };
 
-// Cost of each viewer of so many, over the cost of a viewer who is alone; nothing when they did not measure that number.
+// Cost of one of `viewers` viewers over the cost of a single viewer; nothing if that number was not published.
 constexpr std::optional<double> perViewer(const Published& published, unsigned viewers) {
     for (size_t i = 0; i < kPublishedViewers.size(); ++i)
         if (kPublishedViewers[i] == viewers) return published.ms[i] / (viewers * published.ms[0]);

@@ -1,4 +1,4 @@
-// What was measured, for programs, for people and for the eye.
+// Writes what was measured: as JSON, as Markdown and as a plot.
 #pragma once
 
 #include <array>
@@ -13,26 +13,28 @@
 namespace brume::load {
 
 struct Report {
-    std::string server, scene, device; // as the server says
-    uint16_t width = 0, height = 0;    // granted
+    std::string server, scene, device; // from the server's welcome
+    uint16_t width = 0, height = 0;    // of one eye, as the server granted
     std::string machine;               // cores and load average before the first run
     std::vector<Run> runs;
-    std::vector<std::string> broken; // budgets, one line each
+    std::vector<std::string> broken; // one line for each budget that does not hold
 };
 
-// The line of one run, and the lines above it: a Markdown table.
+// A Markdown table: its head, and the line of one run.
 std::string tableHead();
 std::string tableLine(const Run& run);
 
-// All of it in Markdown, with what else is known of costs against viewers when there is a run of one viewer.
+// The whole report in Markdown. With a run of one viewer it compares costs per viewer with published ones
+// (published.h).
 std::string markdown(const Report& report, const Options& options);
 nlohmann::json json(const Report& report, const Options& options);
 // Cost of a viewer against the number of viewers, both logarithmic; an SVG.
 std::string plot(const Report& report);
 
-// Makes the folder and proves that it can be written to; nothing for an empty path. Throws std::runtime_error, one line.
+// Creates the folder and checks that it can be written to; does nothing for an empty path. Throws std::runtime_error,
+// one line.
 void prepareFolder(const std::filesystem::path& folder);
-// load.json, load.md, load.svg. Throws std::runtime_error, one line.
+// Writes load.json, load.md and load.svg. Throws std::runtime_error, one line.
 void write(const Report& report, const Options& options);
 
 } // namespace brume::load

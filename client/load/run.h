@@ -1,4 +1,4 @@
-// What was measured with one number of viewers.
+// What one run measured: a number of viewers over a time.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,16 @@
 
 namespace brume::load {
 
-// Of the server, over the time of a run unless it says otherwise; NaN for what it does not export.
+// What the server spent in a run; NaN for what it does not export. "At the end" marks values that are not sums over
+// the run.
 struct ServerCost {
     double cpu_s = 0;                   // all threads
-    double shared_s = 0, views_s = 0;   // of the device: passes once for all viewers, passes of each view
+    double shared_s = 0, views_s = 0;   // device time: passes made once for all viewers, passes of each view
     double batches = 0, rendered = 0;   // submissions to the device, frames
     double superseded = 0;              // frames that a newer one replaced before they were sent
-    double memory_bytes = 0;            // resident, at the end
+    double memory_bytes = 0;            // resident memory, at the end
     double plan_error = 0, relaxed = 0; // at the end: the plan's relative RMSE, and steps of accuracy given up under overload
-    std::map<std::string, double> passes_ms; // at the end: each pass, smoothed
+    std::map<std::string, double> passes_ms; // at the end: device time of each pass, smoothed
 };
 
 // Milliseconds of a frame in each stage (wire::Stages), and of its decoding here; means over the frames of a run.
@@ -24,33 +25,33 @@ struct StageMeans {
     double wait = 0, render = 0, gpu = 0, encode = 0, queue = 0, decode = 0;
 };
 
-// A viewer that lost the server and came back, on the clock of client::nowUs().
+// A viewer that lost its connection and came back. Times are of client::nowUs().
 struct Return {
-    uint64_t lost_us = 0, back_us = 0; // its connection ended; the first frame of the next
+    uint64_t lost_us = 0, back_us = 0; // end of the lost connection; first frame of the next one
 };
 
 struct Run {
     uint32_t viewers = 0;
     double seconds = 0, warm_up_s = 0;
-    std::vector<uint64_t> frames;    // per viewer
+    std::vector<uint64_t> frames;    // number of frames of each viewer
     uint64_t bytes = 0;              // of all frame messages
-    std::vector<float> latencies_ms; // of all viewers: pose sent -> the first frame of that pose or a later one
-    std::vector<float> ages_ms;      // of all frames: the pose that it shows sent -> the frame got
+    std::vector<float> latencies_ms; // of all poses: from sending it to the first frame of it or of a later pose
+    std::vector<float> ages_ms;      // of all frames: from sending the pose that it shows to receiving it
     std::vector<Return> returns;
-    double oldest_unanswered_ms = 0; // at the end: the pose that has waited the longest
+    double oldest_unanswered_ms = 0; // at the end: how long the oldest pose without a frame has waited
     StageMeans stages;
-    uint64_t errors = 0; // that the server told
+    uint64_t errors = 0; // wire::Error messages
     std::string first_error;
     ServerCost server;
-    double own_cpu_s = 0;      // of this program
-    double machine_busy_s = 0; // of all cores, everything that runs included; NaN when unknown
+    double own_cpu_s = 0;      // processor time of this program
+    double machine_busy_s = 0; // processor time of all that runs on the machine, on all cores; NaN if unknown
 
     uint64_t allFrames() const;
-    double leastFps() const; // of the slowest viewer; so on
+    double leastFps() const; // frames a second of the slowest viewer
     double medianFps() const;
-    double mostFps() const;
-    double latencyMs(double fraction) const; // nearest rank; NaN without a sample
-    double ageMs(double fraction) const;     // so on; 1 is the oldest
+    double mostFps() const;                  // of the fastest viewer
+    double latencyMs(double fraction) const; // percentile of latencies_ms, nearest rank; NaN without a sample
+    double ageMs(double fraction) const;     // likewise of ages_ms; 1 is the oldest
     double cpuMsPerFrame() const { return 1e3 * server.cpu_s / server.rendered; }
     double deviceMsPerFrame() const { return 1e3 * (server.shared_s + server.views_s) / server.rendered; }
 };

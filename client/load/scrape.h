@@ -1,4 +1,4 @@
-// What a server says of itself: its /metrics, read.
+// Reads a server's /metrics.
 #pragma once
 
 #include <chrono>
@@ -10,12 +10,12 @@
 
 namespace brume::load {
 
-// Values by time series, written as in the text: brume_frames_total{fate="sent"}. Prometheus' exposition format, version 0.0.4:
-// lines that are not a name and a number are passed over.
+// Values by the name of their time series as it stands in the text: brume_frames_total{fate="sent"}. The text is in
+// Prometheus' exposition format, version 0.0.4; lines without a name and a number are left out.
 using Series = std::map<std::string, double, std::less<>>;
 Series parseSeries(std::string_view text);
 
-// Throws std::runtime_error, one line, when there is no such answer in time.
+// Asks the server. Throws std::runtime_error, one line, if no good answer comes in time.
 Series scrape(const client::Endpoint& server, std::chrono::milliseconds timeout);
 
 } // namespace brume::load

@@ -1,4 +1,4 @@
-// The server under load: one that runs already, or one that is started for the occasion and stopped after it.
+// The server under load: one that runs already, or one that is started here and stopped at the end.
 #pragma once
 
 #include <memory>
@@ -12,15 +12,15 @@ namespace brume::load {
 
 class Server {
 public:
-    // Starts the server when the options name none, and waits until it listens. Throws std::runtime_error, one line with the
-    // server's own last words, when it does not.
+    // Starts a server if the options name none, and waits until it listens. Throws std::runtime_error, one line with
+    // the server's last output, if it does not listen.
     explicit Server(const Options& options);
-    ~Server(); // stops it if it was started here
+    ~Server(); // stops a server that was started here
 
     const client::Endpoint& endpoint() const { return endpoint_; }
-    // Its counters as they are. Throws std::runtime_error, one line.
+    // The present values of its counters. Throws std::runtime_error, one line.
     Series counters() const;
-    // How the server that was started here ended, in one line; empty while it runs, or when it was not.
+    // How a server that was started here ended, in one line; empty while it runs, or if it was not started here.
     std::string ended();
 
 private:
@@ -28,7 +28,7 @@ private:
     client::Endpoint endpoint_;
 };
 
-// What a run cost the server, by its counters before and after.
+// What a run cost the server, from its counters before and after the run.
 ServerCost costBetween(const Series& before, const Series& after);
 
 } // namespace brume::load

@@ -1,4 +1,4 @@
-// Cameras that move by themselves, and the ray under a cursor.
+// Cameras that move along a path, and the ray through a cursor.
 #pragma once
 
 #include <optional>
@@ -8,17 +8,17 @@
 
 namespace brume::client {
 
-inline constexpr double kOrbitSeconds = 20, kFlySeconds = 40; // once around
+inline constexpr double kOrbitSeconds = 20, kFlySeconds = 40; // one round of the path
 
 enum class PathKind {
     still,
-    orbit, // around the target, at the start's height
-    fly,   // a figure eight through the target, looking ahead
+    orbit, // a circle around the target, at the height of the start
+    fly,   // a figure eight through the target, looking along the path
 };
 
 struct CameraPath {
     PathKind kind = PathKind::still;
-    glm::vec3 position{0, 2, 26}, target{0}; // m; where it starts and what it is about; the two differ
+    glm::vec3 position{0, 2, 26}, target{0}; // m; the start, and what it moves about; never equal
     float fov_y = 0.8f;
 
     // A pure function of the time since the start, in seconds.

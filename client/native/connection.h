@@ -1,4 +1,5 @@
-// One WebSocket to a server: whole binary messages in and out, nothing known of what they mean. One thread, no callbacks.
+// One WebSocket to a server: sends and receives whole binary messages, whatever they mean. For one thread; no
+// callbacks.
 #pragma once
 
 #include <chrono>
@@ -15,11 +16,11 @@ namespace brume::client {
 
 using Bytes = std::vector<uint8_t>;
 
-// What works on sockets. Connections may share one, so that a single thread waits for all of them.
+// An event loop of sockets. Connections may share one, so that a single thread waits for all of them.
 class Loop {
 public:
     Loop();
-    // Works on all sockets until one of them has moved or the time is over; at once when none is open.
+    // Runs the sockets until one has an event or the time is over; returns at once when none is open.
     void wait(std::chrono::microseconds timeout);
 
 private:
@@ -32,11 +33,12 @@ class Connection {
 public:
     enum class State { connecting, open, closed };
 
-    // Starts to connect; receive() drives it. Resolving, connecting and the handshake get `timeout` each.
+    // Starts to connect; receive() runs it. Resolving, connecting and the handshake get `timeout` each.
     Connection(Endpoint endpoint, std::chrono::milliseconds timeout);
-    // The same in a loop that others share: its wait() drives it too, and receive() with a timeout of 0 only looks.
+    // Likewise, in a loop that others share: Loop::wait() runs it too, and receive() with a timeout of 0 does not
+    // wait.
     Connection(Endpoint endpoint, std::chrono::milliseconds timeout, const Loop& loop);
-    ~Connection(); // drops the socket: close() first to part politely
+    ~Connection(); // drops the socket without a closing handshake; close() makes one
     Connection(Connection&&) noexcept;
     Connection& operator=(Connection&&) noexcept;
 
@@ -44,10 +46,11 @@ public:
     State state() const;
     // Why it is closed, in one line; empty before.
     const std::string& closedBecause() const;
-    // It is closed for what another try will not change: a token, a certificate, the protocol's version.
+    // True if it closed for a reason that another try will not change: the token, the certificate, the protocol's
+    // version.
     bool refused() const;
 
-    // Works on the socket until a message is there, the state changes or the time is over.
+    // Runs the socket until a message has come, the state changes or the time is over. Nothing without a message.
     std::optional<Bytes> receive(std::chrono::milliseconds timeout);
 
     // Queues a message; ignored unless open. A server that reads nothing closes the connection after kMaxUnsent messages.
@@ -57,7 +60,7 @@ public:
 
     // Sends what is queued and the closing handshake, waiting for the server's at most `deadline`.
     void close(std::chrono::milliseconds deadline);
-    // Resets the TCP connection without a goodbye, as a machine does that loses power.
+    // Resets the TCP connection without a goodbye: to the server, a machine that lost its power.
     void vanish();
 
     static constexpr size_t kMaxUnsent = 4096;
@@ -65,9 +68,9 @@ public:
 
 private:
     struct Socket;
-    std::shared_ptr<Loop::Io> io_; // before the socket, which lives in it
+    std::shared_ptr<Loop::Io> io_; // declared before the socket, which must be destroyed first
     std::shared_ptr<Socket> socket_;
-    bool shared_ = false;
+    bool shared_ = false; // true: other connections use the loop too
 };
 
 } // namespace brume::client

@@ -1,4 +1,4 @@
-// A camera under a user's hand: around a target, or flying freely. Knows nothing of mice and keys.
+// A camera that a user moves: around a target, or flying freely. Mouse and keys are gestures.h's.
 #pragma once
 
 #include "common/camera.h"
@@ -10,17 +10,20 @@ public:
     Controls(glm::vec3 position, glm::vec3 target, float fov_y);
 
     bool flying() const { return flying_; }
-    // The picture stays where it is; from flying, the target becomes the point ahead at the distance that it had.
+    // Changes between orbiting and flying without moving the camera. After flying, the target is the point ahead of
+    // the camera at the distance that it had before.
     void toggleFly();
 
-    // Turns by radians to the right and up: the camera around the target, or the look when flying.
+    // Turns by radians, to the right and up: orbiting, the camera moves around the target; flying, it turns on the
+    // spot.
     void turn(float yaw, float pitch);
-    // Wheel steps: nearer for positive ones, 10 % each; when flying, the speed instead.
+    // Wheel steps of 10 % each; positive: orbiting, nearer to the target; flying, faster.
     void wheel(float steps);
-    // Moves by view-space directions in [-1, 1] (right, up, ahead) for a time; the target moves along when orbiting.
+    // Moves for a time at speed() times a direction in view space (right, up, ahead; each in [-1, 1]). Orbiting moves
+    // the target too.
     void move(glm::vec3 direction, float seconds);
 
-    // Stands and looks as this pose does (without its roll).
+    // Takes the position and view direction of this pose; its roll is left out.
     void standAt(const Pose& pose);
 
     Pose pose() const;

@@ -1,4 +1,4 @@
-// A window that shows pictures. The only part besides window.cpp that sees SDL.
+// A window that shows pictures. SDL is used here, in gestures.cpp and in window.cpp only.
 #pragma once
 
 #include <cstdint>
@@ -14,27 +14,29 @@ namespace brume::client {
 
 class Display {
 public:
-    // Pixels of the drawing area. Throws std::runtime_error, one line, when there is no display.
+    // `width` and `height` are pixels of the drawing area. Throws std::runtime_error, one line, when there is no
+    // display.
     Display(const std::string& title, int width, int height);
     ~Display();
     Display(const Display&) = delete;
     Display& operator=(const Display&) = delete;
 
     void setTitle(const std::string& title);
-    // Of the drawing area, now.
+    // Pixels of the drawing area now.
     int width() const;
     int height() const;
 
-    // Gives `fill` the memory of a picture of this size (4 bytes a pixel: B, G, R, unused; rows `pitch` bytes apart), all of
-    // which it writes; false from `fill` leaves the display as it is. Throws std::runtime_error when the device refuses.
+    // Replaces the picture. `fill` writes all its pixels: 4 bytes each (B, G, R, unused), rows `pitch` bytes apart.
+    // Nothing is replaced if `fill` returns false. Returns what `fill` returns. Throws std::runtime_error if the
+    // device fails.
     bool update(int width, int height, const std::function<bool(uint8_t* pixels, int pitch)>& fill);
-    // Shows the newest picture, centred and as large as its shape allows.
+    // Draws the newest picture, centred and as large as fits in its own shape.
     void present();
-    // Where a point of the window lies in the picture, both in [0, 1] from the left and the top.
+    // Where a pixel of the window lies in the picture: from the left and from the top, each clamped to [0, 1].
     std::pair<float, float> inPicture(int x, int y) const;
 
 private:
-    struct Place {
+    struct Place { // the picture's rectangle in the drawing area, in pixels
         int x, y, w, h;
     };
     Place place() const;

@@ -1,4 +1,4 @@
-// Where a server is, as a user writes it.
+// The address of a server, as a user writes it.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,22 @@ struct Endpoint {
     uint16_t port = 8080;
     std::string path = "/ws";
     bool tls = false;
-    std::string token; // what lets us in; empty: none
-    std::string ca;    // PEM file of who vouches for the server; empty: whom the system trusts
+    std::string token; // proves to the server who we are (docs/security.md); empty: none
+    std::string ca;    // PEM file of the certificates that may sign the server's; empty: those that the system trusts
 
     std::string url() const; // ws://host:port/path or wss://..., without the token
 };
 
-// "ws://host", "ws://host:port" or "ws://[address]:port/path"; so with wss. Throws std::invalid_argument: one line that says what
-// is allowed.
+// Reads "ws://host", "ws://host:port" or "ws://[address]:port/path", or the same with wss. Throws
+// std::invalid_argument: one line that says what is allowed.
 Endpoint parseUrl(std::string_view url);
 
-// The server that a goodbye's `go_to` names, by the URL of its socket (ws, wss) or of the page beside it (http, https); without a
-// port 80 or 443, as in a browser. Nothing for any other text.
+// The server that a goodbye's `go_to` names: the URL of its socket (ws, wss), or of the page beside the socket (http,
+// https). Without a port it is 80 or 443, as in a browser. Nothing for any other text.
 std::optional<Endpoint> parseGoTo(std::string_view url);
 
-// The token in a file, or without one in BRUME_TOKEN; empty when there is neither. Space around it is not part of it. Throws
-// std::invalid_argument, one line, when the file cannot be read or holds something else.
+// The token in this file, or in the environment's BRUME_TOKEN if `file` is empty; empty if neither exists. Spaces
+// around it are removed. Throws std::invalid_argument, one line, if the file cannot be read or holds something else.
 std::string readToken(const std::string& file);
 
 } // namespace brume::client

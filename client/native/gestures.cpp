@@ -77,7 +77,7 @@ void Gestures::passTime(float seconds) {
 
 bool Gestures::pauseToggled() { return std::exchange(pause_toggled_, false); }
 
-std::optional<Push> Gestures::takePush(const Pose& seen, float seconds) {
+std::optional<Impulse> Gestures::takeImpulse(const Pose& seen, float seconds) {
     if (!cursor_) return {};
     const PushCursor cursor = *cursor_;
     cursor_->dx = cursor_->dy = 0;
@@ -87,10 +87,10 @@ std::optional<Push> Gestures::takePush(const Pose& seen, float seconds) {
     if (moved > 0) {
         const float metres = moved * 2 * std::tan(0.5f * seen.fov_y) * controls_.distance();
         const float speed = std::min(metres / std::max(seconds, 1e-3f), kMaxPushSpeed);
-        return Push{ray.origin, ray.direction, seen.orientation * (glm::vec3(cursor.dx, -cursor.dy, 0) * (speed / moved)),
-                    kDragStrength};
+        return Impulse{ray.origin, ray.direction, seen.orientation * (glm::vec3(cursor.dx, -cursor.dy, 0) * (speed / moved)),
+                       kDragStrength};
     }
-    if (cursor.released && !cursor.dragged) return Push{ray.origin, ray.direction, glm::vec3(0), 1};
+    if (cursor.released && !cursor.dragged) return Impulse{ray.origin, ray.direction, glm::vec3(0), 1};
     return {};
 }
 

@@ -1,4 +1,4 @@
-// What a user does with mouse and keyboard in the window, turned into camera moves and pushes.
+// Turns mouse and keyboard events of the window into camera moves and impulses.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,12 @@ union SDL_Event;
 
 namespace brume::client {
 
-// Where and how a push is asked for.
+// The cursor while the user pushes the cloud with it.
 struct PushCursor {
-    float x = 0, y = 0, aspect = 1; // in the picture of one eye
-    float dx = 0, dy = 0;           // heights of the picture, right and down, since the last push was taken
-    bool dragged = false;           // ever
-    bool released = false;          // the last push is to be taken
+    float x = 0, y = 0, aspect = 1; // x, y in [0, 1] of one eye's picture, and that picture's width / height
+    float dx = 0, dy = 0;           // way since the last takeImpulse(), right and down, in heights of the picture
+    bool dragged = false;           // true: the cursor has moved since it was pressed
+    bool released = false;          // true: the button is up; the next takeImpulse() is the last
 };
 
 class Gestures {
@@ -25,24 +25,24 @@ public:
     Gestures(const CameraPath& camera, uint8_t views) : controls_(camera.position, camera.target, camera.fov_y), views_(views) {}
 
     void handle(const SDL_Event& event, const Display& display);
-    // Moves by the keys that are down.
+    // Moves the camera by the keys that are down.
     void passTime(float seconds);
 
-    bool touched() const { return touched_; } // from the first camera move on: a path given at the start ends
-    bool pauseToggled();                      // true once for each Space
+    bool touched() const { return touched_; } // true once the user has moved the camera, which ends a path
+    bool pauseToggled();                      // true once for each press of Space
     Pose pose() const { return controls_.pose(); }
-    void standAt(const Pose& pose) { controls_.standAt(pose); } // where a path has come to
+    void standAt(const Pose& pose) { controls_.standAt(pose); }
 
-    // The push that Ctrl with a drag or a click asks for, taken once: along the hand as fast as it moves at the target's
-    // distance, or for a click away from the ray. `seen` is the pose of the picture that the user pushes in; `seconds` is the
-    // time since this was last called.
-    std::optional<Push> takePush(const Pose& seen, float seconds);
+    // The impulse that the user asks for with Ctrl; each is returned once. A drag pushes with the cursor's own speed,
+    // at the distance of the target; a click pushes away from the ray. `seen` is the pose of the picture under the
+    // cursor, `seconds` the time since the last call.
+    std::optional<Impulse> takeImpulse(const Pose& seen, float seconds);
 
 private:
     Controls controls_;
     uint8_t views_;
     bool touched_ = false, pause_toggled_ = false;
-    std::optional<PushCursor> cursor_; // while pushing
+    std::optional<PushCursor> cursor_; // set while the user pushes
 };
 
 } // namespace brume::client

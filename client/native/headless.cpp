@@ -51,7 +51,7 @@ private:
             if (session->welcomed()) talk(*session, nowUs());
             const auto message = session->next(milliseconds(session->welcomed() ? 5 : 50));
             if (!message)
-                link_.mind(statistics_.lastError());
+                link_.check(statistics_.lastError());
             else if (message->as<wire::Frame>())
                 take(*session, *message);
             else if (message->as<wire::Welcome>())
@@ -87,9 +87,9 @@ private:
             session.sendPing();
             next_ping_us_ = now + kPingEveryUs;
         }
-        while (first_us_ > 0 && pushed_ < options_.pushes.size() &&
-               static_cast<double>(now - first_us_) >= options_.pushes[pushed_].seconds * 1e6) {
-            session.sendPush(options_.pushes[pushed_++].push);
+        while (first_us_ > 0 && impulses_sent_ < options_.impulses.size() &&
+               static_cast<double>(now - first_us_) >= options_.impulses[impulses_sent_].seconds * 1e6) {
+            session.sendImpulse(options_.impulses[impulses_sent_++].impulse);
             statistics_.inputSent();
         }
     }
@@ -120,7 +120,7 @@ private:
     CameraPath camera_;
     uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0;
-    size_t pushed_ = 0;
+    size_t impulses_sent_ = 0;
 };
 
 } // namespace

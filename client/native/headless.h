@@ -1,4 +1,4 @@
-// Watching without a window: for tests, recordings and measurements.
+// The viewer without a window: for tests, recordings and measurements.
 #pragma once
 
 #include "client/native/interrupt.h"
@@ -7,8 +7,8 @@
 
 namespace brume::client {
 
-// Runs until the frames or seconds asked for are over or the user interrupts. Statistics are printed and recorded in any case;
-// then throws std::runtime_error, one line, when it ended for another reason.
+// Runs until it has the frames or seconds that the options ask for, or the user interrupts. Always prints and records
+// the statistics. Then throws std::runtime_error, one line, if it ended for another reason.
 void runHeadless(const Options& options, Interrupt& interrupt);
 
 } // namespace brume::client

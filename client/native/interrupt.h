@@ -1,9 +1,9 @@
-// Ctrl-C and SIGTERM as something to ask for, so that a program ends where it can end tidily.
+// Ctrl-C and SIGTERM as a flag that a program reads, so that it can end in good order.
 #pragma once
 
 namespace brume::client {
 
-// From its construction on, SIGINT and SIGTERM no longer end the program. Make it before any thread.
+// While it exists, SIGINT and SIGTERM do not end the program. Create it before any thread.
 class Interrupt {
 public:
     Interrupt();
@@ -11,7 +11,7 @@ public:
     Interrupt(const Interrupt&) = delete;
     Interrupt& operator=(const Interrupt&) = delete;
 
-    // True from the first signal on.
+    // True once a signal has come.
     bool asked();
 
 private:

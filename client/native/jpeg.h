@@ -1,4 +1,4 @@
-// A frame's pictures to pixels: JPEG with libjpeg-turbo, PNG with libpng.
+// Decodes a frame's pictures: JPEG with libjpeg-turbo, PNG with libpng.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace brume::client {
 
-struct Picture { // tightly packed rows of RGB, top first
+struct Picture { // rows of RGB without gaps, the top row first
     int width = 0, height = 0;
     std::vector<uint8_t> rgb;
 };
 
-bool isPng(std::span<const uint8_t> bytes); // by their first ones
+bool isPng(std::span<const uint8_t> bytes); // by the signature at their begin
 
 class JpegDecoder {
 public:
@@ -22,8 +22,8 @@ public:
     ~JpegDecoder();
     JpegDecoder(JpegDecoder&&) noexcept;
 
-    // False when the bytes are not one whole JPEG or PNG of exactly this size; error() says why.
-    // Writes `height` rows of `width` pixels of 4 bytes (B, G, R, 255), `pitch` bytes apart.
+    // Both return false if the bytes are not one whole JPEG or PNG of exactly this size; error() says why.
+    // decodeBgra() writes `height` rows of `width` pixels of 4 bytes (B, G, R, 255), `pitch` bytes apart.
     bool decodeBgra(std::span<const uint8_t> jpeg, int width, int height, uint8_t* pixels, int pitch);
     bool decode(std::span<const uint8_t> jpeg, int width, int height, Picture& out);
     const std::string& error() const { return error_; }

@@ -45,7 +45,7 @@ void Link::heard(uint64_t now_us) {
     backoff_.reset();
 }
 
-void Link::mind(const std::string& last_error) {
+void Link::check(const std::string& last_error) {
     if (session_->closed()) return lose(session_->closedBecause());
     if (secondsBetween(std::max(heard_us_, connected_us_), nowUs()) <= options_.timeout) return;
     lose(fmt::format("no frame from {} in {:g} s{}", server_.url(), options_.timeout,
@@ -69,15 +69,15 @@ bool Link::move() {
 void Link::lose(const std::string& why) {
     const uint64_t now = nowUs();
     if (session_->welcomed()) {
-        been_in_ = true;
+        welcomed_ = true;
         key_ = session_->granted().resume;
     }
     const double asked_s = session_->retryAfterSeconds();
     const double wait_s = backoff_.next(asked_s, randomPart());
     const bool moves = options_.reconnect && move();
     if (moves) key_.clear(); // nobody knows it there
-    const bool worth_it = asked_s > 0 || moves || (been_in_ && !session_->refused());
-    const bool patient = (for_ever_ && been_in_) || secondsBetween(heard_us_, now) + wait_s < kPatienceS;
+    const bool worth_it = asked_s > 0 || moves || (welcomed_ && !session_->refused());
+    const bool patient = (for_ever_ && welcomed_) || secondsBetween(heard_us_, now) + wait_s < kPatienceS;
     if (!options_.reconnect || !worth_it || !patient)
         throw std::runtime_error(asked_s > 0 ? fmt::format("{} (try again in {:g} s)", why, asked_s) : why);
     if (trouble_.empty())

@@ -1,5 +1,5 @@
-// The session of a viewer that comes back when its connection breaks, as the page does (client/web/src/backoff.ts), and goes
-// where a server that stops sends it.
+// A session that reconnects: after a lost connection to the same server, as the page does
+// (client/web/src/backoff.ts), and after a goodbye to the server that it names.
 #pragma once
 
 #include <optional>
@@ -10,11 +10,12 @@
 
 namespace brume::client {
 
-// Seconds before the next try: steps of 0.25 that double to 1, and of each half to all, so that the viewers of a server that
-// restarts do not come back in one instant. A wait that the server asks for is not cut short.
+// Seconds to wait before the next try. Steps grow from 0.25 s to 1 s by doubling. The wait is half of the step to all
+// of it, at random, so that the viewers of a server that restarts do not all come back in one instant. It is never
+// shorter than the server asked for.
 class Backoff {
 public:
-    // `asked_s` is 0 when the server asked for nothing; `part` in [0, 1] is random.
+    // `asked_s`: the wait that the server asked for, or 0. `part`: a random number in [0, 1].
     double next(double asked_s, double part);
     void reset() { step_s_ = kFirstS; }
 
@@ -25,19 +26,19 @@ private:
 
 class Link {
 public:
-    // A server keeps a lost viewer's place for a minute. After one without a frame this gives up, unless it has been in and is
-    // to try `for_ever`.
+    // After a minute without a frame it gives up, since the server then forgets the viewer. With `for_ever` it goes
+    // on trying, if it was welcomed at least once.
     Link(const Options& options, bool for_ever) : options_(options), for_ever_(for_ever), server_(options.endpoint) {}
 
-    // Connects when it is time, as who it was before. Null until then.
+    // The session; connects again, as the same viewer, when it is time. Null until then.
     Session* session(const Wishes& wishes);
-    // A frame came: all is well.
+    // To be called for each frame, or while none is expected: the connection works.
     void heard(uint64_t now_us);
-    // To be called when session() has no more messages. When it has ended or no frame came in time, plans the next try and says
-    // so once on stderr; throws std::runtime_error, one line, when there is to be none: the server never let it in and does not
-    // say when to come again, or refuses what another try will not change, or --no-reconnect. `last_error` is what the server
-    // said.
-    void mind(const std::string& last_error);
+    // To be called when session() has no more messages. If it has closed or no frame came in time, plans the next try
+    // and says so once on stderr. Throws std::runtime_error, one line, if there is to be none: the server never let
+    // it in and does not say when to come again, it refuses what another try will not change, or --no-reconnect.
+    // `last_error`: the server's last error, for that line.
+    void check(const std::string& last_error);
     // Why there are no frames, in one line; empty while there are.
     const std::string& trouble() const { return trouble_; }
     // Says goodbye, if there is a session.
@@ -49,14 +50,14 @@ private:
 
     const Options& options_;
     bool for_ever_;
-    Endpoint server_;               // the one to try
-    std::optional<Endpoint> other_; // the one to try after it, when it does not let us in: of a goodbye's two ends
+    Endpoint server_;               // the server to try next
+    std::optional<Endpoint> other_; // after a goodbye to another server: the one of the two to try if server_ refuses
     std::optional<Session> session_;
-    std::string key_; // of the last welcome
+    std::string key_; // Granted::resume of the last welcome
     std::string trouble_;
-    bool been_in_ = false;
+    bool welcomed_ = false; // true: a server has welcomed it at least once
     uint64_t connected_us_ = 0, next_try_us_ = 0;
-    uint64_t heard_us_ = nowUs(); // the newest frame, or the start
+    uint64_t heard_us_ = nowUs(); // when the newest frame came, or the start
     Backoff backoff_;
 };
 

@@ -58,7 +58,7 @@ CameraPath parseCamera(const std::string& text) {
     return camera;
 }
 
-TimedPush parsePush(const std::string& text) {
+TimedImpulse parseImpulse(const std::string& text) {
     const std::string allowed = "a push: T:ox,oy,oz,dx,dy,dz,strength with T in seconds from 0, a ray from o along d (not zero)";
     const size_t colon = std::min(text.find(':'), text.size());
     const auto seconds = numbers<1>(std::string_view(text).substr(0, colon));
@@ -67,7 +67,7 @@ TimedPush parsePush(const std::string& text) {
     const auto& n = *given;
     const glm::vec3 direction(n[3], n[4], n[5]);
     if (!(glm::length(direction) > 1e-6f)) refuse("--impulse", text, allowed);
-    return {(*seconds)[0], Push{{n[0], n[1], n[2]}, glm::normalize(direction), glm::vec3(0), n[6]}};
+    return {(*seconds)[0], Impulse{{n[0], n[1], n[2]}, glm::normalize(direction), glm::vec3(0), n[6]}};
 }
 
 } // namespace
@@ -75,7 +75,7 @@ TimedPush parsePush(const std::string& text) {
 std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code) {
     Options options;
     std::string url = "ws://127.0.0.1:8080", size = "640x360", camera, path = "still", out, token_file, ca;
-    std::vector<std::string> pushes;
+    std::vector<std::string> impulses;
     bool stereo = false, no_save = false, no_reconnect = false;
 
     CLI::App app("Shows one viewer's picture of a brume server's shared cloud, in a window or without one.", "brume-client");
@@ -90,7 +90,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--camera", camera,
                    "Where to stand and where to look: x,y,z,tx,ty,tz in metres; the server's own if not given");
     app.add_option("--path", path, "How the camera moves by itself: still, orbit or fly")->capture_default_str();
-    app.add_option("--impulse", pushes,
+    app.add_option("--impulse", impulses,
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
     app.add_flag("--headless", options.headless, "No window");
     app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on")->check(CLI::Range(0, 10'000'000));
@@ -118,9 +118,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         options.path = *kind;
         if (!camera.empty()) options.camera = parseCamera(camera);
         if (options.camera) options.camera->kind = options.path;
-        for (const auto& text : pushes) options.pushes.push_back(parsePush(text));
-        std::stable_sort(options.pushes.begin(), options.pushes.end(),
-                         [](const TimedPush& a, const TimedPush& b) { return a.seconds < b.seconds; });
+        for (const auto& text : impulses) options.impulses.push_back(parseImpulse(text));
+        std::stable_sort(options.impulses.begin(), options.impulses.end(),
+                         [](const TimedImpulse& a, const TimedImpulse& b) { return a.seconds < b.seconds; });
         options.out = out;
         options.save = !no_save;
         options.reconnect = !no_reconnect;

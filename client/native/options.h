@@ -1,4 +1,4 @@
-// What the user asked for on the command line, checked.
+// The options of the command line, checked.
 #pragma once
 
 #include <cstdint>
@@ -12,30 +12,30 @@
 
 namespace brume::client {
 
-struct TimedPush {
+struct TimedImpulse {
     double seconds = 0; // after the first frame
-    Push push;
+    Impulse impulse;
 };
 
 struct Options {
     Endpoint endpoint{"127.0.0.1", 8080, "/ws"};
     Wishes wishes;
-    bool headless = false;
-    uint64_t frames = 0;              // stop after so many; 0 = do not
-    double seconds = 0;               // stop so long after the first frame; 0 = do not
-    double timeout = 10;              // s without a frame, or for connecting
-    bool reconnect = true;            // when the connection is lost
-    std::filesystem::path out;        // empty = write nothing
-    bool save = true;                 // JPEG files too
-    std::optional<CameraPath> camera; // kind is always `path`
+    bool headless = false;            // true: no window
+    uint64_t frames = 0;              // stop after so many frames; 0: no limit
+    double seconds = 0;               // stop so long after the first frame; 0: no limit
+    double timeout = 10;              // s without a frame, or for connecting, before the connection counts as lost
+    bool reconnect = true;            // true: connect again when the connection is lost
+    std::filesystem::path out;        // folder for statistics and pictures; empty: write nothing
+    bool save = true;                 // true: write the pictures too
+    std::optional<CameraPath> camera; // in place of the scene's own; its kind is `path`
     PathKind path = PathKind::still;
-    std::vector<TimedPush> pushes; // by time
+    std::vector<TimedImpulse> impulses; // sorted by time
 };
 
 constexpr float kEyeSeparation = 0.064f; // m, the mean of adults
 
-// Nothing when the program is done: `exit_code` is set and what there was to say is printed (help, version, or one line
-// on what is wrong).
+// Nothing if the program is to end: then `exit_code` is set and the text is printed (help, version, or one line that
+// says what is wrong).
 std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code);
 
 } // namespace brume::client

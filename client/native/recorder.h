@@ -1,4 +1,4 @@
-// The folder that frames and statistics are written to.
+// Writes frames and statistics to a folder.
 #pragma once
 
 #include <filesystem>
@@ -11,10 +11,11 @@ namespace brume::client {
 // Every failure throws std::runtime_error: one line with the path and the reason.
 class Recorder {
 public:
-    // Makes the folder and proves that it can be written to. An empty path records nothing.
+    // Creates the folder and checks that it can be written to. With an empty path nothing is recorded.
     Recorder(std::filesystem::path folder, bool save_frames);
 
-    // frame-00001.jpg and so on; frame-00001-left.jpg and -right.jpg for two views. Precondition: `message` is a frame.
+    // Writes frame-00001.jpg and so on; for two views frame-00001-left.jpg and -right.jpg. Precondition: `message` is
+    // a frame.
     void frame(const Received& message);
     void statistics(const Statistics& statistics);
 

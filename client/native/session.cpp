@@ -27,8 +27,8 @@ uint64_t nowUs() {
 Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, std::string resume)
     : connection_(std::move(endpoint), timeout), wishes_(wishes), resume_(std::move(resume)) {}
 
-Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop)
-    : connection_(std::move(endpoint), timeout, loop), wishes_(wishes) {}
+Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop, std::string resume)
+    : connection_(std::move(endpoint), timeout, loop), wishes_(wishes), resume_(std::move(resume)) {}
 
 std::optional<Received> Session::next(std::chrono::milliseconds timeout) {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
@@ -100,7 +100,7 @@ void Session::takeNote(const Received& message) {
 
 std::string Session::closedBecause() const { return refusal_.empty() ? connection_.closedBecause() : refusal_; }
 
-std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint16_t height) {
+std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint16_t height, bool hidden) {
     constexpr size_t enough_unsent = 4; // more would only grow old
     if (connection_.unsent() >= enough_unsent) return {};
     const uint32_t seq = ++pose_seq_;
@@ -108,15 +108,16 @@ std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint
     const glm::quat& q = pose.orientation;
     const wire::Quat orientation(q.x, q.y, q.z, q.w);
     sendMessage([&](auto& b) {
-        return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width, height);
+        return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width, height, nullptr,
+                                nullptr, hidden);
     });
     return seq;
 }
 
-uint32_t Session::sendPush(const Push& push) {
-    const wire::Vec3 origin = toWire(push.origin), direction = toWire(push.direction), along = toWire(push.push);
+uint32_t Session::sendImpulse(const Impulse& impulse) {
+    const wire::Vec3 origin = toWire(impulse.origin), direction = toWire(impulse.direction), along = toWire(impulse.push);
     return sendCommand<wire::Impulse>(
-        [&](auto& b) { return wire::CreateImpulse(b, &origin, &direction, &along, push.strength); });
+        [&](auto& b) { return wire::CreateImpulse(b, &origin, &direction, &along, impulse.strength); });
 }
 
 uint32_t Session::sendPaused(bool paused) {

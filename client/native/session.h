@@ -1,4 +1,4 @@
-// A viewer's conversation with a server: hello and welcome, poses and inputs out, verified messages in. One thread.
+// A viewer's session with a server: hello and welcome, poses and inputs out, verified messages in. For one thread.
 #pragma once
 
 #include <array>
@@ -41,11 +41,11 @@ private:
     uint64_t received_us_;
 };
 
-struct Wishes {
+struct Wishes {                         // what a viewer asks for in its hello
     uint16_t width = 640, height = 360; // of one eye
     uint8_t views = 1;                  // 2 for left and right eye
     uint8_t quality = 0;                // JPEG, 0 = the server's
-    bool lossless = true;               // PNG of what rests
+    bool lossless = true;               // true: a still picture comes once more, as PNG
 };
 
 // What a welcome grants.
@@ -57,12 +57,12 @@ struct Granted {
     float tick_hz = 0;
     glm::vec3 position{0}, target{0}; // the scene's own camera
     float fov_y = 0.8f;
-    std::string resume;   // a secret: the key of this viewer, for a minute after the connection is lost
-    bool resumed = false; // the key of before was known
+    std::string resume;   // a secret key: with it, a new session within a minute of losing this one is the same viewer
+    bool resumed = false; // true: the server knew the key that the hello named
 };
 
-// A push along a ray; `push` of zero means away from the ray.
-struct Push {
+// Pushes the particles near a ray (wire::Impulse): along `push`, in m/s, or away from the ray when that is zero.
+struct Impulse {
     glm::vec3 origin{0}, direction{0, 0, -1}, push{0};
     float strength = 1;
 };
@@ -71,11 +71,12 @@ class Session {
 public:
     // `resume` is Granted::resume of a connection that was lost, or empty.
     Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, std::string resume = {});
-    // The same in a loop that other sessions share: connection.h.
-    Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop);
+    // Likewise, in a loop that other sessions share (connection.h).
+    Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop,
+            std::string resume = {});
 
-    // The next message for the caller, if one comes in time. Says hello, answers pings and takes note of welcome and goodbye
-    // by itself; these are returned too, pings and pongs are not.
+    // The next message, or nothing when none comes in time. Sends the hello, answers pings, and reads welcome, errors
+    // and goodbye for the functions below. Pings and pongs are not returned, all other messages are.
     std::optional<Received> next(std::chrono::milliseconds timeout);
 
     bool welcomed() const { return granted_.has_value(); }
@@ -83,19 +84,21 @@ public:
     const Granted& granted() const { return *granted_; }
 
     bool closed() const { return connection_.state() == Connection::State::closed; }
-    // One line; the server's goodbye or its refusal when there was one, else what the socket met.
+    // One line: the server's goodbye or refusal if it sent one, otherwise the socket's error.
     std::string closedBecause() const;
-    // Another try would end the same: Connection::refused(), or turned away before the welcome.
+    // True if another try would end the same way: Connection::refused(), or the server refused before the welcome.
     bool refused() const { return connection_.refused() || (!refusal_.empty() && !welcomed()); }
-    // What a goodbye asked for; 0 without one.
+    // The wait, in seconds, that the server's goodbye asks for; 0 without one.
     float retryAfterSeconds() const { return retry_after_s_; }
-    // The URL that it named, as it came; empty without one.
+    // The URL of another server that the goodbye names, unchecked; empty without one.
     const std::string& goTo() const { return go_to_; }
 
-    // Poses are the newest-wins kind: one is left out while the socket has not taken the ones before. Returns the pose's
-    // number, or nothing when it was left out. A size of 0 means as before.
-    std::optional<uint32_t> sendPose(const Pose& pose, uint16_t width = 0, uint16_t height = 0);
-    // Inputs are numbered and never left out. `build` returns the offset of the command's table. Returns the input's number.
+    // Sends a pose, or nothing while the socket has not taken earlier ones, since only the newest pose counts.
+    // Returns the pose's number if it was sent. A size of 0 keeps the last size. `hidden`: true when nobody sees the
+    // pictures; the server then sends none until a pose without it.
+    std::optional<uint32_t> sendPose(const Pose& pose, uint16_t width = 0, uint16_t height = 0, bool hidden = false);
+    // Sends an input; none is ever left out. `build` returns the offset of the command's table. Returns the input's
+    // number.
     template <class Command, class Build>
     uint32_t sendCommand(Build&& build) {
         const uint32_t seq = ++input_seq_;
@@ -105,15 +108,15 @@ public:
         });
         return seq;
     }
-    uint32_t sendPush(const Push& push);
+    uint32_t sendImpulse(const Impulse& impulse);
     uint32_t sendPaused(bool paused);
-    // The frame was presented, or dropped: the server may send another.
+    // Tells the server that the frame was presented or dropped: it may send another.
     void acknowledge(uint32_t frame);
     void sendPing();
-    // Round trip of the newest ping that was answered; nothing before.
+    // Round trip of the newest answered ping; nothing before the first answer.
     std::optional<float> roundTripMs() const { return round_trip_ms_; }
 
-    // Goodbye and the closing handshake, waiting at most `deadline`.
+    // Sends a goodbye and the closing handshake, and waits for the server's at most `deadline`.
     void leave(const std::string& reason, std::chrono::milliseconds deadline = std::chrono::milliseconds(500));
 
     Connection& connection() { return connection_; }
@@ -131,7 +134,7 @@ private:
     std::string resume_;
     bool greeted_ = false;
     std::optional<Granted> granted_;
-    std::string refusal_; // from a goodbye or an error before the welcome
+    std::string refusal_; // text of a goodbye, or of an error before the welcome
     float retry_after_s_ = 0;
     std::string go_to_;
     uint32_t pose_seq_ = 0, input_seq_ = 0, ping_ = 0;

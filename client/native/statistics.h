@@ -1,4 +1,4 @@
-// What a viewer measured: rates, latency by stage, and which ticks and states its pictures showed.
+// What a viewer measures: frame rates, latency by stage, and which ticks and state hashes its frames had.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 
 namespace brume::client {
 
-// One frame that was presented. Times in milliseconds, on this client's clock where they are not the server's own durations.
+// One frame that was presented. *_ms are durations, measured here or, for wire::Stages, by the server.
 struct FrameRecord {
     uint32_t id = 0, pose_seq = 0;
     uint64_t tick = 0, state_hash = 0;
     uint64_t presented_us = 0;
-    std::optional<float> total_ms; // the pose's client time -> presented; nothing when the server's echo makes no sense
+    std::optional<float> total_ms; // from sending the pose to presenting the frame; nothing if the echoed time is impossible
     float wait_ms = 0, render_ms = 0, encode_ms = 0, queue_ms = 0, gpu_ms = 0; // wire::Stages
     float decode_ms = 0;
     uint32_t bytes = 0; // message and JPEG
@@ -29,7 +29,7 @@ struct FrameRecord {
     glm::quat orientation{1, 0, 0, 0};
     float fov_y = 0;
 
-    // What the server and the decoder do not explain: both ways of the network, and waiting in this client.
+    // total_ms without the times of the server and the decoder: the network, both ways, and waiting in this client.
     std::optional<float> networkMs() const;
 };
 
@@ -45,7 +45,7 @@ public:
 
     void welcome(const Granted& granted);
     void frame(const FrameRecord& record);
-    void dropped() { ++dropped_; } // a newer frame was there before this one was shown
+    void dropped() { ++dropped_; } // counts a frame that a newer one replaced before it was shown
     void error(const wire::Error& error);
     void roundTrip(std::optional<float> ms) {
         if (ms) round_trip_ms_ = ms;
@@ -55,21 +55,21 @@ public:
 
     uint64_t frames() const { return frames_; }
     std::string lastError() const { return error_records_.empty() ? "" : error_records_.back().text; }
-    double secondsShown() const; // first frame -> last
-    double frameRate() const;    // over that time; 0 for fewer than two frames
-    // Over the frames presented since `since_us`.
+    double secondsShown() const; // from the first frame to the last
+    double frameRate() const;    // frames a second over that time; 0 for fewer than two frames
+    // Frames a second, and the median latency, of the frames presented since `since_us`.
     double recentRate(uint64_t since_us) const;
-    std::optional<float> recentLatencyMs(uint64_t since_us) const; // median
+    std::optional<float> recentLatencyMs(uint64_t since_us) const;
 
-    // Everything, as written to stats.json.
+    // All of it: the content of stats.json.
     nlohmann::json json() const;
-    // For a person, two or three lines. Precondition: frames() > 0.
+    // Two or three lines for a person. Precondition: frames() > 0.
     std::string summary() const;
 
 private:
     std::vector<float> stage(std::optional<float> (*of)(const FrameRecord&)) const;
 
-    // Ten minutes at 60 Hz: percentiles and the list of frames are of the last ones, so that a day's watching stays small.
+    // Ten minutes at 60 Hz. Percentiles and the list of frames cover the newest frames only, which bounds the memory.
     static constexpr size_t kMaxRecords = 36'000, kMaxErrors = 100;
 
     std::string url_, ended_;

@@ -1,4 +1,5 @@
-// The client's side of TLS: whom we trust, and that it is the server that we asked for.
+// The client's side of TLS: which certificates are trusted, and whether the server's is for the name that was asked
+// for.
 #pragma once
 
 #include <map>
@@ -8,20 +9,23 @@
 
 namespace brume::client {
 
-// One context for each PEM file of trusted certificates: the system's own take a while to read.
+// TLS contexts, one for each PEM file of trusted certificates. They are kept, since the system's own take long to
+// read.
 class TlsContexts {
 public:
-    // Of this file, or of the system's store when it is empty. Throws std::runtime_error, one line, when the file cannot be read.
+    // The context that trusts the certificates of this file, or the system's if `ca` is empty. Throws
+    // std::runtime_error, one line, if the file cannot be read.
     boost::asio::ssl::context& of(const std::string& ca);
 
 private:
     std::map<std::string, boost::asio::ssl::context> contexts_;
 };
 
-// The certificate must be for this name or address. Returns what is wrong; empty when it is set.
+// From now on the handshake fails unless the certificate is for this name or address. Returns an error in one line,
+// or nothing.
 std::string expectHost(ByteStream::Tls& tls, const std::string& host);
 
-// Why the handshake failed, in words; `otherwise` when it is not the certificate.
+// Why the handshake failed, in words: what is wrong with the certificate, or `otherwise`.
 std::string tlsFault(ByteStream::Tls& tls, boost::system::error_code error, const std::string& otherwise);
 
 } // namespace brume::client

@@ -77,6 +77,9 @@ private:
             if (event.type == SDL_QUIT || (event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_ESCAPE)) quit_ = true;
             if (event.type == SDL_WINDOWEVENT) {
                 if (event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED) resized_us_ = now;
+                if (event.window.event == SDL_WINDOWEVENT_MINIMIZED) hide(true);
+                if (event.window.event == SDL_WINDOWEVENT_RESTORED || event.window.event == SDL_WINDOWEVENT_MAXIMIZED)
+                    hide(false);
                 display_.present(); // exposed, restored, resized: draw again
             }
             if (gestures_) gestures_->handle(event, display_);
@@ -86,6 +89,12 @@ private:
             wishes_.width = static_cast<uint16_t>(std::clamp(display_.width() / wishes_.views, 16, 8192));
             wishes_.height = static_cast<uint16_t>(std::clamp(display_.height(), 16, 8192));
         }
+    }
+
+    // A minimised window asks for no pictures.
+    void hide(bool hidden) {
+        hidden_ = hidden;
+        next_pose_us_ = 0; // told at once
     }
 
     // The camera: along its path until the user takes it.
@@ -113,7 +122,7 @@ private:
             }
         }
         if (newest) show(session, *newest);
-        link_.mind(statistics_.lastError());
+        link_.check(statistics_.lastError());
     }
 
     void welcome(const Granted& granted) {
@@ -130,24 +139,25 @@ private:
 
     // Poses, pushes and pings that are due.
     void talk(Session& session, uint64_t now) {
+        if (hidden_) link_.heard(now); // no frames come, and none are missed
         if (now >= next_pose_us_) {
             Pose pose = gestures_->pose();
             if (wishes_.views == 2) pose.eye_separation = kEyeSeparation;
-            session.sendPose(pose, wishes_.width, wishes_.height);
-            next_pose_us_ = now + kPoseEveryUs;
+            session.sendPose(pose, wishes_.width, wishes_.height, hidden_);
+            next_pose_us_ = now + (hidden_ ? kSecondUs : kPoseEveryUs);
         }
         if (now >= next_ping_us_) {
             session.sendPing();
             statistics_.roundTrip(session.roundTripMs());
             next_ping_us_ = now + kSecondUs;
         }
-        while (first_us_ > 0 && pushed_ < options_.pushes.size() &&
-               static_cast<double>(now - first_us_) >= options_.pushes[pushed_].seconds * 1e6)
-            send(session, options_.pushes[pushed_++].push);
+        while (first_us_ > 0 && impulses_sent_ < options_.impulses.size() &&
+               static_cast<double>(now - first_us_) >= options_.impulses[impulses_sent_].seconds * 1e6)
+            send(session, options_.impulses[impulses_sent_++].impulse);
         if (now >= next_push_us_) {
             const float seconds = static_cast<float>(now + kPushEveryUs - next_push_us_) * 1e-6f;
             next_push_us_ = now + kPushEveryUs;
-            if (const auto push = gestures_->takePush(seen_, seconds)) send(session, *push);
+            if (const auto impulse = gestures_->takeImpulse(seen_, seconds)) send(session, *impulse);
         }
         if (gestures_->pauseToggled()) {
             session.sendPaused(!paused_);
@@ -155,8 +165,8 @@ private:
         }
     }
 
-    void send(Session& session, const Push& push) {
-        session.sendPush(push);
+    void send(Session& session, const Impulse& impulse) {
+        session.sendImpulse(impulse);
         statistics_.inputSent();
     }
 
@@ -215,11 +225,12 @@ private:
     Pose seen_;                        // of the picture that is shown
     std::string scene_;
     bool quit_ = false, paused_ = false;
+    bool hidden_ = false; // true: the window is minimised
     uint32_t viewers_ = 0;
     uint64_t tick_ = 0;
     uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, told_us_ = 0;
-    size_t pushed_ = 0;
+    size_t impulses_sent_ = 0;
 };
 
 } // namespace

@@ -1,4 +1,5 @@
-// Watching in a window: the newest picture at once, the camera under the user's hand, reconnecting when the server goes away.
+// The viewer in a window: shows the newest picture, moves the camera as the user asks, and reconnects when the server
+// goes away.
 #pragma once
 
 #include "client/native/interrupt.h"
@@ -6,8 +7,9 @@
 
 namespace brume::client {
 
-// Runs until the window is closed, the frames or seconds asked for are over, or the user interrupts. Statistics are printed
-// and recorded in any case; then throws std::runtime_error, one line, when the server never let it in or the display failed.
+// Runs until the window is closed, it has the frames or seconds that the options ask for, or the user interrupts.
+// Always prints and records the statistics. Then throws std::runtime_error, one line, if the server never let it in
+// or the display failed.
 void runWindow(const Options& options, Interrupt& interrupt);
 
 } // namespace brume::client

@@ -138,6 +138,7 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
     request.seq = pose.seq();
     request.client_time_us = pose.client_time_us();
     request.pose = wanted;
+    request.hidden = pose.hidden();
     request.received = now;
 
     if (held_ && int32_t(request.seq - held_->seq) <= 0) return; // older than what waits

@@ -22,6 +22,7 @@ struct PoseRequest {
     uint8_t views = 1;                  // 1 or 2
     uint8_t quality = 80;               // JPEG, 1...100
     bool lowered = false;               // its quality: below what the viewer wishes for
+    bool hidden = false;                // true: the viewer's window is not seen; nothing is due until a pose without it
     bool takes_png = false;             // the viewer: what rests may come without loss
     bool fine = false;                  // of what rests: with less error than what moves, and all of its colour
     bool lossless = false;              // of a fine one: as PNG

@@ -33,6 +33,7 @@ void Viewer::setPose(const PoseRequest& request) {
     const Clock::time_point since = rests ? pose_->since : request.received;
     pose_ = request;
     pose_->since = since;
+    if (pose_->hidden) pacing_.clear(); // a hidden window presents nothing: no acknowledgement is missing
 }
 
 void Viewer::resume(const std::optional<PoseRequest>& pose) {
@@ -108,7 +109,7 @@ std::optional<Viewer::Due> Viewer::takeDue(Clock::time_point now, std::optional<
 
 std::optional<PoseRequest> Viewer::due(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || !pose_ || !refusal_.empty()) return {};
+    if (closed_ || !pose_ || pose_->hidden || !refusal_.empty()) return {};
     const QualityStep step = quality_.step();
     PoseRequest request = *pose_;
     request.lowered = quality_.level() > 0 || quality_.deviceLevel() > 0;
@@ -139,7 +140,7 @@ std::optional<PoseRequest> Viewer::due(Clock::time_point now, std::optional<uint
 
 std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_point now, std::optional<uint64_t> scene) {
     const std::scoped_lock lock(mutex_);
-    if (closed_) return {};
+    if (closed_ || (pose_ && pose_->hidden)) return {};
     skipped_ = 0;
     const bool again = made_ && made_->seq == request.seq;
     if (++issued_ == 0) ++issued_; // 0 is no frame

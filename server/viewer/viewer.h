@@ -50,8 +50,9 @@ public:
     void close();
 
     // --- the frame loop's side ---
-    // The pose to render now, counting a frame in flight, with its id; nothing while a window is full, no pose came, or the
-    // picture would be the one made last: same view, same `scene` (a version of all that is seen; none: always another).
+    // The pose to render now, counting a frame in flight, with its id. Nothing is due while no pose came, the newest pose says
+    // that the viewer's window is hidden, a window of frames or bytes is full, or the picture would be the one made last: same
+    // view, same `scene` (a version of all that is seen; none: always another).
     struct Due {
         uint32_t frame_id = 0;
         PoseRequest request;

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { startDelay } from './delay.mjs';
-import { connected, openPage, rested, startBrowser, until } from './pages.mjs';
+import { cameraStill, connected, openPage, rested, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
 const EMULATOR = readFileSync(fileURLToPath(new URL('node_modules/iwer/build/iwer.min.js', import.meta.url)), 'utf8');
@@ -130,7 +130,7 @@ describe('two eyes', () => {
     await page.mouse.move(150, 225); // over the picture, where the wheel is the camera's
     for (let i = 0; i < 60 && (await distance()) > 9; ++i) await page.mouse.wheel(0, -120);
     assert.ok((await distance()) <= 9, `the wheel brings the camera no nearer than ${await distance()} m`);
-    await page.waitForTimeout(500);
+    await cameraStill(page);
     await rested(page);
     const eyes = await halves(page, '#warped');
     for (const half of eyes) assert.ok(contrast(half) > 4, `a half is nearly uniform: ${contrast(half)}`);

@@ -74,9 +74,48 @@ export async function settled(page) {
 // Until it is the finer one that follows when neither the camera nor a paused medium moves.
 export async function rested(page) {
   await settled(page);
-  await until(page, 'the picture rests', (brume) => brume.lastFrame.quality >= 90 && brume.lastFrame.poseSeq >= brume.sentPose);
+  await until(
+    page,
+    'the picture rests',
+    (brume) => brume.lastFrame.quality >= 90 && brume.lastFrame.poseSeq >= brume.sentPose,
+  );
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))); // drawn, too
 }
+
+// Until so many more pictures are shown.
+export async function another(page, count = 1) {
+  const { frames } = await page.evaluate(() => window.brume);
+  await until(page, 'pictures come', (brume, most) => brume.frames >= most, frames + count);
+}
+
+// Until the camera, which was at `before`, has moved and come to rest.
+export async function cameraRests(page, before) {
+  await until(page, 'the camera moves', (brume, old) => JSON.stringify(brume.camera) !== old, JSON.stringify(before));
+  await cameraStill(page);
+}
+
+// Until the camera is the same in two animation frames.
+export const cameraStill = (page) =>
+  page.evaluate(
+    () =>
+      new Promise((done) => {
+        let last = '';
+        const look = () => {
+          const now = JSON.stringify(window.brume.camera);
+          if (now === last) return done();
+          last = now;
+          requestAnimationFrame(look);
+        };
+        look();
+      }),
+  );
+
+// Until nothing on the page fades or slides any more.
+export const faded = (page) =>
+  page.evaluate(() => {
+    const transitions = document.getAnimations().filter((one) => one instanceof CSSTransition);
+    return Promise.allSettled(transitions.map((one) => one.finished));
+  });
 
 // What the canvas shows, small: [r, g, b] in rows from the top, 0 ... 255.
 export async function pixels(page) {

@@ -4,10 +4,13 @@ import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 import {
   VIEWPORT,
+  another,
+  cameraRests,
   connected,
   deviation,
   difference,
   drag,
+  faded,
   mean,
   openPage,
   pixels,
@@ -83,7 +86,7 @@ describe('one server', () => {
     await connected(page);
     await pause(page, true);
     await settled(page);
-    await page.waitForTimeout(1000); // the curtain fades
+    await faded(page); // the curtain
     const off = difference(await pixels(page), await shown(page));
     assert.ok(off < VISIBLE, `window and picture differ by ${off}`);
     await pause(page, false);
@@ -113,8 +116,9 @@ describe('one server', () => {
     };
     for (const [name, act] of Object.entries(moves)) {
       const before = await pixels(page);
+      const { camera } = await page.evaluate(() => window.brume);
       await act();
-      await page.waitForTimeout(500); // flying comes to rest
+      await cameraRests(page, camera);
       await rested(page);
       const change = difference(before, await pixels(page));
       assert.ok(change > VISIBLE && change > 8 * noise, `${name} changed the picture by ${change}, noise is ${noise}`);
@@ -164,7 +168,7 @@ describe('one server', () => {
     await Promise.all([settled(one), settled(two)]);
     let shared = [];
     for (const deadline = Date.now() + 20_000; shared.length < 5 && Date.now() < deadline; ) {
-      await one.waitForTimeout(300);
+      await Promise.all([another(one, 5), another(two, 5)]);
       const [a, b] = await Promise.all([one, two].map((page) => page.evaluate(() => window.brume.recent)));
       const hashes = new Map(b.map(({ tick, hash }) => [tick, hash]));
       shared = a.filter(({ tick }) => hashes.has(tick));
@@ -190,7 +194,8 @@ describe('one server', () => {
     const calm = await pixels(two);
     let drift = 0;
     for (let i = 0; i < 5; ++i) {
-      await two.waitForTimeout(300);
+      const { tick } = await two.evaluate(() => window.brume);
+      await until(two, 'a third of a second passes in the scene', (brume, past) => brume.tick >= past + 20, tick);
       drift = Math.max(drift, strongest(calm, await pixels(two)));
     }
     const least = 3 * Math.max(VISIBLE, drift);
@@ -202,8 +207,8 @@ describe('one server', () => {
     const watch = async () => {
       let most = 0;
       for (const deadline = Date.now() + 10_000; most <= least && Date.now() < deadline; ) {
+        await another(two);
         most = Math.max(most, strongest(calm, await pixels(two)));
-        await two.waitForTimeout(50);
       }
       return most;
     };
@@ -219,14 +224,7 @@ describe('one server', () => {
     await connected(page);
     await page.locator('#tool-panel').click();
     const plan = page.locator('#plan');
-    const shows = async (pattern) => {
-      let text = '';
-      for (const deadline = Date.now() + 10_000; !pattern.test(text) && Date.now() < deadline; ) {
-        await page.waitForTimeout(100);
-        text = await plan.textContent();
-      }
-      assert.match(text, pattern);
-    };
+    const shows = (pattern) => plan.filter({ hasText: pattern }).waitFor();
     const way = /(slabs, \d+ px, \d+ slabs|tiles, \w+|sphere|isv, \w+), [\d.]+ %(, relaxed \d+)?$/;
     const method = page.getByRole('combobox', { name: 'Method' });
     const asked = await method.inputValue();
@@ -261,17 +259,10 @@ describe('one server', () => {
     const wanted = await two.evaluate(() => window.brume.scene.exposure);
     await slider(one).focus();
     for (let i = 0; i < 12; ++i) await one.keyboard.press('ArrowRight');
+    const chosen = await slider(one).inputValue();
     await until(two, 'the exposure has grown', (brume, old) => brume.scene.exposure > old * 1.1, wanted);
-    let shown = [];
-    for (
-      const deadline = Date.now() + 10_000;
-      (shown.length === 0 || shown[0] !== shown[1]) && Date.now() < deadline;
-
-    ) {
-      await one.waitForTimeout(100);
-      shown = await Promise.all([slider(one).inputValue(), slider(two).inputValue()]);
-    }
-    assert.equal(shown[0], shown[1]);
+    const handle = await slider(two).elementHandle();
+    await two.waitForFunction(([input, value]) => input.value === value, [handle, chosen], { polling: 50 });
     await one.leave();
     await two.leave();
   });
@@ -374,3 +365,4 @@ test('a full server refuses politely, and lets in who waits when there is room',
 
 await import('./eyes.mjs');
 await import('./trust.mjs');
+await import('./window.mjs');

@@ -57,8 +57,9 @@ describe('a server with a key', () => {
     const parts = await inert(page);
     for (const part of ['Light', 'Medium', 'Method', 'Cloud']) assert.equal(parts[part], true, part);
     assert.equal(parts['Picture, yours alone'], false);
+    const { tick } = await page.evaluate(() => window.brume.scene);
     await page.keyboard.press('p');
-    await page.waitForTimeout(300);
+    await until(page, 'the scene is told again, a second later', (brume, old) => brume.scene.tick > old + 60, tick);
     assert.equal(await page.evaluate(() => window.brume.scene.paused), false);
     // Loaded again, the tab still has it; the server never wrote it down.
     await page.reload();

@@ -74,10 +74,10 @@ TEST(Options, GoodOnes) {
     EXPECT_EQ(options->camera->kind, PathKind::fly);
     EXPECT_EQ(options->camera->position, glm::vec3(1, 2, 3));
     EXPECT_EQ(options->camera->target, glm::vec3(-4, 0.5f, 6));
-    ASSERT_EQ(options->pushes.size(), 2u); // by time
-    EXPECT_EQ(options->pushes[0].seconds, 0.5);
-    EXPECT_EQ(options->pushes[1].push.direction, glm::vec3(0, 0, -1)); // unit
-    EXPECT_EQ(options->pushes[1].push.strength, 1.5f);
+    ASSERT_EQ(options->impulses.size(), 2u); // by time
+    EXPECT_EQ(options->impulses[0].seconds, 0.5);
+    EXPECT_EQ(options->impulses[1].impulse.direction, glm::vec3(0, 0, -1)); // unit
+    EXPECT_EQ(options->impulses[1].impulse.strength, 1.5f);
 }
 
 TEST(Options, BadOnesAreRefused) {

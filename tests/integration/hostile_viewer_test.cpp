@@ -248,7 +248,7 @@ TEST_F(HostileViewer, NumbersBeyondTheirLimitsAreRefused) {
 
 TEST_F(HostileViewer, AFloodOfInputsIsSlowed) {
     Watcher flood(server());
-    for (int i = 0; i < 400; ++i) flood.session.sendPush({{0, 50, 0}, {0, 1, 0}, {0, 0, 0}, 0});
+    for (int i = 0; i < 400; ++i) flood.session.sendImpulse({{0, 50, 0}, {0, 1, 0}, {0, 0, 0}, 0});
     EXPECT_TRUE(watch({&flood}, [&] { return flood.saw(ErrorCode::too_fast); }));
 }
 

@@ -1,14 +1,17 @@
 // The load generator's parts that need no server.
 #include <cmath>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "client/load/options.h"
 #include "client/load/published.h"
 #include "client/load/report.h"
 #include "client/load/scrape.h"
 #include "client/load/server.h"
+#include "client/load/usage.h"
 
 namespace brume::load {
 namespace {
@@ -138,6 +141,20 @@ TEST(LoadSeries, CostIsWhatGrewAndNanWhatIsNotThere) {
     EXPECT_EQ(cost.passes_ms, (std::map<std::string, double>{{"read back", 2}}));
     EXPECT_TRUE(std::isnan(cost.views_s));
     EXPECT_TRUE(std::isnan(cost.memory_bytes));
+}
+
+// What the machine's cores did, in clock ticks: user nice system idle iowait irq softirq steal guest guest_nice.
+TEST(LoadUsage, CoresThatWaitForADiskOrTheirHostDoNotWork) {
+    const auto seconds = [](const char* text) {
+        std::istringstream file(text);
+        return busySeconds(file) * double(sysconf(_SC_CLK_TCK));
+    };
+    EXPECT_EQ(seconds("cpu  1000 200 30 0 0 4 5 0 0 0\ncpu0 500 100 15 0 0 2 3 0 0 0\n"), 1239);
+    EXPECT_EQ(seconds("cpu  1000 200 30 90000 8000 4 5 7000 600 50\n"), 1239)
+        << "idle, iowait, steal; guests are in user and nice";
+    EXPECT_TRUE(std::isnan(seconds("")));
+    EXPECT_TRUE(std::isnan(seconds("cpu  1000 200\n")));
+    EXPECT_TRUE(std::isnan(seconds("intr 1000 200 30 0 0 4 5 0 0 0\n")));
 }
 
 TEST(LoadReport, SaysWhatWasMeasuredBesideWhatIsPublished) {

@@ -118,9 +118,6 @@ TEST(Fairness, ADearViewerDoesNotTakeTheOthersRate) {
     const size_t of_dear = dear.frames.size() - before[0];
     EXPECT_GE(of_dear, 3u); // it does not starve
     for (size_t i = 1; i < all.size(); ++i) EXPECT_GT(all[i]->frames.size() - before[i], 2 * of_dear) << i;
-    // Accuracy and then size were given up for it, in this order: it takes most of the device.
-    EXPECT_GE(metric(server.port(), "brume_plan_relaxed").value_or(-1), 0);
-
     const auto viewers = nlohmann::json::parse(get(server.port(), "/viewers").body)["viewers"];
     ASSERT_EQ(viewers.size(), 5u);
     for (const auto& viewer : viewers) {

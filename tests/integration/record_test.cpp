@@ -38,7 +38,7 @@ TEST_F(Record, AKilledSessionOfTwoViewersReplaysToTheSameStatesAndPictures) {
     b.look(lookAt({24, 3, 0}, {0, 0, 0}, 0.8f));
     ASSERT_TRUE(watch({&a, &b}, [&] { return a.frames.size() >= 3 && b.frames.size() >= 3; }));
     for (int i = 0; i < 5; ++i) {
-        a.session.sendPush({{0, 0, 26}, {0.01f * float(i), 0, -1}, {0, 0, 0}, 3});
+        a.session.sendImpulse({{0, 0, 26}, {0.01f * float(i), 0, -1}, {0, 0, 0}, 3});
         b.session.sendCommand<wire::SetMedium>([&](auto& builder) {
             wire::SetMediumBuilder set(builder);
             set.add_extinction(10.1f + float(i));

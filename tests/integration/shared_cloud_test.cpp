@@ -106,8 +106,8 @@ TEST_F(SharedCloud, TwoEqualCamerasGetEqualBytes) {
 
     // And while everything moves, at equal ticks.
     const uint64_t moving = setPaused(a, false, {&b});
-    client::Push push{{0, 0, 26}, {0, 0, -1}, {3, 0, 0}, 1};
-    a.session.sendPush(push);
+    client::Impulse impulse{{0, 0, 26}, {0, 0, -1}, {3, 0, 0}, 1};
+    a.session.sendImpulse(impulse);
     ASSERT_TRUE(watch({&a, &b}, [&] { return commonTicks(a, b, moving).size() >= 3; }));
     for (const auto& [x, y] : commonTicks(a, b, moving)) EXPECT_EQ(x->jpegs, y->jpegs) << "at tick " << x->tick;
 
@@ -131,7 +131,7 @@ TEST_F(SharedCloud, AnImpulseOfOneIsSeenByAll) {
     ASSERT_EQ(a_before.state_hash, firstFrom(pusher, before)->state_hash);
 
     // Time stands still, so that only the impulse can change the state: the particles get their speed.
-    pusher.session.sendPush({{0, 0, 26}, {0, 0, -1}, {0, 0, 0}, 10});
+    pusher.session.sendImpulse({{0, 0, 26}, {0, 0, -1}, {0, 0, 0}, 10});
     const auto pushed = [&](const Watcher& w) { return !w.frames.empty() && w.last().state_hash != a_before.state_hash; };
     ASSERT_TRUE(watch(all, [&] { return pushed(pusher) && pushed(a) && pushed(b); }));
     EXPECT_EQ(a.last().state_hash, b.last().state_hash);
@@ -198,6 +198,22 @@ TEST_F(SharedCloud, TheNewestPoseWins) {
 }
 
 // A viewer that is behind is waited for; it holds up nobody else.
+TEST_F(SharedCloud, AHiddenWindowGetsNoFramesAndTheOthersGoOn) {
+    Watcher hidden(server()), other(server());
+    const std::vector<Watcher*> all{&hidden, &other};
+    const auto others = [&](size_t frames) { return watch(all, [&] { return other.frames.size() >= frames; }); };
+    hidden.look(fromFront());
+    other.look(fromSide());
+    ASSERT_TRUE(watch(all, [&] { return hidden.frames.size() >= 3; }));
+    ASSERT_TRUE(hidden.session.sendPose(fromFront(), 0, 0, true));
+    ASSERT_TRUE(others(other.frames.size() + 10)); // those that were on their way have come
+    const size_t before = hidden.frames.size();
+    ASSERT_TRUE(others(other.frames.size() + 30));
+    EXPECT_EQ(hidden.frames.size(), before);
+    const uint32_t pose = hidden.look(fromFront());
+    EXPECT_TRUE(watch(all, [&] { return hidden.last().pose_seq == pose; }));
+}
+
 TEST_F(SharedCloud, AViewerThatDoesNotAcknowledgeIsNotRenderedFor) {
     Watcher lazy(server()), keen(server());
     lazy.acknowledging = false;

@@ -55,6 +55,20 @@ TEST_F(SessionTest, ABusyProgramKeepsItsQuality) {
     EXPECT_LT(longest, 50);
 }
 
+TEST_F(SessionTest, AHiddenWindowGetsNothingAndStaysAndIsServedAgain) {
+    options.silence = 300ms;
+    serve();
+    const auto client = watch();
+    client->pose(1);
+    ASSERT_TRUE(client->next<wire::Frame>());
+    ASSERT_TRUE(client->next<wire::Frame>()); // the window is full, and nothing is acknowledged
+    client->pose(2, {0, 0, 10}, 0, 0, true);
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(client->next<wire::Ping>()) << "200 ms apart, longer than the silence allowed";
+    EXPECT_EQ(renderer->made, 2u);
+    client->pose(3);
+    EXPECT_TRUE(frameOf(*client, 3));
+}
+
 TEST_F(SessionTest, WhoAcknowledgesNothingIsClosedAndMayComeBack) {
     options.silence = 600ms;
     serve();

@@ -163,9 +163,11 @@ bool WsClient::hello(uint16_t width, uint16_t height, uint8_t views) {
     return say([&](auto& b) { return wire::CreateHelloDirect(b, "test client", width, height, views); });
 }
 
-bool WsClient::pose(uint32_t seq, wire::Vec3 position, uint16_t width, uint16_t height) {
+bool WsClient::pose(uint32_t seq, wire::Vec3 position, uint16_t width, uint16_t height, bool hidden) {
     const wire::Quat orientation(0, 0, 0, 1);
-    return say([&](auto& b) { return wire::CreatePose(b, seq, 1000 + seq, &position, &orientation, 0.8f, 0, width, height); });
+    return say([&](auto& b) {
+        return wire::CreatePose(b, seq, 1000 + seq, &position, &orientation, 0.8f, 0, width, height, nullptr, nullptr, hidden);
+    });
 }
 
 bool WsClient::ack(uint32_t frame) {

@@ -79,7 +79,7 @@ public:
         return sendMessage(2, wire::bytesOf(packed));
     }
     bool hello(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1);
-    bool pose(uint32_t seq, wire::Vec3 position = {0, 0, 10}, uint16_t width = 0, uint16_t height = 0);
+    bool pose(uint32_t seq, wire::Vec3 position = {0, 0, 10}, uint16_t width = 0, uint16_t height = 0, bool hidden = false);
     bool ack(uint32_t frame);
 
     // The next message; nothing in time, or after the end of the connection. Pings are answered on the way and not shown.

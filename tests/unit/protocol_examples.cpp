@@ -78,6 +78,7 @@ Json of(const Pose& m) {
                              {"width", m.width()},
                              {"height", m.height()}});
     addFrusta(m, out);
+    if (m.hidden()) out["hidden"] = true; // younger than the first examples
     return out;
 }
 
@@ -291,6 +292,8 @@ std::vector<Example> makeExamples() {
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));
     all.push_back(example(
         "pose_frusta", [&](Builder& b) { return CreatePose(b, 8, 9, &v, &turned, 0.75f, 0.0625f, 512, 544, &kLeft, &kRight); }));
+    all.push_back(example("pose_hidden",
+                          [&](Builder& b) { return CreatePose(b, 9, 10, &v, &turned, 0.75f, 0, 0, 0, nullptr, nullptr, true); }));
     all.push_back(frame("frame_frusta", {7, 6}, jpeg, true));
     all.push_back(frame("frame_png", {13}, jpeg, false, Encoding::png));
     all.push_back(example("hello_lossless", [](Builder& b) { return CreateHelloDirect(b, "x", 64, 48, 1, 0, nullptr, true); }));

@@ -25,6 +25,7 @@ struct PoseFields {
     float fov_y = 0.8f, eyes = 0;
     uint16_t width = 0, height = 0;
     std::optional<wire::Frustum> frustum{}, right_frustum{};
+    bool hidden = false;
 };
 
 class SessionRulesTest : public testing::Test {
@@ -61,7 +62,7 @@ protected:
     Effects pose(const PoseFields& p) {
         return say([&](FlatBufferBuilder& b) {
             return wire::CreatePose(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height,
-                                    p.frustum ? &*p.frustum : nullptr, p.right_frustum ? &*p.right_frustum : nullptr);
+                                    p.frustum ? &*p.frustum : nullptr, p.right_frustum ? &*p.right_frustum : nullptr, p.hidden);
         });
     }
     template <class Build>

@@ -100,6 +100,13 @@ TEST_F(SessionRulesTest, APoseIsShownWithEverythingItSays) {
     EXPECT_EQ(request.width, 640);
 }
 
+TEST_F(SessionRulesTest, AHiddenWindowIsHiddenUntilAPoseSaysOtherwise) {
+    watch();
+    EXPECT_FALSE(only<Show>(pose({.seq = 1})).request.hidden);
+    EXPECT_TRUE(only<Show>(pose({.seq = 2, .hidden = true})).request.hidden);
+    EXPECT_FALSE(only<Show>(pose({.seq = 3})).request.hidden);
+}
+
 TEST_F(SessionRulesTest, APosesSizeStaysUntilAnotherComes) {
     watch();
     EXPECT_EQ(only<Show>(pose({.seq = 1, .width = 320, .height = 200})).request.width, 320);

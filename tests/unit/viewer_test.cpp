@@ -314,6 +314,49 @@ TEST(Viewer, ARestingCameraKeepsItsRate) {
     EXPECT_EQ(viewer.history().of(0).p99, 0); // no pose has waited
 }
 
+TEST(Viewer, NothingIsDueForAHiddenWindowAndAFrameAtOnceWhenItIsSeenAgain) {
+    Viewer viewer(1, windowOf(2), nullptr);
+    Clock::time_point now{std::chrono::hours(1)};
+    PoseRequest pose = poseWithSeq(1);
+    viewer.setPose(pose);
+    for (uint64_t tick = 1; tick <= 2; ++tick) { // the window is full: a hidden page presents nothing, so acknowledges nothing
+        const auto due = viewer.takeDue(now, tick);
+        ASSERT_TRUE(due);
+        viewer.deliver(frameFor(*due, now));
+        ASSERT_TRUE(viewer.takeFrame(now));
+    }
+    pose.seq = 2;
+    pose.hidden = true;
+    viewer.setPose(pose);
+    for (uint64_t tick = 3; tick < 100; ++tick) {
+        now += std::chrono::seconds(1);
+        EXPECT_FALSE(viewer.takeDue(now, tick));
+        EXPECT_FALSE(viewer.takeDue(now, tick, true));
+        EXPECT_EQ(viewer.look(now).count(), 0) << "no acknowledgement is missing";
+    }
+    pose.seq = 3;
+    pose.hidden = false;
+    viewer.setPose(pose);
+    EXPECT_EQ(viewer.look(now).count(), 0) << "nor now";
+    EXPECT_TRUE(viewer.takeDue(now, 100));
+    EXPECT_TRUE(viewer.acknowledge(2, now)) << "a late acknowledgement is none for a frame never sent";
+}
+
+// The window is hidden between the two steps of taking a frame: that frame would never be acknowledged.
+TEST(Viewer, NothingIsTakenForAWindowThatWasHiddenMeanwhile) {
+    Viewer viewer(1, windowOf(2), nullptr);
+    PoseRequest pose = poseWithSeq(1);
+    viewer.setPose(pose);
+    const auto now = Clock::now();
+    const auto due = viewer.due(now, 1, false);
+    ASSERT_TRUE(due);
+    pose.seq = 2;
+    pose.hidden = true;
+    viewer.setPose(pose);
+    EXPECT_FALSE(viewer.take(*due, now, 1));
+    EXPECT_EQ(viewer.counts().in_flight, 0u);
+}
+
 TEST(Viewer, KnowsSinceWhenItsCameraRests) {
     Viewer viewer(1, windowOf(4), nullptr);
     const Clock::time_point start{std::chrono::hours(1)};

@@ -1,5 +1,5 @@
-// How long to wait before the next try to connect: 0.25 s doubling to 1 s, with jitter so that viewers of a server that
-// restarts do not all come back in the same instant.
+// How long to wait before the next try to connect: 0.25 s, doubling to 1 s, with a random part, so that the viewers
+// of a server that restarts do not all come back in the same instant.
 const FIRST_S = 0.25;
 const LONGEST_S = 1;
 // The longest wait that a server's goodbye may ask for.
@@ -10,11 +10,11 @@ export class Backoff {
 
   constructor(private readonly random: () => number = Math.random) {}
 
-  // Seconds to wait now; `asked` is what the server's goodbye asked for, 0 when it asked for nothing.
+  // Seconds to wait before the next try. `asked`: the wait that the server's goodbye asks for, or 0.
   next(asked = 0): number {
     const base = Math.min(LONGEST_S, FIRST_S * 2 ** Math.min(this.tries, 10));
     this.tries += 1;
-    // Half to all of the step; what the server asked for is never cut short.
+    // Half of the step to all of it, and never less than the server asked for.
     const step = base * (0.5 + 0.5 * this.random());
     return asked > 0 ? Math.min(asked, LONGEST_ASKED_S) + step * 0.2 : step;
   }

@@ -1,5 +1,5 @@
-// Camera maths without a page. Metres, radians, right-handed, +Y up; a camera looks down its own -Z.
-// One state serves both ways of moving: orbiting turns about the point `distance` ahead, flying moves the camera itself.
+// Camera maths; uses nothing of the page. Metres, radians, right-handed, +Y up; a camera looks down its own -Z.
+// Orbiting turns the camera about the point `distance` ahead, its pivot; flying moves the camera itself.
 import type { Quat, Vec3 } from './protocol';
 
 export interface Camera {
@@ -14,11 +14,11 @@ export interface Ray {
   direction: Vec3; // unit
 }
 
-// Short of straight up and down, where yaw would lose its meaning.
+// The largest pitch: a camera that looks straight up or down has no yaw.
 export const MAX_PITCH = Math.PI / 2 - 0.01;
 export const MIN_DISTANCE = 0.05;
 export const MAX_DISTANCE = 10_000;
-// The server refuses positions further out.
+// m from the origin on each axis; the server refuses positions further out.
 const MAX_COORDINATE = 50_000;
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -50,7 +50,7 @@ export function lookAt(position: Vec3, target: Vec3): Camera {
   };
 }
 
-// World from view, unit: yaw about +Y after pitch about +X.
+// The camera's orientation, world from view, a unit quaternion: yaw about +Y after pitch about +X.
 export function orientation(camera: Camera): Quat {
   const cy = Math.cos(camera.yaw / 2);
   const sy = Math.sin(camera.yaw / 2);
@@ -87,21 +87,21 @@ export function look(camera: Camera, yaw: number, pitch: number): Camera {
   return { ...camera, yaw: turned, pitch: clamp(camera.pitch + pitch, -MAX_PITCH, MAX_PITCH) };
 }
 
-// Turns about the pivot, which stays where it is.
+// Moves the camera around its pivot, the point `distance` ahead, which does not move.
 export function orbit(camera: Camera, yaw: number, pitch: number): Camera {
   const centre = pivot(camera);
   const turned = look(camera, yaw, pitch);
   return { ...turned, position: bounded(subtract(centre, scale(axes(turned).forward, turned.distance))) };
 }
 
-// Moves along the camera's own axes, in metres; the pivot comes along.
+// Moves the camera and its pivot along the camera's own axes, in metres.
 export function move(camera: Camera, right: number, up: number, forward: number): Camera {
   const a = axes(camera);
   const step = add(add(scale(a.right, right), scale(a.up, up)), scale(a.forward, forward));
   return { ...camera, position: bounded(add(camera.position, step)) };
 }
 
-// Multiplies the distance to the pivot, which stays where it is.
+// Multiplies the distance to the pivot, which does not move.
 export function zoom(camera: Camera, factor: number): Camera {
   const distance = clamp(camera.distance * factor, MIN_DISTANCE, MAX_DISTANCE);
   const position = add(camera.position, scale(axes(camera).forward, camera.distance - distance));
@@ -120,7 +120,8 @@ export function rayThrough(camera: Camera, fovY: number, aspect: number, x: numb
   return { origin: camera.position, direction: normalize(add(a.forward, sideways)) };
 }
 
-// The same view from further back, so that a picture narrower than high still shows what the scene's author framed.
+// The same view from further back if the picture is narrower than high: it then shows all that the scene's camera
+// frames.
 export function fitAspect(camera: Camera, aspect: number): Camera {
   return aspect < 1 ? zoom(camera, Math.min(1 / aspect, 2.5)) : camera;
 }

@@ -1,4 +1,5 @@
-// Linear Rec.709 as the server speaks it, to and from what a colour field and two angles can show.
+// Converts the server's linear Rec. 709 colours to a colour field's text and back, and directions to two angles and
+// back.
 import { clamp } from './camera';
 import type { Vec3 } from './protocol';
 
@@ -12,7 +13,7 @@ export function toLinear(srgb: number): number {
   return x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
 }
 
-// "#rrggbb" of a linear colour in [0, 1].
+// The "#rrggbb" of a linear colour in [0, 1].
 export function toHex(colour: Vec3): string {
   const byte = (x: number): string =>
     Math.round(toSrgb(x) * 255)
@@ -26,7 +27,7 @@ export function fromHex(hex: string): Vec3 {
   return [toLinear((value >> 16) / 255), toLinear(((value >> 8) & 255) / 255), toLinear((value & 255) / 255)];
 }
 
-// A light's irradiance as a colour, whose largest channel is 1, times an intensity.
+// Splits a light's irradiance into an intensity and a colour whose largest channel is 1.
 export function splitIrradiance(irradiance: Vec3): { colour: Vec3; intensity: number } {
   const intensity = Math.max(...irradiance);
   if (!(intensity > 0)) return { colour: [1, 1, 1], intensity: 0 };
@@ -39,7 +40,8 @@ export function joinIrradiance(colour: Vec3, intensity: number): Vec3 {
   return most > 0 ? [colour[0] * scale, colour[1] * scale, colour[2] * scale] : [0, 0, 0];
 }
 
-// Azimuth about +Y from +Z toward +X in [0, 360), elevation above the horizon in [-90, 90], degrees.
+// The angles of a direction: azimuth about +Y from +Z toward +X in [0, 360), elevation above the horizon in [-90,
+// 90], degrees.
 export function toAngles(toLight: Vec3): { azimuth: number; elevation: number } {
   const size = Math.hypot(...toLight) || 1;
   const degrees = 180 / Math.PI;

@@ -1,4 +1,4 @@
-// One WebSocket to the server, kept alive: connects, says hello, listens, and comes back by itself when it breaks.
+// One WebSocket to the server: connects, says hello, reads messages, and connects again when the connection breaks.
 import { Backoff } from './backoff';
 import { decode } from './decode';
 import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodePong, encodePose } from './encode';
@@ -8,7 +8,7 @@ import type { Command, HelloMessage, PoseMessage, ServerMessage, Welcome } from 
 
 export type Refusal = 'full' | 'version' | 'goodbye' | 'token';
 
-// `retryAt` is on performance.now()'s clock; undefined while a try is under way.
+// `retryAt`: time of the next try, on performance.now()'s clock; undefined while one is under way.
 export type LinkState =
   | { name: 'connecting' }
   | { name: 'connected'; welcome: Welcome }
@@ -20,20 +20,20 @@ export interface LinkEvents {
   state(state: LinkState): void;
   message(message: ServerMessage, bytes: number): void;
   roundTrip(ms: number): void;
-  // The server has stopped, and there is an answer from the page that it named.
+  // The server has stopped, and the page of another server that it named answers: the viewer goes there.
   moved(page: string): void;
 }
 
 const HANDSHAKE_MS = 8000; // from opening to welcome
 const SILENCE_MS = 8000; // the server reports the scene each second; longer silence is a dead connection
 const PING_MS = 2000;
-const MOVE_MS = 10_000; // a page that is still here then was not left
-// With this much still unsent the network is behind, and another pose would only be older when it arrives.
+const MOVE_MS = 10_000; // a page that has not been left by then connects here again
+// Bytes that the socket has not sent yet. With more, the network is behind, and another pose would only arrive late.
 const UNSENT_LIMIT = 64 * 1024;
-// A wait this long is worth telling as a refusal instead of as an interruption.
+// A wait this long is shown as a refusal, a shorter one as an interruption.
 const LONG_WAIT_S = 3;
 const ERROR_FULL = 5;
-// Handshakes that a healthy server turned down before the page takes itself for outdated.
+// After so many handshakes that a healthy server refused, the page says that its version is outdated.
 const DECLINED_LIMIT = 2;
 const TOKEN_WAIT_S = 30; // another token comes with a new address of the page
 
@@ -42,7 +42,7 @@ export const nowUs = (): bigint => BigInt(Math.round(performance.now() * 1000));
 export class Connection {
   private socket: WebSocket | undefined;
   private welcomed = false;
-  private resume = ''; // of the last welcome
+  private resume = ''; // Welcome.resume of the last welcome: the key to be the same viewer again
   private everWelcomed = false;
   private inputSeq = 0;
   private poseSeq = 0;
@@ -51,7 +51,7 @@ export class Connection {
   private openedAt = 0;
   private declined = 0;
   private askedWait = 0;
-  private goTo: string | undefined; // of the last goodbye
+  private goTo: string | undefined; // page that the last goodbye named
   private parting: { refusal?: Refusal; text: string } | undefined;
   private timer: number | undefined;
   private clock: number | undefined;
@@ -66,14 +66,14 @@ export class Connection {
   start(): void {
     window.addEventListener('online', () => this.hurry());
     document.addEventListener('visibilitychange', () => document.hidden || this.hurry());
-    // Gives the place back at once; a page that comes back from the browser's cache connects anew.
+    // Makes room for another viewer at once. A page that comes back from the browser's cache connects again.
     window.addEventListener('pagehide', () => this.leave('page closed'));
     window.addEventListener('pageshow', (event) => event.persisted && this.retryNow());
     this.setState({ name: 'connecting' });
     this.open();
   }
 
-  // Closes and connects anew at once, with a new hello.
+  // Closes the connection and connects again at once, with a new hello.
   reopen(): void {
     this.leave('reconnecting');
     this.retryNow();
@@ -86,7 +86,7 @@ export class Connection {
     else void this.goOn(this.goTo);
   }
 
-  // Elsewhere, or here again when nobody answers there.
+  // Moves to another server's page, or connects here again if nobody answers there.
   private async goOn(page: string): Promise<void> {
     if (await answers(page)) {
       this.events.moved(page);
@@ -98,12 +98,13 @@ export class Connection {
     return this.welcomed;
   }
 
-  // Of the last pose sent; 0 when this connection has sent none.
+  // Number of the last pose that was sent; 0 if this connection has sent none.
   get lastPose(): number {
     return this.poseSeq;
   }
 
-  // False when the pose was not sent: another try will have a newer one.
+  // Returns false if the pose was not sent, since the connection is away or behind. A later try will have a newer
+  // pose.
   sendPose(pose: Omit<PoseMessage, 'seq' | 'clientTimeUs'>): boolean {
     if (!this.welcomed || !this.socket || this.socket.bufferedAmount > UNSENT_LIMIT) return false;
     this.poseSeq += 1;
@@ -142,7 +143,7 @@ export class Connection {
     this.poseSeq = 0;
     this.openedAt = this.heardAt = performance.now();
     let opened = false;
-    // While trying again the state stays what it was: only its countdown ends.
+    // A retry keeps the state and ends its countdown.
     if (this.state.name === 'reconnecting' || this.state.name === 'refused') {
       this.setState({ ...this.state, retryAt: undefined });
     }
@@ -155,7 +156,7 @@ export class Connection {
       if (this.socket === socket) this.receive(event.data);
     };
     socket.onclose = () => {
-      if (this.socket !== socket) return; // left on purpose
+      if (this.socket !== socket) return; // closed by leave() or tick(), or replaced
       this.socket = undefined;
       window.clearInterval(this.clock);
       if (opened) this.ended();
@@ -172,7 +173,8 @@ export class Connection {
       message = decode(data);
     } catch (error) {
       console.error('brume: the server sent what this page cannot read:', error);
-      // A first message that makes no sense comes from another version; a later one from a broken connection.
+      // If the first message cannot be read, the server is of another version; if a later one, the connection is
+      // broken.
       this.parting = this.welcomed ? { text: 'A message was damaged.' } : versionRefusal();
       this.socket?.close(4000, 'unreadable message');
       return;
@@ -211,7 +213,7 @@ export class Connection {
     const now = performance.now();
     const late = this.welcomed ? now - this.heardAt > SILENCE_MS : now - this.openedAt > HANDSHAKE_MS;
     if (late) {
-      // close() waits for the other side, which is silent: give the socket up first.
+      // close() waits for the server, which is silent: the socket is given up before.
       this.socket = undefined;
       window.clearInterval(this.clock);
       socket.close();
@@ -227,15 +229,15 @@ export class Connection {
     this.send(encodePing(this.nonce, nowUs()));
   }
 
-  // The handshake failed. Nobody there, or a server that wants another token, or one that does not speak this version? A page is
-  // not told why: the same address over HTTP answers in one line.
+  // The handshake failed: nobody is there, the server wants another token, or it does not speak this version. A
+  // browser does not say which. So the page asks the same address over HTTP, which answers in one line.
   private async turnedDown(): Promise<void> {
     const wants = await this.whatItWants();
     const alive = await fetch('healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) }).then(
       (response) => response.ok,
       () => false,
     );
-    if (this.socket) return; // someone asked for another try meanwhile
+    if (this.socket) return; // another try has begun meanwhile
     this.declined = alive && wants === undefined ? this.declined + 1 : 0;
     if (wants !== undefined) {
       this.parting = { refusal: 'token', text: wants };
@@ -247,7 +249,7 @@ export class Connection {
     this.ended();
   }
 
-  // Of who connects; undefined when our token is good enough, or nobody answers.
+  // The server's reason to refuse this page's token, in one line; undefined if it accepts the token or nobody answers.
   private async whatItWants(): Promise<string | undefined> {
     try {
       const answer = await fetch(this.url.replace(/^ws/, 'http'), {
@@ -275,7 +277,7 @@ export class Connection {
     }
   }
 
-  // An interruption is worth another try at once; a wait that the server asked for is not.
+  // Tries again at once after an interruption, but never cuts short a wait that the server asked for.
   private hurry(): void {
     if (this.state.name === 'reconnecting' && this.askedWait === 0) this.retryNow();
   }
@@ -283,7 +285,7 @@ export class Connection {
   private leave(reason: string): void {
     const socket = this.socket;
     if (!socket) return;
-    this.resume = ''; // who says goodbye does not come back as the same
+    this.resume = ''; // after a goodbye the server forgets the viewer
     this.send(encodeGoodbye(reason));
     this.socket = undefined;
     this.welcomed = false;
@@ -297,7 +299,8 @@ const versionRefusal = (): { refusal: Refusal; text: string } => ({
   text: 'The server turned this page away.',
 });
 
-// Beside the page, wherever a proxy has put it, and over TLS when the page came so.
+// The address of the server's socket: "ws" beside the page, wherever a proxy has put it; over TLS if the page came
+// over TLS.
 export function socketAddress(token: string | undefined): string {
   const address = new URL('ws', location.href);
   address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';

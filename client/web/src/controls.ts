@@ -1,4 +1,5 @@
-// Mouse, touch and keyboard to camera movements and pushes. Listens to the canvas and, for keys, to the window.
+// Turns mouse, touch and keyboard events into camera moves and pushes. Listens to the canvas and, for keys, to the
+// window.
 import { add, axes, look, metresPerPixel, move, orbit, rayThrough, scale, zoom } from './camera';
 import type { Camera, Ray } from './camera';
 import type { Vec3 } from './protocol';
@@ -10,10 +11,10 @@ export interface ControlsHost {
   camera: Camera;
   readonly fovY: number;
   mode: Mode;
-  readonly pushing: boolean; // the push button is on
-  readonly mayPush: boolean; // this viewer's role allows it
-  touched(): void; // the first movement of any kind
-  pushed(active: boolean, x: number, y: number): void; // where the pushing cursor is, in CSS pixels
+  readonly pushing: boolean; // true: the push button is on
+  readonly mayPush: boolean; // true: this viewer's role allows pushes
+  touched(): void; // the viewer has moved the camera or pressed the canvas
+  pushed(active: boolean, x: number, y: number): void; // active: a push is under way; x, y: CSS pixels
 }
 
 type Gesture = 'turn' | 'pan' | 'push';
@@ -23,14 +24,14 @@ interface Pointer {
   startX: number;
   startY: number;
   gesture: Gesture;
-  timer: number | undefined; // of a long press
+  timer: number | undefined; // turns a long press into a push
 }
 
 const TURN_PER_PIXEL = 0.005; // rad
 const TURN_PER_SECOND = 1.4; // rad, by key
 const ZOOM_PER_PIXEL = 0.0012;
 const LONG_PRESS_MS = 380;
-const LONG_PRESS_SLACK = 8; // px
+const LONG_PRESS_SLACK = 8; // px; a finger that moves further makes no long press
 const FLY_SECONDS = 3; // to cross the distance to the pivot
 const FLY_FAST = 4;
 const FLY_SETTLE_S = 0.1; // time constant of starting and stopping
@@ -85,7 +86,7 @@ export class Controls {
     }
     if (yaw !== 0 || pitch !== 0) {
       const angle = TURN_PER_SECOND * dt;
-      // Arrows move the camera around the cloud, or turn its head: to the right either way.
+      // The right arrow moves the camera to the right around the pivot, or turns its view to the right.
       this.host.camera =
         this.host.mode === 'orbit'
           ? orbit(this.host.camera, yaw * angle, -pitch * angle)
@@ -109,14 +110,15 @@ export class Controls {
 
   private down(event: PointerEvent): void {
     event.preventDefault();
-    this.canvas.focus({ preventScroll: true });
+    // Keys go to the camera again, not to a field. Focusing the canvas would draw the keyboard's focus ring around it.
+    if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
     this.canvas.setPointerCapture(event.pointerId);
     this.host.touched();
     const { clientX: x, clientY: y } = event;
     const pointer: Pointer = { x, y, startX: x, startY: y, gesture: this.gestureOf(event), timer: undefined };
     this.pointers.set(event.pointerId, pointer);
     if (this.pointers.size > 1) {
-      // A second finger makes it a pinch.
+      // With a second finger the gesture is a pinch.
       for (const other of this.pointers.values()) {
         window.clearTimeout(other.timer);
         if (other.gesture === 'push') this.stopPush(other, true);
@@ -238,7 +240,7 @@ export class Controls {
   }
 }
 
-// Keys typed into a field belong to the field.
+// True if this is a field of the panel, whose keys are not for the camera.
 export function isField(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.matches('input, select, textarea');
 }

@@ -1,4 +1,5 @@
-// Messages from the server. One WebSocket message is one size-prefixed FlatBuffer; the JPEG bytes of a frame's views follow it.
+// Decodes messages from the server. One WebSocket message is one size-prefixed FlatBuffer; the JPEG bytes of a
+// frame's views follow it.
 import { ByteBuffer } from 'flatbuffers';
 import { Body } from './wire/brume/wire/body';
 import { Error as WireError } from './wire/brume/wire/error';
@@ -16,7 +17,7 @@ import { ProtocolError } from './protocol';
 import { roleOf } from './role';
 import type { Frame, Frustum, Plan, Quat, SceneState, ServerMessage, Vec3, Welcome } from './protocol';
 
-// Bounds on what a server may send in lists; anything longer is not one of ours.
+// The longest lists that a message may have; a longer one makes the message invalid.
 const MAX_VIEWS = 2;
 const MAX_NAMES = 64;
 

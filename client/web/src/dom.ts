@@ -18,7 +18,7 @@ export function el<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-// Writes only what changed: the browser then has nothing to lay out again.
+// Writes the text only if it changed, so that the browser does not lay out the page for nothing.
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

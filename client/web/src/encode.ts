@@ -1,4 +1,4 @@
-// Messages to the server. One WebSocket message is one size-prefixed FlatBuffer.
+// Encodes messages to the server. One WebSocket message is one size-prefixed FlatBuffer.
 import { Builder } from 'flatbuffers';
 import { Ack } from './wire/brume/wire/ack';
 import { Body } from './wire/brume/wire/body';
@@ -57,6 +57,7 @@ export function encodePose(pose: PoseMessage): Uint8Array<ArrayBuffer> {
   const [frustum, right] = pose.frusta ?? [];
   if (frustum) WirePose.addFrustum(builder, createFrustum(builder, frustum));
   if (right) WirePose.addRightFrustum(builder, createFrustum(builder, right));
+  WirePose.addHidden(builder, pose.hidden ?? false);
   return finish(builder, Body.Pose, WirePose.endPose(builder));
 }
 

@@ -1,9 +1,10 @@
-// The panel's controls. Each follows the server's value, except while the viewer holds it: then the viewer's own wins.
+// The panel's controls. Each shows the server's value, except while the viewer changes it: then it shows the viewer's.
 import { el, setText } from './dom';
 
-// Changes of one control are sent at most this often; the last one always is.
+// Least time between two messages of one control. The last change is always sent.
 const SEND_MS = 50;
-// A report that was under way when the viewer let go still holds the old value.
+// How long a control ignores the server's value after the viewer's last change: reports that are on their way hold
+// the old one.
 const HOLD_MS = 700;
 
 export interface Field<T> {
@@ -11,7 +12,7 @@ export interface Field<T> {
   follow(value: T): void;
 }
 
-// Whether the viewer is at this control, or just was.
+// Knows whether the viewer changes a control now, or did so just before.
 class Hold {
   private pressed = false;
   private touchedAt = -Infinity;
@@ -50,7 +51,7 @@ function throttled<T>(send: (value: T) => void): (value: T) => void {
   };
 }
 
-// Shown beside a control; read aloud as the control's own value.
+// The value shown beside a control. It is hidden from screen readers, which read the control's own value.
 const valueText = (): HTMLElement => el('span', { class: 'value', 'aria-hidden': 'true' });
 
 function row(label: string, input: HTMLElement, output?: HTMLElement, hint?: string): HTMLElement {
@@ -66,7 +67,7 @@ export interface SliderOptions {
   max: number;
   step: number;
   logarithmic?: boolean; // min must be positive
-  grows?: boolean; // makes room for a value beyond max
+  grows?: boolean; // true: a value beyond max extends the slider
   format?: (value: number) => string;
   hint?: string;
   change: (value: number) => void;
@@ -146,7 +147,7 @@ export function colour(label: string, change: (hex: string) => void): Field<stri
   return {
     element,
     follow: (hex) => {
-      // The browser's colour dialogue takes the focus for as long as it is open.
+      // While the browser's colour dialogue is open, it has the focus.
       if (hold.held || input.value === hex) return;
       input.value = hex;
       setText(output, hex);

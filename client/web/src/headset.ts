@@ -1,5 +1,5 @@
-// A WebXR session: the headset's pose, eye separation and projection are asked for, and each eye's newest picture is drawn at every
-// frame of its display, turned from where it was made to where the eye looks by now.
+// A WebXR session. It asks the server for pictures with the headset's pose, eye separation and projections. At every
+// frame of the headset's display it draws each eye's newest picture, reprojected to where that eye looks now.
 import { add, length, orientation, scale, subtract } from './camera';
 import type { Surface } from './picture';
 import { covering, fromProjection, multiply, rotate, shaped, warp, widened } from './projection';
@@ -12,7 +12,7 @@ import { Warp } from './warp';
 
 export interface HeadsetEvents {
   ask(wish: PoseWish): void;
-  // Before each frame of the display: draws the newest picture here (Surface).
+  // Called before each frame of the display: hands the newest picture to show().
   beforeFrame(): void;
   ended(why: string): void;
 }
@@ -25,7 +25,7 @@ const vec = (p: DOMPointReadOnly): Vec3 => [p.x, p.y, p.z];
 const quat = (p: DOMPointReadOnly): Quat => [p.x, p.y, p.z, p.w];
 
 export class Headset implements Surface {
-  // For tests: frames drawn for both eyes, and the last poses that were asked for.
+  // For tests: number of display frames drawn, and the last pose that was asked for.
   drawn = 0;
   asked: PoseWish | undefined;
   private frame: Frame | undefined;
@@ -42,8 +42,8 @@ export class Headset implements Surface {
     private readonly base: { position: Vec3; orientation: Quat },
   ) {}
 
-  // It begins, upright, where the page's camera stands. To be called while a press of a button is handled: browsers let nothing else begin a session. Throws an Error whose message says
-  // in one line why there is none.
+  // Starts a session, upright, at the page's camera. To be called in the handler of a click: browsers start a session
+  // from nothing else. Throws an Error whose message says in one line why there is none.
   static async start(place: ViewingHost, events: HeadsetEvents): Promise<Headset> {
     const session = await navigator.xr?.requestSession('immersive-vr').catch((error: unknown) => {
       throw new Error(`The headset did not start: ${error instanceof Error ? error.message : String(error)}`);
@@ -69,7 +69,7 @@ export class Headset implements Surface {
 
   end(why?: string): void {
     if (why) this.why = why;
-    void this.session.end().catch(() => undefined); // it may be over already
+    void this.session.end().catch(() => undefined); // it may have ended already
   }
 
   show(bitmaps: ImageBitmap[], frame: Frame): void {
@@ -84,7 +84,7 @@ export class Headset implements Surface {
     this.session.requestAnimationFrame(this.step);
     this.events.beforeFrame();
     const pose = now.getViewerPose(this.space);
-    if (!pose) return; // tracking is lost: the last picture stays
+    if (!pose) return; // the headset has lost its tracking: the last picture stays
     const eyes = pose.views.filter((view) => view.eye !== 'none').slice(0, 2);
     const shown = (eyes.length > 0 ? eyes : pose.views.slice(0, 1)).map((view) => ({ view, seen: this.inWorld(view) }));
     this.ask(quat(pose.transform.orientation), shown);

@@ -1,19 +1,21 @@
-// Where the time between a viewer's input and its picture goes, and rates over a sliding second. No page, no sockets.
+// Splits the time from a viewer's input to its picture into stages, and counts rates over a sliding second. Uses no
+// page and no socket.
 import type { Frame } from './protocol';
 
 export const STAGES = ['input', 'wait', 'render', 'encode', 'queue', 'network', 'decode', 'present'] as const;
 export type Stage = (typeof STAGES)[number];
 export type Latency = Record<Stage, number> & { total: number }; // ms
 
-// Instants on the viewer's own clock, ms.
+// Times on the viewer's own clock, ms.
 export interface Presented {
   received: number;
   decoded: number;
   presented: number;
 }
 
-// Input to present on the viewer's clock alone. The server reports durations, the viewer knows its own; the network, both
-// ways, is what remains. Frames carry the time at which the pose was sent; `input`: how long before that the camera was moved, ms.
+// The latency from input to present, on the viewer's clock alone. The server reports its durations, and the viewer
+// measures its own; the rest is the network, both ways. A frame carries the time at which its pose was sent. `input`:
+// ms from the camera's move to that time.
 export function splitLatency(frame: Pick<Frame, 'clientTimeUs' | 'stages'>, at: Presented, input = 0): Latency {
   const total = input + at.presented - Number(frame.clientTimeUs) / 1000;
   const { wait, render, encode, queue } = frame.stages;
@@ -23,7 +25,7 @@ export function splitLatency(frame: Pick<Frame, 'clientTimeUs' | 'stages'>, at: 
   return { input, wait, render, encode, queue, network, decode, present, total };
 }
 
-// Exponential average of latencies, so that numbers can be read while they change.
+// Exponential average of latencies: changes slowly enough to be read.
 export class LatencyAverage {
   private value: Latency | undefined;
 
@@ -47,7 +49,7 @@ export class LatencyAverage {
   }
 }
 
-// The last latencies as they were: what an average hides.
+// The last latencies, for percentiles.
 export class LatencyWindow {
   private readonly samples: Latency[] = [];
   private next = 0;
@@ -63,7 +65,8 @@ export class LatencyWindow {
     return this.samples.length;
   }
 
-  // The least value that `percent` % of the samples do not exceed (nearest rank), each stage on its own; undefined without samples.
+  // The percentile of each stage, by nearest rank: the least sample that `percent` % do not exceed. Undefined without
+  // samples.
   percentile(percent: number): Latency | undefined {
     const count = this.samples.length;
     if (count === 0) return undefined;
@@ -78,7 +81,7 @@ export class LatencyWindow {
   }
 }
 
-// Events and their amounts over the last `span` ms.
+// Sums amounts over the last `span` ms.
 export class Rate {
   private events: { at: number; amount: number }[] = [];
 
@@ -89,7 +92,7 @@ export class Rate {
     this.forget(at);
   }
 
-  // Per second.
+  // Sum of the amounts per second.
   perSecond(now: number): number {
     this.forget(now);
     let sum = 0;

@@ -1,4 +1,4 @@
-// The page: puts camera, connection, picture, panel and overlay together.
+// The page: connects camera, connection, picture, panel and overlay.
 import { fitAspect, lookAt, same } from './camera';
 import type { Camera } from './camera';
 import { Connection, socketAddress } from './connection';
@@ -7,6 +7,7 @@ import { Controls, isField } from './controls';
 import type { ControlsHost, Mode } from './controls';
 import { find, setPressed, setText } from './dom';
 import { Headset, headsetSupported } from './headset';
+import { hintText } from './hint';
 import type { Presented } from './latency';
 import { addressAt, cameraIn } from './move';
 import { Notices, sentence } from './notices';
@@ -23,15 +24,16 @@ import { SIZE_CAPS, defaultCap } from './size';
 import type { Size } from './size';
 import { Statistics } from './statistics';
 import { Viewing } from './viewing';
+import { Visibility } from './visibility';
 
-// A still camera sends its pose again this often, so that the latency shown stays true.
+// A still camera sends its pose again this often: the latency shown is then never older.
 const POSE_REFRESH_MS = 500;
 const OVERLAY_MS = 250;
 const RESIZE_SETTLE_MS = 150;
-const ERROR_FULL = 5; // shown as a state, not as a note
+const ERROR_FULL = 5; // ErrorCode.full; the connection's state shows it, no note does
 const CLIENT = 'brume-web 0.1.0';
 
-let arrived = cameraIn(location.hash); // from another server, with this camera
+let arrived = cameraIn(location.hash); // camera of a viewer that another server sent here
 const token = takeToken();
 if (arrived) history.replaceState(history.state, '', location.pathname + location.search);
 
@@ -47,7 +49,8 @@ let mode: Mode = 'orbit';
 let pushing = false;
 let linkState: LinkState['name'] = 'connecting';
 let movedAt: number | undefined; // ms, of the first input since the last pose that was sent
-// pose: the number of the first that said the same, `said`, to the server, which has float32: it draws what rests only once.
+// The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
+// pose with the same numbers, since the server draws a still picture only once.
 let sent: { camera: Camera; size: Size; at: number; pose: number; said: string } | undefined;
 let headset: Headset | undefined;
 const statistics = new Statistics();
@@ -90,7 +93,7 @@ const link = new Connection(socketAddress(token), {
 });
 
 function enter(greeting: Welcome): void {
-  // The same scene again: the viewer stays where they were.
+  // The camera starts at the scene's own; in the same scene it stays where it was.
   if (welcome?.scene !== greeting.scene) {
     home = fitAspect(lookAt(greeting.camera.position, greeting.camera.target), aspect());
     camera = arrived ?? home;
@@ -107,6 +110,7 @@ function enter(greeting: Welcome): void {
   if (!mayPush()) setPushing(false);
   size = viewing.size();
   setText(find('brand-scene'), greeting.scene);
+  if (visibility.hidden) ask(performance.now());
 }
 
 function receive(message: ServerMessage, bytes: number): void {
@@ -182,7 +186,7 @@ const host: ControlsHost = {
     cursor.style.transform = `translate(${x}px, ${y}px)`;
   },
 };
-// Pushes made while the connection is away are moot.
+// Pushes that are made without a connection are lost.
 const pusher = new Pusher((impulse) => void link.sendInput(impulse));
 const controls = new Controls(canvas, host, pusher);
 
@@ -202,19 +206,7 @@ function setPushing(on: boolean): void {
   hint();
 }
 
-function hint(): void {
-  const touch = matchMedia('(pointer: coarse)').matches;
-  // Many window managers keep Alt-drag to themselves, and a Mac's Ctrl-click is another click.
-  const key = /^(Mac|iP)/.test(navigator.platform) ? 'Option' : 'Ctrl';
-  const turn = mode === 'orbit' ? 'orbit' : 'look around';
-  const travel = mode === 'orbit' ? 'scroll to zoom' : 'WASD to fly';
-  const text = pushing
-    ? 'Drag to push the cloud'
-    : touch
-      ? `Drag to ${turn} · pinch to zoom${mayPush() ? ' · hold, then drag to push' : ''}`
-      : `Drag to ${turn} · ${travel}${mayPush() ? ` · ${key}-drag to push the cloud` : ''}`;
-  setText(find('hint'), text);
-}
+const hint = (): void => setText(find('hint'), hintText(mode, pushing, mayPush()));
 
 const toggles = {
   stats: (on: boolean): void => {
@@ -232,7 +224,7 @@ const toggles = {
   },
 };
 
-// How many eyes look is part of the hello.
+// Chooses eyes and reprojection. The number of eyes is part of the hello, so a change of it connects again.
 function look(change: Partial<Pick<typeof settings, 'eyes' | 'reprojection'>>): void {
   const { eyes, reprojection } = { ...settings, ...change };
   const views = viewing.views;
@@ -346,7 +338,7 @@ function refreshOverlay(): void {
 let before = performance.now();
 function animate(now: number): void {
   requestAnimationFrame(animate);
-  if (headset) return; // its own display's frames do all of this
+  if (headset) return; // the headset's own animation frames do all of this
   picture.draw();
   controls.update(now, Math.min(0.1, Math.max(0, (now - before) / 1000)));
   before = now;
@@ -360,15 +352,19 @@ function ask(now: number): void {
   const lead = settings.predict ? (statistics.average.get()?.total ?? 0) : 0;
   const foreseen = (lead > 0 && predictor.predict(lead)) || camera;
   const wish = viewing.wish(foreseen, size);
-  if (!link.sendPose(wish)) return;
+  if (!link.sendPose({ ...wish, hidden: visibility.hidden })) return;
   statistics.sent(link.lastPose, movedAt === undefined ? 0 : performance.now() - movedAt);
   movedAt = undefined;
   const said = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height].map(Math.fround).join();
   sent = { camera, size, at: now, pose: sent?.said === said ? sent.pose : link.lastPose, said };
 }
 
-// A hidden page presents nothing: what it was shown of poses from before says nothing about the way here.
-document.addEventListener('visibilitychange', () => (statistics.answeredPose = link.lastPose));
+// The server draws nothing for a hidden page. Animation frames, which send the other poses, stop in it too.
+const visibility = new Visibility(() => !headset && link.connected && ask(performance.now()));
+document.addEventListener('visibilitychange', () => {
+  statistics.answeredPose = link.lastPose; // frames of poses from before were not presented when they came
+  visibility.update(document.hidden);
+});
 
 let settle: number | undefined;
 new ResizeObserver(() => {

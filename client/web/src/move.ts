@@ -1,11 +1,12 @@
-// Where a server that stops sends its viewers: to the page of another one, with what they have here.
+// How a viewer moves to the page of another server, when its own stops: with its settings, its token and its camera.
 import { look, move, zoom } from './camera';
 import type { Camera } from './camera';
 
 const ASK_MS = 3000;
 
-// The page that a goodbye's URL names: itself, or the page beside the socket of a ws or wss URL. Nothing for any other text, and
-// nothing that leads from TLS to none. `here`: the address of this page.
+// The address of the page that a goodbye's URL names: the URL itself, or the page beside the socket of a ws or wss
+// URL. Undefined for any other text, and for a page without TLS if this one has TLS. `here`: the address of this
+// page.
 export function pageOf(goTo: string, here: string): string | undefined {
   let page: URL;
   try {
@@ -21,7 +22,7 @@ export function pageOf(goTo: string, here: string): string | undefined {
   return page.href;
 }
 
-// Whether anybody is there. The answer itself is not for other pages' eyes.
+// True if a server answers at that page. Browsers do not let this page read the answer itself.
 export const answers = (page: string): Promise<boolean> =>
   fetch(new URL('healthz', page), { mode: 'no-cors', cache: 'no-store', signal: AbortSignal.timeout(ASK_MS) }).then(
     () => true,
@@ -30,7 +31,7 @@ export const answers = (page: string): Promise<boolean> =>
 
 const numbersOf = (camera: Camera): number[] => [...camera.position, camera.yaw, camera.pitch, camera.distance];
 
-// The address of that page for this viewer: same wishes, same token, same camera.
+// The address of that page with this viewer's query, token and camera.
 export function addressAt(page: string, search: string, token: string | undefined, camera: Camera): string {
   const address = new URL(page);
   for (const [name, value] of new URLSearchParams(search)) address.searchParams.set(name, value);
@@ -40,7 +41,7 @@ export function addressAt(page: string, search: string, token: string | undefine
   return address.href;
 }
 
-// The camera that such an address brings along.
+// The camera in the fragment of such an address, or undefined.
 export function cameraIn(fragment: string): Camera | undefined {
   const at = new URLSearchParams(fragment.replace(/^#/, '')).get('at');
   const [x, y, z, yaw, pitch, distance, ...more] = at?.split(',').map(Number) ?? [];
@@ -48,6 +49,6 @@ export function cameraIn(fragment: string): Camera | undefined {
     return undefined;
   if (distance === undefined || more.length > 0 || ![x, y, z, yaw, pitch, distance].every(Number.isFinite))
     return undefined;
-  // Within the bounds that moves, turns and zooms keep to.
+  // Clamped to the bounds of moves, turns and zooms.
   return zoom(look(move({ position: [x, y, z], yaw, pitch, distance }, 0, 0, 0), 0, 0), 1);
 }

@@ -1,11 +1,11 @@
-// What the viewer is told about the connection: a curtain before the first picture and when refused, a line in the corner
-// always, a countdown, and short notes.
+// Tells the viewer about the connection: a curtain (a full-page message) before the first picture and after a
+// refusal, a status line in the corner, a countdown to the next try, and short notes.
 import type { LinkState } from './connection';
 import { el, find, setText } from './dom';
 
 const NOTE_MS = 4500;
 const MOST_NOTES = 3;
-// An interruption shorter than this (a changed picture quality) is not worth a word.
+// A shorter interruption, such as for another picture quality, is not shown.
 const PATIENCE_MS = 500;
 
 const REFUSALS = {
@@ -35,7 +35,7 @@ export class Notices {
   private retryAt: number | undefined;
   private shown: LinkState = { name: 'connecting' };
   private pending: number | undefined;
-  private seen = false; // a picture of this visit
+  private seen = false; // true: a picture has been shown since the page was loaded
 
   constructor(retry: () => void) {
     this.retry.addEventListener('click', () => {
@@ -45,7 +45,7 @@ export class Notices {
     window.setInterval(() => this.count(), 250);
   }
 
-  // The first picture of a connection is on the screen.
+  // To be called when a picture is on the screen.
   picture(): void {
     this.seen = true;
     if (this.shown.name === 'connected') this.show('live', 'Live');
@@ -77,7 +77,7 @@ export class Notices {
         this.draw('Brume', 'Connecting…', undefined);
         break;
       case 'connected':
-        // The curtain opens with the first picture, not with the handshake.
+        // The curtain stays until the first picture.
         if (this.seen) this.show('live', 'Live');
         else {
           this.show('connecting', 'Connected');
@@ -128,7 +128,7 @@ export class Notices {
   }
 }
 
-// A server's line as a sentence of its own.
+// A server's line with a capital letter and a full stop.
 export function sentence(text: string): string {
   const first = text.charAt(0).toUpperCase() + text.slice(1);
   return /[.!?…]$/.test(first) ? first : `${first}.`;

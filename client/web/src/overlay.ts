@@ -1,4 +1,4 @@
-// What is going on, in numbers: frame rate, where the latency goes, the scene, the device's passes.
+// The statistics overlay: frame rate, latency by stage, the scene, device times of the passes.
 import { el, setText } from './dom';
 import { STAGES } from './latency';
 import type { Latency, Stage } from './latency';
@@ -27,7 +27,7 @@ const STAGE_HINTS: Record<Stage, string> = {
   decode: 'The browser decoded the JPEG',
   present: 'The browser brought it to the screen',
 };
-// Samples in the latency curve, one a frame.
+// Number of samples in the latency curve; each frame is one.
 const HISTORY = 60;
 const CURVE = { width: 132, height: 34 };
 
@@ -101,7 +101,7 @@ export class Overlay {
     if (this.history.length > HISTORY) this.history.shift();
   }
 
-  // Cheap enough to call a few times a second; does nothing while hidden.
+  // To be called a few times a second. Does nothing while the overlay is hidden.
   update(data: OverlayData): void {
     if (this.root.hidden) return;
     setText(this.fps, data.fps.toFixed(data.fps < 9.5 ? 1 : 0));

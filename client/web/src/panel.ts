@@ -1,4 +1,4 @@
-// The settings everyone shares (light, medium, method, simulation) and the viewer's own (picture).
+// The panel: settings that all viewers share (light, medium, method, simulation), and this viewer's own (picture).
 import { axes } from './camera';
 import type { Camera } from './camera';
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex } from './colour';
@@ -39,10 +39,10 @@ const QUADRATURES: Record<string, { text: string; steps: number }> = {
   transmittance: { text: 'Transmittance space', steps: 3 },
   analytic: { text: 'Analytical', steps: 0 },
 };
-// The method whose quadrature these are.
+// The method that the quadratures belong to.
 const FREE_QUADRATURE = 'isv';
 const QUALITIES = [0, 50, 65, 80, 90, 95];
-const NUDGE = 0.03; // of the camera's distance
+const NUDGE = 0.03; // step that moves the volume, over the camera's distance to the pivot
 
 const degrees = (value: number): string => `${Math.round(value)}°`;
 const fixed =
@@ -64,7 +64,7 @@ const keyList = (): HTMLElement =>
   el('dl', { class: 'keys' }, ...KEYS.map(([key, does]) => el('div', {}, el('dt', {}, key), el('dd', {}, does))));
 
 export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings): Panel {
-  // What the last report said: half of a light is changed by sending the other half as it was.
+  // The light of the last report. A change of its colour sends its intensity too, and the other way round.
   let toLight: Vec3 = [0, 1, 0];
   let tint: Vec3 = [1, 1, 1];
   let intensity = 1;
@@ -72,7 +72,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const light = (change: { azimuth?: number; elevation?: number }): void => {
     toLight = fromAngles(
       change.azimuth ?? toAngles(toLight).azimuth,
-      // Short of the poles, where the azimuth would be lost.
+      // Not up to 90 degrees, where the light has no azimuth.
       Math.max(-89.9, Math.min(89.9, change.elevation ?? toAngles(toLight).elevation)),
     );
     host.command({ kind: 'light', toLight });

@@ -1,4 +1,5 @@
-// From JPEG or PNG bytes to a surface. The newest frame wins: at most one is being decoded and one waits, an older one is dropped.
+// Decodes the pictures of frames and draws them on a surface. At most one frame is being decoded and one waits; a
+// newer frame replaces the one that waits, which is dropped.
 import type { Presented } from './latency';
 import type { Frame } from './protocol';
 
@@ -8,7 +9,7 @@ export interface PictureEvents {
   failed(frame: Frame): void;
 }
 
-// What pictures are drawn on; takes the bitmaps over, one of each eye.
+// What pictures are drawn on. show() takes the ownership of the bitmaps, one for each eye.
 export interface Surface {
   show(bitmaps: ImageBitmap[], frame: Frame): void;
 }
@@ -46,7 +47,8 @@ export class Picture {
     if (!this.decoding) void this.decode();
   }
 
-  // For a new connection: forgets what has not been drawn and tells no more about what has, since frames are numbered anew.
+  // To be called for a new connection, which numbers its frames from 1. Frames of the old one that were not drawn are
+  // forgotten, and no event tells of the others any more.
   clear(): void {
     this.generation += 1;
     this.waiting = this.drawn = undefined;
@@ -54,8 +56,8 @@ export class Picture {
     this.ready = undefined;
   }
 
-  // Once per frame of the display, before anything else draws: the browser has taken then what the frame before has drawn, and
-  // only that was presented.
+  // To be called once per animation frame, before anything else draws. By then the browser has presented what the
+  // animation frame before has drawn.
   draw(): void {
     const { drawn, ready } = this;
     this.drawn = this.ready = undefined;
@@ -97,7 +99,7 @@ export class Picture {
   }
 }
 
-// The server tone-maps to sRGB: nothing is left to convert or to premultiply.
+// The server's pictures are sRGB without alpha: the browser has nothing to convert.
 const toBitmap = (bytes: Uint8Array<ArrayBuffer>): Promise<ImageBitmap> =>
   createImageBitmap(new Blob([bytes], { type: bytes[0] === 0x89 ? 'image/png' : 'image/jpeg' }), {
     colorSpaceConversion: 'none',
@@ -106,7 +108,7 @@ const toBitmap = (bytes: Uint8Array<ArrayBuffer>): Promise<ImageBitmap> =>
 
 const close = (decoded: Decoded | undefined): void => decoded?.bitmaps.forEach((bitmap) => bitmap.close());
 
-// A canvas that shows one eye's picture as it came.
+// A canvas that shows the first eye's picture unchanged.
 export function flatSurface(canvas: HTMLCanvasElement): Surface {
   const context = canvas.getContext('bitmaprenderer', { alpha: false });
   if (!context) throw new Error('This browser cannot draw pictures on a canvas.');
@@ -114,7 +116,7 @@ export function flatSurface(canvas: HTMLCanvasElement): Surface {
     show: ([bitmap, ...rest]) => {
       for (const other of rest) other.close();
       if (!bitmap) return;
-      // The bitmap does not change the canvas's own size, which is what its layout goes by.
+      // The bitmap does not change the canvas's width and height, which its layout uses.
       const { width, height } = bitmap;
       if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
       context.transferFromImageBitmap(bitmap);

@@ -1,10 +1,10 @@
-// What the server renders with, in one line.
+// The method and settings that the server renders with, in one line of text.
 import type { SceneState } from './protocol';
 
-// Two digits: 0.3 %, 1.5 %, 12 %.
+// A percentage with two digits: 0.3 %, 1.5 %, 12 %.
 const percent = (part: number): string => `${Number((100 * part).toPrecision(2))} %`;
 
-// '' while the server does not say.
+// Empty for a server that sends no plan.
 export function planText(scene: Pick<SceneState, 'method' | 'plan'>): string {
   const { plan, method } = scene;
   if (!plan) return '';

@@ -1,22 +1,23 @@
-// Where the camera will be when the picture of a pose that is sent now is seen, by how it moved in the last moments.
+// Predicts where the camera will be when the picture of a pose that is sent now is seen: it goes on as it moved just
+// before.
 import { clamp } from './camera';
 import type { Camera } from './camera';
 
-const SPAN_MS = 80; // of the movement that is taken into account: longer lags behind, shorter follows single events
+const SPAN_MS = 80; // of movement is extrapolated: more would lag behind, less would follow single events
 const LEAST_MS = 12;
-// Nobody's hand keeps its course for longer.
+// Longest prediction: a hand changes its direction after that.
 const LONGEST_MS = 150;
 
 export class Predictor {
   private readonly past: { at: number; camera: Camera }[] = [];
 
-  // Once per animation frame; ms of one clock, growing.
+  // To be called once per animation frame. `at`: ms, growing.
   add(at: number, camera: Camera): void {
     this.past.push({ at, camera });
     while (this.past.length > 2 && at - (this.past[1]?.at ?? at) >= SPAN_MS) this.past.shift();
   }
 
-  // `ahead` ms after the newest; the newest itself where too little is known.
+  // The camera `ahead` ms after the newest one that was added; the newest itself while too few are known.
   predict(ahead: number): Camera | undefined {
     const first = this.past[0];
     const last = this.past[this.past.length - 1];

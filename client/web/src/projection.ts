@@ -1,31 +1,31 @@
-// What a picture covers, and where its parts are seen from another pose. No page, no WebGL.
+// Frusta of pictures, and homographies from one view to another. Uses no page and no WebGL.
 // Matrices are 3x3, columns first, as WebGL takes them.
 import { add, cross, dot, scale, subtract } from './camera';
 import type { Frustum, Quat, Vec3 } from './protocol';
 
-export type Matrix3 = readonly number[]; // [9]
+export type Matrix3 = readonly number[]; // 9 numbers
 
-// One eye and what its picture covers.
+// The pose of one eye and the frustum of its picture.
 export interface View {
   position: Vec3;
   orientation: Quat; // world from view, unit
   frustum: Frustum;
 }
 
-// `aspect`: width / height.
+// The symmetric frustum of a vertical angle `fovY` and an `aspect`, width / height.
 export function symmetric(fovY: number, aspect: number): Frustum {
   const up = Math.tan(fovY / 2);
   return { left: up * aspect, right: up * aspect, up, down: up };
 }
 
-// The same with `margin` of its width and height more, half of it on either side.
+// The frustum, wider and higher by the factor 1 + `margin`, about its middle.
 export function widened(f: Frustum, margin: number): Frustum {
   const x = ((f.left + f.right) * margin) / 2;
   const y = ((f.up + f.down) * margin) / 2;
   return { left: f.left + x, right: f.right + x, up: f.up + y, down: f.down + y };
 }
 
-// Widened in one direction about its middle until it has the shape of a picture of this `aspect`.
+// The frustum, widened about its middle in one direction, so that its width / height is `aspect`.
 export function shaped(f: Frustum, aspect: number): Frustum {
   const across = f.left + f.right;
   const along = f.up + f.down;
@@ -34,13 +34,14 @@ export function shaped(f: Frustum, aspect: number): Frustum {
   return { left: f.left + x, right: f.right + x, up: f.up + y, down: f.down + y };
 }
 
-// Of a projection matrix as WebXR gives it: clip from view, 4x4, columns first, looking down -Z.
+// The frustum of a projection matrix of WebXR: clip from view, 4x4, columns first, looking down -Z.
 export function fromProjection(m: ArrayLike<number>): Frustum {
   const [x, y, right, up] = [m[0] ?? 1, m[5] ?? 1, m[8] ?? 0, m[9] ?? 0];
   return { left: (1 - right) / x, right: (1 + right) / x, up: (1 + up) / y, down: (1 - up) / y };
 }
 
-// What an eye turned like `to` has to cover so that nothing is missing of what `view` covers, as far as it lies in front.
+// The frustum of an eye with the orientation `to` that covers all that `view` covers, as far as that lies in front of
+// the eye.
 export function covering(view: Pick<View, 'orientation' | 'frustum'>, to: Quat): Frustum {
   const turn = multiply(conjugate(to), view.orientation);
   const { left, right, up, down } = view.frustum;
@@ -65,22 +66,23 @@ export function multiply(a: Quat, b: Quat): Quat {
   ];
 }
 
-// q v q*, for unit q.
+// The vector v turned by the unit quaternion q.
 export function rotate(q: Quat, v: Vec3): Vec3 {
   const axis: Vec3 = [q[0], q[1], q[2]];
   const t = scale(cross(axis, v), 2);
   return add(add(v, scale(t, q[3])), cross(axis, t));
 }
 
-// Radians between two orientations; of two that are nearly one, to 1e-8.
+// The angle between two orientations, radians; exact to 1e-8 for two that are nearly equal.
 export function angleBetween(a: Quat, b: Quat): number {
   const turn = multiply(conjugate(a), b);
   return 2 * Math.atan2(Math.hypot(turn[0], turn[1], turn[2]), Math.abs(turn[3]));
 }
 
-// From a place in the picture that `shown` is (-1 ... 1, right and up) to homogeneous texture coordinates (0 ... 1, right and down)
-// in the picture that was made of `made`: a rotation, right for whatever is far away. With `depth`, the plane that lies so far (m)
-// ahead of `made` stays where it belongs too, although the eye has moved.
+// The homography that finds each point of the view `shown` (-1 ... 1, right and up) in the picture of the view
+// `made`, as homogeneous texture coordinates (0 ... 1, right and down). By default it is a rotation, which is right
+// for distant things. With `depth` it is right for the plane that lies so far (m) ahead of `made`, although the eye
+// has moved.
 export function warp(made: View, shown: View, depth = Infinity): Matrix3 {
   const { left, right, up, down } = shown.frustum;
   const into = conjugate(made.orientation);
@@ -104,7 +106,7 @@ export function warp(made: View, shown: View, depth = Infinity): Matrix3 {
   ];
 }
 
-// Where `matrix` finds the place (x, y); undefined when it lies behind the eye.
+// The point (x, y), mapped by `matrix`; undefined if it lies behind the eye.
 export function apply(matrix: Matrix3, x: number, y: number): readonly [u: number, v: number] | undefined {
   const at = (row: number): number => (matrix[row] ?? 0) * x + (matrix[row + 3] ?? 0) * y + (matrix[row + 6] ?? 0);
   const w = at(2);

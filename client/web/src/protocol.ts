@@ -12,7 +12,7 @@ export interface HelloMessage {
   height: number;
   views?: 1 | 2; // 2 for left and right eye
   quality: number; // JPEG, 0 = the server's own
-  resume?: string; // of the connection that was lost
+  resume?: string; // Welcome.resume of a connection that was lost
 }
 
 // Tangents of the angles from the view axis to a picture's sides, positive toward the side that is named.
@@ -30,9 +30,10 @@ export interface PoseMessage {
   orientation: Quat;
   fovY: number;
   eyeSeparation?: number; // m
-  frusta?: readonly Frustum[]; // of each eye, instead of fovY
+  frusta?: readonly Frustum[]; // one for each eye, in place of fovY
   width: number;
   height: number;
+  hidden?: boolean; // true: the page is not seen, the server draws nothing until a pose without it
 }
 
 export type Command =
@@ -64,7 +65,7 @@ export interface Welcome {
   camera: { position: Vec3; target: Vec3; fovY: number };
   methods: string[];
   quadratures: string[];
-  resume: string; // says who this is when the connection is lost; empty from older servers
+  resume: string; // key to be the same viewer again when the connection is lost; empty from older servers
   role: Role;
 }
 
@@ -88,12 +89,12 @@ export interface SceneState {
   steps: number;
   exposure: number;
   passes: { name: string; ms: number }[];
-  plan?: Plan; // what is rendered with now; servers before it had none do not say
+  plan?: Plan; // method and settings in use; older servers leave it out
 }
 
 export interface Plan {
   method: string;
-  quadrature: string; // '' where the method has but one
+  quadrature: string; // empty if the method has only one
   rate: number; // slabs: pixels between rays
   slabs: number;
   error: number; // relative RMSE, predicted
@@ -108,15 +109,15 @@ export interface Frame {
   stateHash: bigint;
   poseSeq: number;
   clientTimeUs: bigint;
-  position: Vec3; // the pose that it shows
+  position: Vec3; // with orientation and fovY: the pose that the frame shows
   orientation: Quat;
   fovY: number;
-  frusta: Frustum[]; // of each view; empty: symmetric by fovY
+  frusta: Frustum[]; // one for each view; empty: symmetric ones of fovY
   width: number;
   height: number;
   quality: number;
   stages: { wait: number; render: number; encode: number; queue: number; gpu: number }; // ms
-  jpeg: Uint8Array<ArrayBuffer>[]; // one per view; PNG where the picture rests without loss
+  jpeg: Uint8Array<ArrayBuffer>[]; // one picture per view; JPEG, or PNG for a still picture without loss
 }
 
 export interface ErrorMessage {

@@ -1,17 +1,18 @@
-// Pushing the cloud: turns a drag of the cursor into impulses along its ray, at a bounded rate. No page.
+// Turns a drag of the cursor into impulses on the cloud along the cursor's ray, at a bounded rate. Uses nothing of
+// the page.
 import { add, length, scale } from './camera';
 import type { Ray } from './camera';
 import type { Command, Vec3 } from './protocol';
 
 const INTERVAL_MS = 1000 / 30;
-// A cursor that rests this long blows particles away from its ray.
+// A cursor that has not moved for so long pushes particles away from its ray.
 const REST_MS = 250;
 const REST_STRENGTH = 0.3;
 const CLICK_STRENGTH = 2.5;
-// Of the cursor's own speed, added per second that its ray rests on a particle: what a ray passes over is carried two or
-// three times the ray's width before the springs take it back, whatever the scene's size.
+// Part of the cursor's speed that a particle gains per second under the ray. Particles that a ray passes over then
+// move two or three times the ray's width before the springs pull them back, whatever the scene's size.
 const DRAG_PER_SECOND = 15;
-const LONGEST_S = 0.2; // a page that was held up does not push all the harder
+const LONGEST_S = 0.2; // longest time that one impulse stands for, so that a page after a pause does not push harder
 const MAX_SPEED = 60; // m/s, the server takes up to 100 on each axis
 
 export class Pusher {
@@ -41,7 +42,7 @@ export class Pusher {
     this.movedAt = now;
   }
 
-  // Call once per animation frame.
+  // To be called once per animation frame.
   update(now: number): void {
     if (!this.active || !this.ray || now - this.sentAt < INTERVAL_MS) return;
     const seconds = (now - this.sentAt) / 1000;

@@ -1,4 +1,4 @@
-// window.brume: the page's state for tests and the curious, read-only.
+// window.brume: the page's state, read-only, for tests and for people who look into the page.
 import type { Camera } from './camera';
 import type { LinkState } from './connection';
 import type { Headset } from './headset';

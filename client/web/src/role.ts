@@ -1,4 +1,4 @@
-// Who this viewer is to the server: its token, and what its role may do.
+// The viewer's token, and what its role allows.
 import { Role as WireRole } from './wire/brume/wire/role';
 
 export type Role = 'viewer' | 'controller' | 'operator';
@@ -9,7 +9,7 @@ const ROLES: Record<number, Role> = {
   [WireRole.operator]: 'operator',
 };
 
-// One that this page does not know looks and does not touch.
+// A role that this page does not know counts as viewer.
 export const roleOf = (role: number): Role => ROLES[role] ?? 'viewer';
 
 export const mayControl = (role: Role): boolean => role !== 'viewer';
@@ -17,13 +17,13 @@ export const mayOperate = (role: Role): boolean => role === 'operator';
 
 const KEY = 'brume-token';
 
-// '#token=abc' says abc; any other fragment says nothing.
+// The token in a fragment such as '#token=abc'; undefined in any other.
 export function tokenIn(fragment: string): string | undefined {
   return new URLSearchParams(fragment.replace(/^#/, '')).get('token') ?? undefined;
 }
 
-// The token of the page's address or, after a reload, of this tab. A fragment is neither sent nor logged; it leaves the address bar
-// at once, so that it is not copied with it.
+// The token of the page's address or, after a reload, of this tab. Browsers do not send a fragment, so no server logs
+// it. It is removed from the address bar at once, so that nobody copies it with the address.
 export function takeToken(): string | undefined {
   const given = tokenIn(location.hash);
   try {
@@ -31,7 +31,7 @@ export function takeToken(): string | undefined {
     const kept = given ?? sessionStorage.getItem(KEY) ?? undefined;
     return kept === '' ? undefined : kept;
   } catch {
-    return given; // no storage: good until the page is loaded again
+    return given; // without storage the token is lost when the page is loaded again
   } finally {
     if (given !== undefined) history.replaceState(history.state, '', location.pathname + location.search);
   }

@@ -1,15 +1,15 @@
-// What the viewer chose for this browser: kept between visits, and never needed.
+// The viewer's own settings. The browser keeps them between visits; without storage the defaults hold.
 import { SIZE_CAPS } from './size';
 import type { Eyes, Reprojection } from './viewing';
 
 export interface Settings {
-  cap: number | undefined; // index of SIZE_CAPS; undefined: by the server's device
+  cap: number | undefined; // index of SIZE_CAPS; undefined: chosen by the server's device
   quality: number; // JPEG, 0 = the server's
   stats: boolean;
   panel: boolean;
   eyes: Eyes;
   reprojection: Reprojection;
-  predict: boolean; // poses are asked for ahead of their time
+  predict: boolean; // true: poses are predicted for the time when their pictures are seen
 }
 
 const EYES: readonly Eyes[] = ['one', 'side'];
@@ -32,12 +32,12 @@ export function loadSettings(): Settings {
     settings.eyes = EYES.find((eyes) => eyes === stored.eyes) ?? settings.eyes;
     settings.reprojection = REPROJECTIONS.find((way) => way === stored.reprojection) ?? settings.reprojection;
   } catch {
-    // No storage, or not ours: the defaults will do.
+    // No storage, or no valid content: the defaults hold.
   }
   return settings;
 }
 
-// What the page's address asks for goes before what is stored: ?eyes=side&reproject=plane&predict=1.
+// Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1.
 export function followAddress(settings: Settings, address: string): void {
   const asked = new URLSearchParams(address);
   settings.eyes = EYES.find((eyes) => eyes === asked.get('eyes')) ?? settings.eyes;
@@ -49,6 +49,6 @@ export function saveSettings(settings: Settings): void {
   try {
     localStorage.setItem(KEY, JSON.stringify(settings));
   } catch {
-    // Private windows may refuse.
+    // Private windows may refuse to store.
   }
 }

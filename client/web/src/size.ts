@@ -1,4 +1,5 @@
-// The size of the picture to ask for: the canvas's own, or as many pixels as the viewer allows, in the canvas's shape.
+// The size of the pictures to ask for: the canvas's own or, if that is too large, the viewer's limit in the canvas's
+// shape.
 export interface Size {
   width: number;
   height: number;
@@ -12,14 +13,14 @@ export const SIZE_CAPS: readonly (Size & { name: string })[] = [
   { name: 'Full HD', width: 1920, height: 1080 },
 ];
 
-// What to ask for while the viewer has not chosen: less of a device that draws in software.
+// The limit while the viewer has not chosen one: smaller if the server's device renders in software.
 export const defaultCap = (device: string): number => (/llvmpipe|lavapipe|swiftshader/i.test(device) ? 1 : 2);
 
 const SMALLEST = 64;
 const LARGEST = 4096;
 
-// Even numbers: chroma planes are half as wide and high. The cap bounds the area, so that an upright phone gets as many
-// pixels as a lying one.
+// Width and height are even, since chroma planes have half of them. The cap bounds the area, so that a phone gets as
+// many pixels upright as lying.
 export function requestedSize(cssWidth: number, cssHeight: number, pixelRatio: number, cap: Size): Size {
   const width = Math.max(1, cssWidth * pixelRatio);
   const height = Math.max(1, cssHeight * pixelRatio);

@@ -1,10 +1,10 @@
-// What this page measures of its frames: rates, latencies, which ticks it has seen.
+// What this page measures: frame rates, latencies, and which ticks its frames showed.
 import { LatencyAverage, LatencyWindow, Rate, splitLatency } from './latency';
 import type { Latency, Presented } from './latency';
 import type { Frame } from './protocol';
 
 const RECENT_TICKS = 240;
-const REMEMBERED_POSES = 256; // more than can be on their way
+const REMEMBERED_POSES = 256; // more than can be waiting for a frame
 
 export const PERCENTILES = [50, 95, 99] as const;
 export type Percentiles = Record<(typeof PERCENTILES)[number], Latency>;
@@ -16,15 +16,15 @@ export class Statistics {
   lastFrame: Frame | undefined;
   lastLatency: Latency | undefined;
   roundTripMs: number | undefined;
-  answeredPose = 0; // the newest that a frame has shown
+  answeredPose = 0; // number of the newest pose that a frame has shown
   readonly recent: { tick: number; hash: string }[] = [];
   readonly shownRate = new Rate(2000);
   readonly byteRate = new Rate();
   readonly average = new LatencyAverage();
   readonly window = new LatencyWindow();
-  private readonly inputs = new Map<number, number>(); // ms from input to sending, by the pose
+  private readonly inputs = new Map<number, number>(); // ms from input to sending, by number of the pose
 
-  // For a new connection.
+  // To be called for a new connection.
   reset(): void {
     this.answeredPose = 0;
     this.roundTripMs = undefined;
@@ -43,7 +43,8 @@ export class Statistics {
     this.inputs.delete(pose - REMEMBERED_POSES);
   }
 
-  // The latency, where the frame is the first one that shows its pose: only that tells how long a pose took.
+  // The latency of a frame that is the first to show its pose; undefined for later frames, whose pose is older than
+  // they are.
   presented(frame: Frame, at: Presented): Latency | undefined {
     this.frames += 1;
     this.lastFrame = frame;

@@ -1,4 +1,4 @@
-// How pictures are looked at on the page: as they come, side by side for two eyes, or turned to where the camera is by now.
+// Draws pictures on the page: as they come, side by side for two eyes, or reprojected to where the camera is now.
 import { add, scale } from './camera';
 import type { Camera } from './camera';
 import { orientation } from './camera';
@@ -12,12 +12,13 @@ import type { Size } from './size';
 import { Warp } from './warp';
 
 export type Eyes = 'one' | 'side';
-// Frames are shown as they are; turned by what the camera has turned since; or moved too, right at the depth of what is orbited.
+// off: frames are drawn as they are. rotation: they are turned as the camera has turned since. plane: they also
+// follow its moves, exactly at the distance of the pivot.
 export type Reprojection = 'off' | 'rotation' | 'plane';
 
-// How much wider and higher a picture is asked for that will be reprojected.
+// Pictures for reprojection are wider and higher by the factor 1 + MARGIN.
 export const MARGIN = 0.1;
-// Between a person's eyes, m.
+// Distance between a person's eyes, m.
 export const EYE_SEPARATION = 0.064;
 
 export type PoseWish = Omit<PoseMessage, 'seq' | 'clientTimeUs'>;
@@ -38,7 +39,7 @@ function eyePosition(head: Vec3, turn: View['orientation'], eye: number, views: 
 }
 
 export interface ViewingHost {
-  readonly camera: Camera; // newest
+  readonly camera: Camera; // the newest
   readonly fovY: number;
   readonly cap: Size;
 }
@@ -46,12 +47,12 @@ export interface ViewingHost {
 export class Viewing implements Surface {
   eyes: Eyes = 'one';
   reprojection: Reprojection = 'off';
-  // Of what was drawn last: the pose that the picture on the screen shows.
+  // The pose that the screen shows, and the frame that it was made of.
   shown: { position: Vec3; orientation: View['orientation']; made: Frame } | undefined;
   private readonly flat: Surface;
   private warp: Warp | undefined;
   private gl: WebGL2RenderingContext | undefined;
-  private frame: Frame | undefined; // whose pictures the textures hold
+  private frame: Frame | undefined; // the frame whose pictures are in the textures
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -65,7 +66,7 @@ export class Viewing implements Surface {
     return this.eyes === 'side' ? 2 : 1;
   }
 
-  // False when this browser cannot: it stays as it was.
+  // Returns false and changes nothing if this browser has no WebGL 2 for it.
   choose(eyes: Eyes, reprojection: Reprojection): boolean {
     const plain = eyes === 'one' && reprojection === 'off';
     if (!plain && !this.prepare()) return false;
@@ -75,7 +76,7 @@ export class Viewing implements Surface {
     return true;
   }
 
-  // Of one eye's picture.
+  // The size of one eye's picture to ask for.
   size(): Size {
     const { clientWidth, clientHeight } = this.canvas;
     const grown = this.reprojection === 'off' ? 1 : 1 + MARGIN;
@@ -102,7 +103,7 @@ export class Viewing implements Surface {
     this.frame = frame;
   }
 
-  // Once per animation frame, after the newest picture has been shown.
+  // To be called once per animation frame, after Picture.draw().
   draw(): void {
     const { frame, gl, warped } = this;
     if (!this.warp || !gl || !frame || warped.hidden || gl.isContextLost()) return;
@@ -134,7 +135,7 @@ export class Viewing implements Surface {
     this.shown = { position, orientation: turn, made: frame };
   }
 
-  // For a new connection, whose frames show other poses.
+  // To be called for a new connection: frames of the old one are not drawn any more.
   clear(): void {
     this.frame = undefined;
   }

@@ -3,12 +3,13 @@ import type { Matrix3 } from './projection';
 
 const VERTEX = `#version 300 es
 out vec2 place; // -1 ... 1
-void main() { // one triangle over everything
+void main() { // one triangle that covers the viewport
   place = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
   gl_Position = vec4(place, 0.0, 1.0);
 }`;
 
-// Beyond its sides a picture goes on as it ends: a soft medium and a sky show it less than a black border.
+// Beyond its sides a picture is continued by its last pixels. On a soft medium and a sky this shows less than a black
+// border.
 const FRAGMENT = `#version 300 es
 precision highp float;
 uniform mat3 warp;
@@ -25,7 +26,7 @@ export class Warp {
   private readonly matrix: WebGLUniformLocation | null;
   private readonly textures: WebGLTexture[] = [];
 
-  // Throws when the context cannot do it.
+  // Throws if the WebGL context cannot compile it.
   constructor(private readonly gl: WebGL2RenderingContext) {
     this.program = gl.createProgram();
     for (const [type, source] of [
@@ -45,7 +46,7 @@ export class Warp {
     this.matrix = gl.getUniformLocation(this.program, 'warp');
   }
 
-  // One picture an eye; the bitmaps stay the caller's.
+  // Uploads one picture for each eye. The bitmaps stay the caller's.
   upload(bitmaps: readonly ImageBitmap[]): void {
     const { gl } = this;
     bitmaps.forEach((bitmap, eye) => {
@@ -59,7 +60,7 @@ export class Warp {
     });
   }
 
-  // Into a part of the bound framebuffer, in pixels from its lower left corner.
+  // Draws into a rectangle of the bound framebuffer, in pixels from its lower left corner.
   draw(eye: number, matrix: Matrix3, x: number, y: number, width: number, height: number): void {
     const { gl } = this;
     gl.viewport(x, y, width, height);

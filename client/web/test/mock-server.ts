@@ -203,7 +203,9 @@ function receive(viewer: Viewer, data: Uint8Array): void {
       const orientation: View['orientation'] = q ? [q.x(), q.y(), q.z(), q.w()] : [0, 0, 0, 1];
       const [width, height] = [pose.width() || 640, pose.height() || 360];
       const view: View = { position: v3(pose.position()) ?? [0, 0, 0], orientation, fovY: pose.fovY(), width, height };
-      viewer.pose = { view, seq: pose.seq(), time: pose.clientTimeUs(), at: performance.now() };
+      viewer.pose = pose.hidden()
+        ? undefined
+        : { view, seq: pose.seq(), time: pose.clientTimeUs(), at: performance.now() };
       return;
     }
     case Body.Input:

@@ -252,7 +252,7 @@ describe('encode', () => {
     expect(readMessage(bytes, { type: 'Hello', body: back })).toEqual({ type: 'Hello', body: back });
   });
 
-  test.each(['pose', 'pose_frusta'])('%s', (name) => {
+  test.each(['pose', 'pose_frusta', 'pose_hidden'])('%s', (name) => {
     const body: Fields = { ...examples[name]?.body };
     const frusta = [body['frustum'], body['right_frustum']].filter((frustum) => frustum !== undefined);
     const bytes = encodePose({
@@ -265,6 +265,7 @@ describe('encode', () => {
       height: body['height'] as number,
       eyeSeparation: body['eye_separation'] as number,
       frusta: frusta as unknown as Frustum[],
+      hidden: body['hidden'] === true,
     });
     expect(readMessage(bytes, { type: 'Pose', body })).toEqual({ type: 'Pose', body });
   });

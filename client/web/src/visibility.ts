@@ -1,0 +1,22 @@
+// Decides whether the page counts as hidden: once nobody has seen it for two seconds, until somebody sees it again.
+const PATIENCE_MS = 2000; // so that a look at another tab does not stop the pictures
+
+export class Visibility {
+  hidden = false;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly changed: () => void) {}
+
+  // To be called at every visibilitychange, with document.hidden.
+  update(notSeen: boolean): void {
+    clearTimeout(this.timer);
+    if (notSeen) this.timer = setTimeout(() => this.set(true), PATIENCE_MS);
+    else this.set(false);
+  }
+
+  private set(hidden: boolean): void {
+    if (hidden === this.hidden) return;
+    this.hidden = hidden;
+    this.changed();
+  }
+}
