@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "server/encode/workers.h"
+#include "server/frame_options.h"
 #include "server/net/metrics.h"
 #include "server/plan/planner.h"
 #include "server/render/renderer.h"
@@ -22,16 +23,7 @@ namespace brume {
 
 class FrameLoop {
 public:
-    struct Options {
-        unsigned encode_threads = 2;
-        unsigned batches = 3;            // one on the device, the others being encoded
-        double frame_ms = 50;            // that a frame of all viewers may take before accuracy is given up
-        double refine_moving = 0.5;      // part of frame_ms that finer pictures may take while cameras rest and the medium moves
-        uint64_t memory = 1024ull << 20; // bytes that particles may take, on the CPU and on the device together
-        CostModel costs = builtInCosts();
-        // Called before the first tick and after every one, on the loop's thread, with the commands that it took.
-        std::function<void(const Simulation&, std::span<const Command>)> ticked;
-    };
+    using Options = FrameOptions;
 
     // Throws SceneError, gpu::Error. `device`, `audience` and `metrics` outlive the loop.
     FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options);

@@ -259,12 +259,12 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--frames", o.frames, "ticks between pictures of the scene's own camera while recording or replaying; 0: none")
         ->group(group)
         ->check(CLI::Range(0, 1'000'000));
-    for (CLI::Option* option : app.get_options([](const CLI::Option* one) { return one->get_configurable(); }))
-        option->envname(environmentName(*option));
 
     try {
         app.parse(argc, argv);
+        takeEnvironment(app);
     } catch (const CLI::Success& e) {
+        showEnvironment(app);
         return {std::nullopt, app.exit(e), {}, {}};
     } catch (const CLI::ParseError& e) {
         std::string complaint = reader->sourceOf(e.what()) + e.what();
