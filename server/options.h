@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/scene.h"
-#include "server/frame.h"
+#include "server/frame_options.h"
 #include "server/gpu/device.h"
 #include "server/net/options.h"
 
@@ -23,7 +23,7 @@ struct ServerOptions {
     uint32_t max_in_flight = 6;
     float most_frame_ms = 500; // of all viewers
     gpu::DeviceOptions device;
-    FrameLoop::Options frame;
+    FrameOptions frame;
     // Instead of the scene's own.
     std::optional<std::string> method, quadrature;
     std::optional<uint32_t> steps, shadow_size, shadow_slices;

@@ -11,9 +11,10 @@
 namespace brume {
 namespace {
 
-bool inEnvironment(const CLI::Option& option) {
-    const char* value = option.get_envname().empty() ? nullptr : std::getenv(option.get_envname().c_str());
-    return value && *value; // CLI11 takes an empty one for none
+// Empty: the environment says nothing.
+std::string environmentValue(const CLI::Option& option) {
+    const char* value = option.get_configurable() ? std::getenv(environmentName(option).c_str()) : nullptr;
+    return value ? value : "";
 }
 
 bool isFlag(const CLI::Option& option) { return option.get_expected_min() == 0; }
@@ -66,6 +67,25 @@ std::string environmentName(const CLI::Option& option) {
     return name;
 }
 
+void takeEnvironment(CLI::App& app) {
+    for (CLI::Option* option : app.get_options({})) {
+        const std::string value = environmentValue(*option);
+        if (value.empty() || option->count() > 0) continue;
+        try {
+            option->add_result(value);
+            option->run_callback();
+        } catch (const CLI::ParseError& error) {
+            throw CLI::ConfigError(fmt::format("environment {}: {}", environmentName(*option), error.what()),
+                                   CLI::ExitCodes::ConfigError);
+        }
+    }
+}
+
+void showEnvironment(CLI::App& app) {
+    for (CLI::Option* option : app.get_options({}))
+        if (option->get_configurable()) option->envname(environmentName(*option));
+}
+
 std::string ConfigFile::file() const { return app_.get_config_ptr()->as<std::string>(); }
 
 std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& in) const {
@@ -98,7 +118,7 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& in) const {
         else
             throw fail(line, fmt::format("{}: allowed: one value{}", key, takesSeveral(*option) ? ", or an array of them" : ""));
         if (isFlag(*option) && !node.is_boolean()) throw fail(line, fmt::format("{}: allowed: true or false", key));
-        if (item.inputs.empty() || option->count() > 0 || inEnvironment(*option)) continue;
+        if (item.inputs.empty() || option->count() > 0 || !environmentValue(*option).empty()) continue;
         lines_[key] = line;
         found.push_back(std::move(item));
     }
@@ -108,9 +128,6 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& in) const {
 std::string ConfigFile::sourceOf(const std::string& complaint) const {
     for (const auto& [key, line] : lines_)
         if (names(complaint, "--" + key)) return fmt::format("{}:{}: ", file(), line);
-    for (const CLI::Option* option : app_.get_options({}))
-        if (names(complaint, "--" + option->get_single_name()) && inEnvironment(*option))
-            return fmt::format("environment {}: ", option->get_envname());
     return {};
 }
 

@@ -10,6 +10,7 @@
 namespace brume {
 
 // One key of the file for every option: --max-viewers 8 is max-viewers = 8; what may be given several times is an array.
+// The order in which values count: flags, environment (takeEnvironment() below), file.
 class ConfigFile final : public CLI::ConfigTOML {
 public:
     explicit ConfigFile(const CLI::App& app) : app_(app) {}
@@ -18,8 +19,7 @@ public:
     // line, key and what is allowed, on bad syntax, unknown keys, and tables where a value is meant.
     std::vector<CLI::ConfigItem> from_config(std::istream& in) const override;
 
-    // Where the value of the option comes from that `complaint` (of CLI11) names: "FILE:LINE: " or "environment BRUME_X: "; empty
-    // when it is the command line's.
+    // "FILE:LINE: " when the file gave the value of the option that `complaint` (of CLI11) names, else empty.
     std::string sourceOf(const std::string& complaint) const;
 
 private:
@@ -39,5 +39,10 @@ std::string writeConfig(const CLI::App& app);
 
 // BRUME_MAX_VIEWERS for --max-viewers.
 std::string environmentName(const CLI::Option& option);
+// After parse(): every option that no flag gave takes its environment variable. CLI11 could read them too (envname), but its
+// newer versions pass over a value that an option refuses. Throws CLI::ConfigError, in one line, for such a value.
+void takeEnvironment(CLI::App& app);
+// Help names the variables.
+void showEnvironment(CLI::App& app);
 
 } // namespace brume

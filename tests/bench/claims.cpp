@@ -36,6 +36,10 @@ double threadCpuMs() {
     return double(t.tv_sec) * 1e3 + double(t.tv_nsec) * 1e-6;
 }
 
+struct Size {
+    uint32_t width, height;
+};
+
 struct Variant {
     const char* name;
     const char* method;
@@ -79,23 +83,23 @@ double mediumMs(std::span<const gpu::PassSample> passes) {
     return sum;
 }
 
-double error(Bench& bench, const Scene& scene, reference::Model model, const Pose& pose, int width, int height) {
+double error(Bench& bench, const Scene& scene, reference::Model model, const Pose& pose, Size size) {
     static std::map<reference::Model, reference::Picture> exact; // one scene and camera in this program
     std::vector<gpu::Particle> particles(bench.simulation.liveCount());
     bench.simulation.write(particles);
     if (!exact.contains(model)) {
         const Light& light = scene.lights.front();
         exact[model] = reference::render({particles, scene.medium.falloff, scene.medium.anisotropy, scene.medium.asymmetry},
-                                         light, pose, width, height, model);
+                                         light, pose, int(size.width), int(size.height), model);
     }
     bench.renderer.keepRadiance(true);
-    bench.render({pose, uint32_t(width), uint32_t(height)});
+    bench.render({pose, size.width, size.height});
     std::vector<glm::dvec3> got;
     for (const glm::vec4& pixel : bench.renderer.readRadiance()) got.emplace_back(pixel);
     return reference::relativeRmse(got, exact[model].radiance);
 }
 
-void methodTable(const gpu::Device& device, Scene scene, int rounds) {
+void methodTable(const gpu::Device& device, Scene scene, int rounds, Size size) {
     scene.sky = {glm::vec3(0), glm::vec3(0), glm::vec3(0)}; // radiance is then the medium's alone
     const Pose pose = lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y);
     std::vector<std::unique_ptr<Bench>> benches;
@@ -104,25 +108,27 @@ void methodTable(const gpu::Device& device, Scene scene, int rounds) {
     std::vector<double> shadow;
     for (int round = 0; round <= rounds; ++round) // interleaved: what disturbs the machine disturbs all alike
         for (size_t i = 0; i < benches.size(); ++i) {
-            const auto passes = benches[i]->render({pose, 640, 360});
+            const auto passes = benches[i]->render({pose, size.width, size.height});
             if (round == 0) continue; // compiles shaders
             times[i].push_back(mediumMs(passes));
             for (const gpu::PassSample& pass : passes)
                 if (std::string_view(pass.name) == "shadow volume") shadow.push_back(pass.ms);
         }
     const double base = median(times[1]);
-    std::printf("## Methods: scene `%s`, 640x360, medium passes (cull, sort, draw), median of %d interleaved frames\n\n",
-                scene.name.c_str(), rounds);
-    std::printf("Error: relative RMSE of radiance at 160x90 against the double-precision reference: the true overlapping medium, "
+    const Size compared{size.width / 4, size.height / 4};
+    std::printf("## Methods: scene `%s`, %ux%u, medium passes (cull, sort, draw), median of %d interleaved frames\n\n",
+                scene.name.c_str(), size.width, size.height, rounds);
+    std::printf("Error: relative RMSE of radiance at %ux%u against the double-precision reference: the true overlapping medium, "
                 "and the\n"
-                "sequential one (particles composited one after another) with the same support.\n\n");
+                "sequential one (particles composited one after another) with the same support.\n\n",
+                compared.width, compared.height);
     std::printf("| method | ms | Simpson-2 time over this | against overlapping | against sequential, same support "
                 "|\n|---|---|---|---|---|\n");
     for (size_t i = 0; i < benches.size(); ++i) {
         const bool sphere = std::string_view(kVariants[i].method) == "sphere";
-        const double overlapping = error(*benches[i], scene, reference::Model::overlapping, pose, 160, 90);
+        const double overlapping = error(*benches[i], scene, reference::Model::overlapping, pose, compared);
         const double sequential = error(
-            *benches[i], scene, sphere ? reference::Model::sequential : reference::Model::sequential_tetrahedron, pose, 160, 90);
+            *benches[i], scene, sphere ? reference::Model::sequential : reference::Model::sequential_tetrahedron, pose, compared);
         std::printf("| %s | %.1f | %.2f | %.2f %% | %.2f %% |\n", kVariants[i].name, median(times[i]), base / median(times[i]),
                     100 * overlapping, 100 * sequential);
     }
@@ -157,8 +163,8 @@ void ownTime(const gpu::Device& device, const Scene& scene, int rounds) {
                 scene.name.c_str(), rounds, median(spent));
 }
 
-// Frames a second of our encoder and of libjpeg-turbo's tjbench, on the same picture, in turns.
-void jpeg(const gpu::Device& device, const Scene& scene) {
+// Frames a second of our encoder and of libjpeg-turbo's tjbench, on the same picture, in turns of `run` seconds.
+void jpeg(const gpu::Device& device, const Scene& scene, double run) {
     Bench bench(device, scene);
     bench.render({lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y), 640, 360});
     const PictureView picture = bench.submission.pictures()[0];
@@ -185,13 +191,13 @@ void jpeg(const gpu::Device& device, const Scene& scene) {
         const auto begin = std::chrono::steady_clock::now();
         int frames = 0;
         double seconds = 0;
-        for (; seconds < 1; ++frames) {
+        for (; seconds < run; ++frames) {
             bytes = encoder.encode(picture, 80).size();
             seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         }
         ours.push_back(frames / seconds);
-        Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", "1", "-warmup", "0.2",
-                         "-nowrite", "-componly"});
+        Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", std::to_string(run),
+                         "-warmup", "0.2", "-nowrite", "-componly"});
         tjbench.exitCode();
         const std::string text = tjbench.out();
         std::smatch found;
@@ -260,7 +266,8 @@ void viewers(const std::filesystem::path& bin, const std::string& scene, double 
 int main(int argc, char** argv) {
     using namespace brume;
     int rounds = 15;
-    double seconds = 10;
+    double seconds = 10, jpeg_seconds = 1; // of a run
+    Size size{640, 360};
     std::string scene_name = "cloud", device_name;
     CLI::App app{"brume-claims: measures what the README says about speed and error, in one run; prints Markdown."};
     app.set_version_flag("--version", "brume-claims " BRUME_VERSION);
@@ -268,9 +275,16 @@ int main(int argc, char** argv) {
     app.add_option("--seconds", seconds, "of each streaming run; 0 leaves streaming out")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 600.0));
+    app.add_option("--jpeg-seconds", jpeg_seconds, "of each run of an encoder")
+        ->capture_default_str()
+        ->check(CLI::Range(0.01, 60.0));
+    app.add_option("--width", size.width, "of the pictures of methods, in 16:9")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 3840));
     app.add_option("--scene", scene_name, "a shipped scene")->capture_default_str();
     app.add_option("--device", device_name, "part of the Vulkan device's name");
     CLI11_PARSE(app, argc, argv);
+    size.height = size.width * 9 / 16;
     try {
         const std::filesystem::path bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
         Scene scene = loadScene(findScene(scene_name, BRUME_SCENES));
@@ -281,9 +295,9 @@ int main(int argc, char** argv) {
             const gpu::Device device(options);
             std::printf("# Measured claims\n\nDevice: %s. CPU threads: %u.\n\n", device.name().c_str(),
                         std::thread::hardware_concurrency());
-            methodTable(device, scene, rounds);
+            methodTable(device, scene, rounds, size);
             ownTime(device, scene, rounds);
-            jpeg(device, scene);
+            jpeg(device, scene, jpeg_seconds);
         }
         std::fflush(stdout);
         if (seconds > 0) viewers(bin, scene_name, seconds);

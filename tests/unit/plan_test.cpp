@@ -125,6 +125,20 @@ TEST(Plan, WhatIsAskedForIsKept) {
     EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.steps, 7u);
 }
 
+// Closed by default: whatever its error may be, nobody has said what it takes.
+TEST(Plan, AMethodThatSaysNothingOfItsCostsIsNeverChosen) {
+    struct Bare final : MethodPlan {
+        const char* name() const override { return "bare"; }
+        const char* about() const override { return "says nothing of itself"; }
+    } bare;
+    PlanInputs inputs = inputsOf(cube());
+    inputs.scene.wanted.error = inputs.scene.wanted.flip = 1;
+    inputs.methods.push_back(&bare);
+    const Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_NE(plan.chosen.settings.method, bare.name());
+    for (const Candidate& other : plan.others) EXPECT_NE(other.settings.method, bare.name());
+}
+
 // The grid costs once per tick, and a viewer of it no more than its rays: many viewers of many particles share it.
 TEST(Plan, ManyViewersOfManyParticlesShareTheGrid) {
     PlanInputs inputs = inputsOf(cube(5000, 3));

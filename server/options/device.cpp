@@ -1,0 +1,30 @@
+#include "server/options/groups.h"
+
+namespace brume {
+
+void addDeviceOptions(OptionTable& table, ServerOptions& o) {
+    OptionGroup g(table, "Device");
+    g.option("--device", o.device.name, "part of the Vulkan device's name; default: a GPU before a CPU driver");
+    g.flag("--validation", o.device.validation, "run under the Vulkan validation layer");
+    g.flag(
+        "--no-mesh-shaders", [&o](bool none) { o.device.mesh_shaders = !none; },
+        "use the vertex path even where mesh shaders exist");
+    g.option("--costs", o.costs, "folder of what brume-bench calibrate measured; without its file built-in costs hold");
+    g.option("--frame-budget", o.frame.frame_ms, "that a frame of all viewers may take before accuracy is given up")
+        .range(1.0, 10'000.0)
+        .unit("MS")
+        .live();
+    g.option("--refine-moving", o.frame.refine_moving,
+             "part of it that finer pictures may take while cameras rest and the medium moves; 0: none")
+        .range(0.0, 1.0);
+    g.option("--most-frame-time", o.most_frame_ms, "that a frame of all viewers may take: newcomers are told to come back later")
+        .range(1.0, 60'000.0)
+        .unit("MS");
+    g.option("--ahead", o.ahead, "compile shaders that may be needed later: background, off, or only that and end")
+        .unit("HOW")
+        .oneOf({"background", "off", "only"});
+    g.flag("--explain", o.explain, "print what is rendered with, and why, for the scene's own camera, and end");
+    g.option("--encode-threads", o.frame.encode_threads, "JPEG encoders").range(1, 64);
+}
+
+} // namespace brume

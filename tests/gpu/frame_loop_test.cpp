@@ -1,0 +1,144 @@
+// The frame loop with a real device and no network: from poses to encoded frames, and what happens to a picture that cannot be.
+#include <condition_variable>
+#include <mutex>
+
+#include "server/frame.h"
+#include "tests/gpu/fixture.h"
+
+namespace brume::test {
+namespace {
+
+// A viewer who looks on: keeps the frames that it gets.
+class Looker {
+public:
+    Looker(Audience& audience, uint16_t width, uint16_t height)
+        : viewer_(audience.join([this] {
+              const std::scoped_lock lock(mutex_);
+              told_ = true;
+              changed_.notify_all();
+          })),
+          width_(width), height_(height) {}
+
+    void look(uint32_t seq, float x) {
+        PoseRequest request;
+        request.seq = seq;
+        request.pose = lookAt({x, 2, 26}, {0, 0, 0}, 0.8f);
+        request.width = width_;
+        request.height = height_;
+        request.received = Clock::now();
+        viewer_->setPose(request);
+    }
+    // The next frame; null when the viewer is refused first, or nothing happens for half a minute.
+    FramePtr next() {
+        std::unique_lock lock(mutex_);
+        while (changed_.wait_for(lock, std::chrono::seconds(30), [&] { return told_; })) {
+            told_ = false;
+            if (FramePtr frame = viewer_->takeFrame()) {
+                viewer_->acknowledge(frame->id);
+                return frame;
+            }
+            if (!viewer_->refusal().empty()) return nullptr;
+        }
+        return nullptr;
+    }
+    std::string refusal() const { return viewer_->refusal(); }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    bool told_ = false; // True: something came since the last look
+    const std::shared_ptr<Viewer> viewer_;
+    const uint16_t width_, height_;
+};
+
+// Ticks as the test gives them.
+class GivenTicks final : public TickSource {
+public:
+    explicit GivenTicks(std::atomic<int>& left) : left_(left) {}
+    Clock::time_point due() const override {
+        return Clock::now() + (left_ > 0 ? std::chrono::seconds(0) : std::chrono::seconds(1));
+    }
+    bool take(Clock::time_point, std::vector<Command>& commands) override {
+        commands.clear();
+        if (left_ <= 0) return false;
+        --left_;
+        return true;
+    }
+
+private:
+    std::atomic<int>& left_;
+};
+
+class FrameLoopTest : public GpuTest {
+protected:
+    Scene scene_ = loadScene("server/scenes/cloud.toml");
+    Audience audience_{{"cloud", "", scene_.camera, {}, {}}, 8, 4};
+    Metrics metrics_;
+    std::atomic<bool> failed_{false};
+};
+
+TEST_F(FrameLoopTest, APoseIsAnsweredByAPictureOfItsTick) {
+    std::atomic<int> ticks{0};
+    FrameLoop loop(scene_, device(), audience_, metrics_, {});
+    loop.start([&] { failed_ = true; }, std::make_unique<GivenTicks>(ticks));
+    Looker looker(audience_, 64, 36);
+    looker.look(1, 0);
+    ticks = 3;
+    const FramePtr frame = looker.next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->request.seq, 1u);
+    EXPECT_GE(frame->tick, 1u);
+    EXPECT_LE(frame->tick, 3u);
+    ASSERT_GE(frame->jpeg[0]->size(), 4u);
+    EXPECT_EQ((*frame->jpeg[0])[0], 0xff); // a JPEG begins so
+    EXPECT_EQ((*frame->jpeg[0])[1], 0xd8);
+    loop.stop();
+    EXPECT_FALSE(failed_);
+}
+
+// 16383 x 16383 pixels are 384 MiB of planes; no device that we know lets a shader see so much of a buffer... at once.
+TEST_F(FrameLoopTest, APictureThatCannotBeCostsItsViewerThePlaceAndNobodyElse) {
+    if (Renderer::mostPictureBytes(device()) >= 16383ull * 16383 * 3 / 2)
+        GTEST_SKIP() << "this device draws pictures of 16383 x 16383";
+    FrameLoop loop(scene_, device(), audience_, metrics_, {});
+    loop.start([&] { failed_ = true; });
+    Looker modest(audience_, 64, 36), greedy(audience_, 16383, 16383);
+    modest.look(1, 0);
+    ASSERT_TRUE(modest.next());
+    greedy.look(1, 0);
+    EXPECT_FALSE(greedy.next());
+    EXPECT_NE(greedy.refusal().find("ask for smaller"), std::string::npos) << greedy.refusal();
+    for (uint32_t seq = 2; seq < 5; ++seq) {
+        modest.look(seq, float(seq));
+        FramePtr frame = modest.next();
+        while (frame && frame->request.seq < seq) frame = modest.next();
+        ASSERT_TRUE(frame) << seq;
+    }
+    EXPECT_EQ(modest.refusal(), "");
+    loop.stop();
+    EXPECT_FALSE(failed_);
+}
+
+// A hundred changes of what is rendered with: two methods stay on the device, not a hundred.
+TEST_F(FrameLoopTest, MethodsThatAreNoLongerUsedAreGone) {
+    Simulation simulation(scene_);
+    Renderer renderer(device(), scene_, simulation.capacity());
+    Submission submission(device(), "methods");
+    const EyeRequest eye{lookAt({0, 2, 26}, {0, 0, 0}, 0.8f), 32, 18};
+    uint64_t most = 0, first = 0;
+    for (int i = 0; i < 24; ++i) {
+        RenderSettings settings = scene_.render;
+        settings.method = methodNames()[size_t(i) % methodNames().size()];
+        settings.quadrature = quadratureNames()[size_t(i / 5) % quadratureNames().size()];
+        settings.steps = uint32_t(i % 3 + 1);
+        renderer.submit(submission, simulation, {&eye, 1}, &settings);
+        waitFor(submission.commands);
+        EXPECT_LE(renderer.methodsKept(), 2u);
+        if (i == 9) first = device().memoryInUse(); // every method has been used twice
+        most = std::max(most, device().memoryInUse());
+    }
+    EXPECT_LE(most, first + first / 4);
+}
+
+} // namespace
+} // namespace brume::test

@@ -1,0 +1,152 @@
+// Whose pictures a submission draws: viewers and turns, without a clock and without a device.
+#include <algorithm>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "server/loop/batch_planner.h"
+#include "server/loop/tick_source.h"
+
+namespace brume {
+namespace {
+
+const Clock::time_point kStart = Clock::time_point{} + std::chrono::hours(1);
+
+std::shared_ptr<Viewer> viewerOf(uint32_t id) { return std::make_shared<Viewer>(id, PacingOptions{}, nullptr); }
+
+PoseRequest poseOf(uint32_t seq, uint16_t width, uint16_t height, float x = 0, uint8_t views = 1) {
+    PoseRequest request;
+    request.seq = seq;
+    request.pose.position.x = x;
+    request.width = width;
+    request.height = height;
+    request.views = views;
+    request.received = kStart;
+    return request;
+}
+
+// Its frames reach the viewer, who acknowledges them.
+void deliver(const BatchContents& batch, Clock::time_point now) {
+    for (const BatchJob& job : batch.jobs) {
+        auto frame = std::make_shared<EncodedFrame>();
+        frame->id = job.due.frame_id;
+        frame->request = job.due.request;
+        frame->encoded = now;
+        job.viewer->deliver(std::move(frame));
+        ASSERT_TRUE(job.viewer->takeFrame(now));
+        ASSERT_TRUE(job.viewer->acknowledge(job.due.frame_id, now));
+    }
+}
+
+TEST(BatchPlanner, NobodyIsDueWithoutAPose) {
+    BatchPlanner planner;
+    BatchContents batch;
+    const std::vector viewers{viewerOf(1)};
+    EXPECT_FALSE(planner.plan(viewers, 1, {.budget_ms = 50}, kStart, batch));
+    EXPECT_TRUE(batch.jobs.empty());
+}
+
+TEST(BatchPlanner, ViewersOfTheSamePictureShareIt) {
+    BatchPlanner planner;
+    BatchContents batch;
+    const std::vector viewers{viewerOf(1), viewerOf(2), viewerOf(3)};
+    for (const auto& viewer : viewers) viewer->setPose(poseOf(viewer->id(), 64, 36, viewer->id() == 2 ? 1.0f : 0.0f, 2));
+    ASSERT_TRUE(planner.plan(viewers, 1, {.budget_ms = 50}, kStart, batch));
+    ASSERT_EQ(batch.jobs.size(), 3u);
+    EXPECT_EQ(batch.eyes.size(), 4u);
+    EXPECT_EQ(batch.views.size(), 4u);
+    EXPECT_TRUE(batch.eyes[1].second);
+    for (const BatchJob& job : batch.jobs) {
+        EXPECT_EQ(job.first_eye, job.viewer->id() == 2 ? 2u : 0u);
+        EXPECT_EQ(batch.jobs[job.pictures].due.request.pose.position.x, job.due.request.pose.position.x);
+    }
+}
+
+// What rests is drawn once more, finer, when nothing has changed for anybody; then nothing at all.
+TEST(BatchPlanner, StillPicturesComeOnceNothingMoves) {
+    BatchPlanner planner;
+    BatchContents batch;
+    const std::vector viewers{viewerOf(1)};
+    viewers[0]->setPose(poseOf(1, 64, 36));
+    Clock::time_point now = kStart;
+    ASSERT_TRUE(planner.plan(viewers, 1, {.budget_ms = 50}, now, batch));
+    EXPECT_FALSE(batch.still_pictures);
+    deliver(batch, now);
+    EXPECT_FALSE(planner.plan(viewers, 1, {.budget_ms = 50}, now + std::chrono::milliseconds(100), batch));
+    now += std::chrono::milliseconds(200);
+    ASSERT_TRUE(planner.plan(viewers, 1, {.budget_ms = 50}, now, batch));
+    EXPECT_TRUE(batch.still_pictures);
+    deliver(batch, now);
+    EXPECT_FALSE(planner.plan(viewers, 1, {.budget_ms = 50}, now + std::chrono::seconds(1), batch));
+    ASSERT_TRUE(planner.plan(viewers, 2, {.budget_ms = 50}, now + std::chrono::seconds(2), batch));
+    EXPECT_FALSE(batch.still_pictures); // the scene moved
+}
+
+// Fairness without a clock: the device takes 1 us a pixel, viewers of several sizes want a picture at every tick.
+TEST(BatchPlanner, NobodyWaitsForeverUnderOverload) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    for (uint32_t id = 1; id <= 6; ++id) viewers.push_back(viewerOf(id));
+    const auto sideOf = [](uint32_t id) { return uint16_t(id == 1 ? 300 : 100); };
+    std::map<uint32_t, int> frames;
+    std::map<uint32_t, Clock::time_point> last;
+    Clock::duration longest{};
+    Clock::time_point now = kStart;
+    for (uint32_t tick = 1; now < kStart + std::chrono::seconds(20); ++tick) {
+        for (const auto& viewer : viewers)
+            viewer->setPose(poseOf(tick, sideOf(viewer->id()), sideOf(viewer->id()), float(tick) + 0.1f * float(viewer->id())));
+        Clock::duration took = kTick;
+        if (planner.plan(viewers, tick, {.budget_ms = 40}, now, batch)) {
+            double ms = 0;
+            for (BatchJob& job : batch.jobs) {
+                job.gpu_ms = float(job.due.request.width) * float(job.due.request.height) * 1e-3f;
+                ms += double(job.gpu_ms);
+                Clock::time_point& before = last.try_emplace(job.viewer->id(), kStart).first->second;
+                longest = std::max(longest, now - before);
+                before = now;
+                ++frames[job.viewer->id()];
+            }
+            took = std::max<Clock::duration>(took, std::chrono::microseconds(int64_t(ms * 1e3)));
+            planner.took(batch, 0, 1, true);
+            deliver(batch, now + took);
+            EXPECT_GE(batch.full_batch_ratio, 1);
+        }
+        now += took;
+    }
+    for (const auto& viewer : viewers) EXPECT_GT(frames[viewer->id()], 20) << viewer->id();
+    EXPECT_LT(longest, std::chrono::milliseconds(1500));
+    EXPECT_GT(frames[2], 2 * frames[1]); // nine times as many pixels come more rarely
+}
+
+TEST(BatchPlanner, ABatchKeepsWithinTheBytesThatTheDeviceAllows) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    for (uint32_t id = 1; id <= 4; ++id) {
+        viewers.push_back(viewerOf(id));
+        viewers.back()->setPose(poseOf(1, 64, 64, float(id)));
+    }
+    const BatchPlanner::Limits limits{.budget_ms = 1000, .bytes = 2 * 64 * 64 * 3 / 2};
+    ASSERT_TRUE(planner.plan(viewers, 1, limits, kStart, batch));
+    EXPECT_EQ(batch.jobs.size(), 2u);
+    ASSERT_TRUE(planner.plan(viewers, 1, limits, kStart + kTick, batch));
+    EXPECT_EQ(batch.jobs.size(), 2u); // the others
+    viewers.resize(1);
+    viewers[0]->setPose(poseOf(2, 640, 640));
+    ASSERT_TRUE(planner.plan(viewers, 1, limits, kStart + 2 * kTick, batch));
+    EXPECT_EQ(batch.jobs.size(), 1u); // alone, for the device to judge
+}
+
+TEST(BatchPlanner, WhoIsRefusedIsNotDrawn) {
+    BatchPlanner planner;
+    BatchContents batch;
+    const std::vector viewers{viewerOf(1)};
+    viewers[0]->setPose(poseOf(1, 64, 36));
+    viewers[0]->refuse("too large");
+    EXPECT_FALSE(planner.plan(viewers, 1, {.budget_ms = 50}, kStart, batch));
+    EXPECT_EQ(viewers[0]->refusal(), "too large");
+}
+
+} // namespace
+} // namespace brume

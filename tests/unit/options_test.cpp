@@ -1,0 +1,118 @@
+// Flags, environment and file, as brume-server reads them.
+#include "server/options.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace brume {
+namespace {
+
+class ServerOptionsTest : public testing::Test {
+protected:
+    const std::filesystem::path file =
+        std::filesystem::temp_directory_path() / ("brume-options-" + std::to_string(getpid()) + ".toml");
+    void TearDown() override { std::filesystem::remove(file); }
+
+    static ParsedOptions parsed(std::vector<const char*> arguments, const std::map<std::string, std::string>& environment = {}) {
+        for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
+        arguments.insert(arguments.begin(), "brume-server");
+        ParsedOptions result = parseServerOptions(int(arguments.size()), arguments.data());
+        for (const auto& [name, value] : environment) unsetenv(name.c_str());
+        return result;
+    }
+    static std::string settingOf(const ParsedOptions& options, const std::string& name) {
+        const auto found = std::find_if(options.settings.begin(), options.settings.end(),
+                                        [&](const Setting& setting) { return setting.name == name; });
+        return found == options.settings.end() ? "no " + name : found->value;
+    }
+};
+
+TEST_F(ServerOptionsTest, AMistakeInTheEnvironmentIsRefusedWithItsName) {
+    for (const auto& [name, value, option] : std::vector<std::array<std::string, 3>>{
+             {"BRUME_PORT", "70000", "--port: "},
+             {"BRUME_PORT", "http", "--port: "},
+             {"BRUME_MAX_VIEWERS", "0", "--max-viewers: "},
+             {"BRUME_STEPS", "99", "--steps: "},
+             {"BRUME_EXPOSURE", "bright", "--exposure: "},
+             {"BRUME_IDLE", "0", "--idle: "},
+             {"BRUME_LOG_LEVEL", "loud", "--log-level: "},
+             {"BRUME_PAUSED", "maybe", "--paused"},
+             {"BRUME_OPEN", "maybe", "--open"},
+             {"BRUME_DRAIN_TO", "https://user:secret@next.example", "--drain-to: "},
+         }) {
+        const ParsedOptions options = parsed({}, {{name, value}});
+        EXPECT_FALSE(options.options) << name << '=' << value;
+        EXPECT_EQ(options.exit_code, 2) << name << '=' << value;
+        EXPECT_TRUE(options.complaint.starts_with("environment " + name + ": ")) << options.complaint;
+        EXPECT_NE(options.complaint.find(option), std::string::npos) << options.complaint;
+    }
+}
+
+TEST_F(ServerOptionsTest, AMistakeInAFlagIsNotTheEnvironments) {
+    const ParsedOptions options = parsed({"--port", "70000"}, {{"BRUME_PORT", "1"}});
+    EXPECT_FALSE(options.options);
+    EXPECT_TRUE(options.complaint.starts_with("--port: ")) << options.complaint;
+}
+
+TEST_F(ServerOptionsTest, AFlagGoesBeforeTheEnvironmentAndThatBeforeTheFile) {
+    std::ofstream(file) << "port = 1\nquality = 1\nidle = 1\nset = ['a=1']\n";
+    const ParsedOptions options =
+        parsed({"--config", file.c_str(), "--port", "3"},
+               {{"BRUME_PORT", "2"}, {"BRUME_QUALITY", "2"}, {"BRUME_IDLE", ""}, {"BRUME_SET", "b=1\nc=2"}});
+    ASSERT_TRUE(options.options) << options.complaint;
+    EXPECT_EQ(options.options->net.port, 3);
+    EXPECT_EQ(options.options->net.default_quality, 2);
+    EXPECT_EQ(options.options->net.idle, std::chrono::milliseconds(1)) << "an empty variable is none";
+    EXPECT_EQ(options.options->overrides, (std::vector<std::string>{"b=1", "c=2"}));
+    EXPECT_EQ(settingOf(options, "set"), "[\"b=1\", \"c=2\"]");
+}
+
+TEST_F(ServerOptionsTest, EveryKindOfValueIsTakenFromTheEnvironment) {
+    const ParsedOptions options = parsed({}, {{"BRUME_ALLOW_ORIGIN", "https://a.example,https://b.example"},
+                                              {"BRUME_DRAIN_TIME", "7"},
+                                              {"BRUME_EXPOSURE", "1.5"},
+                                              {"BRUME_MEMORY", "2"},
+                                              {"BRUME_METHOD", "slabs"},
+                                              {"BRUME_NO_MESH_SHADERS", "true"},
+                                              {"BRUME_PAUSED", "false"},
+                                              {"BRUME_SCENE", "1e5"}});
+    ASSERT_TRUE(options.options) << options.complaint;
+    EXPECT_EQ(options.options->net.allowed_origins, (std::vector<std::string>{"https://a.example", "https://b.example"}));
+    EXPECT_EQ(options.options->drain, std::chrono::milliseconds(7));
+    EXPECT_EQ(options.options->exposure, 1.5f);
+    EXPECT_EQ(options.options->frame.memory, uint64_t{2} << 20);
+    EXPECT_EQ(options.options->method, "slabs");
+    EXPECT_FALSE(options.options->device.mesh_shaders);
+    EXPECT_EQ(options.options->paused, false);
+    EXPECT_EQ(options.options->scene, "1e5");
+}
+
+TEST_F(ServerOptionsTest, WhatNobodySaysIsTheDefault) {
+    const ParsedOptions options = parsed({});
+    ASSERT_TRUE(options.options) << options.complaint;
+    EXPECT_EQ(options.options->paused, std::nullopt);
+    EXPECT_TRUE(options.options->device.mesh_shaders);
+    EXPECT_EQ(options.options->net.port, 8080);
+}
+
+// What a reload can change: the same list as in docs/operate.md.
+TEST_F(ServerOptionsTest, TheLiveOptionsAreThoseOfTheDocumentation) {
+    std::ifstream in("docs/operate.md"); // tests run in the source folder
+    std::vector<std::string> documented, live;
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("| `--") && line.ends_with("| yes |")) documented.push_back(line.substr(5, line.find('`', 5) - 5));
+    for (const Setting& setting : parsed({}).settings)
+        if (setting.live) live.push_back(setting.name);
+    EXPECT_EQ(live, documented);
+    EXPECT_GE(live.size(), 20u);
+}
+
+} // namespace
+} // namespace brume
