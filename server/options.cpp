@@ -1,6 +1,7 @@
 #include "server/options.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <iostream>
 #include <set>
@@ -33,7 +34,8 @@ const std::set<std::string> kLive{"allow-origin", "max-viewers",   "max-connecti
                                   "max-streams",  "max-snapshots", "max-pixels",      "max-message-bytes",
                                   "quality",      "accept-rate",   "handshake",       "idle",
                                   "pose-rate",    "input-rate",    "message-rate",    "drain-time",
-                                  "drain-to",     "grace",         "frame-budget",    "log-level"};
+                                  "drain-to",     "grace",         "frame-budget",    "log-level",
+                                  "host"};
 
 // Viewers are told this URL: it holds no user or password, and a header or a log line can carry it.
 std::string checkUrl(const std::string& url) {
@@ -67,6 +69,18 @@ std::string tokenFor(net::Role role, uint32_t seconds, const std::string& name, 
 std::string checkName(const std::string& name) {
     const bool printable = std::all_of(name.begin(), name.end(), [](char c) { return c >= ' ' && c <= '~'; });
     return printable && name.size() <= net::kMostTokenName ? "" : "allowed: 64 printable ASCII characters";
+}
+
+std::string checkHost(const std::string& name) {
+    const bool plain = std::all_of(name.begin(), name.end(),
+                                   [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '.' || c == '_'; });
+    return plain && name.size() <= 253 ? "" : "allowed: a host name without scheme and port, such as clouds.example";
+}
+
+// It ends up in a header of the page's replies, among others.
+std::string checkOrigin(const std::string& origin) {
+    const bool plain = std::all_of(origin.begin(), origin.end(), [](char c) { return c > ' ' && c < 0x7f && c != ';'; });
+    return plain ? "" : "allowed: an origin such as https://clouds.example, or *";
 }
 
 CLI::Range within(const Limits& limits) { return {limits.lo, limits.hi}; }
@@ -155,7 +169,14 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     app.add_option("--allow-origin", o.net.allowed_origins, "pages of this origin may connect too; * for any")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->delimiter(',')
+        ->check(CLI::Validator(checkOrigin, "", "ORIGIN"))
         ->group(group);
+    app.add_option("--host", o.net.hosts, "without a key: a name that requests may have in their Host header")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->delimiter(',')
+        ->check(CLI::Validator(checkHost, "", "NAME"))
+        ->group(group);
+    app.add_option("--network-threads", o.net.threads, "threads that serve connections")->group(group)->check(CLI::Range(1, 64));
 
     group = "Trust";
     app.add_option("--token-key", o.token_key, "file with the secret of tokens: what a viewer may do is in its token")
