@@ -235,8 +235,7 @@ TEST_F(HttpTest, PicturesThatCannotBeAreToldWhatMayBe) {
 TEST_F(HttpTest, WithoutFramesPicturesEndIn503) {
     options.frame_wait = 200ms;
     const uint16_t port = serve();
-    renderer->paused = true;
-    std::this_thread::sleep_for(20ms);
+    pauseRenderer();
     for (const char* path : {"/snapshot.jpg", "/stream.mjpg"}) {
         const auto answer = get(port, path);
         EXPECT_EQ(answer.status, 503) << path;
