@@ -6,7 +6,6 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/rfc7230.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -17,6 +16,7 @@
 #include "server/net/coroutine.h"
 #include "server/net/origin.h"
 #include "server/net/picture_query.h"
+#include "server/net/request_check.h"
 #include "server/net/seat.h"
 #include "server/net/viewers.h"
 #include "server/net/websocket.h"
@@ -84,7 +84,6 @@ public:
     }
 
 private:
-    using Parser = http::request_parser<http::empty_body>;
     using Parts = std::array<asio::const_buffer, 3>;
 
     asio::awaitable<void> run();
@@ -97,7 +96,6 @@ private:
     asio::awaitable<error_code> write(Parts parts);
     asio::awaitable<FramePtr> nextFrame(Seat& seat);
     asio::awaitable<void> linger();
-    std::optional<Reply> judge(const error_code& error, const Parser& parser) const;
     Reply health(std::string_view path) const;
 
     Context& context_;
@@ -113,13 +111,13 @@ asio::awaitable<void> HttpConnection::run() {
     const bool secured = co_await secure();
     if (!secured) co_return;
     for (bool first = true; !context_.stopping; first = false) {
-        Parser parser;
+        RequestParser parser;
         parser.header_limit(options.max_header_bytes);
         stream_.tcp().expires_after(first ? options.handshake : options.idle);
         idle_ = true;
         const auto [error, size] = co_await http::async_read_header(stream_, buffer_, parser, kToken);
         idle_ = false;
-        if (auto refusal = judge(error, parser)) {
+        if (auto refusal = unfit(error, parser, options)) {
             co_await send(parser.get(), "refused", *std::move(refusal));
             break;
         }
@@ -146,36 +144,6 @@ asio::awaitable<bool> HttpConnection::secure() {
     co_return !error;
 }
 
-// What is wrong with a request before anyone looks at its path; nothing when it is good, or when the connection is gone.
-std::optional<Reply> HttpConnection::judge(const error_code& error, const Parser& parser) const {
-    const NetOptions& options = context_.options;
-    const auto refuse = [](unsigned status, std::string line) {
-        Reply reply = lineReply(status, std::move(line));
-        reply.close = true; // what follows on this connection cannot be understood
-        return reply;
-    };
-    if (error == http::error::header_limit || error == http::error::buffer_overflow) {
-        const bool in_first_line = parser.get().target().empty();
-        return in_first_line ? refuse(414, fmt::format("the path and query are over {} bytes", options.max_target_bytes))
-                             : refuse(431, fmt::format("the request's header is over {} bytes", options.max_header_bytes));
-    }
-    if (error == http::error::end_of_stream || error == http::error::partial_message) return {};
-    if (error.category() == http::make_error_code(http::error::bad_method).category())
-        return refuse(400, fmt::format("not an HTTP request: {}", error.message()));
-    if (error) return {};
-    const auto& request = parser.get();
-    if (request.target().size() > options.max_target_bytes)
-        return refuse(414, fmt::format("the path and query are over {} bytes", options.max_target_bytes));
-    if (!request.target().starts_with('/')) return refuse(400, "the path must begin with /");
-    if (request.method() != http::verb::get && request.method() != http::verb::head) {
-        Reply reply = refuse(405, "only GET and HEAD are served here");
-        reply.headers = {{"Allow", "GET, HEAD"}};
-        return reply;
-    }
-    if (parser.chunked() || parser.content_length().value_or(0) > 0) return refuse(413, "a request here has no body");
-    return {};
-}
-
 // True when another request may follow.
 asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     const std::string_view target(request.target().data(), request.target().size());
@@ -183,7 +151,12 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     const std::string_view path = target.substr(0, question), query = target.substr(std::min(question + 1, target.size()));
 
     const bool operators = path == "/metrics" || path == "/viewers";
-    if (path == "/ws" || path == "/snapshot.jpg" || path == "/stream.mjpg" || operators) {
+    const bool guarded = path == "/ws" || path == "/snapshot.jpg" || path == "/stream.mjpg" || operators;
+    if (auto stranger = foreign(request, guarded, context_.options)) {
+        context_.metrics.refused(stranger->reason);
+        return send(request, "refused", std::move(stranger->reply));
+    }
+    if (guarded) {
         const auto bearer = request[http::field::authorization];
         auto checked = clear({bearer.data(), bearer.size()}, query, operators ? Role::operator_ : Role::viewer, context_.options);
         if (auto* refusal = std::get_if<Reply>(&checked)) {
@@ -197,7 +170,7 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     }
     if (path == "/healthz" || path == "/readyz" || operators) return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
-    return send(request, "page", context_.pages.serve(path, {tag.data(), tag.size()}));
+    return send(request, "page", context_.pages.serve(path, {tag.data(), tag.size()}, context_.options.allowed_origins));
 }
 
 Reply HttpConnection::health(std::string_view path) const {

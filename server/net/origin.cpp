@@ -1,6 +1,9 @@
 #include "server/net/origin.h"
 
 #include <algorithm>
+#include <optional>
+
+#include <arpa/inet.h>
 
 namespace brume::net {
 namespace {
@@ -15,12 +18,58 @@ std::string_view withoutPort(std::string_view host, std::string_view port) {
     return host.ends_with(port) ? host.substr(0, host.size() - port.size()) : host;
 }
 
+bool isAddress(int family, std::string_view text) {
+    in6_addr address; // room for either
+    return inet_pton(family, std::string(text).c_str(), &address) == 1;
+}
+
+// True for "localhost" and for names below it, such as "brume.localhost".
+bool isLocalhost(std::string_view name) {
+    constexpr std::string_view kName = "localhost";
+    if (name.size() < kName.size()) return false;
+    const size_t above = name.size() - kName.size();
+    return sameText(name.substr(above), kName) && (above == 0 || name[above - 1] == '.');
+}
+
+bool listed(std::string_view origin, const std::vector<std::string>& allowed) {
+    return std::any_of(allowed.begin(), allowed.end(),
+                       [&](const std::string& entry) { return entry == "*" || sameText(entry, origin); });
+}
+
+// "https://a.example" of "https://a.example/page?x".
+std::string_view originOf(std::string_view url) {
+    const size_t host = url.find("://");
+    return host == url.npos ? std::string_view() : url.substr(0, url.find('/', host + 3));
+}
+
+// "clouds" of "clouds" and of "clouds:8080"; nothing if what follows the colon is no port.
+std::optional<std::string_view> nameOf(std::string_view host) {
+    const size_t end = host.find(':', host.starts_with('[') ? std::min(host.find(']'), host.size()) : 0);
+    if (end == host.npos) return host;
+    const std::string_view port = host.substr(end + 1);
+    const bool number = std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; });
+    return number ? std::optional(host.substr(0, end)) : std::nullopt;
+}
+
 } // namespace
 
+bool hostAllowed(std::string_view host, const NetOptions& options) {
+    const auto name = nameOf(host);
+    if (!name || name->empty()) return false;
+    if (isLocalhost(*name)) return true;
+    if (name->starts_with('[')) return name->ends_with(']') && isAddress(AF_INET6, name->substr(1, name->size() - 2));
+    if (isAddress(AF_INET, *name)) return true;
+    if (sameText(*name, options.listen)) return true;
+    return std::any_of(options.hosts.begin(), options.hosts.end(), [&](const std::string& one) { return sameText(one, *name); });
+}
+
+bool siteAllowed(std::string_view site, std::string_view origin, std::string_view referer,
+                 const std::vector<std::string>& allowed) {
+    return !sameText(site, "cross-site") || listed(origin.empty() ? originOf(referer) : origin, allowed);
+}
+
 bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed) {
-    if (origin.empty()) return true;
-    for (const std::string& entry : allowed)
-        if (entry == "*" || sameText(entry, origin)) return true;
+    if (origin.empty() || listed(origin, allowed)) return true;
     for (const auto& [scheme, port] : {std::pair<std::string_view, std::string_view>{"http://", ":80"}, {"https://", ":443"}})
         if (origin.size() > scheme.size() && sameText(origin.substr(0, scheme.size()), scheme))
             return !host.empty() && sameText(withoutPort(origin.substr(scheme.size()), port), withoutPort(host, port));

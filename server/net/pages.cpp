@@ -73,7 +73,19 @@ std::optional<fs::path> inside(const fs::path& root, const fs::path& file) {
 
 } // namespace
 
-Reply Pages::serve(std::string_view path, std::string_view if_none_match) const {
+Reply Pages::serve(std::string_view path, std::string_view if_none_match, const std::vector<std::string>& framed_by) const {
+    Reply reply = read(path, if_none_match);
+    // Everything that the page loads and runs is a file of ours. It connects to this server, and to whichever one a goodbye
+    // names.
+    std::string policy = "default-src 'self'; connect-src http: https: ws: wss:; object-src 'none'; base-uri 'none'; "
+                         "form-action 'none'; frame-ancestors 'self'";
+    for (const std::string& origin : framed_by) policy += " " + origin;
+    reply.headers.emplace_back("Content-Security-Policy", std::move(policy));
+    reply.headers.emplace_back("Referrer-Policy", "no-referrer");
+    return reply;
+}
+
+Reply Pages::read(std::string_view path, std::string_view if_none_match) const {
     const auto relative = relativePath(path);
     const auto file = relative ? inside(root_, *relative) : std::nullopt;
     if (!file && path == "/") return lineReply(404, "the page is not built: run ./dev, or give its folder with --web-root");

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/net/reply.h"
 
@@ -13,10 +15,13 @@ public:
     explicit Pages(std::filesystem::path root) : root_(std::move(root)) {}
 
     // `path` is a request's, still percent-encoded, without its query; "/" is index.html. 404 for whatever is not a plain file
-    // below the root, hidden or reached through a link that leads out; 304 when `if_none_match` holds the file's tag.
-    Reply serve(std::string_view path, std::string_view if_none_match) const;
+    // below the root, hidden or reached through a link that leads out; 304 when `if_none_match` holds the file's tag. Pages of
+    // `framed_by` ("https://clouds.example", "*") may show ours in a frame, besides our own.
+    Reply serve(std::string_view path, std::string_view if_none_match, const std::vector<std::string>& framed_by = {}) const;
 
 private:
+    Reply read(std::string_view path, std::string_view if_none_match) const;
+
     std::filesystem::path root_;
 };
 

@@ -4,16 +4,12 @@
 #include <memory>
 #include <string_view>
 
-#include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/message.hpp>
-
 #include "common/byte_stream.h"
 #include "server/net/access.h"
 #include "server/net/context.h"
+#include "server/net/request_check.h"
 
 namespace brume::net {
-
-using HttpRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 
 // Answers the upgrade and carries on from there. Precondition: the request asks for a WebSocket and for brume.v1, and
 // was cleared.

@@ -1,13 +1,39 @@
+#include <algorithm>
+#include <cctype>
+
 #include "server/options/groups.h"
 
 namespace brume {
+namespace {
+
+std::string checkHost(const std::string& name) {
+    const bool plain = std::all_of(name.begin(), name.end(),
+                                   [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '.' || c == '_'; });
+    return plain && name.size() <= 253 ? "" : "allowed: a host name without scheme and port, such as clouds.example";
+}
+
+// It ends up in a header of the page's replies, among others.
+std::string checkOrigin(const std::string& origin) {
+    const bool plain = std::all_of(origin.begin(), origin.end(), [](char c) { return c > ' ' && c < 0x7f && c != ';'; });
+    return plain ? "" : "allowed: an origin such as https://clouds.example, or *";
+}
+
+} // namespace
 
 void addNetworkOptions(OptionTable& table, ServerOptions& o) {
     OptionGroup g(table, "Network");
     g.option("--listen", o.net.listen, "address; 0.0.0.0 or :: lets other machines in");
     g.option("--port", o.net.port, "0 takes a free one").range(0, 65535);
     g.option("--web-root", o.net.web_root, "folder of the built page");
-    g.several("--allow-origin", o.net.allowed_origins, ',', "pages of this origin may connect too; * for any").live();
+    g.several("--allow-origin", o.net.allowed_origins, ',', "pages of this origin may connect too; * for any")
+        .check(checkOrigin)
+        .unit("ORIGIN")
+        .live();
+    g.several("--host", o.net.hosts, ',', "without a key: a name that requests may have in their Host header")
+        .check(checkHost)
+        .unit("NAME")
+        .live();
+    g.option("--network-threads", o.net.threads, "threads that serve connections").range(1, 64);
 }
 
 } // namespace brume

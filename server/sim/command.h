@@ -46,13 +46,19 @@ struct Command {
     CommandBody body;
 };
 
-// Many writers, one reader. Bounded: a full queue refuses, so that the writer can answer its viewer; nothing is dropped silently.
+inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles
+
+// Many writers, one reader, which drains it once a tick. It refuses what the next tick cannot take, so that the writer can
+// answer its viewer: nothing is dropped silently.
 class CommandQueue {
 public:
     explicit CommandQueue(size_t capacity = 4096) : capacity_(capacity) { pending_.reserve(capacity); }
+    // False if the queue is full, or if the command is an impulse and kMostImpulses wait already.
     [[nodiscard]] bool push(Command command) {
+        const bool impulse = std::holds_alternative<Impulse>(command.body);
         const std::scoped_lock lock(mutex_);
-        if (pending_.size() >= capacity_) return false;
+        if (pending_.size() >= capacity_ || (impulse && impulses_ >= kMostImpulses)) return false;
+        impulses_ += impulse;
         pending_.push_back(std::move(command));
         return true;
     }
@@ -61,12 +67,14 @@ public:
         out.clear();
         const std::scoped_lock lock(mutex_);
         std::swap(out, pending_);
+        impulses_ = 0;
     }
 
 private:
     std::mutex mutex_;
     size_t capacity_;
     std::vector<Command> pending_;
+    uint32_t impulses_ = 0; // in pending_
 };
 
 } // namespace brume

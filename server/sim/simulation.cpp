@@ -19,8 +19,7 @@ namespace brume {
 namespace {
 
 constexpr float kDt = static_cast<float>(kTickSeconds);
-constexpr uint32_t kMostImpulses = 64; // in a tick, each a pass over all particles; later ones have no effect
-constexpr size_t kLongestName = 64;    // of a method or quadrature; room for it is made at the start
+constexpr size_t kLongestName = 64; // of a method or quadrature; room for it is made at the start
 
 bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -124,7 +123,7 @@ Simulation::State::State(const Scene& scene) : settings(scene.simulation) {
 void Simulation::State::apply(const Impulse& c) {
     const float length = glm::length(c.direction);
     if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-3f && length < 1e3f)) return;
-    if (impulses++ >= kMostImpulses) return;
+    if (impulses++ >= kMostImpulses) return; // of a recording: CommandQueue refuses them
     const float strength = limits::kStrength.clamp(c.strength);
     Push p{.origin = clamped(c.origin, limits::kPlace), .direction = c.direction / length, .radius = settings.impulse_radius};
     if (c.push == glm::vec3(0)) {

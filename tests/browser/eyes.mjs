@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { startDelay } from './delay.mjs';
-import { cameraStill, connected, openPage, rested, startBrowser, until } from './pages.mjs';
+import { cameraStill, connected, openPage, rested, screenshotOf, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
 const EMULATOR = readFileSync(fileURLToPath(new URL('node_modules/iwer/build/iwer.min.js', import.meta.url)), 'utf8');
@@ -31,11 +31,9 @@ const headset = (lean = 0) => `${EMULATOR};
 
 // Grey values of the window's left and right half, in rows.
 async function halves(page, from) {
-  const style = await page.addStyleTag({ content: `body > :not(${from}) { visibility: hidden !important; }` });
-  const png = (await page.screenshot()).toString('base64');
-  await style.evaluate((node) => node.remove());
+  const png = await screenshotOf(page, from);
   return page.evaluate(async (data) => {
-    const picture = await createImageBitmap(await (await fetch(`data:image/png;base64,${data}`)).blob());
+    const picture = await createImageBitmap(new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))]));
     const copy = new OffscreenCanvas(picture.width, picture.height).getContext('2d');
     copy.drawImage(picture, 0, 0);
     const width = Math.floor(picture.width / 2);

@@ -136,7 +136,7 @@ try {
           viewport: SIZE,
         });
         await connected(page);
-        await page.addScriptTag({ content: `${collect}\n${judge}` });
+        await page.evaluate(`${collect}\n${judge}`); // declares them for the whole page
         if (camera === 'fly') await page.keyboard.press('c');
         await setPaused(page); // so that what moves is the camera
         await page.evaluate(watch, new URLSearchParams(query).get('reproject'));

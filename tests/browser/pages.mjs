@@ -27,6 +27,9 @@ export async function openPage(t, browser, url, { script, sentTo, ...options } =
   const errors = [];
   const elsewhere = [];
   page.on('pageerror', (error) => errors.push(error.message));
+  page.on('console', (message) => {
+    if (message.text().includes('Content Security Policy')) errors.push(message.text());
+  });
   page.on('request', (request) => {
     const { origin, protocol } = new URL(request.url());
     if (![url, sentTo].some((known) => known && new URL(known).origin === origin) && !/^(data|blob):/.test(protocol))
@@ -48,11 +51,9 @@ export async function openPage(t, browser, url, { script, sentTo, ...options } =
 export async function until(page, what, condition, argument, timeout = WAIT_MS) {
   try {
     // Polling by timer: animation frames are what some of the tests hold back.
-    const test = `(argument) => (${condition})(window.brume, argument)`;
-    return await page.waitForFunction(`window.brume && (${test})(${JSON.stringify(argument ?? null)})`, null, {
-      timeout,
-      polling: 50,
-    });
+    // A function, since the page's policy forbids it to evaluate text.
+    const test = new Function('argument', `return window.brume && (${condition})(window.brume, argument)`);
+    return await page.waitForFunction(test, argument ?? null, { timeout, polling: 50 });
   } catch (error) {
     const state = await page
       .evaluate(() => JSON.stringify({ ...window.brume, recent: undefined, text: document.body.innerText }))
@@ -128,14 +129,27 @@ export async function pixels(page) {
   }, SAMPLES);
 }
 
+// The window with everything hidden but that element of the body, as PNG in base64. The page's policy forbids style elements, so
+// the style is set by script.
+export async function screenshotOf(page, selector) {
+  const style = (text) =>
+    page.evaluate((rules) => {
+      const sheet = new CSSStyleSheet();
+      sheet.replaceSync(rules);
+      document.adoptedStyleSheets = [sheet];
+    }, text);
+  await style(`body > :not(${selector}) { visibility: hidden !important; }`);
+  const png = (await page.screenshot()).toString('base64');
+  await style('');
+  return png;
+}
+
 // What a person sees in the window where the page's own furniture is put away, like pixels().
 export async function shown(page) {
-  const style = await page.addStyleTag({ content: 'body > :not(#view) { visibility: hidden !important; }' });
-  const png = (await page.screenshot()).toString('base64');
-  await style.evaluate((node) => node.remove());
+  const png = await screenshotOf(page, '#view');
   return page.evaluate(
     async ({ png, width, height }) => {
-      const picture = await createImageBitmap(await (await fetch(`data:image/png;base64,${png}`)).blob());
+      const picture = await createImageBitmap(new Blob([Uint8Array.from(atob(png), (c) => c.charCodeAt(0))]));
       const copy = new OffscreenCanvas(width, height).getContext('2d');
       copy.imageSmoothingQuality = 'high';
       copy.drawImage(picture, 0, 0, width, height);

@@ -127,7 +127,7 @@ TEST_F(Configuration, AReloadChangesWhatItCanAndNamesTheRest) {
     const auto upgrade = [&](const std::string& origin) {
         HttpConnection connection(server.port());
         connection.send(
-            "GET /ws HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+            "GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: brume.v1\r\nOrigin: " +
             origin + "\r\n\r\n");
         return connection.readHead().status;

@@ -155,7 +155,7 @@ class Conformance(unittest.TestCase):
     def test_handshake_of_another_version_is_refused(self):
         peer = socket.create_connection(('127.0.0.1', self.port), timeout=PATIENCE)
         self.addCleanup(peer.close)
-        peer.sendall(b'GET /ws HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
+        peer.sendall(b'GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
                      b'Sec-WebSocket-Protocol: brume.v1\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n'
                      b'Sec-WebSocket-Version: 8\r\n\r\n')
         answer = peer.recv(4096)

@@ -49,6 +49,13 @@ protected:
         renderer.reset();
     }
 
+    // No frame is rendered and no command taken any more; the round that runs has ended.
+    void pauseRenderer() {
+        renderer->paused = true;
+        const uint64_t rounds = renderer->rounds;
+        ASSERT_TRUE(eventually([&] { return renderer->rounds >= rounds + 2; }));
+    }
+
     // A viewer that has been welcomed.
     std::unique_ptr<WsClient> watch(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1, int receive_buffer = 0) {
         auto client = std::make_unique<WsClient>(server->port(), receive_buffer);

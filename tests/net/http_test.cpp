@@ -142,28 +142,28 @@ TEST_F(HttpTest, WrongRequestsAreToldSoInOneLine) {
         return answer.status;
     };
     EXPECT_EQ(answerTo("hello there\r\n\r\n"), 400);
-    EXPECT_EQ(answerTo("GET http://elsewhere/ HTTP/1.1\r\nHost: x\r\n\r\n"), 400);
-    EXPECT_EQ(answerTo("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 3\r\n\r\nabc"), 405);
-    EXPECT_EQ(answerTo("DELETE / HTTP/1.1\r\nHost: x\r\n\r\n"), 405);
-    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: x\r\nContent-Length: 1000000\r\n\r\nabc"), 413);
-    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"), 413);
-    EXPECT_EQ(answerTo("GET /" + std::string(3000, 'a') + " HTTP/1.1\r\nHost: x\r\n\r\n"), 414);
-    EXPECT_EQ(answerTo("GET /" + std::string(20000, 'a') + " HTTP/1.1\r\nHost: x\r\n\r\n"), 414);
-    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: x\r\nCookie: " + std::string(20000, 'a') + "\r\n\r\n"), 431);
+    EXPECT_EQ(answerTo("GET http://elsewhere/ HTTP/1.1\r\nHost: elsewhere\r\n\r\n"), 400);
+    EXPECT_EQ(answerTo("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc"), 405);
+    EXPECT_EQ(answerTo("DELETE / HTTP/1.1\r\nHost: localhost\r\n\r\n"), 405);
+    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\nabc"), 413);
+    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"), 413);
+    EXPECT_EQ(answerTo("GET /" + std::string(3000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n\r\n"), 414);
+    EXPECT_EQ(answerTo("GET /" + std::string(20000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n\r\n"), 414);
+    EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nCookie: " + std::string(20000, 'a') + "\r\n\r\n"), 431);
     EXPECT_EQ(answerTo(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11)), 400) << "TLS on a plain port";
     EXPECT_EQ(get(port, "/").status, 200);
 }
 
 TEST_F(HttpTest, AConnectionCarriesSeveralRequests) {
     Socket socket(serve());
-    const std::string request = "GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n";
+    const std::string request = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
     socket.send(request + request);
     EXPECT_EQ(readAnswer(socket).body, "ok\n");
     EXPECT_EQ(readAnswer(socket).body, "ok\n");
-    socket.send("HEAD / HTTP/1.1\r\nHost: x\r\n\r\n" + request);
+    socket.send("HEAD / HTTP/1.1\r\nHost: localhost\r\n\r\n" + request);
     EXPECT_EQ(readAnswer(socket, true).status, 200);
     EXPECT_EQ(readAnswer(socket).body, "ok\n");
-    socket.send("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+    socket.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     EXPECT_EQ(readAnswer(socket).status, 200);
     EXPECT_TRUE(socket.closesWithin(3s));
 }
@@ -174,7 +174,7 @@ TEST_F(HttpTest, OneAddressMayNotTakeAllConnections) {
     std::vector<std::unique_ptr<Socket>> open;
     for (int i = 0; i < 3; ++i) {
         open.push_back(std::make_unique<Socket>(port));
-        open.back()->send("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+        open.back()->send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
         EXPECT_EQ(readAnswer(*open.back()).status, 200);
     }
     Socket over(port);
@@ -235,8 +235,7 @@ TEST_F(HttpTest, PicturesThatCannotBeAreToldWhatMayBe) {
 TEST_F(HttpTest, WithoutFramesPicturesEndIn503) {
     options.frame_wait = 200ms;
     const uint16_t port = serve();
-    renderer->paused = true;
-    std::this_thread::sleep_for(20ms);
+    pauseRenderer();
     for (const char* path : {"/snapshot.jpg", "/stream.mjpg"}) {
         const auto answer = get(port, path);
         EXPECT_EQ(answer.status, 503) << path;
@@ -260,7 +259,7 @@ TEST_F(HttpTest, AStreamIsPacedAndEndsWithItsReader) {
     const uint16_t port = serve();
     {
         Socket socket(port);
-        socket.send("GET /stream.mjpg?w=64&h=48&fps=20 HTTP/1.1\r\nHost: x\r\n\r\n");
+        socket.send("GET /stream.mjpg?w=64&h=48&fps=20 HTTP/1.1\r\nHost: localhost\r\n\r\n");
         const std::string head = socket.readUntil("\r\n\r\n");
         EXPECT_NE(head.find("200 OK"), std::string::npos);
         EXPECT_NE(head.find("multipart/x-mixed-replace; boundary=brume-frame"), std::string::npos);
@@ -284,7 +283,7 @@ TEST_F(HttpTest, AStalledStreamDelaysNobodyAndIsCut) {
     const uint16_t port = serve();
     renderer->jpeg_bytes = 2 << 20;
     Socket stalled(port, 4096);
-    stalled.send("GET /stream.mjpg HTTP/1.1\r\nHost: x\r\n\r\n");
+    stalled.send("GET /stream.mjpg HTTP/1.1\r\nHost: localhost\r\n\r\n");
     ASSERT_TRUE(eventually([&] { return audience->size() == 1; }));
     for (int i = 0; i < 5; ++i) EXPECT_EQ(get(port, "/snapshot.jpg").status, 200);
     EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
@@ -293,7 +292,7 @@ TEST_F(HttpTest, AStalledStreamDelaysNobodyAndIsCut) {
 TEST_F(HttpTest, StreamsHaveTheirOwnLimit) {
     options.max_streams = 2;
     const uint16_t port = serve();
-    const std::string request = "GET /stream.mjpg HTTP/1.1\r\nHost: x\r\n\r\n";
+    const std::string request = "GET /stream.mjpg HTTP/1.1\r\nHost: localhost\r\n\r\n";
     Socket one(port), two(port);
     one.send(request);
     two.send(request);

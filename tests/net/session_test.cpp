@@ -230,8 +230,7 @@ TEST_F(SessionTest, WrongNamesAndAFullQueueAreAnsweredByNumber) {
     EXPECT_EQ(unknown->parsed->as<wire::Error>()->code(), ErrorCode::unknown_name);
     EXPECT_EQ(unknown->parsed->as<wire::Error>()->input_seq(), 1u);
 
-    renderer->paused = true;
-    std::this_thread::sleep_for(20ms); // the round that runs may still take commands
+    pauseRenderer();
     uint32_t seq = 1;
     for (int i = 0; i < 4097; ++i)
         client->say(
@@ -242,6 +241,31 @@ TEST_F(SessionTest, WrongNamesAndAFullQueueAreAnsweredByNumber) {
     EXPECT_EQ(busy->parsed->as<wire::Error>()->input_seq(), seq);
     renderer->paused = false;
     EXPECT_TRUE(eventually([&] { return renderer->commands().size() == 4096; })) << "what was taken is not lost";
+}
+
+// The simulation takes so many in a tick: who pushes more is told, and may push again after it.
+TEST_F(SessionTest, ImpulsesBeyondWhatATickTakesAreAnsweredByNumber) {
+    serve();
+    const auto client = watch();
+    uint32_t input_seq = 0;
+    const auto pushTo = [&](uint32_t last) {
+        static const wire::Vec3 ahead(0, 0, -1);
+        for (; input_seq < last; ++input_seq)
+            client->say([&](auto& b) {
+                return wire::CreateInput(b, input_seq + 1, 0, wire::Command::Impulse,
+                                         wire::CreateImpulse(b, &ahead, &ahead).Union());
+            });
+    };
+    pauseRenderer();
+    pushTo(kMostImpulses + 1);
+    const auto busy = client->next<wire::Error>();
+    ASSERT_TRUE(busy);
+    EXPECT_EQ(busy->parsed->as<wire::Error>()->code(), ErrorCode::busy);
+    EXPECT_EQ(busy->parsed->as<wire::Error>()->input_seq(), kMostImpulses + 1);
+    renderer->paused = false;
+    ASSERT_TRUE(eventually([&] { return renderer->commands().size() == kMostImpulses; }));
+    pushTo(kMostImpulses + 2);
+    EXPECT_TRUE(eventually([&] { return renderer->commands().size() == kMostImpulses + 1; }));
 }
 
 TEST_F(SessionTest, TheStateComesOnceASecondAndWhenSomeoneComes) {

@@ -33,9 +33,9 @@ TEST_F(StopTest, EveryoneIsToldGoodbye) {
     const auto one = watch(), two = watch();
     one->pose(1);
     Socket stream(port), kept(port), snapshot(port);
-    stream.send("GET /stream.mjpg?fps=5 HTTP/1.1\r\nHost: x\r\n\r\n");
+    stream.send("GET /stream.mjpg?fps=5 HTTP/1.1\r\nHost: localhost\r\n\r\n");
     ASSERT_NE(stream.readUntil("--brume-frame").find("200 OK"), std::string::npos);
-    kept.send("GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+    kept.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
     ASSERT_EQ(readAnswer(kept).status, 200);
 
     std::chrono::steady_clock::duration took{};
@@ -91,7 +91,7 @@ TEST_F(StopTest, ADrainFailsReadyzAndNothingElseAndTheGoodbyeSaysWhereToGo) {
 TEST_F(StopTest, NewOptionsHoldForNewConnections) {
     const uint16_t port = serve();
     const auto ask = [](Socket& socket) {
-        socket.send("GET /snapshot.jpg HTTP/1.1\r\nHost: x\r\n\r\n");
+        socket.send("GET /snapshot.jpg HTTP/1.1\r\nHost: localhost\r\n\r\n");
         return readAnswer(socket).status;
     };
     Socket old(port);
@@ -118,7 +118,7 @@ TEST_F(StopTest, WhoDoesNotListenIsCutAtTheDeadline) {
     stalled->pose(1);
     const auto mute = watch(); // never answers the close
     Socket stream(port, 4096);
-    stream.send("GET /stream.mjpg HTTP/1.1\r\nHost: x\r\n\r\n");
+    stream.send("GET /stream.mjpg HTTP/1.1\r\nHost: localhost\r\n\r\n");
     ASSERT_TRUE(eventually([&] { return audience->size() == 3 && renderer->made >= 2; }));
     const auto start = std::chrono::steady_clock::now();
     server->stop(400ms);

@@ -87,7 +87,7 @@ TEST_F(TlsTest, WhoDoesNotGetThroughDelaysNobody) {
     Socket plain(port), noise(port), half(port);
     std::vector<std::unique_ptr<Socket>> silent;
     for (int i = 0; i < 50; ++i) silent.push_back(std::make_unique<Socket>(port));
-    plain.send("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
+    plain.send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
     noise.send(std::string(2000, '\x5a'));
     half.send(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11));
     const auto start = std::chrono::steady_clock::now();

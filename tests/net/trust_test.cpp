@@ -119,7 +119,7 @@ TEST_F(TrustTest, ASessionAndAStreamEndWithTheirToken) {
     serve();
     const std::string brief = token(Role::viewer, 2s - net::kClockSkew);
     Socket stream(server->port());
-    stream.send("GET /stream.mjpg?w=64&h=64 HTTP/1.1\r\nHost: x\r\n" + bearer(brief) + "\r\n");
+    stream.send("GET /stream.mjpg?w=64&h=64 HTTP/1.1\r\nHost: localhost\r\n" + bearer(brief) + "\r\n");
     ASSERT_NE(stream.readUntil("\r\n").find(" 200 "), std::string::npos);
     const auto client = enter(brief), lasting = enter(token(Role::viewer));
     client->pose(1);

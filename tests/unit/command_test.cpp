@@ -1,0 +1,34 @@
+// The queue of commands between viewers and the simulation.
+#include <gtest/gtest.h>
+
+#include "server/sim/command.h"
+
+namespace brume {
+namespace {
+
+TEST(CommandQueue, HandsOutInOrderAndRefusesWhenFull) {
+    CommandQueue queue(3);
+    std::vector<Command> out{{9, 9, Restart{}}};
+    for (uint32_t seq = 1; seq <= 3; ++seq) EXPECT_TRUE(queue.push({7, seq, Restart{}}));
+    EXPECT_FALSE(queue.push({7, 4, Restart{}}));
+    queue.drain(out);
+    ASSERT_EQ(out.size(), 3u);
+    for (uint32_t i = 0; i < 3; ++i) EXPECT_EQ(out[i].seq, i + 1);
+    EXPECT_TRUE(queue.push({7, 5, Restart{}}));
+}
+
+TEST(CommandQueue, TakesAsManyImpulsesAsATickDoes) {
+    CommandQueue queue;
+    std::vector<Command> out;
+    for (int tick = 0; tick < 2; ++tick) {
+        for (uint32_t seq = 1; seq <= kMostImpulses; ++seq) ASSERT_TRUE(queue.push({1, seq, Impulse{}})) << seq;
+        EXPECT_FALSE(queue.push({2, 1, Impulse{}})) << "whoever pushes";
+        EXPECT_TRUE(queue.push({1, kMostImpulses + 1, MoveVolume{}})) << "others are not impulses";
+        EXPECT_FALSE(queue.push({1, kMostImpulses + 2, Impulse{}}));
+        queue.drain(out);
+        EXPECT_EQ(out.size(), kMostImpulses + 1);
+    }
+}
+
+} // namespace
+} // namespace brume
