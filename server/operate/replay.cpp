@@ -6,7 +6,7 @@
 
 #include "common/scene_text.h"
 #include "server/operate/own_frames.h"
-#include "server/operate/recording.h"
+#include "server/operate/recorded_ticks.h"
 
 namespace brume {
 namespace {
@@ -23,24 +23,30 @@ public:
     }
 
     void run() {
-        RecordedTick last;
-        while (const auto record = recording_.next()) {
-            while (simulation_.tick() + 1 < record->tick) step({});
-            if (simulation_.tick() < record->tick) step(record->commands);
-            if (simulation_.stateHash() != record->state_hash)
-                differ("state", simulation_.stateHash(), record->state_hash, last.tick);
-            if (record->frame && picture_ && *picture_ != *record->frame) differ("frame", *picture_, *record->frame, last.tick);
-            ++states_;
-            frames_ += record->frame && picture_;
-            last = *record;
+        RecordedTicks ticks(recording_);
+        check(ticks.records());
+        std::vector<Command> commands;
+        while (ticks.take(Clock::now(), commands)) {
+            step(commands);
+            check(ticks.records());
         }
         if (recording_.cut()) out_ << fmt::format("{}: its last line is incomplete and left out\n", options_.file.string());
         out_ << fmt::format("replayed {} ticks with {} commands: {} states{} as recorded; {}\n", simulation_.tick(), commands_,
                             states_, frames_ > 0 ? fmt::format(" and {} frames", frames_) : "",
-                            last.end.empty() ? "the server was killed or still records" : "the recording ended: " + last.end);
+                            last_.end.empty() ? "the server was killed or still records" : "the recording ended: " + last_.end);
     }
 
 private:
+    void check(std::span<const RecordedTick> records) {
+        for (const RecordedTick& record : records) {
+            if (simulation_.stateHash() != record.state_hash) differ("state", simulation_.stateHash(), record.state_hash);
+            if (record.frame && picture_ && *picture_ != *record.frame) differ("frame", *picture_, *record.frame);
+            ++states_;
+            frames_ += record.frame && picture_;
+            last_ = record;
+        }
+    }
+
     void step(const std::vector<Command>& commands) {
         simulation_.step(commands);
         commands_ += commands.size();
@@ -50,10 +56,11 @@ private:
         out_ << fmt::format("tick {} frame {}\n", simulation_.tick(), hexOf(*picture_));
     }
 
-    [[noreturn]] void differ(const char* what, uint64_t here, uint64_t recorded, uint64_t before) const {
+    [[noreturn]] void differ(const char* what, uint64_t here, uint64_t recorded) const {
         out_.flush();
         throw RecordingError(fmt::format("{}: the first difference is at tick {}: {} {}, recorded {}; tick {} was as recorded",
-                                         options_.file.string(), simulation_.tick(), what, hexOf(here), hexOf(recorded), before));
+                                         options_.file.string(), simulation_.tick(), what, hexOf(here), hexOf(recorded),
+                                         last_.tick));
     }
 
     const ReplayOptions options_;
@@ -64,6 +71,7 @@ private:
     std::unique_ptr<gpu::Device> device_;
     std::unique_ptr<OwnFrames> pictures_;
     std::optional<uint64_t> picture_; // of the present tick
+    RecordedTick last_;               // that was as recorded
     uint64_t commands_ = 0, states_ = 0, frames_ = 0;
 };
 

@@ -7,7 +7,7 @@
 namespace brume {
 namespace {
 
-// How far apart depths of a cell's corners may be for it to be interpolated, in standard deviations of the medium.
+// Error that a cubic may make of the length of medium in front of a surface, or in shadow: in standard deviations of the medium.
 constexpr float kSame = 0.25f;
 
 } // namespace

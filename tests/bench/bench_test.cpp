@@ -1,5 +1,7 @@
 // The measuring programs themselves: cameras, sweeps, the kept reference, and the report.
 #include <fstream>
+#include <functional>
+#include <set>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -9,6 +11,7 @@
 #include "common/plot.h"
 #include "tests/bench/report.h"
 #include "tests/bench/sweep.h"
+#include "tests/bench/truth.h"
 
 namespace brume::bench {
 namespace {
@@ -32,6 +35,49 @@ protected:
 private:
     static inline std::unique_ptr<gpu::Device> made;
 };
+
+// A kept reference is never taken for another one's: all that a scene can say has its part in the name.
+TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
+    reference::World world;
+    world.blobs.emplace_back();
+    world.balls.balls.push_back({glm::dvec3(0), 1});
+    world.fogs.emplace_back();
+    world.lights.emplace_back();
+    world.obstacles.emplace_back();
+    const glm::uvec2 size(64, 36);
+    const auto name = [&](const reference::World& w) { return truthFile(w, Pose{}, size, 1, false); };
+    const std::vector<std::function<void(reference::World&)>> changes{
+        [](auto& w) { w.blobs[0].sigma_t = 2; },
+        [](auto& w) { w.blobs[0].albedo.y = 0.5; },
+        [](auto& w) { w.support = reference::Support::tetrahedron; },
+        [](auto& w) { w.cut_light = true; },
+        [](auto& w) { w.composition = reference::Composition::sequential; },
+        [](auto& w) { w.balls.sigma_t = 1; },
+        [](auto& w) { w.balls.balls[0].radius = 2; },
+        [](auto& w) { w.fogs[0].sigma_t = 0.1; },
+        [](auto& w) { w.fogs[0].falloff = 0.1; },
+        [](auto& w) { w.fogs.emplace_back(); },
+        [](auto& w) { w.lights[0].kind = reference::LightSource::Kind::point; },
+        [](auto& w) {
+            w.lights[0].axis = {1, 0, 0};
+        },
+        [](auto& w) { w.lights[0].cos_outer = 0.5; },
+        [](auto& w) { w.lights[0].cos_inner = 0.9; },
+        [](auto& w) { w.obstacles[0].yaw = 1; },
+        [](auto& w) { w.sky_horizon.x = 1; },
+        [](auto& w) { w.asymmetry = 0.5; },
+    };
+    std::set<std::string> names{name(world)};
+    for (size_t i = 0; i < changes.size(); ++i) {
+        reference::World other = world;
+        changes[i](other);
+        EXPECT_TRUE(names.insert(name(other)).second) << "change " << i;
+    }
+    Pose wide;
+    wide.frustum = {1, 2, 1, 1};
+    EXPECT_TRUE(names.insert(truthFile(world, wide, size, 1, false)).second);
+    EXPECT_EQ(name(world), name(world));
+}
 
 fs::path folder(const char* name) {
     fs::path made = fs::path(testing::TempDir()) / "brume-bench-test" / name;

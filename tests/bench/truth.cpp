@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #define XXH_INLINE_ALL
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include "tests/reference/medium_reference.h"
@@ -15,38 +16,72 @@ namespace {
 constexpr double kNearDepth = 0.05; // m, as the renderer has it
 constexpr double kTolerance = 1e-6; // of the reference: a hundredth of the smallest error that a report prints
 
-template <class T>
-void add(XXH3_state_t& state, const T& values) {
-    XXH3_64bits_update(&state, std::data(values), std::size(values) * sizeof(*std::data(values)));
-}
+// All numbers of a world, in order. The structures are taken apart member by member: one that gets another member does not
+// compile until it is counted here.
+class Numbers {
+public:
+    std::vector<double> all;
 
-// Of everything that the picture depends on; the version goes up when the reference itself changes.
-std::string nameOf(const reference::World& world, std::span<const gpu::Particle> particles, const Pose& pose, glm::uvec2 size,
-                   uint32_t every, bool centres) {
-    XXH3_state_t state;
-    XXH3_64bits_reset(&state);
-    add(state, particles);
-    std::vector<double> numbers = {
-        2, double(size.x), double(size.y), kTolerance, world.anisotropy, world.asymmetry, double(pose.fov_y)};
-    if (every != 1) numbers.push_back(every);
-    if (centres && !world.obstacles.empty()) numbers.push_back(-1);
-    const auto list = [&](glm::dvec3 v) { numbers.insert(numbers.end(), {v.x, v.y, v.z}); };
-    for (const auto& blob : world.blobs) numbers.push_back(blob.k);
-    for (const auto& light : world.lights) list(light.colour), list(light.to_light), list(light.position);
-    for (const auto& o : world.obstacles) {
-        list(o.centre), list(o.half_size), list(o.albedo);
-        numbers.insert(numbers.end(), {o.yaw, double(o.kind)});
+    void add(double number) { all.push_back(number); }
+    void add(glm::dvec3 v) { all.insert(all.end(), {v.x, v.y, v.z}); }
+    void add(const reference::Blob& blob) {
+        const auto& [centre, scale, k, sigma_t, half_line, albedo] = blob;
+        add(centre), add(scale), add(k), add(sigma_t), add(half_line), add(albedo);
     }
-    list(world.sky_zenith), list(world.sky_horizon), list(world.ambient), list(pose.position);
-    const glm::quat q = pose.orientation;
-    numbers.insert(numbers.end(), {q.x, q.y, q.z, q.w});
-    add(state, numbers);
-    char name[32];
-    std::snprintf(name, sizeof name, "%016llx.exr", static_cast<unsigned long long>(XXH3_64bits_digest(&state)));
-    return name;
-}
+    void add(const reference::UnionMedium::Ball& ball) {
+        const auto& [centre, radius] = ball;
+        add(centre), add(radius);
+    }
+    void add(const reference::UnionMedium& medium) {
+        const auto& [balls, sigma_t, albedo] = medium;
+        add(balls), add(sigma_t), add(albedo);
+    }
+    void add(const reference::Fog& fog) {
+        const auto& [sigma_t, albedo, falloff, lo, hi, centre, radius] = fog;
+        add(sigma_t), add(albedo), add(falloff), add(lo), add(hi), add(centre), add(radius);
+    }
+    void add(const reference::LightSource& light) {
+        const auto& [kind, colour, to_light, position, axis, cos_outer, cos_inner] = light;
+        add(double(kind)), add(colour), add(to_light), add(position), add(axis), add(cos_outer), add(cos_inner);
+    }
+    void add(const reference::Obstacle& obstacle) {
+        const auto& [kind, centre, half_size, yaw, albedo] = obstacle;
+        add(double(kind)), add(centre), add(half_size), add(yaw), add(albedo);
+    }
+    template <class Element>
+    void add(const std::vector<Element>& list) {
+        add(double(list.size()));
+        for (const Element& element : list) add(element);
+    }
+    void add(const reference::World& world) {
+        const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, zenith, horizon, ambient, anisotropy,
+                     asymmetry] = world;
+        add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs), add(lights);
+        add(obstacles), add(zenith), add(horizon), add(ambient), add(anisotropy), add(asymmetry);
+    }
+    void add(const Frustum& frustum) {
+        const auto& [left, right, up, down] = frustum;
+        add(left), add(right), add(up), add(down);
+    }
+    void add(const Pose& pose) {
+        const auto& [position, orientation, fov_y, eye_separation, frustum, right_frustum] = pose;
+        add(glm::dvec3(position));
+        for (int i = 0; i < 4; ++i) add(double(orientation[i]));
+        add(fov_y), add(eye_separation), add(frustum), add(right_frustum);
+    }
+};
 
 } // namespace
+
+std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every, bool centres) {
+    constexpr double kVersion = 3; // goes up when the reference itself changes
+    Numbers numbers;
+    for (const double number : {kVersion, double(size.x), double(size.y), kTolerance, double(every)}) numbers.add(number);
+    numbers.add(centres && !world.obstacles.empty() ? 1.0 : 0.0);
+    numbers.add(world);
+    numbers.add(pose);
+    return fmt::format("{:016x}.exr", XXH3_64bits(numbers.all.data(), numbers.all.size() * sizeof(double)));
+}
 
 Truth::Truth(std::filesystem::path folder) : folder_(std::move(folder)) { std::filesystem::create_directories(folder_); }
 
@@ -55,7 +90,7 @@ RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, 
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
     const reference::World world = reference::worldOf(stage.scene(), particles, now.medium, now.light);
-    const std::filesystem::path file = folder_ / nameOf(world, particles, pose, size, every, centres);
+    const std::filesystem::path file = folder_ / truthFile(world, pose, size, every, centres);
     if (std::filesystem::exists(file)) return readExr(file);
 
     std::fprintf(stderr, "  reference %ux%u of %s ...", size.x, size.y, stage.scene().name.c_str());

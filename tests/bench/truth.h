@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "tests/bench/stage.h"
+#include "tests/reference/world.h"
 
 namespace brume::bench {
 
@@ -21,6 +22,9 @@ public:
 private:
     std::filesystem::path folder_;
 };
+
+// The file's name: a hash of everything that the picture depends on.
+std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every, bool centres);
 
 // The middle one of every so many pixels by as many. Throws std::runtime_error unless `every` is odd and divides the size.
 glm::uvec2 thinned(glm::uvec2 size, uint32_t every);

@@ -43,7 +43,7 @@ TEST_F(HardTest, ZeroExtinctionLeavesTheBackground) {
 // a fixed depth (the seed: 1e-3), which here is all of them.
 TEST_F(HardTest, TenThousandThinLayers) {
     constexpr int kLayers = 10000;
-    static_assert(Renderer::kRadianceFormat == VK_FORMAT_R32G32B32A32_SFLOAT, "16-bit targets lose these layers");
+    static_assert(kRadianceFormat == VK_FORMAT_R32G32B32A32_SFLOAT, "16-bit targets lose these layers");
     // Each layer rounds 1 - its opacity (2^-25) and the product (2^-24); equal layers round alike, so the errors add up.
     const double rounding = kLayers * 1.5 / double(1 << 24);
     const Pose pose = lookAt({0, 0, 3}, {0, 0, 0}, 0.02f);

@@ -1,4 +1,4 @@
-// The method `slabs` (server/render/methods/slabs.cpp) written straightforwardly for the CPU's vector units, as a yardstick of
+// The method `slabs` (server/methods/slabs) written straightforwardly for the CPU's vector units, as a yardstick of
 // what Vulkan's share of the same work costs on this machine: particles binned in tiles of 8x8 rays, Gaussians added by
 // recurrence along them, light looked up per slab, a cubic B-spline to every pixel.
 #pragma once
