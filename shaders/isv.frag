@@ -6,7 +6,7 @@
 #include "shaders/shared/types.h"
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
 
 layout(location = 0) flat in vec4 centre_scale;
 layout(location = 1) flat in vec4 albedo_sigma;

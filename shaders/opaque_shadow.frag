@@ -14,9 +14,9 @@ layout(location = 0) out float height;
 
 void main() {
     const Opaque o = objects[push.object];
-    const vec2 at = mix(tick.opaque_lo, tick.opaque_hi, gl_FragCoord.xy / float(tick.opaque_size));
-    const float start = dot(tick.to_light, o.centre) + length(o.half_size) + 1; // a ray from just above the object
+    const vec2 at = mix(tick.map.opaque_lo, tick.map.opaque_hi, gl_FragCoord.xy / float(tick.map.opaque_size));
+    const float start = dot(tick.sun.to_light, o.centre) + length(o.half_size) + 1; // a ray from just above the object
     vec3 n;
-    const float t = hitObject(o, at.x * tick.light_x + at.y * tick.light_y + start * tick.to_light, -tick.to_light, n);
+    const float t = hitObject(o, at.x * tick.map.x + at.y * tick.map.y + start * tick.sun.to_light, -tick.sun.to_light, n);
     height = t < kMiss ? start - t : -1e30;
 }

@@ -10,7 +10,7 @@ layout(push_constant, scalar) uniform Push { uint object; } push;
 
 #include "shaders/lib/objects.glsl"
 
-vec2 acrossLight(vec3 v) { return vec2(dot(tick.light_x, v), dot(tick.light_y, v)); }
+vec2 acrossLight(vec3 v) { return vec2(dot(tick.map.x, v), dot(tick.map.y, v)); }
 
 void main() {
     const Opaque o = objects[push.object];
@@ -18,7 +18,7 @@ void main() {
     if (o.kind == kBox)
         reach = abs(acrossLight(fromObject(o, vec3(o.half_size.x, 0, 0)))) + abs(acrossLight(vec3(0, o.half_size.y, 0))) +
                 abs(acrossLight(fromObject(o, vec3(0, 0, o.half_size.z))));
-    const vec2 size = tick.opaque_hi - tick.opaque_lo, corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2 - 1;
-    const vec2 at = acrossLight(o.centre) + corner * (reach + size / float(tick.opaque_size)); // and a texel: roundings leave none out
-    gl_Position = vec4((at - tick.opaque_lo) / size * 2 - 1, 0, 1);
+    const vec2 size = tick.map.opaque_hi - tick.map.opaque_lo, corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2 - 1;
+    const vec2 at = acrossLight(o.centre) + corner * (reach + size / float(tick.map.opaque_size)); // and a texel: roundings leave none out
+    gl_Position = vec4((at - tick.map.opaque_lo) / size * 2 - 1, 0, 1);
 }

@@ -70,7 +70,7 @@ void main() {
     if (i >= tick.particle_count) return;
     const Particle p = particles[i];
     const float u = p.scale * tick.falloff;
-    const vec2 texel = (tick.opaque_hi - tick.opaque_lo) / float(tick.opaque_size); // as coarse is the map that points look up
+    const vec2 texel = (tick.map.opaque_hi - tick.map.opaque_lo) / float(tick.map.opaque_size); // as coarse is the map that points look up
     const int shadow = shade(toLightSpace(p.centre), max(supportRadius(p.sigma_t, u, tick.cut), 0) + length(texel));
 
     const float reach = 0.173205081 * u; // k reach = sqrt(3/2)

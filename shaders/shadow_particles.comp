@@ -27,9 +27,9 @@ void main() {
     const Particle p = particles[i];
     const float u = p.scale * tick.falloff;
     const float k = gaussianK(p.scale, tick.falloff);
-    const vec3 cell = (tick.shadow_hi - tick.shadow_lo) / vec3(tick.shadow_size, tick.shadow_slices - 1); // m
-    const vec3 at = vec3(dot(tick.light_x, p.centre) - tick.shadow_lo.x, dot(tick.light_y, p.centre) - tick.shadow_lo.y,
-                         tick.shadow_hi.z - dot(tick.to_light, p.centre)) / cell - vec3(0.5, 0.5, 0);
+    const vec3 cell = (tick.map.hi - tick.map.lo) / vec3(tick.map.texels, tick.map.slices - 1); // m
+    const vec3 at = vec3(dot(tick.map.x, p.centre) - tick.map.lo.x, dot(tick.map.y, p.centre) - tick.map.lo.y,
+                         tick.map.hi.z - dot(tick.sun.to_light, p.centre)) / cell - vec3(0.5, 0.5, 0);
     const vec3 variance = 0.5 / (k * cell * k * cell);
     const vec3 stored = vec3(sharpened(variance.x), sharpened(variance.y), sharpened(variance.z));
     const float column = lineDepth(p.sigma_t, k, 1.0) * sqrt(variance.x / stored.x * (variance.y / stored.y));

@@ -89,7 +89,7 @@ void main() {
     const uint count = push.tiles.x * push.rows, index = id % 8 * ((count + 7) / 8) + id / 8;
     if (index >= count) return;
     const uvec2 tile = uvec2(index % push.tiles.x, push.first_row + index / push.tiles.x), first = tile * uvec2(kLanes, kRows);
-    const uvec3 size = uvec3(tick.shadow_size.x, min(tick.shadow_size.y - push.first_row * kRows, push.rows * kRows), (tick.shadow_slices + 1) / 3);
+    const uvec3 size = uvec3(tick.map.texels.x, min(tick.map.texels.y - push.first_row * kRows, push.rows * kRows), (tick.map.slices + 1) / 3);
 
     float depth[kRows]; // at the last plane so far
     for (uint r = 0; r < kRows; ++r) depth[r] = 0;

@@ -16,7 +16,7 @@
 layout(local_size_x_id = kIdTileLanes) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
 layout(rgba32f, binding = 2) uniform image2D radiance;
 layout(binding = 3) uniform sampler2DArray shadow_volume;
 layout(binding = 4) uniform sampler2D opaque_shadow;
@@ -175,8 +175,8 @@ void main() {
         const bool changed = !finished && (transmittance[p] < 1 || scattered[p] != vec3(0)); // many thin splats may leave T at 1
         if (changed && all(lessThan(at, ivec2(eye.size)))) {
             float phase = 0.07957747154594767;
-            if (kHasLobe) phase = phaseMixture(-tick.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);
-            vec3 medium = tick.irradiance * phase * (kOneAlbedo ? albedo * scattered[p].x : scattered[p]);
+            if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);
+            vec3 medium = tick.sun.irradiance * phase * (kOneAlbedo ? albedo * scattered[p].x : scattered[p]);
             if (kHasAmbient) medium += tick.ambient * (kOneAlbedo ? albedo * (1 - transmittance[p]) : hidden[p]);
             imageStore(radiance, at, vec4(medium, 0) + transmittance[p] * imageLoad(radiance, at));
         }

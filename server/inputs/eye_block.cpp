@@ -7,7 +7,7 @@ uint32_t cover(uint32_t pixels, uint32_t step) { return (pixels + step - 1) / st
 
 } // namespace
 
-gpu::Eye eyeBlock(const EyeRequest& request, const gpu::Tick& tick, const RenderSettings& settings) {
+gpu::Eye eyeBlock(const EyeRequest& request, const RenderSettings& settings) {
     const glm::mat3 axes = glm::mat3_cast(glm::normalize(request.pose.orientation));
     gpu::Eye eye{};
     eye.position = request.pose.position;
@@ -24,15 +24,15 @@ gpu::Eye eyeBlock(const EyeRequest& request, const gpu::Tick& tick, const Render
     eye.ray_right = eye.right * (2 * eye.tan_x / float(request.width));
     eye.ray_down = eye.up * (-2 * eye.tan_y / float(request.height));
     eye.ray = -eye.back - frustum.left * eye.right + frustum.up * eye.up;
-    const auto inVolume = [&](glm::vec3 x, float w) {
-        const glm::vec4 h(x, w);
-        return glm::vec3(glm::dot(tick.shadow_u, h), glm::dot(tick.shadow_v, h), glm::dot(tick.shadow_plane, h));
-    };
-    eye.volume = inVolume(eye.position, 1);
-    eye.volume_ray = inVolume(eye.ray, 0);
-    eye.volume_right = inVolume(eye.ray_right, 0);
-    eye.volume_down = inVolume(eye.ray_down, 0);
     return eye;
+}
+
+gpu::MapRays mapRays(const gpu::Eye& eye, const gpu::LightMap& map) {
+    const auto inMap = [&](glm::vec3 x, float w) {
+        const glm::vec4 h(x, w);
+        return glm::vec3(glm::dot(map.u, h), glm::dot(map.v, h), glm::dot(map.plane, h));
+    };
+    return {inMap(eye.position, 1), inMap(eye.ray, 0), inMap(eye.ray_right, 0), inMap(eye.ray_down, 0)};
 }
 
 EyeRequest everyStep(const EyeRequest& eye, uint32_t step) {
@@ -47,8 +47,8 @@ EyeRequest everyStep(const EyeRequest& eye, uint32_t step) {
 
 bool nearPlaneCuts(const gpu::Tick& tick, const EyeRequest& eye) {
     const glm::vec3 x = eye.pose.position;
-    const glm::vec3 at(glm::dot(tick.light_x, x), glm::dot(tick.light_y, x), glm::dot(tick.to_light, x));
-    const glm::vec3 outside = glm::max(glm::max(tick.shadow_lo - at, at - tick.shadow_hi), glm::vec3(0));
+    const glm::vec3 at(glm::dot(tick.map.x, x), glm::dot(tick.map.y, x), glm::dot(tick.sun.to_light, x));
+    const glm::vec3 outside = glm::max(glm::max(tick.map.lo - at, at - tick.map.hi), glm::vec3(0));
     return glm::length(outside) < 2 * kNearDepth * cornerLength(frustumOf(eye.pose, eye.width, eye.height));
 }
 

@@ -7,7 +7,9 @@
 
 namespace brume {
 
-gpu::Eye eyeBlock(const EyeRequest& request, const gpu::Tick& tick, const RenderSettings& settings);
+gpu::Eye eyeBlock(const EyeRequest& request, const RenderSettings& settings);
+// How its rays run through the sun's volumetric shadow map.
+gpu::MapRays mapRays(const gpu::Eye& eye, const gpu::LightMap& map);
 
 // The same view drawn at every `step`-th of its pixels, from a step before its first on (shaders/lib/shaded.glsl).
 EyeRequest everyStep(const EyeRequest& eye, uint32_t step);

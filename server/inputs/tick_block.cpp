@@ -28,7 +28,7 @@ struct LightBounds {
 };
 
 glm::vec3 inLightSpace(const gpu::Tick& tick, glm::vec3 x) {
-    return {glm::dot(tick.light_x, x), glm::dot(tick.light_y, x), glm::dot(tick.to_light, x)};
+    return {glm::dot(tick.map.x, x), glm::dot(tick.map.y, x), glm::dot(tick.sun.to_light, x)};
 }
 
 // Of every particle's support. Most lie so far inside that no radius of theirs can matter.
@@ -54,15 +54,15 @@ LightBounds mediumBounds(std::span<const gpu::Particle> particles, const gpu::Ti
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
                    std::span<const gpu::Opaque> objects) {
     gpu::Tick tick{};
-    tick.to_light = now.light.to_light;
-    const glm::vec3 helper = std::abs(tick.to_light.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0); // also for light along Y
-    tick.light_x = glm::normalize(glm::cross(helper, tick.to_light));
-    tick.light_y = glm::cross(tick.to_light, tick.light_x);
+    tick.sun.to_light = now.light.to_light;
+    const glm::vec3 helper = std::abs(tick.sun.to_light.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0); // also for light along Y
+    tick.map.x = glm::normalize(glm::cross(helper, tick.sun.to_light));
+    tick.map.y = glm::cross(tick.sun.to_light, tick.map.x);
     tick.falloff = now.medium.falloff;
     tick.anisotropy = now.medium.anisotropy;
     tick.asymmetry = now.medium.asymmetry;
-    tick.irradiance = now.light.irradiance;
-    if (tick.to_light.y <= 0 && !scene.planes.empty()) tick.irradiance = glm::vec3(0); // the light is below the ground
+    tick.sun.irradiance = now.light.irradiance;
+    if (tick.sun.to_light.y <= 0 && !scene.planes.empty()) tick.sun.irradiance = glm::vec3(0); // the light is below the ground
     tick.particle_count = uint32_t(particles.size());
     tick.cut = std::clamp(now.render.cutoff / float(std::max<size_t>(particles.size(), 1)), kLeastCut, kMostCut);
     tick.ambient = scene.sky.ambient;
@@ -70,18 +70,19 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.sky_horizon = scene.sky.horizon;
 
     const LightBounds medium = mediumBounds(particles, tick);
-    tick.shadow_lo = medium.lo;
-    tick.shadow_hi = medium.hi;
+    tick.map.lo = medium.lo;
+    tick.map.hi = medium.hi;
     const glm::vec3 size = medium.hi - medium.lo;
-    const glm::mat3 basis(tick.light_x, tick.light_y, tick.to_light);
+    const glm::mat3 basis(tick.map.x, tick.map.y, tick.sun.to_light);
+    const bool dark = tick.sun.irradiance == glm::vec3(0); // no light: the smallest map
     const bool follow = now.render.shadow_size == 0 || now.render.shadow_slices == 0;
-    const ShadowResolution resolution = shadowResolution(
-        now.render, ShadowedMedium(follow ? particles : std::span<const gpu::Particle>(), tick.falloff, basis), size);
-    tick.shadow_size = resolution.texels;
-    tick.shadow_slices = resolution.slices;
-    tick.shadow_u = glm::vec4(tick.light_x, -medium.lo.x) / size.x;
-    tick.shadow_v = glm::vec4(tick.light_y, -medium.lo.y) / size.y;
-    tick.shadow_plane = glm::vec4(-tick.to_light, medium.hi.z) * (float(tick.shadow_slices - 1) / size.z);
+    const ShadowedMedium shadowed(follow && !dark ? particles : std::span<const gpu::Particle>(), tick.falloff, basis);
+    const ShadowResolution resolution = dark ? ShadowResolution{} : shadowResolution(now.render, shadowed, size);
+    tick.map.texels = resolution.texels;
+    tick.map.slices = resolution.slices;
+    tick.map.u = glm::vec4(tick.map.x, -medium.lo.x) / size.x;
+    tick.map.v = glm::vec4(tick.map.y, -medium.lo.y) / size.y;
+    tick.map.plane = glm::vec4(-tick.sun.to_light, medium.hi.z) * (float(tick.map.slices - 1) / size.z);
 
     LightBounds casters;
     for (const gpu::Opaque& o : objects) {
@@ -94,11 +95,11 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
                         0);
         }
     }
-    tick.opaque_size = casters.lo.x <= casters.hi.x ? now.render.opaque_shadow_size : 1;
+    tick.map.opaque_size = casters.lo.x <= casters.hi.x ? now.render.opaque_shadow_size : 1;
     casters.fallback();
-    const glm::vec2 margin = 2.0f / float(tick.opaque_size) * (glm::vec2(casters.hi) - glm::vec2(casters.lo));
-    tick.opaque_lo = glm::vec2(casters.lo) - margin; // a rim of empty texels, so that filtering meets no edge
-    tick.opaque_hi = glm::vec2(casters.hi) + margin;
+    const glm::vec2 margin = 2.0f / float(tick.map.opaque_size) * (glm::vec2(casters.hi) - glm::vec2(casters.lo));
+    tick.map.opaque_lo = glm::vec2(casters.lo) - margin; // a rim of empty texels, so that filtering meets no edge
+    tick.map.opaque_hi = glm::vec2(casters.hi) + margin;
     tick.opaque_count = uint32_t(objects.size());
     return tick;
 }

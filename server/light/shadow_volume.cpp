@@ -25,9 +25,9 @@ constexpr VkDeviceSize kMostStaged = 64 << 20;
 
 // Whether two ticks of the same particles have the same volume.
 bool sameVolume(const gpu::Tick& a, const gpu::Tick& b) {
-    return a.particle_count == b.particle_count && a.to_light == b.to_light && a.light_x == b.light_x && a.falloff == b.falloff &&
-           a.cut == b.cut && a.shadow_lo == b.shadow_lo && a.shadow_hi == b.shadow_hi && a.shadow_size == b.shadow_size &&
-           a.shadow_slices == b.shadow_slices;
+    return a.particle_count == b.particle_count && a.sun.to_light == b.sun.to_light && a.map.x == b.map.x && a.falloff == b.falloff &&
+           a.cut == b.cut && a.map.lo == b.map.lo && a.map.hi == b.map.hi && a.map.texels == b.map.texels &&
+           a.map.slices == b.map.slices;
 }
 
 } // namespace
@@ -47,13 +47,13 @@ ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape s
 }
 
 void ShadowVolume::fit(VkCommandBuffer cmd, const gpu::Tick& tick) {
-    const uint32_t layers = gpu::groups(tick.shadow_slices - 1, kNewPlanesPerLayer);
-    if (image_ && image_.extent().width == tick.shadow_size.x && image_.extent().height == tick.shadow_size.y &&
+    const uint32_t layers = gpu::groups(tick.map.slices - 1, kNewPlanesPerLayer);
+    if (image_ && image_.extent().width == tick.map.texels.x && image_.extent().height == tick.map.texels.y &&
         image_.layers() == layers)
         return;
     const VkImageUsageFlags usage =
         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    image_ = gpu::Image(device_, {VK_FORMAT_R32G32B32A32_SFLOAT, {tick.shadow_size.x, tick.shadow_size.y}, usage, layers},
+    image_ = gpu::Image(device_, {VK_FORMAT_R32G32B32A32_SFLOAT, {tick.map.texels.x, tick.map.texels.y}, usage, layers},
                         "shadow volume");
     gpu::toGeneral(cmd, image_);
 }
@@ -65,8 +65,8 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "shadow volume");
     fit(cmd, tick);
-    const Bins bins{{gpu::groups(tick.shadow_size.x, shape_.lanes), gpu::groups(tick.shadow_size.y, kRows),
-                     gpu::groups(tick.shadow_slices - 1, kGroup)},
+    const Bins bins{{gpu::groups(tick.map.texels.x, shape_.lanes), gpu::groups(tick.map.texels.y, kRows),
+                     gpu::groups(tick.map.slices - 1, kGroup)},
                     gpu::groups(std::max(tick.particle_count, 1u), 256) * 8};
     const VkDeviceSize bytes = VkDeviceSize(bins.tiles.x + bins.tiles.y + bins.tiles.z) * bins.words * sizeof(uint32_t);
     bits_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device,
@@ -80,9 +80,9 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     gpu::computeToCompute(cmd);
 
     // Band by band through a buffer, which a CPU driver stores to several times faster than to an image.
-    const VkDeviceSize row = VkDeviceSize(tick.shadow_size.x) * image_.layers() * sizeof(glm::vec4); // of texels
+    const VkDeviceSize row = VkDeviceSize(tick.map.texels.x) * image_.layers() * sizeof(glm::vec4); // of texels
     const uint32_t most_rows = uint32_t(std::clamp<VkDeviceSize>(kMostStaged / (row * kRows), 1, bins.tiles.y));
-    texels_.atLeast(device_, row * std::min(tick.shadow_size.y, most_rows * kRows),
+    texels_.atLeast(device_, row * std::min(tick.map.texels.y, most_rows * kRows),
                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "shadow texels");
     for (uint32_t first = 0; first < bins.tiles.y; first += most_rows) {
         const Band band{bins, first, std::min(most_rows, bins.tiles.y - first)};
@@ -93,7 +93,7 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, image_.layers()};
         copy.imageOffset = {0, int32_t(first * kRows), 0};
-        copy.imageExtent = {tick.shadow_size.x, std::min(band.rows * kRows, tick.shadow_size.y - first * kRows), 1};
+        copy.imageExtent = {tick.map.texels.x, std::min(band.rows * kRows, tick.map.texels.y - first * kRows), 1};
         vkCmdCopyBufferToImage(cmd, texels_.handle(), image_.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
         gpu::everythingBefore(cmd); // the next band uses the buffer again; draws read the image
     }

@@ -17,12 +17,12 @@ OpaqueShadow::OpaqueShadow(const gpu::Device& device) : device_(device) {
 
 bool OpaqueShadow::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
                           const gpu::Buffer& buffer, std::span<const gpu::Opaque> objects) {
-    if (image_ && tick.to_light == last_.to_light && tick.opaque_size == last_.opaque_size) return false;
+    if (image_ && tick.sun.to_light == last_.sun.to_light && tick.map.opaque_size == last_.map.opaque_size) return false;
     last_ = tick;
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "opaque shadow");
-    const VkExtent2D size{tick.opaque_size, tick.opaque_size};
-    if (!image_ || image_.extent().width != tick.opaque_size) {
+    const VkExtent2D size{tick.map.opaque_size, tick.map.opaque_size};
+    if (!image_ || image_.extent().width != tick.map.opaque_size) {
         image_ = gpu::Image(device_,
                             {VK_FORMAT_R32_SFLOAT, size,
                              VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |

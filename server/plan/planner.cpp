@@ -61,12 +61,12 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     for (size_t i = 0; i < particles.size(); i += stride) out.sample.push_back(particles[i]);
     out.extinction = meanExtinction(out);
 
-    const glm::mat3 basis(out.tick.light_x, out.tick.light_y, out.tick.to_light);
+    const glm::mat3 basis(out.tick.map.x, out.tick.map.y, out.tick.sun.to_light);
     const ShadowedMedium medium(particles, out.tick.falloff, basis);
     RenderSettings settings = now.render;
     const auto add = [&](float error) {
         settings.shadow_error = error;
-        out.shadows.push_back({error, shadowResolution(settings, medium, out.tick.shadow_hi - out.tick.shadow_lo)});
+        out.shadows.push_back({error, shadowResolution(settings, medium, out.tick.map.hi - out.tick.map.lo)});
     };
     const float most = now.render.shadow_error;
     for (float error = most; error >= kFinestShadow || error == most; error /= 2) add(error);

@@ -63,7 +63,7 @@ Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
 Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow) {
     Work work;
     const ShadowResolution& map = shadow.resolution;
-    const glm::vec3 size = scene.tick.shadow_hi - scene.tick.shadow_lo;
+    const glm::vec3 size = scene.tick.map.hi - scene.tick.map.lo;
     const glm::vec3 cell = size / glm::vec3(glm::vec2(map.texels), float(std::max(map.slices, 2u) - 1));
     double touched = 0;
     for (const gpu::Particle& p : scene.sample) {

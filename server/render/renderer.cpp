@@ -171,9 +171,12 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
                .uses_target = features_.opaque || compose_.keepsRadiance()};
     inputs_.clear();
     for (uint32_t i = 0; i < eyes.size(); ++i) {
-        views_[i].eye = eyeBlock(eyes[i], upload_.tick(), now_.render);
+        const gpu::LightMap& map = upload_.tick().map;
+        views_[i].eye = eyeBlock(eyes[i], now_.render);
+        views_[i].map_rays = mapRays(views_[i].eye, map);
         blocks.setPicture(i, views_[i]);
-        blocks.setDrawn(i, eyeBlock(drawn_[i], upload_.tick(), now_.render));
+        const gpu::Eye drawn = eyeBlock(drawn_[i], now_.render);
+        blocks.setDrawn(i, {drawn, mapRays(drawn, map)});
         EyeInputs& in = inputs_.emplace_back();
         in = {.shared = &shared_,
               .medium = &upload_.of(i),

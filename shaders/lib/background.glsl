@@ -59,18 +59,18 @@ Hit nearest(vec3 dir, uint may) {
 // Lambert's law under the light, past objects and medium, and under the sky, whose mean radiance stands for its irradiance.
 vec3 lit(Hit hit, vec3 x) {
     const vec3 n = hit.normal;
-    const float cosine = dot(n, tick.to_light);
+    const float cosine = dot(n, tick.sun.to_light);
     const vec3 sky = mix(tick.sky_horizon, 0.5 * (tick.sky_horizon + tick.sky_zenith), 0.5 + 0.5 * n.y) * (0.5 + 0.5 * n.y);
     float direct = max(cosine, 0) / 3.14159265;
     if (kBoxes + kSpheres > 0)
         if (direct > 0) {
-            const float texel = (tick.opaque_hi.x - tick.opaque_lo.x) / float(tick.opaque_size);
+            const float texel = (tick.map.opaque_hi.x - tick.map.opaque_lo.x) / float(tick.map.opaque_size);
             const float slope = texel * 2 * sqrt(max(1 - cosine * cosine, 0)) / max(cosine, 0.1);
             direct *= visibilityFiltered(toLightSpace(x + n * 2 * texel), slope);
         }
     const vec3 at = toShadowVolume(x); // outside of the map and above it there is nothing
     if (direct > 0 && at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5)))) direct *= exp(-lightDepth(at));
-    return hit.albedo * (sky + tick.irradiance * direct);
+    return hit.albedo * (sky + tick.sun.irradiance * direct);
 }
 
 vec3 shade(vec3 dir, Hit hit) {

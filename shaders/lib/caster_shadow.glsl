@@ -11,7 +11,7 @@ void bound(inout vec2 range, float c, float m) {
 // The part of origin + z dir, in units of dir, from which the light is hidden by `o` (x > y: none).
 vec2 shadowOf(Opaque o, vec3 origin, vec3 dir) {
     if (o.kind == kPlane) return vec2(1, 0); // seen and lit from above only
-    const vec3 p = origin - o.centre, l = tick.to_light;
+    const vec3 p = origin - o.centre, l = tick.sun.to_light;
     if (o.kind == kSphere) { // the sphere, and the half cylinder behind it
         const float r2 = o.half_size.x * o.half_size.x;
         const vec3 d_across = dir - dot(dir, l) * l, p_across = p - dot(p, l) * l;

@@ -1,17 +1,17 @@
 // What arrives from the light at a point; include after the tick, `shadow_volume` and `opaque_shadow` are declared.
 
-vec3 toLightSpace(vec3 x) { return vec3(dot(tick.light_x, x), dot(tick.light_y, x), dot(tick.to_light, x)); }
+vec3 toLightSpace(vec3 x) { return vec3(dot(tick.map.x, x), dot(tick.map.y, x), dot(tick.sun.to_light, x)); }
 
 // Where a world point lies in the volumetric shadow map: texture coordinates, slice plane.
 vec3 toShadowVolume(vec3 x) {
-    return vec3(dot(tick.shadow_u, vec4(x, 1)), dot(tick.shadow_v, vec4(x, 1)), dot(tick.shadow_plane, vec4(x, 1)));
+    return vec3(dot(tick.map.u, vec4(x, 1)), dot(tick.map.v, vec4(x, 1)), dot(tick.map.plane, vec4(x, 1)));
 }
 
 // Optical depth of the medium between that place and the light: linear between texels and between planes. A layer holds four planes
 // and shares its last with the next one's first, so that one filtered fetch has both neighbours of any place.
 float lightDepth(vec3 in_volume) {
-    const float plane = clamp(in_volume.z, 0, float(tick.shadow_slices - 1));
-    const float layer = min(floor(plane * 0.333333343), float((tick.shadow_slices - 2) / 3));
+    const float plane = clamp(in_volume.z, 0, float(tick.map.slices - 1));
+    const float layer = min(floor(plane * 0.333333343), float((tick.map.slices - 2) / 3));
     const vec4 depth = textureLod(shadow_volume, vec3(in_volume.xy, layer), 0);
     const vec3 part = clamp(plane - 3 * layer - vec3(0, 1, 2), 0, 1);
     return depth.x + dot(part, depth.yzw - depth.xyz);
@@ -19,19 +19,19 @@ float lightDepth(vec3 in_volume) {
 
 // 1 where the light-space point sees the light past the opaque objects, 0 where not: one texel, no filter.
 float visibility(vec3 at) {
-    const vec2 texel = (at.xy - tick.opaque_lo) / (tick.opaque_hi - tick.opaque_lo) * float(tick.opaque_size);
-    if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.opaque_size)))) return 1;
+    const vec2 texel = (at.xy - tick.map.opaque_lo) / (tick.map.opaque_hi - tick.map.opaque_lo) * float(tick.map.opaque_size);
+    if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.map.opaque_size)))) return 1;
     return at.z >= texelFetch(opaque_shadow, ivec2(texel), 0).r ? 1 : 0;
 }
 
 // The same, filtered over the four nearest texels, for surfaces; `bias` (m) lifts the point toward the light.
 float visibilityFiltered(vec3 at, float bias) {
-    const vec2 texel = (at.xy - tick.opaque_lo) / (tick.opaque_hi - tick.opaque_lo) * float(tick.opaque_size) - 0.5;
-    if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.opaque_size - 1)))) return 1;
+    const vec2 texel = (at.xy - tick.map.opaque_lo) / (tick.map.opaque_hi - tick.map.opaque_lo) * float(tick.map.opaque_size) - 0.5;
+    if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.map.opaque_size - 1)))) return 1;
     const ivec2 t = ivec2(texel);
     const vec2 f = texel - vec2(t);
     const float s = at.z + bias;
-    const vec4 top = textureGather(opaque_shadow, (vec2(t) + 1) / float(tick.opaque_size)).wzxy;
+    const vec4 top = textureGather(opaque_shadow, (vec2(t) + 1) / float(tick.map.opaque_size)).wzxy;
     const vec4 lit = vec4(greaterThanEqual(vec4(s), top));
     return mix(mix(lit.x, lit.y, f.x), mix(lit.z, lit.w, f.x), f.y);
 }

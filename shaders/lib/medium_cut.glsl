@@ -17,7 +17,7 @@ struct MediumCut {
 // Bits of casters whose shadow a ray of the `pixels` that begin there may meet. The sphere around a caster throws a cylinder; rays pass
 // within `spread` m of the middle one per m of view depth. Across the light this is a cone from q along d, and a circle around 0.
 uint castersMet(ivec2 pixel, uint pixels) {
-    const vec3 middle = rayDirection(vec2(pixel) + 0.5 * vec2(pixels, 1)), l = tick.to_light;
+    const vec3 middle = rayDirection(vec2(pixel) + 0.5 * vec2(pixels, 1)), l = tick.sun.to_light;
     const float spread = float(pixels) * eye.tan_y / float(eye.size.y);
     const vec3 d = middle - dot(middle, l) * l;
     const float dd = max(dot(d, d), 1e-12), k2 = spread * spread / dd, narrow = sqrt(max(1 - k2, 0));

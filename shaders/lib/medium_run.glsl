@@ -39,14 +39,14 @@ void wholeRay(MediumRun run, vec4 across, out float depth, out float scattered[k
 // Radiance and transmittance of that medium before `behind`, along `dir`.
 vec4 mediumOver(vec4 behind, vec3 dir, float depth, float scattered[kMostSources]) {
     float phase = 0.07957747154594767;
-    if (kHasLobe) phase = phaseMixture(-tick.to_light, -normalize(dir), tick.anisotropy, tick.asymmetry);
+    if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -normalize(dir), tick.anisotropy, tick.asymmetry);
     const float opaque_part = opacity(depth);
     vec3 light;
     if (kSources == 1) {
-        light = grid.albedo * tick.irradiance * (phase * scattered[0]);
+        light = grid.albedo * tick.sun.irradiance * (phase * scattered[0]);
         if (kHasAmbient) light += grid.albedo * tick.ambient * opaque_part;
     } else {
-        for (uint c = 0; c < 3; ++c) light[c] = tick.irradiance[c] * phase * scattered[c];
+        for (uint c = 0; c < 3; ++c) light[c] = tick.sun.irradiance[c] * phase * scattered[c];
         if (kSources == 6)
             for (uint c = 0; c < 3; ++c) light[c] += tick.ambient[c] * scattered[min(c + 3, kSources - 1)];
     }

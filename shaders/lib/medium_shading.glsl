@@ -41,12 +41,12 @@ RayParticle rayParticle(vec3 centre) {
     ray.b2 = dot(off, off);
     ray.begin = eye.near_depth * per_depth;
     ray.end = kHasOpaque ? texelFetch(view_depth, ivec2(gl_FragCoord.xy), 0).r * per_depth : 1e30;
-    ray.volume_per_m = inverse_length * (eye.volume_ray + gl_FragCoord.x * eye.volume_right + gl_FragCoord.y * eye.volume_down);
+    ray.volume_per_m = inverse_length * (map_rays.ray + gl_FragCoord.x * map_rays.right + gl_FragCoord.y * map_rays.down);
     return ray;
 }
 
 // Light optical depth, and visibility past the opaque objects, at `t` m along the ray.
-float lightDepthAt(RayParticle ray, float t) { return lightDepth(eye.volume + t * ray.volume_per_m); }
+float lightDepthAt(RayParticle ray, float t) { return lightDepth(map_rays.eye + t * ray.volume_per_m); }
 float visibilityAt(RayParticle ray, float t) { return visibility(toLightSpace(eye.position + t * ray.w)); }
 
 // T_L * Vis at `t` m along the ray.
@@ -60,8 +60,8 @@ float lightArriving(RayParticle ray, float t) {
 vec4 composed(RayParticle ray, vec3 albedo, float scattered, float depth) {
     const float opaque_part = opacity(depth);
     float phase = 0.07957747154594767;
-    if (kHasLobe) phase = phaseMixture(-tick.to_light, -ray.w, tick.anisotropy, tick.asymmetry);
-    vec3 radiance = albedo * tick.irradiance * (phase * scattered);
+    if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -ray.w, tick.anisotropy, tick.asymmetry);
+    vec3 radiance = albedo * tick.sun.irradiance * (phase * scattered);
     if (kHasAmbient) radiance += albedo * tick.ambient * opaque_part;
     return vec4(radiance, 1 - opaque_part);
 }

@@ -18,7 +18,7 @@ void march() {
     const bool inside = all(lessThan(node, grid.nodes));
     const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;
     const float length_of_slab = length(rayDirection(at)) * grid.thickness;
-    const vec3 volume_dir = eye.volume_ray + at.x * eye.volume_right + at.y * eye.volume_down;
+    const vec3 volume_dir = map_rays.ray + at.x * map_rays.right + at.y * map_rays.down;
     float depth = 0, light = 0, scattered[kSources];
     for (uint c = 0; c < kSources; ++c) scattered[c] = 0;
     if (kHasOpaque && inside)
@@ -41,8 +41,8 @@ void march() {
         const float slab = max(here.x + (before - 2 * here.x + next.x) / 24, 0) * length_of_slab;
         if (slab > 0) {
             const float face = grid.depth + float(s) * grid.thickness;
-            if (!known) light = lightDepth(eye.volume + face * volume_dir);
-            const float light_behind = lightDepth(eye.volume + (face + grid.thickness) * volume_dir);
+            if (!known) light = lightDepth(map_rays.eye + face * volume_dir);
+            const float light_behind = lightDepth(map_rays.eye + (face + grid.thickness) * volume_dir);
             const float gain = exp(-depth) * scatterAnalytic(slab, light, light_behind);
             if (kSources == 1) {
                 scattered[0] += gain;

@@ -106,8 +106,8 @@ void addCut(Run s, float side) {
 // T_L * visibility at `t` m along the ray of pixel p.
 float lightArriving(uint p, float t) {
     const float depth = t * inverse_length[p]; // in view
-    const vec3 ray = eye.volume_ray + (first.x + float(p)) * eye.volume_right + first.y * eye.volume_down;
-    float light = exp(-lightDepth(eye.volume + depth * ray));
+    const vec3 ray = map_rays.ray + (first.x + float(p)) * map_rays.right + first.y * map_rays.down;
+    float light = exp(-lightDepth(map_rays.eye + depth * ray));
     if (kHasCasters) light *= visibility(toLightSpace(eye.position + depth * rayAt(p)));
     return light;
 }

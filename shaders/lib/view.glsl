@@ -3,11 +3,13 @@
 layout(scalar, binding = 1) readonly buffer Views { View views[]; };
 
 Eye eye;
+MapRays map_rays;
 SlabGrid grid;
 uint field_at; // where its field begins
 
 void enterView(uint view) {
     eye = views[view].eye;
+    map_rays = views[view].map_rays;
     grid = views[view].grid;
     field_at = views[view].field;
 }

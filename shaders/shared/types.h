@@ -1,5 +1,5 @@
 // Structs that the CPU writes and shaders read: one text, compiled as C++ and as GLSL (scalar layout).
-// Metres, world space unless a name says otherwise. "Light space" of a point x: (light_x . x, light_y . x, to_light . x).
+// Metres, world space unless a name says otherwise. "Light space" of a point p: (map.x . p, map.y . p, to_light . p).
 #ifndef BRUME_SHARED_TYPES_H
 #define BRUME_SHARED_TYPES_H
 
@@ -23,31 +23,41 @@ struct Particle {
     float sigma_t; // 1/m, extinction at the centre
 };
 
+// A directional light. A scene without one has irradiance 0.
+struct Light {
+    vec3 to_light;   // unit
+    vec3 irradiance; // E, W/m^2 per channel, perpendicular to the light
+};
+
+// Where the maps of a directional light lie: the volumetric shadow map and that of opaque objects. Light space has its axes.
+struct LightMap {
+    vec3 x; // with y and to_light a right-handed orthonormal basis
+    vec3 y;
+    vec3 lo;     // light space bounds of the volumetric shadow map
+    uint slices; // its planes; the first at hi.z, the last at lo.z
+    vec3 hi;
+    uint opaque_size; // texels a side of the opaque shadow map
+    vec2 opaque_lo;   // and its light space bounds
+    vec2 opaque_hi;
+    uvec2 texels; // of a plane of the volumetric shadow map
+    vec4 u;       // a world point p has the texture coordinate dot(u, (p, 1)) there,
+    vec4 v;       // down the texture dot(v, (p, 1)),
+    vec4 plane;   // and the slice plane dot(plane, (p, 1)), 0 ... slices - 1
+};
+
 // What all viewers share in one tick.
 struct Tick {
-    vec3 to_light;
+    Light sun;    // the first directional light: the one that has maps
+    LightMap map; // of the sun
     float falloff;    // f
-    vec3 light_x;     // with light_y and to_light a right-handed orthonormal basis
     float anisotropy; // a
-    vec3 light_y;
-    float asymmetry; // g
-    vec3 irradiance; // E
-    float cut;       // optical depth that one particle's proxy may leave out: the setting's total / particle_count
-    vec3 ambient;    // uniform radiance scattered in without shadowing
+    float asymmetry;  // g
+    float cut;        // optical depth that one particle's proxy may leave out: the setting's total / particle_count
+    vec3 ambient;     // uniform radiance scattered in without shadowing
     uint particle_count;
-    vec3 shadow_lo;     // light space bounds of the volumetric shadow map
-    uint shadow_slices; // planes; the first at shadow_hi.z, the last at shadow_lo.z
-    vec3 shadow_hi;
-    uint opaque_size; // texels a side
-    vec2 opaque_lo;   // light space bounds of the opaque shadow map
-    vec2 opaque_hi;
-    uvec2 shadow_size; // texels
     uint opaque_count; // objects
     vec3 sky_zenith;
     vec3 sky_horizon;
-    vec4 shadow_u;     // a world point's place in the volumetric shadow map: texture coordinate shadow_u.xyz . x + shadow_u.w,
-    vec4 shadow_v;     // the same down the texture,
-    vec4 shadow_plane; // and the slice plane, 0 ... shadow_slices - 1
 };
 
 // One eye of one viewer. What is affine in the pixel is given by its value at pixel (0, 0) and its steps to the right and down.
@@ -65,10 +75,14 @@ struct Eye {
     vec3 ray;    // world direction of unit view depth
     vec3 ray_right;
     vec3 ray_down;
-    vec3 volume;     // the eye in the volumetric shadow map: texture coordinates, slice plane
-    vec3 volume_ray; // what `ray` moves there
-    vec3 volume_right;
-    vec3 volume_down;
+};
+
+// How an eye's rays run through the sun's volumetric shadow map: texture coordinates and slice plane, affine in pixel and depth.
+struct MapRays {
+    vec3 eye;   // where the eye is
+    vec3 ray;   // what Eye::ray moves there,
+    vec3 right; // Eye::ray_right,
+    vec3 down;  // and Eye::ray_down
 };
 
 const uint kPlane = 0u;
@@ -124,6 +138,7 @@ struct SlabGrid {
 // buffers, in elements.
 struct View {
     Eye eye;
+    MapRays map_rays;
     SlabGrid grid;
     uint first, end; // rows of pixels
     uint planes;     // words
@@ -156,9 +171,10 @@ struct DrawArguments {
 
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
-static_assert(sizeof(Tick) == 212 && offsetof(Tick, shadow_lo) == 80 && offsetof(Tick, opaque_lo) == 112 &&
-              offsetof(Tick, sky_zenith) == 140);
-static_assert(sizeof(Eye) == 160 && offsetof(Eye, size) == 64);
+static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
+static_assert(sizeof(Tick) == 212 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
+static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
+static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
 static_assert(sizeof(SlabGrid) == 64 && sizeof(View) == 256 && sizeof(MediumGrid) == 32);
 static_assert(sizeof(LightParticle) == 28 && sizeof(DrawArguments) == 28);

@@ -136,8 +136,8 @@ void methodTable(const gpu::Device& device, Scene scene, int rounds, Size size) 
     std::vector<gpu::Particle> particles(simulation.liveCount());
     simulation.write(particles);
     const gpu::Tick tick = makeTick(scene, simulation.now(), particles, {});
-    std::printf("\nVolumetric shadow map %ux%ux%u: %.1f ms, once per tick for all viewers.\n\n", tick.shadow_size.x,
-                tick.shadow_size.y, tick.shadow_slices, median(shadow));
+    std::printf("\nVolumetric shadow map %ux%ux%u: %.1f ms, once per tick for all viewers.\n\n", tick.map.texels.x,
+                tick.map.texels.y, tick.map.slices, median(shadow));
 }
 
 void ownTime(const gpu::Device& device, const Scene& scene, int rounds) {

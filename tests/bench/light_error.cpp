@@ -29,8 +29,8 @@ Map mapOf(const Stage& stage) {
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
     const gpu::Tick tick = makeTick(stage.scene(), now, particles, {});
-    const ShadowedMedium medium(particles, tick.falloff, glm::mat3(tick.light_x, tick.light_y, tick.to_light));
-    return {tick.shadow_size, tick.shadow_slices, shadowResolution(now.render, medium, tick.shadow_hi - tick.shadow_lo).error};
+    const ShadowedMedium medium(particles, tick.falloff, glm::mat3(tick.map.x, tick.map.y, tick.sun.to_light));
+    return {tick.map.texels, tick.map.slices, shadowResolution(now.render, medium, tick.map.hi - tick.map.lo).error};
 }
 
 } // namespace

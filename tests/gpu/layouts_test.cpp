@@ -34,14 +34,14 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     };
 #define AT(Struct, member) offsetof(Struct, member)
     expect(1000,
-           {AT(Tick, to_light),  AT(Tick, falloff),       AT(Tick, light_x),      AT(Tick, anisotropy),  AT(Tick, light_y),
-            AT(Tick, asymmetry), AT(Tick, irradiance),    AT(Tick, cut),          AT(Tick, ambient),     AT(Tick, particle_count),
-            AT(Tick, shadow_lo), AT(Tick, shadow_slices), AT(Tick, shadow_hi),    AT(Tick, opaque_size), AT(Tick, opaque_lo),
-            AT(Tick, opaque_hi), AT(Tick, shadow_size),   AT(Tick, opaque_count), AT(Tick, sky_zenith),  AT(Tick, sky_horizon),
-            AT(Tick, shadow_u),  AT(Tick, shadow_v),      AT(Tick, shadow_plane)});
+           {AT(Tick, sun.to_light),  AT(Tick, falloff),       AT(Tick, map.x),      AT(Tick, anisotropy),  AT(Tick, map.y),
+            AT(Tick, asymmetry), AT(Tick, sun.irradiance),    AT(Tick, cut),          AT(Tick, ambient),     AT(Tick, particle_count),
+            AT(Tick, map.lo), AT(Tick, map.slices), AT(Tick, map.hi),    AT(Tick, map.opaque_size), AT(Tick, map.opaque_lo),
+            AT(Tick, map.opaque_hi), AT(Tick, map.texels),   AT(Tick, opaque_count), AT(Tick, sky_zenith),  AT(Tick, sky_horizon),
+            AT(Tick, map.u),  AT(Tick, map.v),      AT(Tick, map.plane)});
     expect(2000, {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y),
                   AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right),
-                  AT(Eye, ray_down), AT(Eye, volume), AT(Eye, volume_ray), AT(Eye, volume_right), AT(Eye, volume_down)});
+                  AT(Eye, ray_down)});
     const auto second = [&](uint32_t first, size_t size, std::initializer_list<size_t> offsets) {
         expect(first + uint32_t(size / 4), offsets);
     };
@@ -52,6 +52,10 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     second(5000, sizeof(LightParticle), {AT(LightParticle, at), AT(LightParticle, k)});
     second(7000, sizeof(View),
            {AT(View, eye),
+            AT(View, map_rays.eye),
+            AT(View, map_rays.ray),
+            AT(View, map_rays.right),
+            AT(View, map_rays.down),
             AT(View, grid.nodes),
             AT(View, grid.margin),
             AT(View, grid.first_row),

@@ -32,7 +32,7 @@ inline gpu::Tick tickOf(const Scene& scene, const std::vector<gpu::Particle>& pa
 }
 
 inline glm::dvec3 fromLightSpace(const gpu::Tick& tick, glm::dvec3 at) {
-    return at.x * glm::dvec3(tick.light_x) + at.y * glm::dvec3(tick.light_y) + at.z * glm::dvec3(tick.to_light);
+    return at.x * glm::dvec3(tick.map.x) + at.y * glm::dvec3(tick.map.y) + at.z * glm::dvec3(tick.sun.to_light);
 }
 
 } // namespace brume::test

@@ -13,7 +13,7 @@ namespace {
 double heightOfBox(const Box& box, const gpu::Tick& tick, glm::dvec2 at) {
     const double c = std::cos(double(box.yaw)), s = std::sin(double(box.yaw));
     const auto toBox = [&](glm::dvec3 v) { return glm::dvec3(c * v.x - s * v.z, v.y, s * v.x + c * v.z); };
-    const glm::dvec3 origin = toBox(fromLightSpace(tick, {at, 0.0}) - glm::dvec3(box.centre)), up = toBox(tick.to_light);
+    const glm::dvec3 origin = toBox(fromLightSpace(tick, {at, 0.0}) - glm::dvec3(box.centre)), up = toBox(tick.sun.to_light);
     double bottom = -1e30, top = 1e30;
     for (int axis = 0; axis < 3; ++axis) {
         const double a = (-0.5 * double(box.size[axis]) - origin[axis]) / up[axis],
@@ -26,7 +26,7 @@ double heightOfBox(const Box& box, const gpu::Tick& tick, glm::dvec2 at) {
 
 double heightOfSphere(const Sphere& sphere, const gpu::Tick& tick, glm::dvec2 at) {
     const glm::dvec3 off = glm::dvec3(sphere.centre) - fromLightSpace(tick, {at, 0.0});
-    const double along = glm::dot(off, glm::dvec3(tick.to_light)), r = double(sphere.radius);
+    const double along = glm::dot(off, glm::dvec3(tick.sun.to_light)), r = double(sphere.radius);
     const double half_squared = r * r - glm::dot(off, off) + along * along;
     return half_squared > 0 ? along + std::sqrt(half_squared) : -1e30;
 }
@@ -58,7 +58,7 @@ TEST_F(GpuTest, OpaqueShadowMapHoldsTheHeightsOfTheTopmost) {
             for (uint32_t y = 0; y < size; ++y)
                 for (uint32_t x = 0; x < size; ++x) {
                     const glm::dvec2 at =
-                        glm::mix(glm::dvec2(tick.opaque_lo), glm::dvec2(tick.opaque_hi), (glm::dvec2(x, y) + 0.5) / double(size));
+                        glm::mix(glm::dvec2(tick.map.opaque_lo), glm::dvec2(tick.map.opaque_hi), (glm::dvec2(x, y) + 0.5) / double(size));
                     constexpr double kNothing = -1e6; // what lies below counts as this
                     const double exact = std::max(height(at), kNothing), got = std::max(double(map[y * size + x]), kNothing);
                     double change = 0; // within a tenth of a millimetre
@@ -164,7 +164,7 @@ TEST_F(GpuTest, GroundAndFacesUnderABoxAndASphere) {
     };
     // Whether light reaches a point past both, seen from `tolerance` (m) around it: 0, 1, or neither.
     const auto visibility = [&](glm::dvec3 x, double tolerance) {
-        const glm::dvec2 at(glm::dot(x, glm::dvec3(tick.light_x)), glm::dot(x, glm::dvec3(tick.light_y)));
+        const glm::dvec2 at(glm::dot(x, glm::dvec3(tick.map.x)), glm::dot(x, glm::dvec3(tick.map.y)));
         const double height_of_x = glm::dot(x, to_light);
         double sum = 0;
         for (int i = 0; i < 8; ++i) {
@@ -174,7 +174,7 @@ TEST_F(GpuTest, GroundAndFacesUnderABoxAndASphere) {
         }
         return sum / 8;
     };
-    const double texel = glm::length(glm::dvec2(tick.opaque_hi - tick.opaque_lo)) / tick.opaque_size;
+    const double texel = glm::length(glm::dvec2(tick.map.opaque_hi - tick.map.opaque_lo)) / tick.map.opaque_size;
     int seen[5] = {}, shadowed = 0;
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x) {

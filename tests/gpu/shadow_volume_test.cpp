@@ -15,11 +15,11 @@ struct Stored {
 
     Stored(const gpu::Tick& tick, const gpu::Particle& p) {
         const glm::dvec3 cell =
-                             glm::dvec3(tick.shadow_hi - tick.shadow_lo) / glm::dvec3(tick.shadow_size, tick.shadow_slices - 1.0),
+                             glm::dvec3(tick.map.hi - tick.map.lo) / glm::dvec3(tick.map.texels, tick.map.slices - 1.0),
                          c(p.centre);
-        at = glm::dvec3(glm::dot(c, glm::dvec3(tick.light_x)) - double(tick.shadow_lo.x),
-                        glm::dot(c, glm::dvec3(tick.light_y)) - double(tick.shadow_lo.y),
-                        double(tick.shadow_hi.z) - glm::dot(c, glm::dvec3(tick.to_light))) /
+        at = glm::dvec3(glm::dot(c, glm::dvec3(tick.map.x)) - double(tick.map.lo.x),
+                        glm::dot(c, glm::dvec3(tick.map.y)) - double(tick.map.lo.y),
+                        double(tick.map.hi.z) - glm::dot(c, glm::dvec3(tick.sun.to_light))) /
                  cell -
              glm::dvec3(0.5, 0.5, 0);
         const double deviation = 0.1 * double(p.scale) * double(tick.falloff);
@@ -53,9 +53,9 @@ protected:
                           EXPECT_TRUE(volume.record(commands, block, tick, buffer));
                       });
         const std::vector<float> stored = readImage(device(), volume.image(), 4);
-        const size_t area = size_t(tick.shadow_size.x) * tick.shadow_size.y;
-        std::vector<float> texels(area * tick.shadow_slices);
-        for (uint32_t plane = 0; plane < tick.shadow_slices; ++plane) {
+        const size_t area = size_t(tick.map.texels.x) * tick.map.texels.y;
+        std::vector<float> texels(area * tick.map.slices);
+        for (uint32_t plane = 0; plane < tick.map.slices; ++plane) {
             // Planes 3, 6, ... are in two layers: the last of one, the first of the next.
             for (uint32_t layer = 0; layer < volume.image().layers(); ++layer) {
                 if (plane < 3 * layer || plane > 3 * layer + 3) continue;
@@ -82,15 +82,15 @@ protected:
         // Float: a place errs by two ulps of its distance, which changes exp(-d^2 / 2 s^2) by d / s^2 times that, d up to 6 s.
         double relative = 2e-5;
         for (const gpu::Particle& p : particles)
-            relative = std::max(relative, 6 * 2.4e-7 * double(glm::length(p.centre) + glm::length(tick.shadow_lo) + p.scale) /
+            relative = std::max(relative, 6 * 2.4e-7 * double(glm::length(p.centre) + glm::length(tick.map.lo) + p.scale) /
                                               (0.1 * 0.86 * double(p.scale) * double(tick.falloff)));
         double largest = 0;
-        for (uint32_t plane = 0; plane < tick.shadow_slices; ++plane)
-            for (uint32_t y = 0; y < tick.shadow_size.y; y += stride)
-                for (uint32_t x = 0; x < tick.shadow_size.x; x += stride) {
+        for (uint32_t plane = 0; plane < tick.map.slices; ++plane)
+            for (uint32_t y = 0; y < tick.map.texels.y; y += stride)
+                for (uint32_t x = 0; x < tick.map.texels.x; x += stride) {
                     double exact = 0;
                     for (const Stored& one : all) exact += one.depth({x, y, plane});
-                    const double got = double(texels[(size_t(plane) * tick.shadow_size.y + y) * tick.shadow_size.x + x]);
+                    const double got = double(texels[(size_t(plane) * tick.map.texels.y + y) * tick.map.texels.x + x]);
                     ASSERT_LE(got, exact * (1 + relative) + 1e-9) << plane << ": " << x << ' ' << y;
                     ASSERT_GE(got, exact * (1 - relative) - left_out - 1e-9) << plane << ": " << x << ' ' << y;
                     largest = std::max(largest, got);
@@ -148,7 +148,7 @@ TEST_F(ShadowVolumeTest, CloudAtTheMediumsOwnSize) {
     expectSums(scene, particlesOf(scene), 3);
     gpu::Tick tick;
     texelsOf(scene, particlesOf(scene), tick);
-    EXPECT_NE(tick.shadow_size.x, tick.shadow_size.y); // rows and columns cannot be mixed up unseen
+    EXPECT_NE(tick.map.texels.x, tick.map.texels.y); // rows and columns cannot be mixed up unseen
 }
 
 // More particles than words of bits, in places that say where they are: each a thousandth deeper than the one before.
@@ -171,7 +171,7 @@ TEST_F(ShadowVolumeTest, MassIsKept) {
     for (const uint32_t size : {64u, 101u, 256u}) { // texels of at most 0.9 standard deviations: sums are integrals to 1e-5
         gpu::Tick tick;
         const std::vector<float> texels = texelsOf(lit({0.3f, 0.8f, 0.5f}, size, 5), particles, tick);
-        const glm::dvec2 texel = glm::dvec2(tick.shadow_hi - tick.shadow_lo) / glm::dvec2(tick.shadow_size);
+        const glm::dvec2 texel = glm::dvec2(tick.map.hi - tick.map.lo) / glm::dvec2(tick.map.texels);
         double sum = 0;
         for (size_t i = texels.size() / 5 * 4; i < texels.size(); ++i) sum += double(texels[i]) * texel.x * texel.y;
         EXPECT_NEAR(sum / mass, 1, 2e-4) << size; // the rest is beyond the reach of tiles
@@ -186,7 +186,7 @@ TEST_F(ShadowVolumeTest, InterpolationErrsByNoMoreThanItIsReckonedToErr) {
     for (const uint32_t size : {16u, 12u, 24u, 40u}) {
         gpu::Tick tick;
         const std::vector<float> texels = texelsOf(lit({0.3f, 0.8f, 0.5f}, size, 5), {one}, tick);
-        const glm::dvec2 texel = glm::dvec2(tick.shadow_hi - tick.shadow_lo) / double(size);
+        const glm::dvec2 texel = glm::dvec2(tick.map.hi - tick.map.lo) / double(size);
         ASSERT_NEAR(texel.x / texel.y, 1, 1e-3);
         const Stored stored(tick, one);
         constexpr int kParts = 8;

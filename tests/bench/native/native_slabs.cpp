@@ -101,14 +101,14 @@ NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uin
 
     const auto inMap = [&](glm::vec3 x, float w) { // columns, rows and planes of the light's map
         const glm::vec4 h(x, w);
-        return glm::vec3(glm::dot(tick_.shadow_u, h) * float(tick_.shadow_size.x) - 0.5f * w,
-                         glm::dot(tick_.shadow_v, h) * float(tick_.shadow_size.y) - 0.5f * w, glm::dot(tick_.shadow_plane, h));
+        return glm::vec3(glm::dot(tick_.map.u, h) * float(tick_.map.texels.x) - 0.5f * w,
+                         glm::dot(tick_.map.v, h) * float(tick_.map.texels.y) - 0.5f * w, glm::dot(tick_.map.plane, h));
     };
     const glm::vec3 eye = inMap(pose_.position, 1), ray = inMap(f.corner_x * axes[0] - f.corner_y * axes[1] - axes[2], 0);
     const glm::vec3 right = inMap(f.spacing * axes[0], 0), down = inMap(-f.spacing * axes[1], 0);
     for (int i = 0; i < 3; ++i) f.eye[i] = eye[i], f.ray[i] = ray[i], f.right[i] = right[i], f.down[i] = down[i];
     mapLight(particles_);
-    const glm::vec3 colour = extent_.albedo * tick_.irradiance * (0.25f / std::numbers::pi_v<float>);
+    const glm::vec3 colour = extent_.albedo * tick_.sun.irradiance * (0.25f / std::numbers::pi_v<float>);
     for (int i = 0; i < 3; ++i) f.colour[i] = colour[i];
 
     for (uint32_t x = 0; x < std::max(rate, kMostLanes); ++x) { // a cubic B-spline's
@@ -135,19 +135,19 @@ NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uin
 
 // As shaders/shadow_particles.comp and shadow_volume.comp.
 void NativeSlabs::mapLight(const std::vector<gpu::Particle>& particles) {
-    const glm::uvec3 size(tick_.shadow_size, tick_.shadow_slices);
+    const glm::uvec3 size(tick_.map.texels, tick_.map.slices);
     for (int axis = 0; axis < 3; ++axis) frame_.light_size[axis] = size[axis];
     light_.assign(size_t(size.x) * size.y * size.z, 0.0f);
     frame_.light = light_.data();
-    const glm::vec3 cell = (tick_.shadow_hi - tick_.shadow_lo) / glm::vec3(size.x, size.y, size.z - 1);
+    const glm::vec3 cell = (tick_.map.hi - tick_.map.lo) / glm::vec3(size.x, size.y, size.z - 1);
     std::vector<float> columns(size.x), planes(size.z);
     for (const gpu::Particle& p : particles) {
         const float u = p.scale * tick_.falloff, k = physics::gaussianK(p.scale, tick_.falloff);
         const float radius = physics::supportRadius(p.sigma_t, u, 0.75f * tick_.cut);
         if (radius <= 0) continue;
-        const glm::vec3 at = glm::vec3(glm::dot(tick_.light_x, p.centre) - tick_.shadow_lo.x,
-                                       glm::dot(tick_.light_y, p.centre) - tick_.shadow_lo.y,
-                                       tick_.shadow_hi.z - glm::dot(tick_.to_light, p.centre)) /
+        const glm::vec3 at = glm::vec3(glm::dot(tick_.map.x, p.centre) - tick_.map.lo.x,
+                                       glm::dot(tick_.map.y, p.centre) - tick_.map.lo.y,
+                                       tick_.map.hi.z - glm::dot(tick_.sun.to_light, p.centre)) /
                                  cell -
                              glm::vec3(0.5f, 0.5f, 0);
         const glm::vec3 variance = 0.5f / (k * cell * k * cell);
