@@ -32,12 +32,12 @@ void Background::record(gpu::Commands& commands, const EyeInputs& in) const {
                         casters = gpu::sampledImage(4, *in.opaque_shadow, *in.nearest);
     if (draw_) {
         gpu::beginDrawing(cmd, in.size, {in.radiance, in.view_depth});
-        draw_.bind(cmd, {in.tick, in.eye, objects, light, casters});
+        draw_.bind(commands, {in.tick, in.eye, objects, light, casters});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
-        compute_.bind(cmd, {in.tick, in.eye, objects, light, casters, gpu::storageImage(5, *in.radiance),
-                            gpu::storageImage(6, *in.view_depth)});
+        compute_.bind(commands, {in.tick, in.eye, objects, light, casters, gpu::storageImage(5, *in.radiance),
+                                 gpu::storageImage(6, *in.view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }
     gpu::everythingBefore(cmd);

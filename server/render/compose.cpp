@@ -70,9 +70,9 @@ void Compose::record(gpu::Commands& commands, const EyeInputs& in) {
     const VkCommandBuffer cmd = commands.handle();
     gpu::computeToCompute(cmd);
     everyPixel({.drawn = true, .keep = false, .lobe = false, .full = full_, .rate = 8, .sources = 1, .step = 1})
-        .bind(cmd, {in.tick, in.view_block, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
-                    gpu::storageBuffer(4, none_), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
-                    gpu::sampledImage(8, *in.view_depth, *in.nearest)});
+        .bind(commands, {in.tick, in.view_block, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
+                         gpu::storageBuffer(4, none_), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
+                         gpu::sampledImage(8, *in.view_depth, *in.nearest)});
     vkCmdDispatch(cmd, gpu::groups(in.size.width, 64), gpu::groups(in.size.height, 16), 1);
 }
 
@@ -85,9 +85,9 @@ void Compose::record(gpu::Commands& commands, const ViewGroup& group, const gpu:
     const gpu::ComputeProgram& program = everyPixel(
         {.drawn = false, .keep = keep_, .lobe = in.lobe, .full = full_, .rate = group.rate, .sources = group.sources, .step = 1});
     for (uint32_t i = 0; i < group.count(); ++i) {
-        program.bind(cmd, {in.tick, group.blockOf(i), gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
-                           gpu::storageBuffer(4, field), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
-                           gpu::sampledImage(8, *in.view_depth, *in.nearest)});
+        program.bind(commands, {in.tick, group.blockOf(i), gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, *in.planes),
+                                gpu::storageBuffer(4, field), gpu::uniformBuffer(5, *in.objects, 0, in.objects->size()),
+                                gpu::sampledImage(8, *in.view_depth, *in.nearest)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64 * blocksOf(group.rate)), gpu::groups(view.end - view.first, 16), 1);
     }
@@ -108,7 +108,7 @@ void Compose::recordShaded(gpu::Commands& commands, const ViewGroup& group, cons
                    .rate = group.rate,
                    .sources = group.sources,
                    .step = group.step})
-            .bind(cmd, {in.tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, field)});
+            .bind(commands, {in.tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, field)});
         vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8), gpu::groups(gpu::groups(rows, group.step) + 3, 8),
                       group.count());
         gpu::computeToCompute(cmd);
@@ -125,7 +125,7 @@ void Compose::recordDrawnNodes(gpu::Commands& commands, const EyeInputs& in) {
         if (!program)
             program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_drawn_comp, "shade_drawn"},
                                           {{gpu::kIdStep, in.step}});
-        program.bind(cmd, {in.view_block, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, shaded_)});
+        program.bind(commands, {in.view_block, gpu::storageImage(2, *in.radiance), gpu::storageBuffer(3, shaded_)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
         gpu::computeToCompute(cmd);
     }
@@ -140,7 +140,7 @@ void Compose::recordPresent(gpu::Commands& commands, const gpu::Resource& views,
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"},
                                       {{gpu::kIdStep, step}, {gpu::kIdFull, full_}});
-    program.bind(cmd, {views, gpu::storageBuffer(3, *any.planes), gpu::storageBuffer(4, shaded_)});
+    program.bind(commands, {views, gpu::storageBuffer(3, *any.planes), gpu::storageBuffer(4, shaded_)});
     vkCmdDispatch(cmd, gpu::groups(size.x, 128), gpu::groups(size.y, 32), size.z);
 }
 

@@ -31,18 +31,18 @@ void DepthOrder::record(gpu::Commands& commands, const EyeInputs& inputs, Suppor
         vkCmdFillBuffer(cmd, arguments_.handle(), 0, sizeof(gpu::DrawArguments), 0);
         gpu::transferToCompute(cmd);
         const uint32_t full_support = support == Support::sphere;
-        cull_.bind(cmd,
+        cull_.bind(commands,
                    {inputs.tick, inputs.eye, storageBuffer(2, *inputs.particles), storageBuffer(3, keys_),
                     storageBuffer(4, values_), storageBuffer(5, arguments_), inputs.other},
                    full_support);
         vkCmdDispatch(cmd, gpu::groups(inputs.particle_count, 64), 1, 1);
         gpu::computeToCompute(cmd);
         const uint32_t push[] = {vertices, particles_per_group};
-        draw_arguments_.bind(cmd, {storageBuffer(5, arguments_)}, push);
+        draw_arguments_.bind(commands, {storageBuffer(5, arguments_)}, push);
         vkCmdDispatch(cmd, 1, 1, 1);
     }
     const gpu::Commands::Pass pass(commands, "sort", inputs.view);
-    sort_.record(cmd, keys_, values_, inputs.particle_count);
+    sort_.record(commands, keys_, values_, inputs.particle_count);
     gpu::computeToDraw(cmd);
 }
 

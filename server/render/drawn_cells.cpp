@@ -37,7 +37,7 @@ void DrawnCells::record(gpu::Commands& commands, const EyeInputs& in) {
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"},
                                       {{gpu::kIdStep, nodes.step}});
     gpu::everythingBefore(cmd);
-    program.bind(cmd,
+    program.bind(commands,
                  {in.tick, in.eye, gpu::storageImage(2, *in.radiance), gpu::storageImage(3, *in.view_depth),
                   gpu::sampledImage(4, *nodes.radiance, *in.nearest), gpu::sampledImage(5, *nodes.view_depth, *in.nearest),
                   gpu::uniformBuffer(6, *in.objects, 0, in.objects->size())},

@@ -33,9 +33,9 @@ public:
         const gpu::Commands::Pass pass(commands, "medium", in.view);
         gpu::beginDrawing(cmd, in.size, {in.radiance});
         programs_[has_opaque_ || in.eye_in_medium].bind(
-            cmd, {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(4, order_.order()),
-                  gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
-                  gpu::sampledImage(7, *in.opaque_shadow, *in.nearest), gpu::sampledImage(8, *in.view_depth, *in.nearest)});
+            commands, {in.tick, in.eye, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(4, order_.order()),
+                       gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shadow_volume, *in.linear),
+                       gpu::sampledImage(7, *in.opaque_shadow, *in.nearest), gpu::sampledImage(8, *in.view_depth, *in.nearest)});
         if (mesh_)
             device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1, 0);
         else

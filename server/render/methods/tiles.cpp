@@ -62,17 +62,17 @@ public:
                             splats = storageBuffer(8, splats_), masks = storageBuffer(9, masks_);
         {
             const gpu::Commands::Pass pass(commands, "bin", in.view);
-            project_.bind(cmd, {in.tick, in.eye, storageBuffer(2, *in.particles), storageBuffer(4, order_.order()), arguments,
-                                storageBuffer(6, *in.particle_light), cones, splats});
+            project_.bind(commands, {in.tick, in.eye, storageBuffer(2, *in.particles), storageBuffer(4, order_.order()),
+                                     arguments, storageBuffer(6, *in.particle_light), cones, splats});
             vkCmdDispatch(cmd, gpu::groups(in.particle_count, 64), 1, 1);
             gpu::computeToCompute(cmd);
-            bin_.bind(cmd, {in.eye, arguments, cones, masks}, grid);
+            bin_.bind(commands, {in.eye, arguments, cones, masks}, grid);
             vkCmdDispatch(cmd, gpu::groups(grid.blocks.x * grid.blocks.y, 64), gpu::groups(in.particle_count, 32), 1);
             gpu::computeToCompute(cmd);
         }
         const gpu::Commands::Pass pass(commands, "medium", in.view);
         program(features_.opaque || in.eye_in_medium, in.extent->one_albedo)
-            .bind(cmd,
+            .bind(commands,
                   {in.tick, in.eye, gpu::storageImage(2, *in.radiance), gpu::sampledImage(3, *in.shadow_volume, *in.linear),
                    gpu::sampledImage(4, *in.opaque_shadow, *in.nearest), arguments,
                    gpu::sampledImage(6, *in.view_depth, *in.nearest), cones, splats, masks},
