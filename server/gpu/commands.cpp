@@ -3,6 +3,29 @@
 #include <algorithm>
 
 namespace brume::gpu {
+namespace {
+
+// Descriptor sets of one pool: what a frame of a few viewers binds.
+constexpr uint32_t kSetsOfPool = 256;
+// Descriptors of one pool: the passes' average per set, rounded up. A pool that lacks one kind is merely full earlier.
+constexpr VkDescriptorPoolSize kDescriptorsOfPool[] = {
+    {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 4 * kSetsOfPool},
+    {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 2 * kSetsOfPool},
+    {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 2 * kSetsOfPool},
+    {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 3 * kSetsOfPool},
+};
+
+VkDescriptorPool makeDescriptorPool(const Device& device) {
+    VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    info.maxSets = kSetsOfPool;
+    info.poolSizeCount = uint32_t(std::size(kDescriptorsOfPool));
+    info.pPoolSizes = kDescriptorsOfPool;
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    check(vkCreateDescriptorPool(device.handle(), &info, nullptr, &pool), "descriptor pool");
+    return pool;
+}
+
+} // namespace
 
 Commands::Commands(const Device& device, const char* name) : device_(device), stamps_(size_t(2) * kMaxPasses) {
     passes_.reserve(kMaxPasses);
@@ -39,11 +62,15 @@ Commands::~Commands() {
     vkDestroySemaphore(device_.handle(), timeline_, nullptr);
     vkDestroyQueryPool(device_.handle(), queries_, nullptr);
     vkDestroyQueryPool(device_.handle(), fragments_, nullptr);
+    for (const VkDescriptorPool pool : descriptors_) vkDestroyDescriptorPool(device_.handle(), pool, nullptr);
     vkDestroyCommandPool(device_.handle(), pool_, nullptr);
 }
 
 VkCommandBuffer Commands::begin() {
     check(vkResetCommandPool(device_.handle(), pool_, 0), "vkResetCommandPool");
+    for (const VkDescriptorPool pool : descriptors_)
+        check(vkResetDescriptorPool(device_.handle(), pool, 0), "vkResetDescriptorPool");
+    filling_ = 0;
     VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(cmd_, &info), "vkBeginCommandBuffer");
@@ -51,6 +78,23 @@ VkCommandBuffer Commands::begin() {
     if (fragments_) vkCmdResetQueryPool(cmd_, fragments_, 0, kMaxPasses);
     passes_.clear();
     return cmd_;
+}
+
+VkDescriptorSet Commands::descriptorSet(VkDescriptorSetLayout layout) {
+    for (;; ++filling_) {
+        const bool fresh = filling_ == descriptors_.size(); // an empty pool without room is an error
+        if (fresh) descriptors_.push_back(makeDescriptorPool(device_));
+        VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+        info.descriptorPool = descriptors_[filling_];
+        info.descriptorSetCount = 1;
+        info.pSetLayouts = &layout;
+        VkDescriptorSet set = VK_NULL_HANDLE;
+        const VkResult result = vkAllocateDescriptorSets(device_.handle(), &info, &set);
+        const bool full = result == VK_ERROR_OUT_OF_POOL_MEMORY || result == VK_ERROR_FRAGMENTED_POOL;
+        if (full && !fresh) continue;
+        check(result, "vkAllocateDescriptorSets");
+        return set;
+    }
 }
 
 void Commands::submit() {

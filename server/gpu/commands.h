@@ -30,6 +30,9 @@ public:
     // The passes of the last submission. Precondition: it is done. Valid until begin().
     std::span<const PassSample> readTimes();
 
+    // A new descriptor set for what is recorded next. Valid until begin().
+    VkDescriptorSet descriptorSet(VkDescriptorSetLayout layout);
+
     VkCommandBuffer handle() const { return cmd_; }
     const Device& device() const { return device_; }
 
@@ -52,6 +55,8 @@ private:
     const Device& device_;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer cmd_ = VK_NULL_HANDLE;
+    std::vector<VkDescriptorPool> descriptors_; // one more whenever all are full
+    size_t filling_ = 0;                        // index of the pool that sets are taken from
     VkQueryPool queries_ = VK_NULL_HANDLE;
     VkQueryPool fragments_ = VK_NULL_HANDLE; // null unless the device counts them
     VkSemaphore timeline_ = VK_NULL_HANDLE;

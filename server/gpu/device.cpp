@@ -54,8 +54,9 @@ struct Features {
     Features& operator=(const Features&) = delete;
 };
 
-constexpr VkSubgroupFeatureFlags kSubgroupOperations =
-    VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+// Of compute shaders: `tiles`, `slabs` and `grid` vote and ballot, and with the volumetric shadow map they shuffle.
+constexpr VkSubgroupFeatureFlags kSubgroupOperations = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+                                                       VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
 
 struct Subgroups {
     VkSubgroupFeatureFlags operations; // in compute shaders
@@ -71,27 +72,34 @@ Subgroups subgroups(VkPhysicalDevice device) {
     return {compute ? v11.subgroupSupportedOperations : 0, std::min(v11.subgroupSize, std::max(v13.minSubgroupSize, 1u))};
 }
 
-// What a device lacks of what every pass needs; empty when it can run brume.
+bool hasFormatFeature(VkPhysicalDevice device, VkFormat format, VkFormatFeatureFlags feature) {
+    VkFormatProperties properties;
+    vkGetPhysicalDeviceFormatProperties(device, format, &properties);
+    return (properties.optimalTilingFeatures & feature) == feature;
+}
+
+// The first thing that a device lacks; empty when it can run brume. Each check says what needs it.
 std::string missing(VkPhysicalDevice device) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(device, &properties);
-    if (properties.apiVersion < VK_API_VERSION_1_3) return "Vulkan 1.3";
-    if (!hasDeviceExtension(device, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME)) return "VK_KHR_push_descriptor";
+    if (properties.apiVersion < VK_API_VERSION_1_3) return "Vulkan 1.3"; // the features below are then part of the core
     Features f(false);
     vkGetPhysicalDeviceFeatures2(device, &f.all);
-    if (!f.v12.scalarBlockLayout) return "scalarBlockLayout";
-    if (!f.v12.timelineSemaphore) return "timelineSemaphore";
-    if (!f.v12.subgroupBroadcastDynamicId) return "subgroupBroadcastDynamicId";
-    if (!f.v13.dynamicRendering) return "dynamicRendering";
-    if (!f.v13.synchronization2) return "synchronization2";
-    if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations) return "subgroup ballots and shuffles";
-    VkFormatProperties format;
-    for (const VkFormat target : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT}) {
-        vkGetPhysicalDeviceFormatProperties(device, target, &format);
-        if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT))
-            return "blending of 32-bit float targets";
-    }
-    if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT))
+    if (!f.v12.scalarBlockLayout) return "scalarBlockLayout";                   // structs of shaders/shared
+    if (!f.v12.timelineSemaphore) return "timelineSemaphore";                   // Commands: waiting for a submission
+    if (!f.v12.subgroupBroadcastDynamicId) return "subgroupBroadcastDynamicId"; // lib/tile_members.glsl: slabs, grid
+    if (!f.v13.dynamicRendering) return "dynamicRendering";                     // beginDrawing()
+    if (!f.v13.synchronization2) return "synchronization2";                     // barriers, timestamps, Commands::submit()
+    if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations)
+        return "subgroup votes, ballots and shuffles";
+    if (properties.limits.maxComputeWorkGroupInvocations < 256) return "workgroups of 256 lanes";            // sort_scan.comp
+    if (properties.limits.maxPerStageDescriptorStorageBuffers < 6) return "six storage buffers of a shader"; // tiles_project.comp
+    // The opaque shadow map keeps the largest value; the raster methods blend radiance and transmittance.
+    if (!hasFormatFeature(device, VK_FORMAT_R32_SFLOAT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT) ||
+        !hasFormatFeature(device, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT))
+        return "blending of 32-bit float targets";
+    // The volumetric shadow map is interpolated.
+    if (!hasFormatFeature(device, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT))
         return "linear filtering of 32-bit floats";
     return {};
 }
@@ -256,7 +264,7 @@ void Device::createDevice(const DeviceOptions& options) {
     if (family == families.end()) throw Error(name() + " has no queue for graphics, compute and timestamps together");
     queue_family_ = uint32_t(family - families.begin());
 
-    std::vector<const char*> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+    std::vector<const char*> extensions;
     const bool mesh_extension = hasDeviceExtension(physical_, VK_EXT_MESH_SHADER_EXTENSION_NAME);
     Features has(mesh_extension);
     vkGetPhysicalDeviceFeatures2(physical_, &has.all);
@@ -292,7 +300,6 @@ void Device::createDevice(const DeviceOptions& options) {
     const auto load = [&](auto& function, const char* function_name) {
         function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(vkGetDeviceProcAddr(device_, function_name));
     };
-    load(pushDescriptorSet, "vkCmdPushDescriptorSetKHR");
     if (mesh_shaders_) load(drawMeshTasksIndirect, "vkCmdDrawMeshTasksIndirectEXT");
     if (labels_) {
         load(beginLabel, "vkCmdBeginDebugUtilsLabelEXT");

@@ -62,7 +62,6 @@ public:
     uint32_t validationMessages() const { return validation_messages_.load(); }
 
     // Extension functions; null where the device lacks the extension.
-    PFN_vkCmdPushDescriptorSetKHR pushDescriptorSet = nullptr;
     PFN_vkCmdDrawMeshTasksIndirectEXT drawMeshTasksIndirect = nullptr;
     PFN_vkCmdBeginDebugUtilsLabelEXT beginLabel = nullptr;
     PFN_vkCmdEndDebugUtilsLabelEXT endLabel = nullptr;

@@ -5,6 +5,8 @@
 
 #include <spirv_cross_c.h>
 
+#include "server/gpu/commands.h"
+
 namespace brume::gpu {
 namespace {
 
@@ -158,7 +160,6 @@ void Program::createLayout() {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (const Expected& e : expected_) bindings.push_back({e.binding, e.type, 1, stages_, nullptr});
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
     set.bindingCount = uint32_t(bindings.size());
     set.pBindings = bindings.data();
     check(vkCreateDescriptorSetLayout(device_->handle(), &set, nullptr, &set_layout_), name_.c_str());
@@ -182,7 +183,7 @@ void Program::checkRange(const Resource& given, const Expected& e) const {
                     " bytes, the device allows " + std::to_string(most) + "; use fewer particles or smaller pictures");
 }
 
-void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std::span<const std::byte> push) const {
+void Program::bind(Commands& commands, std::span<const Resource> resources, std::span<const std::byte> push) const {
     std::array<VkWriteDescriptorSet, kMaxBindings> writes;
     uint32_t count = 0;
     for (const Expected& e : expected_) {
@@ -202,8 +203,12 @@ void Program::bind(VkCommandBuffer cmd, std::span<const Resource> resources, std
     if (push.size() != push_bytes_)
         throw Error(name_ + ": push constants of " + std::to_string(push.size()) + " bytes, the shader has " +
                     std::to_string(push_bytes_));
+    const VkDescriptorSet set = commands.descriptorSet(set_layout_);
+    for (uint32_t i = 0; i < count; ++i) writes[i].dstSet = set;
+    vkUpdateDescriptorSets(device_->handle(), count, writes.data(), 0, nullptr);
+    const VkCommandBuffer cmd = commands.handle();
     vkCmdBindPipeline(cmd, bind_point_, pipeline_);
-    if (count) device_->pushDescriptorSet(cmd, bind_point_, layout_, 0, count, writes.data());
+    vkCmdBindDescriptorSets(cmd, bind_point_, layout_, 0, 1, &set, 0, nullptr);
     if (push_bytes_) vkCmdPushConstants(cmd, layout_, stages_, 0, push_bytes_, push.data());
 }
 

@@ -14,6 +14,8 @@
 
 namespace brume::gpu {
 
+class Commands;
+
 struct ShaderCode {
     VkShaderStageFlagBits stage;
     std::span<const uint32_t> words;
@@ -50,14 +52,14 @@ public:
     }
 
     // Binds pipeline, descriptors and push constants. Throws Error when a resource that the shaders use is missing, of
-    // another kind, or larger than the device can bind, or when the push constants have another size. Allocates nothing.
-    void bind(VkCommandBuffer cmd, std::span<const Resource> resources, std::span<const std::byte> push) const;
+    // another kind, or larger than the device can bind, or when the push constants have another size.
+    void bind(Commands& commands, std::span<const Resource> resources, std::span<const std::byte> push) const;
     template <class Push>
-    void bind(VkCommandBuffer cmd, std::initializer_list<Resource> resources, const Push& push) const {
-        bind(cmd, std::span(resources.begin(), resources.size()), std::as_bytes(std::span(&push, 1)));
+    void bind(Commands& commands, std::initializer_list<Resource> resources, const Push& push) const {
+        bind(commands, std::span(resources.begin(), resources.size()), std::as_bytes(std::span(&push, 1)));
     }
-    void bind(VkCommandBuffer cmd, std::initializer_list<Resource> resources) const {
-        bind(cmd, std::span(resources.begin(), resources.size()), {});
+    void bind(Commands& commands, std::initializer_list<Resource> resources) const {
+        bind(commands, std::span(resources.begin(), resources.size()), {});
     }
     explicit operator bool() const { return pipeline_ != VK_NULL_HANDLE; }
 

@@ -17,7 +17,7 @@ void ParticleLight::record(gpu::Commands& commands, const Inputs& in, uint32_t c
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "particle light");
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
-    program_.bind(cmd,
+    program_.bind(commands,
                   {in.tick, gpu::storageBuffer(1, *in.objects), gpu::storageBuffer(2, *in.particles),
                    gpu::sampledImage(3, *in.shadow_volume, *in.linear), gpu::storageBuffer(5, lights_)},
                   tolerance);

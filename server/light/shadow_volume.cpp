@@ -74,8 +74,8 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
     vkCmdFillBuffer(cmd, bits_.handle(), 0, bytes, 0);
     gpu::transferToCompute(cmd);
-    particles_.bind(cmd, {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, bits_)},
-                    bins);
+    particles_.bind(commands,
+                    {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, bits_)}, bins);
     vkCmdDispatch(cmd, gpu::groups(std::max(tick.particle_count, 1u), 64), 1, 1);
     gpu::computeToCompute(cmd);
 
@@ -86,8 +86,8 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "shadow texels");
     for (uint32_t first = 0; first < bins.tiles.y; first += most_rows) {
         const Band band{bins, first, std::min(most_rows, bins.tiles.y - first)};
-        volume_.bind(cmd, {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)},
-                     band);
+        volume_.bind(commands,
+                     {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)}, band);
         vkCmdDispatch(cmd, gpu::groups(gpu::groups(bins.tiles.x * band.rows, 8) * 8, shape_.tiles), 1, 1);
         gpu::computeToTransfer(cmd);
         VkBufferImageCopy copy{};

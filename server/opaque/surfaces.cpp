@@ -32,12 +32,12 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) const {
                         casters = gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest);
     if (draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
-        draw_.bind(cmd, {in.medium->tick, in.eye, objects, light, casters});
+        draw_.bind(commands, {in.medium->tick, in.eye, objects, light, casters});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
-        compute_.bind(cmd, {in.medium->tick, in.eye, objects, light, casters, gpu::storageImage(5, in.target->radiance),
-                            gpu::storageImage(6, in.target->view_depth)});
+        compute_.bind(commands, {in.medium->tick, in.eye, objects, light, casters, gpu::storageImage(5, in.target->radiance),
+                                 gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }
     gpu::everythingBefore(cmd);

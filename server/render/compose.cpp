@@ -74,10 +74,10 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
                                                      .step = 1});
     const uint32_t blocks = drawn ? 1 : blocksOf(group.rate);
     for (uint32_t i = 0; i < group.count(); ++i) {
-        program.bind(cmd, {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
-                           gpu::storageBuffer(3, *in.shared->planes), gpu::storageBuffer(4, drawn ? none_ : *group.field),
-                           gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
-                           gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        program.bind(commands, {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
+                                gpu::storageBuffer(3, *in.shared->planes), gpu::storageBuffer(4, drawn ? none_ : *group.field),
+                                gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
+                                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64 * blocks), gpu::groups(view.end - view.first, 16), 1);
     }
@@ -97,7 +97,7 @@ void Compose::shadeField(gpu::Commands& commands, const ViewGroup& group) {
                .rate = group.rate,
                .sources = group.sources,
                .step = group.step})
-        .bind(cmd, {in.medium->tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, *group.field)});
+        .bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, *group.field)});
     vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8), gpu::groups(gpu::groups(rows, group.step) + 3, 8),
                   group.count());
     gpu::computeToCompute(cmd);
@@ -112,7 +112,7 @@ void Compose::shadeTarget(gpu::Commands& commands, const ViewGroup& group) {
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_drawn_comp, "shade_drawn"},
                                       {{gpu::kIdStep, group.step}});
-    program.bind(cmd, {group.block, gpu::storageImage(2, in.target->radiance), gpu::storageBuffer(3, shaded_)});
+    program.bind(commands, {group.block, gpu::storageImage(2, in.target->radiance), gpu::storageBuffer(3, shaded_)});
     vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     gpu::computeToCompute(cmd);
 }
@@ -124,7 +124,7 @@ void Compose::present(gpu::Commands& commands, const ViewGroup& group) {
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"},
                                       {{gpu::kIdStep, group.step}, {gpu::kIdFull, full_}});
-    program.bind(cmd, {group.block, gpu::storageBuffer(3, *group.any->shared->planes), gpu::storageBuffer(4, shaded_)});
+    program.bind(commands, {group.block, gpu::storageBuffer(3, *group.any->shared->planes), gpu::storageBuffer(4, shaded_)});
     const uint32_t width = group.most([](const gpu::View& v) { return v.eye.size.x; });
     const uint32_t rows = group.most([](const gpu::View& v) { return v.end - v.first; });
     vkCmdDispatch(cmd, gpu::groups(width, 128), gpu::groups(rows, 32), group.count());

@@ -36,7 +36,7 @@ void DrawnCells::interpolate(gpu::Commands& commands, const EyeInputs& fine, con
                                       {{gpu::kIdStep, coarse.step}});
     gpu::everythingBefore(cmd);
     const gpu::Sampler& nearest = *fine.shared->nearest;
-    program.bind(cmd,
+    program.bind(commands,
                  {fine.medium->tick, fine.eye, gpu::storageImage(2, fine.target->radiance),
                   gpu::storageImage(3, fine.target->view_depth), gpu::sampledImage(4, coarse.target->radiance, nearest),
                   gpu::sampledImage(5, coarse.target->view_depth, nearest),

@@ -8,6 +8,7 @@
 #include "shaders/background_vert.h"
 #include "shaders/shadow_particles_comp.h"
 #include "shaders/slabs_comp.h"
+#include "shaders/sort_scan_comp.h"
 #include "test_shaders/layouts_comp.h"
 
 namespace brume::test {
@@ -84,15 +85,41 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, layouts_comp, "layouts"});
     Commands commands(device(), "layouts");
     const VkCommandBuffer cmd = commands.begin();
-    program.bind(cmd, {uniformBuffer(0, tick, 0, sizeof(Tick)), uniformBuffer(1, eye, 0, sizeof(Eye)),
-                       storageBuffer(2, particles), storageBuffer(3, objects), storageBuffer(4, light),
-                       storageBuffer(5, arguments), storageBuffer(6, words), storageBuffer(7, views)});
+    program.bind(commands, {uniformBuffer(0, tick, 0, sizeof(Tick)), uniformBuffer(1, eye, 0, sizeof(Eye)),
+                            storageBuffer(2, particles), storageBuffer(3, objects), storageBuffer(4, light),
+                            storageBuffer(5, arguments), storageBuffer(6, words), storageBuffer(7, views)});
     vkCmdDispatch(cmd, 1, 1, 1);
     commands.submit();
     waitFor(commands);
     words.invalidate();
     const auto got = words.mapped<uint32_t>(expected.size());
     EXPECT_EQ(std::vector<uint32_t>(got.begin(), got.end()), expected);
+}
+
+// More descriptor sets than a pool holds, in three recordings: each dispatch reads and writes what was bound for it.
+TEST_F(GpuTest, EveryBindingOfARecordingIsKept) {
+    constexpr uint32_t kBindings = 600, kWords = 64; // 256 bytes: any device allows such offsets
+    const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, sort_scan_comp, "sort_scan"});
+    const Buffer buffer(device(), kBindings * kWords * 4, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::readback, "counts");
+    Commands commands(device(), "many bindings");
+    for (uint32_t recording = 0; recording < 3; ++recording) {
+        const auto words = buffer.mapped<uint32_t>(size_t(kBindings) * kWords);
+        for (uint32_t i = 0; i < words.size(); ++i) words[i] = i % kWords < 2 ? i / kWords + recording : 0;
+        buffer.flush();
+        const VkCommandBuffer cmd = commands.begin();
+        for (uint32_t i = 0; i < kBindings; ++i) {
+            program.bind(commands, {storageBuffer(2, buffer, i * kWords * 4, kWords * 4)}, kWords);
+            vkCmdDispatch(cmd, 1, 1, 1);
+        }
+        commands.submit();
+        waitFor(commands);
+        buffer.invalidate();
+        for (uint32_t i = 0; i < kBindings; ++i) { // sums of the words before
+            ASSERT_EQ(words[i * kWords], 0u) << i;
+            ASSERT_EQ(words[i * kWords + 1], i + recording) << i;
+            ASSERT_EQ(words[i * kWords + kWords - 1], 2 * (i + recording)) << i;
+        }
+    }
 }
 
 // The text of the Error that `action` throws; empty if it throws none.
@@ -136,10 +163,10 @@ TEST_F(GpuTest, AProgramRefusesBuffersLargerThanTheDeviceCanBind) {
     EXPECT_EQ(storageBuffer(2, buffer, 16).buffer.range, 240u);
 
     Commands commands(device(), "too large");
-    const VkCommandBuffer cmd = commands.begin();
+    commands.begin();
     const auto bind = [&](VkDeviceSize tick, VkDeviceSize particles) { // bytes; nothing is dispatched
         const glm::uvec4 push{};
-        program.bind(cmd,
+        program.bind(commands,
                      {uniformBuffer(0, buffer, 0, tick), storageBuffer(2, buffer, 0, particles), storageBuffer(3, buffer),
                       storageBuffer(4, buffer)},
                      push);
@@ -171,9 +198,9 @@ TEST_F(GpuTest, AProgramRefusesWrongBindings) {
     const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, layouts_comp, "layouts"});
     const Buffer buffer(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::device, "some");
     Commands commands(device(), "wrong");
-    const VkCommandBuffer cmd = commands.begin();
-    EXPECT_THROW(program.bind(cmd, {storageBuffer(2, buffer)}), Error);                           // the others are missing
-    EXPECT_THROW(program.bind(cmd, {storageBuffer(0, buffer), storageBuffer(2, buffer)}), Error); // 0 is a uniform buffer
+    commands.begin();
+    EXPECT_THROW(program.bind(commands, {storageBuffer(2, buffer)}), Error);                           // the others are missing
+    EXPECT_THROW(program.bind(commands, {storageBuffer(0, buffer), storageBuffer(2, buffer)}), Error); // 0 is a uniform buffer
     commands.submit();
     waitFor(commands);
 }

@@ -31,8 +31,8 @@ Pairs sortOnDevice(const gpu::Device& device, const std::vector<uint32_t>& keys)
 
     const RadixSort sort(device, count);
     gpu::Commands commands(device, "sort");
-    const VkCommandBuffer cmd = commands.begin();
-    sort.record(cmd, key_buffer, value_buffer, count);
+    commands.begin();
+    sort.record(commands, key_buffer, value_buffer, count);
     commands.submit();
     waitFor(commands);
     key_buffer.invalidate();
@@ -97,8 +97,9 @@ TEST_F(SortTest, RefusesWhatDoesNotFit) {
     const RadixSort sort(device(), 100);
     const gpu::Buffer small(device(), 64, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "small");
     const gpu::Buffer large(device(), 4096, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "large");
-    EXPECT_THROW(sort.record(VK_NULL_HANDLE, small, small, 100), gpu::Error); // the buffers
-    EXPECT_THROW(sort.record(VK_NULL_HANDLE, large, large, 101), gpu::Error); // the capacity
+    gpu::Commands commands(device(), "too small");
+    EXPECT_THROW(sort.record(commands, small, small, 100), gpu::Error); // the buffers
+    EXPECT_THROW(sort.record(commands, large, large, 101), gpu::Error); // the capacity
 }
 
 } // namespace

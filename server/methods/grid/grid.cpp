@@ -25,7 +25,7 @@ private:
         gpu::computeToCompute(cmd);
         program(grid_rays_comp, "grid_rays", 2 * group.sources + cubic,
                 {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdCubic, cubic}, {gpu::kIdSources, group.sources}})
-            .bind(cmd,
+            .bind(commands,
                   {in.medium->tick, group.block, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
                    gpu::storageBuffer(5, medium_.marks()), gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
                    gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},

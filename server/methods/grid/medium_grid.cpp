@@ -43,7 +43,7 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
         vkCmdFillBuffer(cmd, marks_.handle(), 0, markBytes(grid), 0);
         vkCmdFillBuffer(cmd, bins_.handle(), 0, bin_bytes, 0);
         gpu::transferToCompute(cmd);
-        bins_program_.bind(cmd,
+        bins_program_.bind(commands,
                            {in.tick, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(3, members_),
                             gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, marks_)},
                            grid);
@@ -51,7 +51,7 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
         gpu::computeToCompute(cmd);
     }
     const gpu::Commands::Pass pass(commands, "grid");
-    fill_program_.bind(cmd,
+    fill_program_.bind(commands,
                        {in.tick, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, nodes_), gpu::storageBuffer(4, bins_),
                         gpu::storageBuffer(5, marks_)},
                        grid);

@@ -31,18 +31,18 @@ void DepthOrder::record(gpu::Commands& commands, const EyeInputs& in, Support su
         vkCmdFillBuffer(cmd, arguments_.handle(), 0, sizeof(gpu::DrawArguments), 0);
         gpu::transferToCompute(cmd);
         const uint32_t full_support = support == Support::sphere;
-        cull_.bind(cmd,
+        cull_.bind(commands,
                    {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles), storageBuffer(3, keys_),
                     storageBuffer(4, values_), storageBuffer(5, arguments_), in.stereo_partner},
                    full_support);
         vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
         gpu::computeToCompute(cmd);
         const uint32_t push[] = {vertices, particles_per_group};
-        draw_arguments_.bind(cmd, {storageBuffer(5, arguments_)}, push);
+        draw_arguments_.bind(commands, {storageBuffer(5, arguments_)}, push);
         vkCmdDispatch(cmd, 1, 1, 1);
     }
     const gpu::Commands::Pass pass(commands, "sort", in.view);
-    sort_.record(cmd, keys_, values_, in.medium->count);
+    sort_.record(commands, keys_, values_, in.medium->count);
     gpu::computeToDraw(cmd);
 }
 

@@ -22,10 +22,11 @@ RadixSort::RadixSort(const gpu::Device& device, uint32_t capacity)
     values_ = words(capacity_, "sort values");
 }
 
-void RadixSort::record(VkCommandBuffer cmd, const gpu::Buffer& keys, const gpu::Buffer& values, uint32_t count) const {
+void RadixSort::record(gpu::Commands& commands, const gpu::Buffer& keys, const gpu::Buffer& values, uint32_t count) const {
     if (count > capacity_ || keys.size() < count * sizeof(uint32_t) || values.size() < count * sizeof(uint32_t))
         throw gpu::Error("the sort's buffers are too small for " + std::to_string(count) + " pairs");
     if (count < 2) return;
+    const VkCommandBuffer cmd = commands.handle();
     const uint32_t blocks = gpu::groups(count, kBlock);
     struct {
         uint32_t count, shift, blocks;
@@ -34,13 +35,13 @@ void RadixSort::record(VkCommandBuffer cmd, const gpu::Buffer& keys, const gpu::
     const gpu::Buffer* to[] = {&keys_, &values_};
     for (push.shift = 0; push.shift < 32; push.shift += kDigitBits) { // an even number of passes: the result ends where it began
         gpu::computeToCompute(cmd);
-        histogram_.bind(cmd, {storageBuffer(0, *from[0]), storageBuffer(2, counts_)}, push);
+        histogram_.bind(commands, {storageBuffer(0, *from[0]), storageBuffer(2, counts_)}, push);
         vkCmdDispatch(cmd, blocks, 1, 1);
         gpu::computeToCompute(cmd);
-        scan_.bind(cmd, {storageBuffer(2, counts_)}, kDigits * blocks);
+        scan_.bind(commands, {storageBuffer(2, counts_)}, kDigits * blocks);
         vkCmdDispatch(cmd, 1, 1, 1);
         gpu::computeToCompute(cmd);
-        scatter_.bind(cmd,
+        scatter_.bind(commands,
                       {storageBuffer(0, *from[0]), storageBuffer(1, *from[1]), storageBuffer(2, counts_),
                        storageBuffer(3, *to[0]), storageBuffer(4, *to[1])},
                       push);

@@ -13,7 +13,7 @@ public:
 
     // Sorts the first `count` pairs in place. The buffers must have been written by compute passes before; a barrier after the
     // sort is the caller's. Throws gpu::Error when a buffer or the capacity is too small.
-    void record(VkCommandBuffer cmd, const gpu::Buffer& keys, const gpu::Buffer& values, uint32_t count) const;
+    void record(gpu::Commands& commands, const gpu::Buffer& keys, const gpu::Buffer& values, uint32_t count) const;
 
 private:
     static constexpr uint32_t kBlock = 1024, kDigitBits = 4, kDigits = 16; // as in shaders/lib/sort.glsl

@@ -175,7 +175,7 @@ void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
     const gpu::Commands::Pass pass(commands, "spline", group.view());
     program(slab_spline_comp, "slab_spline", group.sources,
             {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdSources, group.sources}})
-        .bind(commands.handle(), {group.block, gpu::storageBuffer(2, field_)});
+        .bind(commands, {group.block, gpu::storageBuffer(2, field_)});
     const uint32_t nodes = group.most([](const gpu::View& v) { return v.grid.nodes.x * v.grid.nodes.y; });
     vkCmdDispatch(commands.handle(), gpu::groups(nodes, 64), 1, group.count());
     gpu::computeToCompute(commands.handle());

@@ -41,8 +41,8 @@ private:
             gpu::everythingBefore(cmd);
             vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
             gpu::transferToCompute(cmd);
-            bins_program_.bind(cmd, {in.medium->tick, group.block, gpu::storageBuffer(2, *in.medium->particles),
-                                     gpu::storageBuffer(3, members_), gpu::storageBuffer(4, bins_)});
+            bins_program_.bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, *in.medium->particles),
+                                          gpu::storageBuffer(3, members_), gpu::storageBuffer(4, bins_)});
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 32), 1, group.count());
             gpu::computeToCompute(cmd);
         }
@@ -53,7 +53,7 @@ private:
             } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), whatsOf(group.sources)};
             const uint32_t sheet = group.views.front().grid.sheet;
             program(slabs_comp, "slabs", sheet, {{gpu::kIdSheet, sheet}})
-                .bind(cmd,
+                .bind(commands,
                       {in.medium->tick, group.block, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
                        gpu::storageBuffer(4, bins_)},
                       push);
@@ -64,9 +64,9 @@ private:
             const gpu::Commands::Pass pass(commands, "slab light", group.view());
             program(slab_light_comp, "slab_light", group.sources,
                     {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdSources, group.sources}})
-                .bind(cmd, {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
-                            gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-                            gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+                .bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
+                                 gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
+                                 gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
             vkCmdDispatch(cmd, columns, rows, group.count());
             gpu::computeToCompute(cmd);
         }

@@ -66,17 +66,17 @@ public:
         const gpu::Buffer& light = cached_ ? *in.medium->light : *in.medium->particles; // bound, but not read
         {
             const gpu::Commands::Pass pass(commands, "bin", in.view);
-            project_.bind(cmd, {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
-                                storageBuffer(4, order_.order()), arguments, storageBuffer(6, light), cones, splats});
+            project_.bind(commands, {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
+                                     storageBuffer(4, order_.order()), arguments, storageBuffer(6, light), cones, splats});
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
             gpu::computeToCompute(cmd);
-            bin_.bind(cmd, {in.eye, arguments, cones, masks}, grid);
+            bin_.bind(commands, {in.eye, arguments, cones, masks}, grid);
             vkCmdDispatch(cmd, gpu::groups(grid.blocks.x * grid.blocks.y, 64), gpu::groups(in.medium->count, 32), 1);
             gpu::computeToCompute(cmd);
         }
         const gpu::Commands::Pass pass(commands, "medium", in.view);
         program(features_.opaque || in.near_plane_cuts, in.medium->extent->one_albedo)
-            .bind(cmd,
+            .bind(commands,
                   {in.medium->tick, in.eye, gpu::storageImage(2, in.target->radiance),
                    gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
                    gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest), arguments,
