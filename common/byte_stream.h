@@ -1,9 +1,14 @@
 // A TCP connection with deadlines, with or without TLS: one type for both, so that what is built on it is compiled once.
 #pragma once
 
+#include <array>
+#include <memory>
 #include <utility>
 #include <variant>
 
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/associated_executor.hpp>
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/beast/core/detail/config.hpp>
@@ -12,7 +17,43 @@
 
 namespace brume {
 
-// An AsyncReadStream and AsyncWriteStream of Asio, and a lowest layer for Beast's WebSocket.
+// A completion handler of any type, called where that one would be.
+class AnyHandler {
+public:
+    using executor_type = boost::asio::any_io_executor;
+
+    template <class Handler>
+    AnyHandler(Handler handler, const executor_type& otherwise)
+        : executor_(boost::asio::get_associated_executor(handler, otherwise)),
+          held_(std::make_unique<Held<Handler>>(std::move(handler))) {}
+
+    executor_type get_executor() const noexcept { return executor_; }
+    void operator()(boost::system::error_code error, size_t bytes) {
+        const std::unique_ptr<Base> held = std::move(held_);
+        held->call(error, bytes);
+    }
+
+private:
+    struct Base {
+        virtual ~Base() = default;
+        virtual void call(boost::system::error_code error, size_t bytes) = 0;
+    };
+    template <class Handler>
+    struct Held final : Base {
+        explicit Held(Handler&& held) : handler(std::move(held)) {}
+        void call(boost::system::error_code error, size_t bytes) override {
+            Handler last = std::move(handler);
+            last(error, bytes);
+        }
+        Handler handler;
+    };
+
+    executor_type executor_;
+    std::unique_ptr<Base> held_;
+};
+
+// An AsyncReadStream and AsyncWriteStream of Asio, and a lowest layer for Beast's WebSocket. What works on sockets is compiled
+// once, for AnyHandler: Beast has dozens of handlers, for each of which TCP and TLS would take seconds.
 class ByteStream {
 public:
     using Tcp = boost::beast::tcp_stream;
@@ -27,27 +68,42 @@ public:
     Tcp& tcp() { return tls() ? tls()->next_layer() : *std::get_if<Tcp>(&stream_); }
     Tls* tls() { return std::get_if<Tls>(&stream_); } // null without TLS
 
+    // Into the first buffer that is not empty.
     template <class Buffers, class Handler>
     BOOST_BEAST_ASYNC_RESULT2(Handler)
     async_read_some(const Buffers& buffers, Handler&& handler) {
-        return start(handler, [this, buffers](auto done) {
-            tls() ? tls()->async_read_some(buffers, std::move(done)) : tcp().async_read_some(buffers, std::move(done));
-        });
+        return boost::asio::async_initiate<Handler, Signature>(
+            [this](auto done, const Buffers& from) {
+                boost::asio::mutable_buffer first;
+                for (auto i = boost::asio::buffer_sequence_begin(from); i != boost::asio::buffer_sequence_end(from); ++i)
+                    if (first.size() == 0) first = *i;
+                readSome(first, {std::move(done), get_executor()});
+            },
+            handler, buffers);
     }
+    // From the first buffers that are not empty.
     template <class Buffers, class Handler>
     BOOST_BEAST_ASYNC_RESULT2(Handler)
     async_write_some(const Buffers& buffers, Handler&& handler) {
-        return start(handler, [this, buffers](auto done) {
-            tls() ? tls()->async_write_some(buffers, std::move(done)) : tcp().async_write_some(buffers, std::move(done));
-        });
+        return boost::asio::async_initiate<Handler, Signature>(
+            [this](auto done, const Buffers& from) {
+                Gathered gathered;
+                size_t count = 0;
+                for (auto i = boost::asio::buffer_sequence_begin(from); i != boost::asio::buffer_sequence_end(from); ++i) {
+                    const boost::asio::const_buffer buffer(*i);
+                    if (buffer.size() > 0 && count < gathered.size()) gathered[count++] = buffer;
+                }
+                writeSome(gathered, {std::move(done), get_executor()});
+            },
+            handler, buffers);
     }
 
 private:
-    template <class Handler, class Operation>
-    static BOOST_BEAST_ASYNC_RESULT2(Handler) start(Handler& handler, Operation&& operation) {
-        return boost::asio::async_initiate<Handler, void(boost::system::error_code, size_t)>(std::forward<Operation>(operation),
-                                                                                             handler);
-    }
+    using Signature = void(boost::system::error_code, size_t);
+    using Gathered = std::array<boost::asio::const_buffer, 8>; // more than a head and a body take; the rest is written next
+
+    void readSome(boost::asio::mutable_buffer buffer, AnyHandler done);
+    void writeSome(const Gathered& buffers, AnyHandler done);
 
     std::variant<Tcp, Tls> stream_;
 };

@@ -49,7 +49,7 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
     std::chrono::milliseconds timeout;
     asio::io_context& io;
     tcp::resolver resolver{io};
-    websocket::stream<ByteStream> stream;
+    websocket::stream<ByteStream, false> stream; // no compression: no server of ours has it
     websocket::response_type response;
     beast::flat_buffer incoming;
     std::deque<Bytes> inbox, outbox;
