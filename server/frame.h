@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "server/encode/workers.h"
-#include "server/net/metrics.h"
+#include "server/metrics/metrics.h"
 #include "server/plan/planner.h"
 #include "server/render/renderer.h"
 #include "server/viewer/audience.h"

@@ -9,11 +9,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "common/address.h"
+#include "common/net/address.h"
 #include "common/scene_limits.h"
 #include "server/net/token.h"
 #include "server/operate/config_file.h"
-#include "server/operate/token_key.h"
+#include "server/net/token_key.h"
 #include "server/plan/plan.h"
 
 namespace brume {
