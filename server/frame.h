@@ -15,7 +15,7 @@
 #include "server/loop/batch_planner.h"
 #include "server/loop/device_ledger.h"
 #include "server/loop/tick_source.h"
-#include "server/net/metrics.h"
+#include "server/metrics/metrics.h"
 #include "server/plan/planner.h"
 #include "server/render/renderer.h"
 #include "server/viewer/audience.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "common/byte_stream.h"
+#include "common/net/byte_stream.h"
 
 namespace brume::client {
 

@@ -36,10 +36,10 @@ std::string forbidden(Role role, Role least) {
     return fmt::format("role {} may not do that: it takes {}", nameOf(role), nameOf(least));
 }
 
-std::variant<Clearance, Reply> clear(std::string_view authorization, std::string_view query, Role least,
-                                     const NetOptions& options) {
-    if (options.token_key.empty()) return Clearance{};
-    const std::string token = tokenOf(authorization, query);
+std::variant<Authorization, Reply> authorize(std::string_view header, std::string_view query, Role least,
+                                             const NetOptions& options) {
+    if (options.token_key.empty()) return Authorization{};
+    const std::string token = tokenOf(header, query);
     if (token.empty()) return unauthorized("a token is needed: ask who runs this server for one");
     const auto now = std::chrono::system_clock::now();
     const auto read = readToken(token, options.token_key, std::chrono::floor<std::chrono::seconds>(now));
@@ -47,7 +47,7 @@ std::variant<Clearance, Reply> clear(std::string_view authorization, std::string
     const auto& claims = std::get<Claims>(read);
     if (claims.role < least) return lineReply(403, forbidden(claims.role, least));
     const auto left = claims.expires + kClockSkew - now;
-    return Clearance{claims.role, Clock::now() + std::chrono::duration_cast<Clock::duration>(left), claims.name};
+    return Authorization{claims.role, Clock::now() + std::chrono::duration_cast<Clock::duration>(left), claims.name};
 }
 
 } // namespace brume::net

@@ -1,4 +1,4 @@
-// Who a request comes from, and what that lets it do.
+// Who sends a request, and what that lets it do.
 #pragma once
 
 #include <optional>
@@ -13,18 +13,18 @@
 
 namespace brume::net {
 
-struct Clearance {
-    Role role = Role::operator_;            // of everyone where there is no key
-    std::optional<Clock::time_point> until; // the session's end
-    std::string name;                       // for the log
+struct Authorization {
+    Role role = Role::operator_;            // the role of everyone if the server has no token key
+    std::optional<Clock::time_point> until; // when the token ends, and the session with it; empty without a token key
+    std::string name;                       // of the token, for the log; may be empty
 };
 
-// By the token in the header `Authorization: Bearer ...`, or else in the query's `token`; without a key everyone is operator. A
-// refusal is 401 and one line where there is no good token, 403 where its role is below `least`.
-std::variant<Clearance, Reply> clear(std::string_view authorization, std::string_view query, Role least,
-                                     const NetOptions& options);
+// Reads the token in the header `Authorization: Bearer ...` or, without one, the `token` of the query. Without a token key
+// everyone is operator. A refusal is HTTP 401 and one line if there is no good token, 403 if its role is below `least`.
+std::variant<Authorization, Reply> authorize(std::string_view header, std::string_view query, Role least,
+                                             const NetOptions& options);
 
-// "a viewer may not do that: it takes the role controller"
+// "role viewer may not do that: it takes controller"
 std::string forbidden(Role role, Role least);
 
 } // namespace brume::net

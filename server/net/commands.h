@@ -1,4 +1,4 @@
-// From a viewer's input to a command for the simulation, every number checked.
+// Turns a viewer's input into a command for the simulation and checks every number.
 #pragma once
 
 #include <string>
@@ -10,16 +10,16 @@
 
 namespace brume::net {
 
-// Why a message is not taken: sent to the viewer, in one line.
+// Why an input is refused, for the viewer: one line.
 struct Refusal {
     wire::ErrorCode code;
     std::string text;
 };
 
-// Who may say it.
+// The least role that may give the command.
 wire::Role roleFor(wire::Command command);
 
-// Precondition: `input` comes from wire::parse. Directions come back normalised; names are among `facts`.
+// Precondition: `input` comes from wire::parse. In the result directions have unit length and names are among `facts`.
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts);
 
 } // namespace brume::net

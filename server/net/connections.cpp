@@ -19,45 +19,45 @@ bool Connections::comesTooOften(const std::string& network) {
     return !bucket->second.take(now);
 }
 
-std::unique_ptr<Connections::Place> Connections::take(const std::string& address, const std::string& network, Refused* why) {
+std::unique_ptr<ConnectionSlot> Connections::take(const std::string& address, const std::string& network, Refused* why) {
     const std::scoped_lock lock(mutex_);
     const auto refuse = [&](Refused reason) {
         if (why) *why = reason;
         return nullptr;
     };
     if (comesTooOften(network)) return refuse(Refused::rate);
-    if (places_.size() >= limits_.total) return refuse(Refused::room);
+    if (slots_.size() >= limits_.total) return refuse(Refused::full);
     const auto known = per_address_.find(network);
-    if (known != per_address_.end() && known->second >= limits_.per_address) return refuse(Refused::room);
+    if (known != per_address_.end() && known->second >= limits_.per_address) return refuse(Refused::full);
     ++per_address_[network];
-    std::unique_ptr<Place> place(new Place(*this, address, network));
-    places_.insert(place.get());
-    return place;
+    std::unique_ptr<ConnectionSlot> slot(new ConnectionSlot(*this, address, network));
+    slots_.insert(slot.get());
+    return slot;
 }
 
-Connections::Place::~Place() {
+ConnectionSlot::~ConnectionSlot() {
     const std::scoped_lock lock(owner_.mutex_);
-    owner_.places_.erase(this);
+    owner_.slots_.erase(this);
     const auto here = owner_.per_address_.find(network_);
     if (--here->second == 0) owner_.per_address_.erase(here);
-    if (owner_.places_.empty()) owner_.emptied_.notify_all();
+    if (owner_.slots_.empty()) owner_.emptied_.notify_all();
 }
 
-void Connections::Place::occupy(const std::shared_ptr<Connection>& connection) {
+void ConnectionSlot::assign(const std::shared_ptr<Connection>& connection) {
     bool stopped;
     {
         const std::scoped_lock lock(owner_.mutex_);
-        occupant_ = connection;
+        connection_ = connection;
         stopped = owner_.stopped_;
     }
     if (stopped) connection->stop();
 }
 
-std::vector<std::shared_ptr<Connection>> Connections::occupants() {
+std::vector<std::shared_ptr<Connection>> Connections::open() {
     std::vector<std::shared_ptr<Connection>> all;
     const std::scoped_lock lock(mutex_);
-    for (const Place* place : places_)
-        if (auto connection = place->occupant_.lock()) all.push_back(std::move(connection));
+    for (const ConnectionSlot* slot : slots_)
+        if (auto connection = slot->connection_.lock()) all.push_back(std::move(connection));
     return all;
 }
 
@@ -72,16 +72,16 @@ void Connections::stopAll() {
         const std::scoped_lock lock(mutex_);
         stopped_ = true;
     }
-    for (const auto& connection : occupants()) connection->stop();
+    for (const auto& connection : open()) connection->stop();
 }
 
 void Connections::killAll() {
-    for (const auto& connection : occupants()) connection->kill();
+    for (const auto& connection : open()) connection->kill();
 }
 
 bool Connections::waitUntilEmpty(std::chrono::steady_clock::time_point deadline) {
     std::unique_lock lock(mutex_);
-    return emptied_.wait_until(lock, deadline, [&] { return places_.empty(); });
+    return emptied_.wait_until(lock, deadline, [&] { return slots_.empty(); });
 }
 
 } // namespace brume::net

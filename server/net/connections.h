@@ -17,63 +17,69 @@ namespace brume::net {
 class Connection {
 public:
     virtual ~Connection() = default;
-    // Both from any thread; they return at once.
-    virtual void stop() = 0; // end politely
-    virtual void kill() = 0; // end now
+    // Both may be called from any thread and return at once.
+    virtual void stop() = 0; // ends the connection after what is being said
+    virtual void kill() = 0; // ends the connection now
 };
 
+class ConnectionSlot;
+
+// Thread-safe.
 class Connections {
 public:
     struct Limits {
-        uint32_t total, per_address;
-        double accept_rate = 1e9, burst_s = 1; // of one address: connections a second, and for so long more at once
+        uint32_t total, per_address; // open connections
+        double accept_rate = 1e9;    // new connections a second, of one address
+        double burst_s = 1;          // a burst may be so many seconds of them
     };
     explicit Connections(const Limits& limits) : limits_(limits) {}
 
-    // The right to one open connection, given back when it dies.
-    class Place {
-    public:
-        ~Place();
-        Place(const Place&) = delete;
-        Place& operator=(const Place&) = delete;
-        const std::string& address() const { return address_; }
-        // Who sits here now. Stopped at once when everyone else already is.
-        void occupy(const std::shared_ptr<Connection>& connection);
+    // The right to one open connection. Null if all slots are taken, or all of this address, or if the address comes too often;
+    // `why` says which. `network` is what counts as one address: of IPv6 the first 64 bits, which one site has to itself.
+    // Slots must not outlive this object.
+    enum class Refused { nothing, full, rate };
+    std::unique_ptr<ConnectionSlot> take(const std::string& address, const std::string& network, Refused* why = nullptr);
 
-    private:
-        friend Connections;
-        Place(Connections& owner, std::string address, std::string network)
-            : owner_(owner), address_(std::move(address)), network_(std::move(network)) {}
-        Connections& owner_;
-        const std::string address_, network_;
-        std::weak_ptr<Connection> occupant_; // guarded by owner_.mutex_
-    };
-
-    // Null when there is no room, for all or for this address, or when it comes too often. `network` is
-    // what counts as one address: of IPv6 the first 64 bits, which one site has to itself. Places must not outlive this object.
-    enum class Refused { nothing, room, rate };
-    std::unique_ptr<Place> take(const std::string& address, const std::string& network, Refused* why = nullptr);
-
-    // For those to come: what is open stays.
+    // New limits for later connections. Open ones stay.
     void setLimits(const Limits& limits);
 
+    // From now on every connection is stopped, those that come later at once.
     void stopAll();
     void killAll();
-    // True when none is left before the deadline.
+    // True if no slot is taken before the deadline.
     bool waitUntilEmpty(std::chrono::steady_clock::time_point deadline);
 
 private:
-    std::vector<std::shared_ptr<Connection>> occupants();
-
-    std::mutex mutex_;
+    friend ConnectionSlot;
+    std::vector<std::shared_ptr<Connection>> open();
     bool comesTooOften(const std::string& network); // with mutex_
 
+    std::mutex mutex_;
     Limits limits_;
     std::condition_variable emptied_;
-    std::set<Place*> places_;
+    std::set<ConnectionSlot*> slots_;
     std::map<std::string, uint32_t> per_address_;
-    std::map<std::string, TokenBucket> accepted_; // of addresses that came lately, kMostLately at most
+    std::map<std::string, TokenBucket> accepted_; // of the addresses that came lately, kMostLately at most
     bool stopped_ = false;
+};
+
+// Given back when it dies.
+class ConnectionSlot {
+public:
+    ~ConnectionSlot();
+    ConnectionSlot(const ConnectionSlot&) = delete;
+    ConnectionSlot& operator=(const ConnectionSlot&) = delete;
+    const std::string& address() const { return address_; }
+    // The connection that uses the slot from now on. It is stopped at once if all others already are.
+    void assign(const std::shared_ptr<Connection>& connection);
+
+private:
+    friend Connections;
+    ConnectionSlot(Connections& owner, std::string address, std::string network)
+        : owner_(owner), address_(std::move(address)), network_(std::move(network)) {}
+    Connections& owner_;
+    const std::string address_, network_;
+    std::weak_ptr<Connection> connection_; // guarded by owner_.mutex_
 };
 
 } // namespace brume::net

@@ -4,8 +4,8 @@
 #include <atomic>
 #include <memory>
 
+#include "server/metrics/metrics.h"
 #include "server/net/connections.h"
-#include "server/net/metrics.h"
 #include "server/net/options.h"
 #include "server/net/pages.h"
 #include "server/viewer/audience.h"
@@ -14,34 +14,51 @@ namespace brume::net {
 
 class Tls;
 
+// Adds one to a counter for as long as it lives.
+class Counted {
+public:
+    explicit Counted(std::atomic<uint32_t>& count) : count_(count), number_(++count) {}
+    ~Counted() { --count_; }
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+    uint32_t number() const { return number_; } // the count with this one
+
+private:
+    std::atomic<uint32_t>& count_;
+    const uint32_t number_;
+};
+
 // One for the server.
-struct House {
+struct ServerState {
     Audience& audience;
     Metrics& metrics;
     Pages pages;
     Connections connections;
-    std::atomic<bool> draining{false}; // /readyz fails, all else goes on
-    std::atomic<bool> stopping{false};
-    std::string go_to;                              // where viewers are sent; written before `stopping`, read after
+    std::atomic<bool> draining{false};              // true: /readyz fails, all else goes on
+    std::atomic<bool> stopping{false};              // true: connections end, and new ones are not served
+    std::string go_to;                              // the URL that viewers are sent to; written before `stopping`, read after
     std::atomic<uint32_t> streams{0}, snapshots{0}; // open now
+    std::atomic<uint32_t> contexts{0};              // alive now
 };
 
-// One for every set of options that the server has had: a connection keeps those that held when it was accepted.
+// One for every set of options that the server has had. A connection keeps the one with which it was accepted, so a context lives
+// as long as it is the newest or has a connection.
 struct Context {
-    Context(NetOptions with, std::shared_ptr<Tls> certificate, House& house)
-        : options(std::move(with)), tls(std::move(certificate)), audience(house.audience), metrics(house.metrics),
-          pages(house.pages), connections(house.connections), go_to(house.go_to), draining(house.draining),
-          stopping(house.stopping), streams(house.streams), snapshots(house.snapshots) {}
+    Context(NetOptions with, std::shared_ptr<Tls> certificate, ServerState& server)
+        : options(std::move(with)), tls(std::move(certificate)), audience(server.audience), metrics(server.metrics),
+          pages(server.pages), connections(server.connections), go_to(server.go_to), draining(server.draining),
+          stopping(server.stopping), streams(server.streams), snapshots(server.snapshots), counted(server.contexts) {}
 
     const NetOptions options;
-    const std::shared_ptr<Tls> tls; // null: without
+    const std::shared_ptr<Tls> tls; // null: no TLS
     Audience& audience;
     Metrics& metrics;
-    Pages& pages;
+    const Pages& pages;
     Connections& connections;
     const std::string& go_to;
     const std::atomic<bool>&draining, &stopping;
     std::atomic<uint32_t>&streams, &snapshots;
+    const Counted counted;
 };
 
 } // namespace brume::net

@@ -1,4 +1,4 @@
-// The wire's vectors and glm's.
+// Converts between the protocol's vectors and glm's.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Asio as we use it: coroutines on a strand per connection, errors as values.
+// Asio as the server uses it: coroutines, one strand per connection, errors as values.
 #pragma once
 
 #include <exception>
@@ -16,9 +16,10 @@ namespace brume::net {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
+// The completion token of every asynchronous operation: co_await gives a tuple whose first element is the error.
 inline constexpr auto kToken = asio::as_tuple(asio::use_awaitable);
 
-// For co_spawn: expected errors are values, so whatever arrives here ends one connection and is worth a line.
+// For co_spawn. Expected errors are values, so an exception is a fault of this program: it ends one connection and is logged.
 inline constexpr auto kLogFailure =
     [](std::exception_ptr failure) { // NOLINT(performance-unnecessary-value-param): what Asio calls it with
         try {
@@ -28,23 +29,23 @@ inline constexpr auto kLogFailure =
         }
     };
 
-// Something to wait for that other threads may ring. A ring while nobody waits is not kept: look first, then wait.
-class Bell : public std::enable_shared_from_this<Bell> {
+// Wakes a coroutine. A notification is not kept while no coroutine waits, so check the condition first, then wait.
+class Event : public std::enable_shared_from_this<Event> {
 public:
-    explicit Bell(const asio::any_io_executor& executor) : timer_(executor) {}
+    explicit Event(const asio::any_io_executor& executor) : timer_(executor) {}
 
     // On the executor only.
-    void ring() { timer_.cancel(); }
+    void notify() { timer_.cancel(); }
     asio::awaitable<void> wait(std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max()) {
         timer_.expires_at(until);
         co_await timer_.async_wait(kToken);
     }
 
-    // A function that rings from any thread, and does nothing once the bell is gone.
-    auto ringer() {
+    // A function that notifies from any thread. It does nothing once the event is destroyed.
+    auto notifier() {
         return [executor = timer_.get_executor(), weak = weak_from_this()] {
             asio::post(executor, [weak] {
-                if (const auto bell = weak.lock()) bell->ring();
+                if (const auto event = weak.lock()) event->notify();
             });
         };
     }

@@ -17,7 +17,7 @@
 #include "server/net/origin.h"
 #include "server/net/picture_query.h"
 #include "server/net/request_check.h"
-#include "server/net/seat.h"
+#include "server/net/viewer_handle.h"
 #include "server/net/viewers.h"
 #include "server/net/websocket.h"
 
@@ -29,21 +29,7 @@ namespace http = beast::http;
 using asio::ip::tcp;
 
 constexpr char kBoundary[] = "brume-frame";
-constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read our last words before the socket closes
-
-// Counts one up for as long as it lives.
-class Share {
-public:
-    explicit Share(std::atomic<uint32_t>& count) : count_(count), number_(++count) {}
-    ~Share() { --count_; }
-    Share(const Share&) = delete;
-    Share& operator=(const Share&) = delete;
-    uint32_t number() const { return number_; }
-
-private:
-    std::atomic<uint32_t>& count_;
-    const uint32_t number_;
-};
+constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the last answer before the socket closes
 
 // The status line and the headers, without length and the empty line.
 std::string headOf(const Reply& reply, std::string_view connection) {
@@ -58,27 +44,27 @@ std::string headOf(const Reply& reply, std::string_view connection) {
 
 class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
 public:
-    HttpConnection(Context& context, ByteStream stream, std::unique_ptr<Connections::Place> place)
-        : context_(context), place_(std::move(place)), stream_(std::move(stream)),
-          bell_(std::make_shared<Bell>(stream_.get_executor())) {
-        context_.metrics.connected(1);
+    HttpConnection(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot)
+        : context_(std::move(context)), slot_(std::move(slot)), stream_(std::move(stream)),
+          event_(std::make_shared<Event>(stream_.get_executor())) {
+        context_->metrics.connected(1);
     }
-    ~HttpConnection() override { context_.metrics.connected(-1); }
+    ~HttpConnection() override { context_->metrics.connected(-1); }
 
     void start() {
-        place_->occupy(shared_from_this());
+        slot_->assign(shared_from_this());
         asio::co_spawn(
             stream_.get_executor(), [self = shared_from_this()] { return self->run(); }, kLogFailure);
     }
     void stop() override {
         asio::post(stream_.get_executor(), [self = shared_from_this()] {
-            self->bell_->ring();
+            self->event_->notify();
             if (self->idle_) self->stream_.tcp().close();
         });
     }
     void kill() override {
         asio::post(stream_.get_executor(), [self = shared_from_this()] {
-            self->bell_->ring();
+            self->event_->notify();
             self->stream_.tcp().close();
         });
     }
@@ -89,28 +75,28 @@ private:
     asio::awaitable<void> run();
     asio::awaitable<bool> secure();
     asio::awaitable<bool> answer(const HttpRequest& request);
-    asio::awaitable<bool> upgrade(const HttpRequest& request, Clearance clearance);
+    asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
     asio::awaitable<bool> snapshot(const HttpRequest& request, std::string_view query);
-    asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Clearance clearance);
+    asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);
     asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
     asio::awaitable<error_code> write(Parts parts);
-    asio::awaitable<FramePtr> nextFrame(Seat& seat);
+    asio::awaitable<FramePtr> nextFrame(ViewerHandle& handle);
     asio::awaitable<void> linger();
     Reply health(std::string_view path) const;
 
-    Context& context_;
-    std::unique_ptr<Connections::Place> place_; // null once the connection is a WebSocket
+    std::shared_ptr<const Context> context_;
+    std::unique_ptr<ConnectionSlot> slot_; // null once the connection is a WebSocket
     ByteStream stream_;
     beast::flat_buffer buffer_;
-    std::shared_ptr<Bell> bell_; // rings when a frame is there, and when the server stops
-    bool idle_ = false;          // between requests
+    std::shared_ptr<Event> event_; // notified when a frame is ready, and when the server stops
+    bool idle_ = false;            // true: waits for a request or a TLS handshake
 };
 
 asio::awaitable<void> HttpConnection::run() {
-    const NetOptions& options = context_.options;
+    const NetOptions& options = context_->options;
     const bool secured = co_await secure();
     if (!secured) co_return;
-    for (bool first = true; !context_.stopping; first = false) {
+    for (bool first = true; !context_->stopping; first = false) {
         RequestParser parser;
         parser.header_limit(options.max_header_bytes);
         stream_.tcp().expires_after(first ? options.handshake : options.idle);
@@ -125,21 +111,20 @@ asio::awaitable<void> HttpConnection::run() {
         const bool again = co_await answer(parser.get());
         if (!again) break;
     }
-    if (place_) co_await linger();
+    if (slot_) co_await linger();
 }
 
-// The TLS handshake, if there is one to do. Who does not get through it in time is gone; nothing can be told to who speaks no
-// TLS.
+// The TLS handshake, if the server has TLS. False if it failed: a peer without TLS cannot be told anything.
 asio::awaitable<bool> HttpConnection::secure() {
     ByteStream::Tls* const tls = stream_.tls();
     if (!tls) co_return true;
     idle_ = true;
-    stream_.tcp().expires_after(context_.options.handshake);
+    stream_.tcp().expires_after(context_->options.handshake);
     const auto [error] = co_await tls->async_handshake(asio::ssl::stream_base::server, kToken);
     idle_ = false;
-    if (error && !context_.stopping) {
-        context_.metrics.refused("tls");
-        spdlog::debug("{}: no TLS: {}", place_->address(), error.message());
+    if (error && !context_->stopping) {
+        context_->metrics.refused("tls");
+        spdlog::debug("{}: no TLS: {}", slot_->address(), error.message());
     }
     co_return !error;
 }
@@ -152,25 +137,26 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
 
     const bool operators = path == "/metrics" || path == "/viewers";
     const bool guarded = path == "/ws" || path == "/snapshot.jpg" || path == "/stream.mjpg" || operators;
-    if (auto stranger = foreign(request, guarded, context_.options)) {
-        context_.metrics.refused(stranger->reason);
+    if (auto stranger = foreign(request, guarded, context_->options)) {
+        context_->metrics.refused(stranger->reason);
         return send(request, "refused", std::move(stranger->reply));
     }
     if (guarded) {
         const auto bearer = request[http::field::authorization];
-        auto checked = clear({bearer.data(), bearer.size()}, query, operators ? Role::operator_ : Role::viewer, context_.options);
+        auto checked =
+            authorize({bearer.data(), bearer.size()}, query, operators ? Role::operator_ : Role::viewer, context_->options);
         if (auto* refusal = std::get_if<Reply>(&checked)) {
-            context_.metrics.refused(refusal->status == 401 ? "token" : "forbidden");
+            context_->metrics.refused(refusal->status == 401 ? "token" : "forbidden");
             return send(request, "refused", std::move(*refusal));
         }
-        auto& clearance = std::get<Clearance>(checked);
-        if (path == "/ws") return upgrade(request, std::move(clearance));
+        auto& authorization = std::get<Authorization>(checked);
+        if (path == "/ws") return upgrade(request, std::move(authorization));
         if (path == "/snapshot.jpg") return snapshot(request, query);
-        if (path == "/stream.mjpg") return stream(request, query, std::move(clearance));
+        if (path == "/stream.mjpg") return stream(request, query, std::move(authorization));
     }
     if (path == "/healthz" || path == "/readyz" || operators) return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
-    return send(request, "page", context_.pages.serve(path, {tag.data(), tag.size()}, context_.options.allowed_origins));
+    return send(request, "page", context_->pages.serve(path, {tag.data(), tag.size()}, context_->options.allowed_origins));
 }
 
 Reply HttpConnection::health(std::string_view path) const {
@@ -179,15 +165,15 @@ Reply HttpConnection::health(std::string_view path) const {
         reply = lineReply(200, "ok");
     else if (path == "/metrics") {
         reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
-        reply.body = context_.metrics.text(context_.audience);
+        reply.body = context_->metrics.text(context_->audience);
     } else if (path == "/viewers") {
         reply.content_type = "application/json";
-        reply.body = viewersJson(context_.audience);
-    } else if (context_.stopping)
+        reply.body = viewersJson(context_->audience);
+    } else if (context_->stopping)
         reply = lineReply(503, "not ready: the server stops");
-    else if (context_.draining)
+    else if (context_->draining)
         reply = lineReply(503, "not ready: the server drains and will stop");
-    else if (!context_.audience.ready)
+    else if (!context_->audience.ready)
         reply = lineReply(503, "not ready: no frame can be rendered yet");
     else
         reply = lineReply(200, "ready");
@@ -196,7 +182,7 @@ Reply HttpConnection::health(std::string_view path) const {
 }
 
 // To a WebSocket, or one line on why not.
-asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Clearance clearance) {
+asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Authorization authorization) {
     const auto text = [](beast::string_view value) { return std::string_view(value.data(), value.size()); };
     const std::string_view origin = text(request[http::field::origin]);
     Reply refusal;
@@ -205,17 +191,17 @@ asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Cleara
         refusal.headers = {{"Upgrade", "websocket"}};
     } else if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(wire::kSubprotocol)) {
         refusal = lineReply(400, "the WebSocket subprotocol brume.v1 is needed");
-    } else if (!originAllowed(origin, text(request[http::field::host]), context_.options.allowed_origins)) {
+    } else if (!originAllowed(origin, text(request[http::field::host]), context_->options.allowed_origins)) {
         refusal = lineReply(403, "pages of this origin may not connect: allow it with --allow-origin");
-        context_.metrics.refused("origin");
+        context_->metrics.refused("origin");
     } else {
-        serveWebSocket(context_, std::move(stream_), request, std::move(place_), std::move(clearance));
+        serveWebSocket(context_, std::move(stream_), request, std::move(slot_), std::move(authorization));
         co_return false;
     }
     co_return co_await send(request, "ws", std::move(refusal));
 }
 
-// A frame of our own camera, once.
+// One frame of a camera that the query places.
 asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::string_view query) {
     const auto send503 = [&](const char* line) {
         Reply reply = lineReply(503, line);
@@ -224,26 +210,26 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::
     };
     if (request.method() == http::verb::head)
         co_return co_await send(request, "snapshot", lineReply(405, "only GET is served here"));
-    auto read = readPictureQuery(query, context_.options, context_.audience.facts());
+    auto read = readPictureQuery(query, context_->options, context_->audience.facts());
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
 
     FramePtr frame;
     {
-        const Share share(context_.snapshots);
-        const bool room = share.number() <= context_.options.max_snapshots;
-        const auto seat = room ? Seat::take(context_.audience, context_.metrics, bell_->ringer(), 1) : nullptr;
-        if (!seat) {
-            context_.metrics.refused("snapshots");
-            co_return co_await send503("every place is taken: try again later");
+        const Counted open(context_->snapshots);
+        const bool room = open.number() <= context_->options.max_snapshots;
+        const auto handle = room ? ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1) : nullptr;
+        if (!handle) {
+            context_->metrics.refused("snapshots");
+            co_return co_await send503("too many snapshots or viewers: try again later");
         }
         PoseRequest pose = std::get<PictureQuery>(read).request;
         pose.received = Clock::now();
-        seat->viewer().setPose(pose);
-        frame = co_await nextFrame(*seat);
+        handle->viewer().setPose(pose);
+        frame = co_await nextFrame(*handle);
     }
     if (!frame) co_return co_await send503("no frame came in time: see /readyz");
-    context_.metrics.sent(frame->jpeg[0]->size(), 0);
+    context_->metrics.sent(frame->jpeg[0]->size(), 0);
     Reply reply;
     reply.content_type = "image/jpeg";
     reply.body.assign(frame->jpeg[0]->begin(), frame->jpeg[0]->end());
@@ -252,7 +238,7 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::
 }
 
 // Motion JPEG: every part is followed by its boundary at once, so that a reader shows it without waiting for the next.
-asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query, Clearance clearance) {
+asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query, Authorization authorization) {
     const auto send503 = [&](const char* line) {
         Reply reply = lineReply(503, line);
         reply.headers = {{"Retry-After", "5"}};
@@ -260,66 +246,66 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     };
     if (request.method() == http::verb::head)
         co_return co_await send(request, "stream", lineReply(405, "only GET is served here"));
-    auto read = readPictureQuery(query, context_.options, context_.audience.facts());
+    auto read = readPictureQuery(query, context_->options, context_->audience.facts());
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
-    PictureQuery wish = std::get<PictureQuery>(read);
+    PictureQuery picture = std::get<PictureQuery>(read);
 
-    const Share share(context_.streams);
-    const bool room = share.number() <= context_.options.max_streams;
-    const auto seat = room ? Seat::take(context_.audience, context_.metrics, bell_->ringer(), 1) : nullptr;
-    if (!seat) {
-        context_.metrics.refused("streams");
-        co_return co_await send503("every place is taken: try again later");
+    const Counted open(context_->streams);
+    const bool room = open.number() <= context_->options.max_streams;
+    const auto handle = room ? ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1) : nullptr;
+    if (!handle) {
+        context_->metrics.refused("streams");
+        co_return co_await send503("too many streams or viewers: try again later");
     }
-    wish.request.received = Clock::now();
-    seat->viewer().drawAlways();
-    seat->viewer().setPose(wish.request);
-    FramePtr frame = co_await nextFrame(*seat);
+    picture.request.received = Clock::now();
+    handle->viewer().drawAlways();
+    handle->viewer().setPose(picture.request);
+    FramePtr frame = co_await nextFrame(*handle);
     if (!frame) co_return co_await send503("no frame came in time: see /readyz");
 
-    context_.metrics.requested("stream", 200);
-    spdlog::info("viewer {}: stream to {}, {}x{}", seat->viewer().id(), place_->address(), wish.request.width,
-                 wish.request.height);
+    context_->metrics.requested("stream", 200);
+    spdlog::info("viewer {}: stream to {}, {}x{}", handle->viewer().id(), slot_->address(), picture.request.width,
+                 picture.request.height);
     Reply opening;
     opening.content_type = fmt::format("multipart/x-mixed-replace; boundary={}", kBoundary);
     opening.headers = {{"Cache-Control", "no-store"}};
     std::string head = headOf(opening, "close") + fmt::format("\r\n--{}\r\n", kBoundary);
     const std::string tail = fmt::format("\r\n--{}\r\n", kBoundary);
-    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / wish.fps));
+    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / picture.fps));
     auto due = Clock::now();
-    while (frame && !context_.stopping && Clock::now() < clearance.until.value_or(Clock::time_point::max())) {
+    while (frame && !context_->stopping && Clock::now() < authorization.until.value_or(Clock::time_point::max())) {
         const std::vector<uint8_t>& jpeg = *frame->jpeg[0];
         head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.size());
-        context_.metrics.sent(jpeg.size(), 0);
+        context_->metrics.sent(jpeg.size(), 0);
         const Parts part{asio::buffer(head), asio::buffer(jpeg), asio::buffer(tail)};
         const error_code error = co_await write(part);
         if (error) break;
         head.clear();
         // The next one is rendered when its time has come, not before.
         due = std::max(due + period, Clock::now());
-        while (Clock::now() < due && !context_.stopping) co_await bell_->wait(due);
-        seat->viewer().acknowledge(frame->id);
-        frame = co_await nextFrame(*seat);
+        while (Clock::now() < due && !context_->stopping) co_await event_->wait(due);
+        handle->viewer().acknowledge(frame->id);
+        frame = co_await nextFrame(*handle);
     }
-    spdlog::info("viewer {}: stream ended after {} frames", seat->viewer().id(), seat->viewer().counts().sent);
+    spdlog::info("viewer {}: stream ended after {} frames", handle->viewer().id(), handle->viewer().counts().sent);
     co_return false;
 }
 
 // Null when none comes in time or the server stops.
-asio::awaitable<FramePtr> HttpConnection::nextFrame(Seat& seat) {
-    const auto deadline = Clock::now() + context_.options.frame_wait;
+asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle) {
+    const auto deadline = Clock::now() + context_->options.frame_wait;
     for (;;) {
-        FramePtr frame = seat.takeFrame();
-        if (frame || context_.stopping || Clock::now() >= deadline) co_return frame;
-        co_await bell_->wait(deadline);
+        FramePtr frame = handle.takeFrame();
+        if (frame || context_->stopping || Clock::now() >= deadline) co_return frame;
+        co_await event_->wait(deadline);
     }
 }
 
 // One buffer for the header, one for the body, written together.
 asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::string_view route, Reply reply) {
-    context_.metrics.requested(route, reply.status);
-    const bool again = request.keep_alive() && !reply.close && !context_.stopping;
+    context_->metrics.requested(route, reply.status);
+    const bool again = request.keep_alive() && !reply.close && !context_->stopping;
     std::string head = headOf(reply, again ? "keep-alive" : "close");
     if (reply.status != 304) head += fmt::format("Content-Length: {}\r\n", reply.body.size());
     head += "\r\n";
@@ -330,12 +316,12 @@ asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::stri
 }
 
 asio::awaitable<error_code> HttpConnection::write(Parts parts) {
-    stream_.tcp().expires_after(context_.options.write_stall);
+    stream_.tcp().expires_after(context_->options.write_stall);
     const auto [error, size] = co_await asio::async_write(stream_, parts, kToken);
     co_return error;
 }
 
-// Closing with unread data resets the connection and may take our answer with it: let the peer read first.
+// Closing with unread data resets the connection, and the peer may lose the answer: lets the peer read first.
 asio::awaitable<void> HttpConnection::linger() {
     stream_.tcp().expires_after(kLinger);
     if (stream_.tls()) {
@@ -355,8 +341,8 @@ asio::awaitable<void> HttpConnection::linger() {
 
 } // namespace
 
-void serveHttp(Context& context, ByteStream stream, std::unique_ptr<Connections::Place> place) {
-    std::make_shared<HttpConnection>(context, std::move(stream), std::move(place))->start();
+void serveHttp(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot) {
+    std::make_shared<HttpConnection>(context, std::move(stream), std::move(slot))->start();
 }
 
 } // namespace brume::net

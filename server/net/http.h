@@ -3,12 +3,13 @@
 
 #include <memory>
 
-#include "common/byte_stream.h"
+#include "common/net/byte_stream.h"
 #include "server/net/context.h"
 
 namespace brume::net {
 
-// Shakes hands first where the stream has TLS. Precondition: its executor is a strand of its own. Returns at once.
-void serveHttp(Context& context, ByteStream stream, std::unique_ptr<Connections::Place> place);
+// Serves the connection on the stream's executor, which must be a strand of its own, and begins with the TLS handshake if the
+// stream has TLS. Returns at once.
+void serveHttp(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot);
 
 } // namespace brume::net

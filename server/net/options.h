@@ -1,4 +1,4 @@
-// What an operator may set of the network side, and the limits that keep one viewer from harming the others.
+// What an operator may set of the network, and the limits that keep one viewer from harming the others.
 #pragma once
 
 #include <chrono>
@@ -21,35 +21,35 @@ struct NetOptions {
     uint32_t threads = 1; // threads that serve connections; one is enough for the default number of viewers
 
     // Trust.
-    std::string token_key;                          // whose tokens are good (token.h); empty: everyone is operator
+    std::string token_key;                          // of good tokens (token.h); empty: everyone is operator
     std::filesystem::path tls_certificate, tls_key; // PEM; empty: no TLS
 
-    // Room. Viewers and their window of unacknowledged frames are the Audience's.
+    // Counts. The Audience limits viewers and their unacknowledged frames.
     uint32_t max_connections = 256, max_connections_per_address = 128;
     uint32_t max_streams = 8;   // MJPEG, each is also a viewer
     uint32_t max_snapshots = 4; // at one time, each is also a viewer
 
     // Bytes.
-    uint32_t max_message_bytes = 64 << 10; // of a viewer's message; ours are below 1 KiB
+    uint32_t max_message_bytes = 64 << 10; // of a viewer's message; those of the own clients are below 1 KiB
     uint32_t max_header_bytes = 8 << 10;   // of an HTTP request, with its first line
     uint32_t max_target_bytes = 2 << 10;   // path and query
 
     // Time.
     std::chrono::milliseconds handshake{5000};    // connected -> request read, and upgraded -> hello
-    std::chrono::milliseconds idle{60000};        // nothing heard; a ping goes out after half of it
-    std::chrono::milliseconds write_stall{10000}; // one write that does not finish, or bytes that the peer does not take
+    std::chrono::milliseconds idle{60000};        // nothing received; a WebSocket ping is sent after half of it
+    std::chrono::milliseconds write_stall{10000}; // a write does not finish, or the peer does not take its bytes
     std::chrono::milliseconds frame_wait{5000};   // a snapshot or stream waits for its next frame
-    std::chrono::milliseconds silence{15000};     // of a viewer that frames were sent to and that acknowledges none
+    std::chrono::milliseconds silence{15000};     // frames were sent, and the viewer acknowledged none
 
     // Rates, 1/s; a burst may be as long as `burst_s` seconds of it.
-    double accept_rate = 100; // connections of one address: over it they are turned away
+    double accept_rate = 100; // connections of one address; more are turned away
     // Per viewer.
     double pose_rate = 250;     // newer poses replace older ones, the newest is never lost
-    double input_rate = 120;    // over it an input is refused
-    double message_rate = 2000; // over it we read more slowly
+    double input_rate = 120;    // more are refused
+    double message_rate = 2000; // more are read later
     double burst_s = 2;
 
-    // Pictures, of one eye. A larger wish is scaled down with its aspect kept.
+    // Pictures, of one eye. A larger size is scaled down with its aspect kept.
     uint16_t default_width = 640, default_height = 360;
     uint16_t max_side = 3840;
     uint32_t max_pixels = 1920 * 1080;

@@ -1,7 +1,7 @@
 // What a browser's request says of itself: the host it means to ask, and the page that asks.
 //
 // Without a token key everyone who reaches the server is operator, so a web page must not reach it through its visitor's browser.
-// A page whose name is made to lead to this machine (DNS rebinding) shows by its Host header; a page that embeds pictures of ours
+// A page whose name is made to lead to this machine (DNS rebinding) shows by its Host header; a page that embeds its pictures
 // shows by Sec-Fetch-Site; a page that opens the WebSocket shows by its Origin. Other programs send none of these but Host.
 #pragma once
 

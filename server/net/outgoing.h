@@ -1,4 +1,4 @@
-// The server's messages, ready for the socket.
+// Packs the server's messages for the socket.
 #pragma once
 
 #include <string_view>
@@ -10,7 +10,7 @@ namespace brume::net {
 
 wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience, wire::Role role);
 wire::Packed packSceneState(const SceneReport& report, uint32_t viewers);
-// All of a frame's message but its JPEG bytes, which follow. `queue_ms`: JPEG ready -> now.
+// A frame's message without its JPEG bytes, which follow it. `queue_ms`: time since the JPEG was ready.
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms);
 wire::Packed packError(wire::ErrorCode code, std::string_view text, uint32_t input_seq);
 // `go_to`: a URL, or empty.

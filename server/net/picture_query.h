@@ -1,4 +1,4 @@
-// What /snapshot.jpg and /stream.mjpg may be asked for: ?w=&h=&quality=&position=x,y,z&target=x,y,z&fov=&fps=
+// The query of /snapshot.jpg and /stream.mjpg: ?w=&h=&quality=&position=x,y,z&target=x,y,z&fov=&fps=
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct PictureQuery {
     float fps = 30;
 };
 
-// The query, or one line that says what is wrong with it and what is allowed.
+// The query's values, or one line that says what is wrong and what is allowed.
 std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query, const NetOptions& options,
                                                          const SceneFacts& facts);
 

@@ -1,4 +1,4 @@
-// How often something may happen.
+// Limits how often something may happen.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace brume::net {
 
-// Tokens that come back with time. One action costs one.
+// A bucket of `burst` tokens that refills with `rate` tokens a second. An action takes one token.
 class TokenBucket {
 public:
     using Time = std::chrono::steady_clock;
@@ -19,13 +19,13 @@ public:
         tokens_ -= 1;
         return true;
     }
-    // How long until take() succeeds.
+    // The time until take() succeeds.
     Time::duration wait(Time::time_point now) {
         refill(now);
         if (tokens_ >= 1) return {};
         return std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>((1 - tokens_) / rate_));
     }
-    // As if nothing had been taken.
+    // True if the bucket is full: it behaves like a new one.
     bool full(Time::time_point now) const {
         const std::chrono::duration<double> passed = now - last_.value_or(now);
         return tokens_ + rate_ * passed.count() >= burst_;

@@ -1,4 +1,4 @@
-// An HTTP answer as plain data.
+// An HTTP reply as plain data.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ struct Reply {
     std::string content_type = "text/plain; charset=utf-8";
     std::string body;
     std::vector<std::pair<std::string, std::string>> headers; // besides content type and length
-    bool close = false;                                       // the connection ends after it
+    bool close = false;                                       // true: the connection ends after the reply
 };
 
-// One clear line.
+// A reply whose body is one line of text.
 inline Reply lineReply(unsigned status, std::string line) {
     Reply reply;
     reply.status = status;

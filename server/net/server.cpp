@@ -1,6 +1,6 @@
 #include "server/net/server.h"
 
-#include <deque>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 
@@ -9,6 +9,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/strand.hpp>
+#include <boost/asio/use_future.hpp>
 #include <boost/asio/write.hpp>
 #include <fmt/format.h>
 
@@ -25,7 +26,7 @@ namespace beast = boost::beast;
 
 namespace {
 
-constexpr int kMostUnsent = 32 << 10; // bytes
+constexpr int kMostUnsent = 32 << 10; // bytes that wait in the kernel
 
 constexpr std::string_view kNoRoom = "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nRetry-After: 5\r\n"
                                      "Connection: close\r\n\r\ntoo many connections: try again later\n";
@@ -64,25 +65,29 @@ std::runtime_error cannotListen(const NetOptions& options, const error_code& err
 
 struct NetServer::State {
     State(NetOptions options, Audience& audience, Metrics& metrics)
-        : house{audience, metrics, Pages{options.web_root}, Connections(limitsOf(options))} {
+        : shared{audience, metrics, Pages{options.web_root}, Connections(limitsOf(options))} {
         add(std::move(options));
     }
 
     void add(NetOptions options) {
         std::shared_ptr<Tls> tls;
         if (!options.tls_key.empty()) tls = std::make_shared<Tls>(options.tls_certificate, options.tls_key);
-        newest = &contexts.emplace_back(std::move(options), std::move(tls), house);
+        auto context = std::make_shared<const Context>(std::move(options), std::move(tls), shared);
+        const std::scoped_lock lock(mutex);
+        newest = std::move(context);
     }
-    const NetOptions& options() const { return newest.load()->options; }
+    std::shared_ptr<const Context> context() const {
+        const std::scoped_lock lock(mutex);
+        return newest;
+    }
 
     asio::awaitable<void> accept();
-    void welcome(tcp::socket socket) const;
+    void serve(tcp::socket socket) const;
 
-    House house;
-    std::deque<Context>
-        contexts; // each stays where it is to the end, for connections that have it: a KB a reload, tens with a certificate
-    std::atomic<Context*> newest;
-    // Dies before the contexts: coroutines that never ended are destroyed with it and give their places back.
+    ServerState shared;
+    mutable std::mutex mutex;
+    std::shared_ptr<const Context> newest; // guarded by mutex
+    // Dies before `shared`: coroutines that never ended are destroyed with it and give their slots back.
     asio::io_context io;
     tcp::acceptor acceptor{asio::make_strand(io)};
     std::vector<std::thread> threads;
@@ -92,19 +97,20 @@ asio::awaitable<void> NetServer::State::accept() {
     asio::steady_timer pause(acceptor.get_executor());
     for (;;) {
         auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kToken);
-        if (house.stopping || error == asio::error::operation_aborted) co_return;
+        if (shared.stopping || error == asio::error::operation_aborted) co_return;
         if (error) { // out of descriptors, most likely: what is open may end
             spdlog::warn("cannot accept a connection: {}", error.message());
             pause.expires_after(std::chrono::milliseconds(100));
             co_await pause.async_wait(kToken);
             continue;
         }
-        welcome(std::move(socket));
+        serve(std::move(socket));
     }
 }
 
-void NetServer::State::welcome(tcp::socket socket) const {
-    Context& context = *newest.load();
+void NetServer::State::serve(tcp::socket socket) const {
+    const auto shared_context = this->context();
+    const Context& context = *shared_context;
     error_code error;
     const auto remote = socket.remote_endpoint(error);
     if (error) return; // gone already
@@ -117,18 +123,18 @@ void NetServer::State::welcome(tcp::socket socket) const {
     const auto stall_ms = static_cast<unsigned>(context.options.write_stall.count());
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &stall_ms, sizeof stall_ms);
     auto refused = Connections::Refused::nothing;
-    auto place = context.connections.take(remote.address().to_string(), networkOf(remote.address()), &refused);
-    if (!place) {
-        const bool room = refused == Connections::Refused::room;
-        context.metrics.refused(room ? "connections" : "accept_rate");
+    auto slot = context.connections.take(remote.address().to_string(), networkOf(remote.address()), &refused);
+    if (!slot) {
+        const bool full = refused == Connections::Refused::full;
+        context.metrics.refused(full ? "connections" : "accept_rate");
         if (context.tls) return; // who expects TLS reads no plain words
         socket.non_blocking(true, error);
-        socket.write_some(asio::buffer(room ? kNoRoom : kTooOften), error); // fits a fresh socket's buffer; nobody waits for it
+        socket.write_some(asio::buffer(full ? kNoRoom : kTooOften), error); // fits a fresh socket's buffer; nobody waits for it
         return;
     }
     beast::tcp_stream tcp(std::move(socket));
-    serveHttp(context, context.tls ? ByteStream(std::move(tcp), context.tls->context) : ByteStream(std::move(tcp)),
-              std::move(place));
+    serveHttp(shared_context, context.tls ? ByteStream(std::move(tcp), context.tls->context) : ByteStream(std::move(tcp)),
+              std::move(slot));
 }
 
 NetServer::NetServer(NetOptions options, Audience& audience, Metrics& metrics)
@@ -138,7 +144,8 @@ NetServer::~NetServer() { stop(std::chrono::milliseconds(0)); }
 
 void NetServer::start() {
     State& s = *state_;
-    const NetOptions& options = s.options();
+    const auto context = s.context();
+    const NetOptions& options = context->options;
     error_code error;
     const auto found = tcp::resolver(s.io).resolve(options.listen, std::to_string(options.port), tcp::resolver::passive, error);
     if (error) throw cannotListen(options, error);
@@ -157,7 +164,8 @@ uint16_t NetServer::port() const { return state_->acceptor.local_endpoint().port
 
 void NetServer::setOptions(NetOptions options) {
     State& s = *state_;
-    const NetOptions& old = s.options();
+    const auto context = s.context();
+    const NetOptions& old = context->options;
     options.listen = old.listen;
     options.port = old.port;
     options.web_root = old.web_root;
@@ -166,23 +174,27 @@ void NetServer::setOptions(NetOptions options) {
     options.tls_key = old.tls_key;
     const Connections::Limits limits = limitsOf(options);
     s.add(std::move(options));
-    s.house.connections.setLimits(limits);
+    s.shared.connections.setLimits(limits);
 }
 
-void NetServer::drain() { state_->house.draining = true; }
+uint32_t NetServer::contexts() const { return state_->shared.contexts; }
+
+void NetServer::drain() { state_->shared.draining = true; }
 
 void NetServer::stop(std::chrono::milliseconds grace, std::string go_to) {
     State& s = *state_;
     if (s.threads.empty()) return;
     const auto deadline = std::chrono::steady_clock::now() + grace;
-    s.house.go_to = std::move(go_to);
-    s.house.stopping = true;
-    asio::post(s.acceptor.get_executor(), [&s] { s.acceptor.close(); });
-    s.house.connections.stopAll();
-    if (!s.house.connections.waitUntilEmpty(deadline)) {
-        s.house.connections.killAll();
+    s.shared.go_to = std::move(go_to);
+    s.shared.stopping = true;
+    // Closed when stop() goes on: nobody connects to a server that will not answer.
+    asio::post(s.acceptor.get_executor(), asio::use_future([&s] { s.acceptor.close(); })).wait();
+    s.shared.connections.stopAll();
+    if (!s.shared.connections.waitUntilEmpty(deadline)) {
+        s.shared.connections.killAll();
         // Cut sockets end their coroutines at once; what does not is destroyed with the io_context.
-        s.house.connections.waitUntilEmpty(std::chrono::steady_clock::now() + std::chrono::seconds(1));
+        if (!s.shared.connections.waitUntilEmpty(std::chrono::steady_clock::now() + std::chrono::seconds(1)))
+            spdlog::warn("stop: a connection did not end when it was cut");
     }
     s.io.stop();
     for (std::thread& thread : s.threads) thread.join();

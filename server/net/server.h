@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "server/net/metrics.h"
+#include "server/metrics/metrics.h"
 #include "server/net/options.h"
 #include "server/viewer/audience.h"
 
@@ -13,23 +13,23 @@ namespace brume {
 
 class NetServer {
 public:
-    // `audience` and `metrics` outlive the server. Throws std::runtime_error, in one line, when the certificate is none.
+    // `audience` and `metrics` outlive the server. Throws std::runtime_error, in one line, if the certificate cannot be used.
     NetServer(net::NetOptions options, Audience& audience, Metrics& metrics);
     ~NetServer(); // stops at once
 
-    // Listens and serves on threads of its own. Throws std::runtime_error, in one line that says what to do, when it cannot
-    // listen.
+    // Listens and serves on threads of its own. Throws std::runtime_error, in one line that says what to do, if it cannot.
     void start();
     // The port in use, after start().
     uint16_t port() const;
-    // For the connections to come, while it serves: all but where it listens, its threads and the page's folder. A
-    // certificate is read anew; when it is none, nothing changes and std::runtime_error is thrown. From the thread that called
-    // start().
+    // Sets the options of later connections, except where the server listens, its threads and the page's folder. Reads the
+    // certificate anew; if that fails, nothing changes and std::runtime_error is thrown. From the thread that called start().
     void setOptions(net::NetOptions options);
+    // Sets of options that are kept: the newest, and those of open connections. For tests.
+    uint32_t contexts() const;
     // /readyz fails from now on; all else goes on.
     void drain();
-    // Accepts no more, tells every viewer goodbye and, unless it is empty, the URL `go_to`, and waits for the connections to end;
-    // after `grace` they are cut. Once.
+    // Closes the port, tells every viewer goodbye and, unless it is empty, the URL `go_to`, and waits for the connections to
+    // end; after `grace` they are cut. A second call does nothing.
     void stop(std::chrono::milliseconds grace, std::string go_to = {});
 
 private:

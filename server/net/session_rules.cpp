@@ -11,14 +11,14 @@
 namespace brume::net {
 namespace {
 
-constexpr size_t kLongestKey = 64; // that is looked for
-constexpr int kMaxMalformed = 3;   // a program that is not ours does not get better
+constexpr size_t kLongestKey = 64; // bytes of a key to resume with; the rest is ignored
+constexpr int kMaxMalformed = 3;   // then the connection is closed: the program speaks another protocol
 // A viewer with a bug is told of it; one that sends nothing but refused messages is closed.
 constexpr double kRefusalRate = 50, kRefusalBurst = 200;
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-// For the log: printable ASCII, not endless.
+// For the log: 64 printable ASCII characters at most.
 std::string printable(const flatbuffers::String* text) {
     std::string out = text ? text->str().substr(0, 64) : "unnamed";
     std::replace_if(
@@ -29,9 +29,9 @@ std::string printable(const flatbuffers::String* text) {
 } // namespace
 
 SessionRules::SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened,
-                           const Clearance& clearance)
-    : options_(options), facts_(facts), hello_deadline_(opened + options.handshake), role_(clearance.role),
-      until_(clearance.until), messages_(options.message_rate, options.message_rate * options.burst_s),
+                           const Authorization& authorization)
+    : options_(options), facts_(facts), hello_deadline_(opened + options.handshake), role_(authorization.role),
+      until_(authorization.until), messages_(options.message_rate, options.message_rate * options.burst_s),
       poses_(options.pose_rate, options.pose_rate * options.burst_s),
       inputs_(options.input_rate, options.input_rate * options.burst_s), pose_complaints_(1, 1),
       refusals_(kRefusalRate, kRefusalBurst) {}
@@ -83,7 +83,7 @@ void SessionRules::onTick(Clock::time_point now, Effects& out) {
     if (state_ == State::awaiting_hello && now >= hello_deadline_)
         return close(kClosePolicy, fmt::format("no Hello came within {:g} s", seconds(options_.handshake)), out);
     if (state_ == State::watching && held_ && poses_.take(now)) {
-        out.push_back(Show{*held_});
+        out.push_back(SetPose{*held_});
         held_.reset();
     }
 }
@@ -144,7 +144,7 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
     if (held_ && int32_t(request.seq - held_->seq) <= 0) return; // older than what waits
     if (poses_.take(now)) {
         held_.reset();
-        out.push_back(Show{request});
+        out.push_back(SetPose{request});
         return;
     }
     held_ = request;
@@ -168,7 +168,7 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
         return refuse(wire::ErrorCode::forbidden, forbidden(role_, least), now, out, seq);
     auto command = readCommand(input, facts_);
     if (auto* refusal = std::get_if<Refusal>(&command)) return refuse(refusal->code, std::move(refusal->text), now, out, seq);
-    out.push_back(Push{seq, std::get<CommandBody>(std::move(command))});
+    out.push_back(EnqueueCommand{seq, std::get<CommandBody>(std::move(command))});
 }
 
 void SessionRules::malformed(const char* text, Clock::time_point now, Effects& out) {

@@ -1,4 +1,4 @@
-// What a viewer may say when, and what follows from it: a state machine without sockets, threads or a clock of its own.
+// Which messages a viewer may send when, and what follows from each: a state machine without sockets, threads or clock.
 #pragma once
 
 #include <optional>
@@ -15,39 +15,39 @@
 
 namespace brume::net {
 
-// --- effects, for the session to carry out in order ---
-struct Admit { // a good hello: find a place in the house, then welcome() or close
+// --- effects, which the session carries out in order ---
+struct Admit { // the hello is good: join the audience, then send Welcome, or close if it is full
     std::string client;
-    PoseRequest wish;   // size, views and quality, granted
-    std::string resume; // the key of a connection that was lost; empty for a new viewer
+    PoseRequest granted; // size, views and quality
+    std::string resume;  // the key of a connection that was lost; empty for a new viewer
 };
-struct Show { // the pose to render from now on
+struct SetPose { // the pose to render from now on
     PoseRequest request;
 };
-struct Push { // a command for the scene; when its queue is full, answer busy
+struct EnqueueCommand { // a command for the scene; answer busy if the queue refuses it
     uint32_t seq;
     CommandBody body;
 };
-struct Acknowledge { // when the frame was never sent: SessionRules::onUnknownFrame
+struct Acknowledge { // a frame has arrived; if it was never sent, call SessionRules::onUnknownFrame
     uint32_t frame;
 };
 struct AnswerPing {
     uint32_t nonce;
     uint64_t time_us;
 };
-struct Ponged { // an answer to a ping, if one with this number was sent
+struct Ponged { // the answer to a ping, if one with this number was sent
     uint32_t nonce;
 };
 struct SendError {
     wire::ErrorCode code;
     std::string text;
-    uint32_t input_seq = 0;
+    uint32_t input_seq = 0; // of the input that is refused; 0: of none
 };
-struct Close { // say goodbye with the reason and close with this WebSocket code; nothing follows
+struct Close { // send Goodbye with the reason and close with this WebSocket code; no effect follows
     uint16_t code;
     std::string reason;
 };
-using Effect = std::variant<Admit, Show, Push, Acknowledge, AnswerPing, Ponged, SendError, Close>;
+using Effect = std::variant<Admit, SetPose, EnqueueCommand, Acknowledge, AnswerPing, Ponged, SendError, Close>;
 using Effects = std::vector<Effect>;
 
 // WebSocket close codes (RFC 6455 and the IANA registry).
@@ -57,16 +57,17 @@ inline constexpr uint16_t kCloseNormal = 1000, kCloseGoingAway = 1001, kClosePro
 class SessionRules {
 public:
     // `options` and `facts` outlive the rules.
-    SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened, const Clearance& clearance = {});
+    SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened,
+                 const Authorization& authorization = {});
 
-    // Each appends to `out`. Precondition: bytes.data() is aligned to 8.
+    // Each appends its effects to `out`. Precondition: bytes.data() is aligned to 8.
     void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out);
-    void onText(Clock::time_point now, Effects& out); // a text message, which is none of ours
+    void onText(Clock::time_point now, Effects& out); // a text message: brume.v1 has only binary ones
     void onUnknownFrame(uint32_t frame, Clock::time_point now, Effects& out);
-    // To be called several times a second: deadlines, and poses that waited for their turn.
+    // Checks deadlines and hands out a pose that was held back. To be called several times a second.
     void onTick(Clock::time_point now, Effects& out);
 
-    // How long to wait before the next message is read: zero unless the viewer sends too much.
+    // How long to wait before the next message is read: zero unless the viewer sends more than options.message_rate.
     Clock::duration pause(Clock::time_point now) { return messages_.wait(now); }
 
 private:
@@ -83,11 +84,11 @@ private:
     const SceneFacts& facts_;
     const Clock::time_point hello_deadline_;
     const Role role_;
-    const std::optional<Clock::time_point> until_; // the token's end
+    const std::optional<Clock::time_point> until_; // when the token ends
     State state_ = State::awaiting_hello;
-    PoseRequest granted_;               // size, views, quality as they stand
-    std::optional<PoseRequest> held_;   // the newest pose over the rate, shown at a later tick
-    std::optional<uint32_t> input_seq_; // the last one seen
+    PoseRequest granted_;               // the present size, views and quality
+    std::optional<PoseRequest> held_;   // the newest pose over the rate: set at a later tick
+    std::optional<uint32_t> input_seq_; // of the last input
     int malformed_ = 0;
     TokenBucket messages_, poses_, inputs_, pose_complaints_, refusals_;
 };

@@ -7,13 +7,13 @@
 namespace brume::net {
 
 struct TcpState {
-    // Smoothed round trip over the least one: how long segments wait on the way, whatever the program at the other end does.
-    // Without end where the kernel does not say, so that only other measurements count.
+    // The smoothed round trip minus the least one: how long segments wait on the way, independent of the program at the other
+    // end. Infinite if the kernel does not say, so that only other measurements count.
     std::chrono::duration<float, std::milli> queue = std::chrono::duration<float, std::milli>::max();
-    bool backlog = true; // bytes wait here for the link to take them
+    bool backlog = true; // true: bytes wait in the kernel for the link
 };
 
-// Of a connected socket.
+// The state of a connected socket.
 TcpState tcpState(int socket);
 
 } // namespace brume::net

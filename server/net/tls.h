@@ -1,4 +1,4 @@
-// The server's side of TLS: its certificate and what it speaks.
+// The server's side of TLS: its certificate and protocol versions.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@ namespace brume::net {
 
 class Tls {
 public:
-    // TLS 1.2 or newer, with the chain and the key in these PEM files. Throws std::runtime_error, in one line, when they cannot
+    // TLS 1.2 or newer, with the chain and the key in these PEM files. Throws std::runtime_error, in one line, if they cannot
     // be read or do not belong together.
     Tls(const std::filesystem::path& certificate, const std::filesystem::path& key);
 

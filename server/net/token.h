@@ -1,4 +1,4 @@
-// Who may do what: small signed tokens, made by whoever holds the key.
+// Signed tokens, which say what role their holder has. Anyone with the key can make them.
 //
 //   base64url({"exp":1767225600,"name":"ann","role":"viewer"}) "." base64url(HMAC-SHA256(key, all that is before the dot))
 //
@@ -21,25 +21,26 @@ using Seconds = std::chrono::sys_seconds;
 inline constexpr size_t kMostTokenBytes = 512, kMostTokenName = 64;
 inline constexpr size_t kLeastKeyBytes = 32, kMostKeyBytes = 4096; // no shorter than what HMAC-SHA256 gives
 inline constexpr std::chrono::seconds kLongestToken = std::chrono::hours(24);
-inline constexpr std::chrono::seconds kClockSkew{30}; // that the clocks of who makes tokens and who reads them may be apart
+inline constexpr std::chrono::seconds kClockSkew{30}; // allowed difference between the clocks of maker and reader
 
 struct Claims {
     Role role = Role::viewer;
-    Seconds expires;  // kClockSkew later it is no good any more
-    std::string name; // printable ASCII
+    Seconds expires;  // the token is refused from kClockSkew after this
+    std::string name; // printable ASCII, for the log
 };
 
-// Why a token is none, as one line.
+// Why a token is refused: one line.
 using TokenFault = const char*;
 
-// What the part before the dot says, whoever signed it: exactly the fields above, each within its limits but for the time.
+// The claims in the part before the dot, without checking signature or time. Empty if a field is missing, unknown or out of its
+// limits.
 std::optional<Claims> readClaims(std::string_view payload);
 
-// The claims of a token that was made with this key and is good now. In this order: length, signature, content, time. Any text
-// is answered, in a time that does not depend on how much of the signature is right.
+// The claims of a token that was made with this key and is good now. Checks length, signature, content and time, in this order.
+// Any text may be given. The time it takes does not depend on how much of the signature is right.
 std::variant<Claims, TokenFault> readToken(std::string_view token, std::string_view key, Seconds now);
 
-// Precondition: the name is of at most kMostTokenName printable ASCII characters.
+// Precondition: the name has at most kMostTokenName printable ASCII characters.
 std::string makeToken(const Claims& claims, std::string_view key);
 
 // "viewer", "controller", "operator".

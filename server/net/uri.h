@@ -8,10 +8,10 @@
 
 namespace brume::net {
 
-// Nothing when a % is not followed by two hexadecimal digits.
+// Empty if a % is not followed by two hexadecimal digits.
 std::optional<std::string> percentDecode(std::string_view text);
 
-// "w=640&h=360" as names and values, decoded. Nothing when the encoding is broken or a name comes twice.
+// "w=640&h=360" as decoded names and values. Empty if the encoding is broken or a name comes twice.
 std::optional<std::map<std::string, std::string, std::less<>>> parseQuery(std::string_view query);
 
 } // namespace brume::net

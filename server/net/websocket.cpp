@@ -9,9 +9,9 @@
 
 #include "server/net/coroutine.h"
 #include "server/net/outgoing.h"
-#include "server/net/seat.h"
 #include "server/net/session_rules.h"
 #include "server/net/tcp_state.h"
+#include "server/net/viewer_handle.h"
 
 namespace brume::net {
 namespace {
@@ -19,12 +19,12 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
-constexpr auto kHeartbeat = std::chrono::milliseconds(100); // deadlines, and news of the scene when no frame brings them
+constexpr auto kHeartbeat = std::chrono::milliseconds(100); // how often deadlines and news of the scene are checked
 constexpr auto kStatePeriod = std::chrono::seconds(1);
 constexpr auto kPingEvery = std::chrono::milliseconds(200);
 constexpr auto kPingLost = std::chrono::seconds(10);
 constexpr size_t kMostPings = 8;   // unanswered
-constexpr size_t kMaxControl = 64; // answers that wait for a viewer's socket: who does not read is not read
+constexpr size_t kMaxControl = 64; // answers that wait for the socket; at so many, no more messages are read
 constexpr auto kCloseHandshake = std::chrono::seconds(1);
 constexpr float kRetryFull = 5, kRetryRestart = 2; // s
 
@@ -35,14 +35,15 @@ float millisecondsSince(Clock::time_point start) {
 // Three coroutines on the connection's strand: run() reads, write() writes, beat() keeps the time. Each holds the session alive.
 class WebSocketSession final : public Connection, public std::enable_shared_from_this<WebSocketSession> {
 public:
-    WebSocketSession(Context& context, ByteStream stream, std::unique_ptr<Connections::Place> place, Clearance clearance)
-        : context_(context), place_(std::move(place)), ws_(std::move(stream)), clearance_(std::move(clearance)),
-          rules_(context.options, context.audience.facts(), Clock::now(), clearance_),
-          bell_(std::make_shared<Bell>(ws_.get_executor())), room_(std::make_shared<Bell>(ws_.get_executor())),
+    WebSocketSession(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot,
+                     Authorization authorization)
+        : context_(std::move(context)), slot_(std::move(slot)), ws_(std::move(stream)), authorization_(std::move(authorization)),
+          rules_(context_->options, context_->audience.facts(), Clock::now(), authorization_),
+          event_(std::make_shared<Event>(ws_.get_executor())), taken_(std::make_shared<Event>(ws_.get_executor())),
           heartbeat_(ws_.get_executor()) {}
 
     void start(const HttpRequest& request) {
-        place_->occupy(shared_from_this());
+        slot_->assign(shared_from_this());
         asio::co_spawn(
             ws_.get_executor(), [self = shared_from_this(), request] { return self->run(request); }, kLogFailure);
     }
@@ -67,7 +68,7 @@ private:
     void carryOut(Effects& effects);
     void admit(const Admit& hello);
     void acknowledge(uint32_t frame);
-    void push(Push&& command);
+    void enqueueCommand(EnqueueCommand&& command);
     void ping(Clock::time_point now);
     wire::Packed newPing();
     void ponged(uint32_t nonce);
@@ -79,16 +80,16 @@ private:
     wire::Packed takeNews();
     void finish(std::string_view why = {});
 
-    Context& context_;
-    std::unique_ptr<Connections::Place> place_;
+    std::shared_ptr<const Context> context_;
+    std::unique_ptr<ConnectionSlot> slot_;
     websocket::stream<ByteStream, false> ws_; // no compression: JPEG does not shrink
-    const Clearance clearance_;
+    const Authorization authorization_;
     SessionRules rules_;
-    std::shared_ptr<Bell> bell_; // rings when there may be something to write
-    std::shared_ptr<Bell> room_; // rings when fewer control messages wait
+    std::shared_ptr<Event> event_; // notified when there may be something to write
+    std::shared_ptr<Event> taken_; // notified when write() takes a control message
     asio::steady_timer heartbeat_;
-    std::unique_ptr<Seat> seat_; // after hello
-    std::string name_;           // for the log
+    std::unique_ptr<ViewerHandle> handle_; // after hello
+    std::string name_;                     // for the log
     std::deque<wire::Packed> control_;
     struct Ping {
         uint32_t nonce;
@@ -98,7 +99,7 @@ private:
     uint32_t last_nonce_ = 0;
     bool ping_due_ = false;
     std::optional<Clock::time_point> write_began_;
-    bool backlog_ = false;                           // the link did not take all at once, since the last heartbeat
+    bool backlog_ = false;                           // true: bytes waited for the link since the last heartbeat
     std::optional<websocket::close_reason> closing_; // after what is queued
     uint64_t revision_told_ = 0;
     Clock::time_point state_told_{};
@@ -106,22 +107,22 @@ private:
 };
 
 asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
-    websocket::stream_base::timeout timeout{context_.options.handshake, context_.options.idle, true};
+    websocket::stream_base::timeout timeout{context_->options.handshake, context_->options.idle, true};
     ws_.set_option(timeout);
     ws_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
         response.set(beast::http::field::sec_websocket_protocol, wire::kSubprotocol);
         response.set(beast::http::field::server, "brume/" BRUME_VERSION);
     }));
-    ws_.read_message_max(context_.options.max_message_bytes);
+    ws_.read_message_max(context_->options.max_message_bytes);
     ws_.auto_fragment(false);
     ws_.binary(true);
     ws_.next_layer().tcp().expires_never(); // the WebSocket has deadlines of its own
     const auto [refused] = co_await ws_.async_accept(request, kToken);
     if (refused) {
-        context_.metrics.requested("ws", 400);
+        context_->metrics.requested("ws", 400);
         co_return finish(refused.message());
     }
-    context_.metrics.requested("ws", 101);
+    context_->metrics.requested("ws", 101);
     asio::co_spawn(
         ws_.get_executor(), [self = shared_from_this()] { return self->write(); }, kLogFailure);
     asio::co_spawn(
@@ -133,10 +134,10 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
     while (!ended_) {
         const auto [error, size] = co_await ws_.async_read(buffer, kToken);
         if (error) {
-            if (error == websocket::error::message_too_big) context_.metrics.refused("oversized"); // Beast closed with 1009
+            if (error == websocket::error::message_too_big) context_->metrics.refused("oversized"); // Beast closed with 1009
             // While we are closing, the writer sees the handshake through.
             if (!closing_) {
-                if (error != websocket::error::closed && seat_) seat_->lose();
+                if (error != websocket::error::closed && handle_) handle_->markLost();
                 finish(error == websocket::error::closed ? "the viewer closed" : error.message());
             }
             co_return;
@@ -154,11 +155,11 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
             pause.expires_after(wait);
             co_await pause.async_wait(kToken);
         }
-        while (!ended_ && control_.size() >= kMaxControl) co_await room_->wait();
+        while (!ended_ && control_.size() >= kMaxControl) co_await taken_->wait();
     }
 }
 
-// Control messages first, then news of the scene, then the newest frame; the closing handshake last.
+// Writes control messages first, then news of the scene, then the newest frame; the closing handshake last.
 asio::awaitable<void> WebSocketSession::write() {
     while (!ended_) {
         error_code error;
@@ -171,7 +172,7 @@ asio::awaitable<void> WebSocketSession::write() {
             } else {
                 message = std::move(control_.front());
                 control_.pop_front();
-                room_->ring();
+                taken_->notify();
             }
             const Parts parts{asio::buffer(message.data(), message.size())};
             error = co_await send(parts);
@@ -179,25 +180,25 @@ asio::awaitable<void> WebSocketSession::write() {
             ws_.set_option(websocket::stream_base::timeout{kCloseHandshake, kCloseHandshake, false});
             co_await ws_.async_close(*closing_, kToken);
             co_return finish();
-        } else if (FramePtr frame = seat_ ? seat_->takeFrame() : nullptr) {
+        } else if (FramePtr frame = handle_ ? handle_->takeFrame() : nullptr) {
             error = co_await sendFrame(std::move(frame));
         } else {
-            co_await bell_->wait();
+            co_await event_->wait();
         }
         if (error) {
-            if (seat_) seat_->lose();
+            if (handle_) handle_->markLost();
             co_return finish(error.message());
         }
     }
 }
 
-// The header is ours, the JPEG bytes stay where the encoder left them.
+// The header is packed here; the JPEG bytes are sent from where the encoder wrote them.
 asio::awaitable<error_code> WebSocketSession::sendFrame(FramePtr frame) {
     const float queue_ms = millisecondsSince(frame->encoded);
     const wire::Packed header = packFrameHeader(*frame, queue_ms);
     const Parts parts{asio::buffer(header.data(), header.size()), asio::buffer(*frame->jpeg[0]),
                       frame->request.views > 1 ? asio::buffer(*frame->jpeg[1]) : asio::const_buffer()};
-    context_.metrics.sent(asio::buffer_size(parts), queue_ms);
+    context_->metrics.sent(asio::buffer_size(parts), queue_ms);
     const error_code error = co_await send(parts);
     backlog_ = backlog_ || tcpState(ws_.next_layer().tcp().socket().native_handle()).backlog;
     co_return error;
@@ -216,22 +217,22 @@ asio::awaitable<void> WebSocketSession::beat() {
         heartbeat_.expires_after(kHeartbeat);
         co_await heartbeat_.async_wait(kToken);
         const auto now = Clock::now();
-        if (write_began_ && now - *write_began_ > context_.options.write_stall) {
-            spdlog::warn("{}: closed, it takes no data any more", name_.empty() ? place_->address() : name_);
-            if (seat_) seat_->lose();
+        if (write_began_ && now - *write_began_ > context_->options.write_stall) {
+            spdlog::warn("{}: closed, it takes no data any more", name_.empty() ? slot_->address() : name_);
+            if (handle_) handle_->markLost();
             co_return finish("it takes no data");
         }
         effects.clear();
         rules_.onTick(now, effects);
         carryOut(effects);
-        if (seat_ && !closing_) {
+        if (handle_ && !closing_) {
             ping(now);
-            if (seat_->viewer().look(now, std::exchange(backlog_, false)) > context_.options.silence) {
-                seat_->lose();
+            if (handle_->viewer().look(now, std::exchange(backlog_, false)) > context_->options.silence) {
+                handle_->markLost();
                 close(kCloseTryLater, "no frame was acknowledged for too long", kRetryRestart);
             }
         }
-        bell_->ring();
+        event_->notify();
     }
 }
 
@@ -241,7 +242,7 @@ void WebSocketSession::ping(Clock::time_point now) {
     ping_due_ = due && pings_.size() < kMostPings;
 }
 
-// Made when the socket takes it: what waits before that is not the link's queue.
+// Packed when the socket takes it, so that its time does not count what waited in this program.
 wire::Packed WebSocketSession::newPing() {
     ping_due_ = false;
     const auto now = Clock::now();
@@ -252,11 +253,11 @@ wire::Packed WebSocketSession::newPing() {
 
 void WebSocketSession::ponged(uint32_t nonce) {
     const auto one = std::find_if(pings_.begin(), pings_.end(), [&](const Ping& p) { return p.nonce == nonce; });
-    if (one == pings_.end() || !seat_) return;
+    if (one == pings_.end() || !handle_) return;
     const auto now = Clock::now();
     const TcpState tcp = tcpState(ws_.next_layer().tcp().socket().native_handle());
     backlog_ = backlog_ || tcp.backlog;
-    seat_->viewer().ponged(now - one->sent, now, backlog_ ? Pacing::Millis::max() : tcp.queue);
+    handle_->viewer().ponged(now - one->sent, now, backlog_ ? Pacing::Millis::max() : tcp.queue);
     pings_.erase(pings_.begin(), one + 1);
 }
 
@@ -264,15 +265,15 @@ void WebSocketSession::carryOut(Effects& effects) {
     struct {
         WebSocketSession& s;
         void operator()(Admit& e) { s.admit(e); }
-        void operator()(Show& e) {
-            if (s.seat_) s.seat_->viewer().setPose(e.request);
+        void operator()(SetPose& e) {
+            if (s.handle_) s.handle_->viewer().setPose(e.request);
         }
-        void operator()(Push& e) { s.push(std::move(e)); }
+        void operator()(EnqueueCommand& e) { s.enqueueCommand(std::move(e)); }
         void operator()(Acknowledge& e) { s.acknowledge(e.frame); }
         void operator()(Ponged& e) { s.ponged(e.nonce); }
         void operator()(AnswerPing& e) { s.enqueue(packPong(e.nonce, e.time_us)); }
         void operator()(SendError& e) {
-            s.context_.metrics.refused(wire::EnumNameErrorCode(e.code));
+            s.context_->metrics.refused(wire::EnumNameErrorCode(e.code));
             s.enqueue(packError(e.code, e.text, e.input_seq));
         }
         void operator()(Close& e) { s.close(e.code, e.reason); }
@@ -284,66 +285,67 @@ void WebSocketSession::carryOut(Effects& effects) {
 }
 
 void WebSocketSession::admit(const Admit& hello) {
-    seat_ = Seat::take(context_.audience, context_.metrics, bell_->ringer(), 0, hello.resume);
-    if (!seat_) {
-        context_.metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
-        spdlog::info("{} from {}: turned away, {}", hello.client, place_->address(), context_.audience.whyFull());
-        const char* why = context_.audience.whyFull();
+    handle_ = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 0, hello.resume);
+    if (!handle_) {
+        context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
+        spdlog::info("{} from {}: turned away, {}", hello.client, slot_->address(), context_->audience.whyFull());
+        const char* why = context_->audience.whyFull();
         enqueue(packError(wire::ErrorCode::full, why, 0));
         return close(kCloseTryLater, why, kRetryFull);
     }
-    name_ = fmt::format("viewer {}", seat_->viewer().id());
-    const std::string whose = clearance_.name.empty() ? "" : fmt::format(" ({})", clearance_.name);
-    spdlog::info("{}{}: {} from {}, {}x{}, {}, {}", name_, whose, hello.client, place_->address(), hello.wish.width,
-                 hello.wish.height, hello.wish.views == 1 ? "one eye" : "two eyes", nameOf(clearance_.role));
-    enqueue(packWelcome(seat_->viewer(), hello.wish, context_.audience, clearance_.role));
+    name_ = fmt::format("viewer {}", handle_->viewer().id());
+    const std::string whose = authorization_.name.empty() ? "" : fmt::format(" ({})", authorization_.name);
+    spdlog::info("{}{}: {} from {}, {}x{}, {}, {}", name_, whose, hello.client, slot_->address(), hello.granted.width,
+                 hello.granted.height, hello.granted.views == 1 ? "one eye" : "two eyes", nameOf(authorization_.role));
+    enqueue(packWelcome(handle_->viewer(), hello.granted, context_->audience, authorization_.role));
 }
 
 void WebSocketSession::acknowledge(uint32_t frame) {
-    if (seat_->viewer().acknowledge(frame)) return;
+    if (handle_->viewer().acknowledge(frame)) return;
     Effects refusal;
     rules_.onUnknownFrame(frame, Clock::now(), refusal);
     carryOut(refusal);
 }
 
-void WebSocketSession::push(Push&& command) {
+void WebSocketSession::enqueueCommand(EnqueueCommand&& command) {
     const uint32_t seq = command.seq;
-    if (context_.audience.commands().push({seat_->viewer().id(), seq, std::move(command.body)})) return;
-    context_.metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::busy));
+    if (context_->audience.commands().push({handle_->viewer().id(), seq, std::move(command.body)})) return;
+    context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::busy));
     enqueue(packError(wire::ErrorCode::busy, "too many commands wait: try again", seq));
 }
 
-// The place in the house is free at once; the connection ends when the viewer has heard us out.
+// The viewer leaves the audience at once; the connection ends when what is queued is sent.
 void WebSocketSession::close(uint16_t code, std::string_view reason, float retry_after_s) {
     if (closing_ || ended_) return;
-    enqueue(packGoodbye(reason, retry_after_s, context_.stopping ? context_.go_to : ""));
+    enqueue(packGoodbye(reason, retry_after_s, context_->stopping ? context_->go_to : ""));
     leave(reason);
     closing_ = websocket::close_reason(websocket::close_code(code), beast::string_view(reason.data(), reason.size()));
-    bell_->ring();
+    event_->notify();
 }
 
 void WebSocketSession::leave(std::string_view why) {
-    if (!seat_) return;
-    const auto counts = seat_->viewer().counts();
+    if (!handle_) return;
+    const auto counts = handle_->viewer().counts();
     spdlog::info("{}: left ({}), {} frames rendered, {} sent", name_, why, counts.rendered, counts.sent);
-    seat_.reset();
+    handle_.reset();
 }
 
 // Bounded: run() reads nothing while kMaxControl messages wait, and one message is answered with a few at most.
 void WebSocketSession::enqueue(wire::Packed message) {
     if (ended_ || closing_) return;
     control_.push_back(std::move(message));
-    bell_->ring();
+    event_->notify();
 }
 
 bool WebSocketSession::newsAreDue() const {
-    return seat_ && !closing_ && (context_.audience.revision() != revision_told_ || Clock::now() - state_told_ >= kStatePeriod);
+    return handle_ && !closing_ &&
+           (context_->audience.revision() != revision_told_ || Clock::now() - state_told_ >= kStatePeriod);
 }
 
 wire::Packed WebSocketSession::takeNews() {
-    revision_told_ = context_.audience.revision(); // before the report: a change in between is told again
+    revision_told_ = context_->audience.revision(); // before the report: a change in between is told again
     state_told_ = Clock::now();
-    return packSceneState(*context_.audience.report(), context_.audience.size());
+    return packSceneState(*context_->audience.report(), context_->audience.size());
 }
 
 // The end, once: every coroutine finds ended_ or an aborted operation.
@@ -353,15 +355,15 @@ void WebSocketSession::finish(std::string_view why) {
     leave(why);
     ws_.next_layer().tcp().close();
     heartbeat_.cancel();
-    bell_->ring();
-    room_->ring();
+    event_->notify();
+    taken_->notify();
 }
 
 } // namespace
 
-void serveWebSocket(Context& context, ByteStream stream, const HttpRequest& request, std::unique_ptr<Connections::Place> place,
-                    Clearance clearance) {
-    std::make_shared<WebSocketSession>(context, std::move(stream), std::move(place), std::move(clearance))->start(request);
+void serveWebSocket(std::shared_ptr<const Context> context, ByteStream stream, const HttpRequest& request,
+                    std::unique_ptr<ConnectionSlot> slot, Authorization authorization) {
+    std::make_shared<WebSocketSession>(context, std::move(stream), std::move(slot), std::move(authorization))->start(request);
 }
 
 } // namespace brume::net

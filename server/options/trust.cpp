@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "common/address.h"
+#include "common/net/address.h"
 #include "server/net/token.h"
-#include "server/operate/token_key.h"
+#include "server/net/token_key.h"
 #include "server/options/groups.h"
 
 namespace brume {

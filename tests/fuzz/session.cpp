@@ -48,9 +48,9 @@ public:
         admitted_ = true;
         promiseOneLine(e.client.empty() ? "empty" : e.client, 64);
         promise(e.resume.size() <= 64, "a key is no longer than any that was given");
-        picture(e.wish);
+        picture(e.granted);
     }
-    void operator()(const net::Show& e) {
+    void operator()(const net::SetPose& e) {
         promise(admitted_, "no pose before Hello");
         picture(e.request);
         const Pose& pose = e.request.pose;
@@ -60,7 +60,7 @@ public:
         promise(pose.eye_separation >= 0 && pose.eye_separation <= 10, "eyes stand apart as people's, or giants'");
         promise(double(++shows_) <= allowance(options_.pose_rate), "poses keep to their rate");
     }
-    void operator()(const net::Push& e) {
+    void operator()(const net::EnqueueCommand& e) {
         promise(admitted_, "no input before Hello");
         promise(double(++pushes_) <= allowance(options_.input_rate), "inputs keep to their rate");
         std::visit(*this, e.body);

@@ -40,7 +40,7 @@ void token(Bytes input) {
     net::NetOptions options;
     options.token_key = key;
     for (const auto& [authorization, query] : {std::pair{text, std::string_view()}, {std::string_view(), text}}) {
-        const auto checked = net::clear(authorization, query, net::Role::viewer, options);
+        const auto checked = net::authorize(authorization, query, net::Role::viewer, options);
         const auto* refusal = std::get_if<net::Reply>(&checked);
         promise(refusal && refusal->status == 401, "nobody comes in without a token of now");
     }

@@ -102,7 +102,7 @@ TEST_F(Http, MetricsTimeTheDeviceAndTheProcess) {
     const auto begin = std::chrono::steady_clock::now();
     const double cpu_before = value(cpu), batches_before = value(batches), views_before = value(views),
                  shared_before = value(shared);
-    ASSERT_GE(std::min({cpu_before, batches_before, views_before, shared_before}), 0);
+    ASSERT_GE(std::min({cpu_before, batches_before, views_before, shared_before}), 0) << "all are there";
     {
         Watcher watcher(server());
         watcher.look(lookAt({0, 2, 26}, {0, 0, 0}, 0.8f));

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "server/net/metrics.h"
+#include "server/metrics/metrics.h"
 #include "server/viewer/audience.h"
 
 namespace brume {

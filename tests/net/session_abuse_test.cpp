@@ -1,4 +1,5 @@
 // Viewers that send rubbish or too much, stall, fall silent or vanish: told or cut, and nobody else's harm.
+#include "tests/net/log_capture.h"
 #include "tests/net/session_fixture.h"
 
 namespace brume::test {
@@ -145,6 +146,37 @@ TEST_F(SessionTest, VanishingViewersFreeTheirPlaces) {
         second->socket.reset();
         ASSERT_TRUE(eventually([&] { return audience->size() == 0; })) << round;
     }
+}
+
+// A tab that is closed, and a machine that goes away: no reason to wake an operator.
+TEST_F(SessionTest, AViewerThatLeavesIsNothingToWarnOf) {
+    const LogCapture log;
+    serve();
+    renderer->jpeg_bytes = 2 << 20; // more than a socket takes, so that writes wait when the viewer goes
+    const auto gone = [&] { return eventually([&] { return audience->size() == 0; }); };
+    const auto looking = [&](int receive_buffer) {
+        auto client = watch(64, 48, 1, receive_buffer);
+        client->pose(1);
+        EXPECT_TRUE(client->socket.read(1, 5s) != "") << "a frame comes";
+        return client;
+    };
+    looking(0)->sendMessage(8, std::vector<uint8_t>{0x03, 0xe9}); // 1001, what a browser says when its page is left
+    EXPECT_TRUE(gone());
+    looking(4096); // closed with unread data
+    EXPECT_TRUE(gone());
+    looking(4096)->socket.reset();
+    EXPECT_TRUE(gone());
+    {
+        Socket stream(server->port(), 4096);
+        stream.send("GET /stream.mjpg HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        EXPECT_NE(stream.readUntil("\r\n").find(" 200 "), std::string::npos);
+        stream.reset();
+    }
+    EXPECT_TRUE(gone());
+    const WsClient silent(server->port()); // upgraded, and gone before it says hello
+    EXPECT_EQ(silent.handshake.status, 101);
+    server.reset();
+    EXPECT_EQ(log.atLeast(spdlog::level::warn), "");
 }
 
 TEST_F(SessionTest, AnIdleViewerIsPingedAndASilentOneCut) {

@@ -7,21 +7,21 @@ namespace brume::net {
 namespace {
 
 using Refused = Connections::Refused;
-using Place = std::unique_ptr<Connections::Place>;
+using Slot = std::unique_ptr<ConnectionSlot>;
 
 TEST(Connections, RoomIsCountedForAllAndForEachAddress) {
     Connections connections({.total = 3, .per_address = 2});
     Refused why = Refused::nothing;
-    Place a = connections.take("a1", "a"), b = connections.take("a2", "a");
+    Slot a = connections.take("a1", "a"), b = connections.take("a2", "a");
     ASSERT_TRUE(a && b);
     EXPECT_EQ(a->address(), "a1");
     EXPECT_FALSE(connections.take("a3", "a", &why)) << "one site";
-    EXPECT_EQ(why, Refused::room);
-    Place c = connections.take("b", "b");
+    EXPECT_EQ(why, Refused::full);
+    Slot c = connections.take("b", "b");
     ASSERT_TRUE(c);
     EXPECT_FALSE(connections.take("c", "c")) << "all";
     a.reset();
-    EXPECT_TRUE(connections.take("a3", "a")) << "a place is free again";
+    EXPECT_TRUE(connections.take("a3", "a")) << "a slot is free again";
 }
 
 TEST(Connections, OneAddressThatComesTooOftenKeepsNobodyElseOut) {

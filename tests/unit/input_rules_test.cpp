@@ -8,65 +8,67 @@ using wire::ErrorCode;
 
 TEST_F(SessionRulesTest, InputsComeOneAfterAnother) {
     watch();
-    EXPECT_EQ(only<Push>(restart(7)).seq, 7u) << "any number may be the first";
-    only<Push>(restart(8));
+    EXPECT_EQ(only<EnqueueCommand>(restart(7)).seq, 7u) << "any number may be the first";
+    only<EnqueueCommand>(restart(8));
     const auto repeated = restart(8);
     EXPECT_EQ(onlyError(repeated), ErrorCode::unexpected);
     EXPECT_EQ(only<SendError>(repeated).input_seq, 8u);
-    only<Push>(restart(9));
+    only<EnqueueCommand>(restart(9));
     EXPECT_EQ(onlyError(restart(12)), ErrorCode::unexpected) << "a gap is told ...";
-    only<Push>(restart(13)); // ... and gone on from
+    only<EnqueueCommand>(restart(13)); // ... and gone on from
     SetUp();
     watch();
-    only<Push>(restart(0xffffffff));
-    only<Push>(restart(0)); // around the wrap
+    only<EnqueueCommand>(restart(0xffffffff));
+    only<EnqueueCommand>(restart(0)); // around the wrap
     EXPECT_EQ(onlyError(restart(0xffffffff)), ErrorCode::unexpected);
-    only<Push>(restart(1));
+    only<EnqueueCommand>(restart(1));
 }
 
 TEST_F(SessionRulesTest, InputsOverTheRateAreRefusedByNumber) {
     watch();
     uint32_t seq = 0;
-    for (double i = 0; i < options.input_rate * options.burst_s; ++i) only<Push>(restart(++seq));
+    for (double i = 0; i < options.input_rate * options.burst_s; ++i) only<EnqueueCommand>(restart(++seq));
     const auto refused = restart(++seq);
     EXPECT_EQ(onlyError(refused), ErrorCode::too_fast);
     EXPECT_EQ(only<SendError>(refused).input_seq, seq);
     now += 1s;
-    only<Push>(restart(++seq)); // the refused number was used: the next one follows it
+    only<EnqueueCommand>(restart(++seq)); // the refused number was used: the next one follows it
 }
 
 TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
     watch();
     const wire::Vec3 origin(1, 2, 3), along(0, 0, -4), push(0, 5, 0);
-    const auto impulse =
-        std::get<Impulse>(only<Push>(input(1, [&](auto& b) { return wire::CreateImpulse(b, &origin, &along, &push, 2); })).body);
+    const auto impulse = std::get<Impulse>(
+        only<EnqueueCommand>(input(1, [&](auto& b) { return wire::CreateImpulse(b, &origin, &along, &push, 2); })).body);
     EXPECT_EQ(impulse.origin, glm::vec3(1, 2, 3));
     EXPECT_EQ(impulse.direction, glm::vec3(0, 0, -1)) << "made a unit vector";
     EXPECT_EQ(impulse.push, glm::vec3(0, 5, 0));
     EXPECT_EQ(impulse.strength, 2);
 
-    const auto light = std::get<SetLight>(only<Push>(input(2, [&](auto& b) { return wire::CreateSetLight(b, &push); })).body);
+    const auto light =
+        std::get<SetLight>(only<EnqueueCommand>(input(2, [&](auto& b) { return wire::CreateSetLight(b, &push); })).body);
     EXPECT_EQ(light.to_light, glm::vec3(0, 1, 0));
     EXPECT_FALSE(light.irradiance);
     EXPECT_FALSE(light.rotate);
 
-    const auto medium = std::get<SetMedium>(only<Push>(input(3, [](auto& b) { return wire::CreateSetMedium(b, 20.f); })).body);
+    const auto medium =
+        std::get<SetMedium>(only<EnqueueCommand>(input(3, [](auto& b) { return wire::CreateSetMedium(b, 20.f); })).body);
     EXPECT_EQ(medium.extinction, 20);
     EXPECT_FALSE(medium.falloff);
     EXPECT_FALSE(medium.albedo);
 
     const auto render = std::get<SetRender>(
-        only<Push>(input(4, [](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "analytic", 3); })).body);
+        only<EnqueueCommand>(input(4, [](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "analytic", 3); })).body);
     EXPECT_EQ(render.method, "isv");
     EXPECT_EQ(render.quadrature, "analytic");
     EXPECT_EQ(render.steps, 3u);
     EXPECT_FALSE(render.exposure);
 
     const auto paused =
-        std::get<SetSimulation>(only<Push>(input(5, [](auto& b) { return wire::CreateSetSimulation(b, true); })).body);
+        std::get<SetSimulation>(only<EnqueueCommand>(input(5, [](auto& b) { return wire::CreateSetSimulation(b, true); })).body);
     EXPECT_EQ(paused.paused, true);
     const auto moved =
-        std::get<MoveVolume>(only<Push>(input(6, [&](auto& b) { return wire::CreateMoveVolume(b, &origin); })).body);
+        std::get<MoveVolume>(only<EnqueueCommand>(input(6, [&](auto& b) { return wire::CreateMoveVolume(b, &origin); })).body);
     EXPECT_EQ(moved.offset, glm::vec3(1, 2, 3));
 }
 
@@ -112,14 +114,14 @@ TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
 // The least role of each command; a refusal uses up the input's number, as all do.
 TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
     const auto answer = [&](wire::Role role, auto&& build) {
-        rules.emplace(options, facts, now, Clearance{role, {}, {}});
+        rules.emplace(options, facts, now, Authorization{role, {}, {}});
         watch();
         const Effects effects = input(1, build);
         EXPECT_EQ(effects.size(), 1u);
-        if (std::holds_alternative<Push>(effects[0])) return std::string("taken");
+        if (std::holds_alternative<EnqueueCommand>(effects[0])) return std::string("taken");
         const auto& error = std::get<SendError>(effects[0]);
         EXPECT_EQ(error.input_seq, 1u);
-        EXPECT_TRUE(std::holds_alternative<Push>(input(2, build).at(0)) || error.code == ErrorCode::forbidden);
+        EXPECT_TRUE(std::holds_alternative<EnqueueCommand>(input(2, build).at(0)) || error.code == ErrorCode::forbidden);
         EXPECT_NE(error.text.find(nameOf(role)), std::string::npos) << error.text;
         return std::string(wire::EnumNameErrorCode(error.code));
     };
@@ -142,9 +144,9 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
 }
 
 TEST_F(SessionRulesTest, AViewerLooksAndWhoTriesForbiddenThingsForEverIsClosed) {
-    rules.emplace(options, facts, now, Clearance{wire::Role::viewer, {}, {}});
+    rules.emplace(options, facts, now, Authorization{wire::Role::viewer, {}, {}});
     watch();
-    only<Show>(pose({.seq = 1}));
+    only<SetPose>(pose({.seq = 1}));
     only<AnswerPing>(say([](auto& b) { return wire::CreatePing(b, 1, 1); }));
     bool closed = false;
     for (uint32_t seq = 1; seq < 1000 && !closed; ++seq)
@@ -153,7 +155,7 @@ TEST_F(SessionRulesTest, AViewerLooksAndWhoTriesForbiddenThingsForEverIsClosed) 
 }
 
 TEST_F(SessionRulesTest, ASessionEndsWithItsToken) {
-    rules.emplace(options, facts, now, Clearance{wire::Role::viewer, now + 60s, {}});
+    rules.emplace(options, facts, now, Authorization{wire::Role::viewer, now + 60s, {}});
     watch();
     EXPECT_TRUE(tick(60s - 1ms).empty());
     const Effects effects = tick(1ms);

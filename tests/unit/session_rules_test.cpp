@@ -12,14 +12,14 @@ TEST_F(SessionRulesTest, AGoodHelloIsAdmitted) {
     const Effects effects = hello(1280, 720, 2, 90);
     const auto& admit = only<Admit>(effects);
     EXPECT_EQ(admit.client, "test");
-    EXPECT_EQ(admit.wish.width, 1280);
-    EXPECT_EQ(admit.wish.height, 720);
-    EXPECT_EQ(admit.wish.views, 2);
-    EXPECT_EQ(admit.wish.quality, 90);
+    EXPECT_EQ(admit.granted.width, 1280);
+    EXPECT_EQ(admit.granted.height, 720);
+    EXPECT_EQ(admit.granted.views, 2);
+    EXPECT_EQ(admit.granted.quality, 90);
 }
 
 TEST_F(SessionRulesTest, QualityZeroIsTheServers) {
-    EXPECT_EQ(only<Admit>(hello(64, 64, 1, 0)).wish.quality, options.default_quality);
+    EXPECT_EQ(only<Admit>(hello(64, 64, 1, 0)).granted.quality, options.default_quality);
 }
 
 TEST_F(SessionRulesTest, AClientsNameIsMadeFitForTheLog) {
@@ -42,8 +42,8 @@ TEST_F(SessionRulesTest, AbsurdHellosAreRefusedAndMayBeSaidAgain) {
 TEST_F(SessionRulesTest, SizesAreFittedWithTheirAspect) {
     const auto granted = [&](uint16_t width, uint16_t height) {
         SetUp();
-        const auto wish = only<Admit>(hello(width, height)).wish;
-        return std::pair<int, int>(wish.width, wish.height);
+        const auto size = only<Admit>(hello(width, height)).granted;
+        return std::pair<int, int>(size.width, size.height);
     };
     EXPECT_EQ(granted(1920, 1080), std::pair(1920, 1080));
     EXPECT_EQ(granted(1080, 1920), std::pair(1080, 1920));
@@ -88,7 +88,7 @@ TEST_F(SessionRulesTest, HelloTwiceAndTheServersMessagesAreUnexpected) {
 TEST_F(SessionRulesTest, APoseIsShownWithEverythingItSays) {
     watch();
     const auto effects = pose({.seq = 9, .position = {1, 2, 3}, .orientation = {0, 0.6f, 0, 0.8f}, .fov_y = 1, .eyes = 0.06f});
-    const PoseRequest& request = only<Show>(effects).request;
+    const PoseRequest& request = only<SetPose>(effects).request;
     EXPECT_EQ(request.seq, 9u);
     EXPECT_EQ(request.client_time_us, 77u);
     EXPECT_EQ(request.pose.position, glm::vec3(1, 2, 3));
@@ -109,11 +109,11 @@ TEST_F(SessionRulesTest, AHiddenWindowIsHiddenUntilAPoseSaysOtherwise) {
 
 TEST_F(SessionRulesTest, APosesSizeStaysUntilAnotherComes) {
     watch();
-    EXPECT_EQ(only<Show>(pose({.seq = 1, .width = 320, .height = 200})).request.width, 320);
-    EXPECT_EQ(only<Show>(pose({.seq = 2})).request.height, 200);
+    EXPECT_EQ(only<SetPose>(pose({.seq = 1, .width = 320, .height = 200})).request.width, 320);
+    EXPECT_EQ(only<SetPose>(pose({.seq = 2})).request.height, 200);
     const auto effects = pose({.seq = 3, .width = 65535});
-    EXPECT_LE(only<Show>(effects).request.width, options.max_side);
-    EXPECT_EQ(only<Show>(pose({.seq = 4, .width = 2, .height = 2})).request.width, kMinSide);
+    EXPECT_LE(only<SetPose>(effects).request.width, options.max_side);
+    EXPECT_EQ(only<SetPose>(pose({.seq = 4, .width = 2, .height = 2})).request.width, kMinSide);
 }
 
 TEST_F(SessionRulesTest, PosesThatCannotBeAreOutOfRange) {
@@ -134,12 +134,12 @@ TEST_F(SessionRulesTest, PosesThatCannotBeAreOutOfRange) {
         {.eyes = 10.01f},
     };
     for (size_t i = 0; i < bad.size(); ++i) EXPECT_EQ(onlyError(pose(bad[i])), ErrorCode::out_of_range) << i;
-    only<Show>(pose({}));
+    only<SetPose>(pose({}));
 }
 
 TEST_F(SessionRulesTest, EyesMayBeAsFarApartAsTheLimitSays) {
     watch();
-    EXPECT_EQ(only<Show>(pose({.seq = 1, .eyes = 10})).request.pose.eye_separation, 10);
+    EXPECT_EQ(only<SetPose>(pose({.seq = 1, .eyes = 10})).request.pose.eye_separation, 10);
     const auto refused = pose({.seq = 2, .eyes = 10.01f});
     EXPECT_NE(only<SendError>(refused).text.find("eye_separation in 0 ... 10 m"), std::string::npos);
 }
@@ -147,11 +147,11 @@ TEST_F(SessionRulesTest, EyesMayBeAsFarApartAsTheLimitSays) {
 TEST_F(SessionRulesTest, EyesHaveFrustaOfTheirOwn) {
     watch();
     const wire::Frustum left(1.2f, 0.9f, 1, 1.1f), right(0.9f, 1.2f, 1, 1.1f), aside(-0.5f, 1.5f, 1, -0.25f);
-    const Pose pose_shown = only<Show>(pose({.seq = 1, .frustum = left, .right_frustum = right})).request.pose;
+    const Pose pose_shown = only<SetPose>(pose({.seq = 1, .frustum = left, .right_frustum = right})).request.pose;
     EXPECT_EQ(pose_shown.frustum, (Frustum{1.2f, 0.9f, 1, 1.1f}));
     EXPECT_EQ(pose_shown.right_frustum, (Frustum{0.9f, 1.2f, 1, 1.1f}));
-    EXPECT_EQ(only<Show>(pose({.seq = 2, .frustum = aside})).request.pose.frustum.left, -0.5f);
-    EXPECT_EQ(only<Show>(pose({.seq = 3})).request.pose.frustum, Frustum{}) << "not kept from another pose";
+    EXPECT_EQ(only<SetPose>(pose({.seq = 2, .frustum = aside})).request.pose.frustum.left, -0.5f);
+    EXPECT_EQ(only<SetPose>(pose({.seq = 3})).request.pose.frustum, Frustum{}) << "not kept from another pose";
 }
 
 TEST_F(SessionRulesTest, FrustaThatCannotBeAreOutOfRange) {
@@ -165,7 +165,7 @@ TEST_F(SessionRulesTest, FrustaThatCannotBeAreOutOfRange) {
         EXPECT_EQ(onlyError(pose({.frustum = bad[i]})), ErrorCode::out_of_range) << i;
         EXPECT_EQ(onlyError(pose({.right_frustum = bad[i]})), ErrorCode::out_of_range) << i;
     }
-    only<Show>(pose({.frustum = wire::Frustum(0, 0, 0, 0)})); // as if none were sent
+    only<SetPose>(pose({.frustum = wire::Frustum(0, 0, 0, 0)})); // as if none were sent
 }
 
 TEST_F(SessionRulesTest, PosesOverTheRateWaitAndTheNewestIsShown) {
@@ -174,20 +174,20 @@ TEST_F(SessionRulesTest, PosesOverTheRateWaitAndTheNewestIsShown) {
     const uint32_t sent = 2000; // at once
     for (uint32_t seq = 1; seq <= sent; ++seq)
         for (const Effect& effect : pose({.seq = seq})) {
-            if (std::holds_alternative<Show>(effect))
+            if (std::holds_alternative<SetPose>(effect))
                 ++shown;
             else if (std::get<SendError>(effect).code == ErrorCode::too_fast)
                 ++complaints;
         }
     EXPECT_EQ(shown, size_t(options.pose_rate * options.burst_s));
     EXPECT_EQ(complaints, 1u) << "one a second, not one a pose";
-    EXPECT_EQ(only<Show>(tick(100ms)).request.seq, sent);
+    EXPECT_EQ(only<SetPose>(tick(100ms)).request.seq, sent);
     EXPECT_TRUE(tick(100ms).empty());
     // An older one that comes late does not replace the one that waits.
     now += 10s;
     for (uint32_t seq = 1; seq <= 600; ++seq) pose({.seq = sent + seq});
     pose({.seq = 3});
-    EXPECT_EQ(only<Show>(tick(100ms)).request.seq, sent + 600);
+    EXPECT_EQ(only<SetPose>(tick(100ms)).request.seq, sent + 600);
 }
 
 TEST_F(SessionRulesTest, TooManyMessagesMakeUsReadMoreSlowly) {
@@ -214,7 +214,7 @@ TEST_F(SessionRulesTest, AFewMalformedMessagesEndIt) {
     Effects out;
     rules->onText(now, out);
     EXPECT_EQ(onlyError(out), ErrorCode::malformed);
-    only<Show>(pose({})); // survived so far
+    only<SetPose>(pose({})); // survived so far
     const auto last = sayBytes(std::vector<uint8_t>(100, 0xff));
     ASSERT_EQ(last.size(), 2u);
     EXPECT_EQ(std::get<SendError>(last[0]).code, ErrorCode::malformed);

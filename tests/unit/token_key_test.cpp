@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "server/operate/token_key.h"
+#include "server/net/token_key.h"
 
 namespace brume {
 namespace {

@@ -99,12 +99,12 @@ TEST(Token, OverItsLengthIsNotEvenSigned) {
 
 TEST(Access, ComesWithTheHeaderOrTheQueryAndOneLineSaysWhatIsMissing) {
     NetOptions options;
-    EXPECT_EQ(std::get<Clearance>(clear("", "", Role::operator_, options)).role, Role::operator_) << "open";
+    EXPECT_EQ(std::get<Authorization>(authorize("", "", Role::operator_, options)).role, Role::operator_) << "open";
     options.token_key = kKey;
     const auto soon = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) + 60s;
     const std::string token = makeToken({Role::controller, soon, "ann"}, kKey);
     const auto status = [&](const std::string& header, const std::string& query, Role least = Role::viewer) {
-        const auto checked = clear(header, query, least, options);
+        const auto checked = authorize(header, query, least, options);
         const auto* refusal = std::get_if<Reply>(&checked);
         if (!refusal) return 200u;
         EXPECT_EQ(refusal->body.find('\n'), refusal->body.size() - 1) << "one line";
@@ -120,7 +120,7 @@ TEST(Access, ComesWithTheHeaderOrTheQueryAndOneLineSaysWhatIsMissing) {
     EXPECT_EQ(status("", "token=" + token + "&token=" + token), 401u) << "a name comes once";
     EXPECT_EQ(status("Basic " + token, ""), 401u);
     EXPECT_EQ(status("Bearer x", "token=" + token), 401u) << "the header goes first";
-    const auto until = *std::get<Clearance>(clear("Bearer " + token, "", Role::viewer, options)).until;
+    const auto until = *std::get<Authorization>(authorize("Bearer " + token, "", Role::viewer, options)).until;
     EXPECT_NEAR(std::chrono::duration<double>(until - Clock::now()).count(), 60 + kClockSkew.count(), 2);
 }
 

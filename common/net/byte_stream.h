@@ -1,4 +1,4 @@
-// A TCP connection with deadlines, with or without TLS: one type for both, so that what is built on it is compiled once.
+// A TCP connection with deadlines, with or without TLS. One type for both, so that code built on it is compiled once.
 #pragma once
 
 #include <array>
@@ -108,7 +108,7 @@ private:
     std::variant<Tcp, Tls> stream_;
 };
 
-// How Beast's WebSocket ends it: politely, then for good.
+// How Beast's WebSocket closes the stream: with TLS and TCP shutdown, or at once.
 inline void beast_close_socket(ByteStream& stream) { stream.tcp().close(); }
 
 inline void teardown(boost::beast::role_type role, ByteStream& stream, boost::system::error_code& error) {

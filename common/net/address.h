@@ -7,7 +7,7 @@
 
 namespace brume {
 
-// True for 127.0.0.0/8, ::1 and the name localhost: what other machines cannot reach.
+// True for 127.0.0.0/8, ::1 and the name localhost. Other machines cannot reach these.
 inline bool isLoopback(const std::string& host) {
     in_addr v4{};
     in6_addr v6{};

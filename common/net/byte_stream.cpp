@@ -1,4 +1,4 @@
-#include "common/byte_stream.h"
+#include "common/net/byte_stream.h"
 
 namespace brume {
 

@@ -1,4 +1,4 @@
-// What the server counts and times, for Prometheus. One object for the process, made by its owner; thread-safe.
+// What the server counts and times, for Prometheus. One object for the process; thread-safe.
 #pragma once
 
 #include <memory>
@@ -16,9 +16,10 @@ public:
 
     // --- the frame loop's side ---
     void ticked(float work_ms); // one tick of the shared work: commands, simulation, light
-    // The device is done with a batch: its passes for all, and for each view; `finer`: with less error, of what rests.
+    // The device is done with a batch: times of the passes that all views share, and of those of each view. `finer`: true for a
+    // batch with less error, because cameras rest.
     void drawn(double shared_ms, double views_ms, bool finer = false);
-    void budget(double used);                 // part of the frame budget that a frame of all viewers takes; above 1: over it
+    void budget(double used);                 // time of a frame of all viewers over the frame budget
     void encoded(uint32_t pictures);          // viewers with the same camera share one
     void rendered(const EncodedFrame& frame); // a frame is encoded; times its wait, render, encode and gpu stages
     void failed();                            // a due frame was abandoned
@@ -26,7 +27,7 @@ public:
     // --- the connections' side ---
     void sent(size_t bytes, float queue_ms); // a frame went to a viewer; queue: JPEG ready -> handed to the socket
     void superseded(uint64_t frames);        // a newer frame came before these were sent
-    void refused(std::string_view reason);   // of a fixed set: an error code's name, or what was full
+    void refused(std::string_view reason);   // of a fixed set: an error code's name, or which check refused
     void requested(std::string_view route, unsigned status);
     void connected(int change); // +1 or -1 open connections
 

@@ -1,4 +1,4 @@
-#include "server/operate/token_key.h"
+#include "server/net/token_key.h"
 
 #include <cerrno>
 #include <cstring>
