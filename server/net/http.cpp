@@ -215,6 +215,7 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::
         co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
 
     FramePtr frame;
+    std::string refusal;
     {
         const Counted open(context_->snapshots);
         const bool room = open.number() <= context_->options.max_snapshots;
@@ -227,7 +228,9 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::
         pose.received = Clock::now();
         handle->viewer().setPose(pose);
         frame = co_await nextFrame(*handle);
+        refusal = handle->viewer().refusal();
     }
+    if (!refusal.empty()) co_return co_await send(request, "snapshot", lineReply(400, std::move(refusal)));
     if (!frame) co_return co_await send503("no frame came in time: see /readyz");
     context_->metrics.sent(frame->jpeg[0]->size(), 0);
     Reply reply;
@@ -262,6 +265,8 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     handle->viewer().drawAlways();
     handle->viewer().setPose(picture.request);
     FramePtr frame = co_await nextFrame(*handle);
+    if (std::string refusal = handle->viewer().refusal(); !refusal.empty())
+        co_return co_await send(request, "stream", lineReply(400, std::move(refusal)));
     if (!frame) co_return co_await send503("no frame came in time: see /readyz");
 
     context_->metrics.requested("stream", 200);
@@ -297,7 +302,8 @@ asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle) {
     const auto deadline = Clock::now() + context_->options.frame_wait;
     for (;;) {
         FramePtr frame = handle.takeFrame();
-        if (frame || context_->stopping || Clock::now() >= deadline) co_return frame;
+        const bool over = context_->stopping || Clock::now() >= deadline || !handle.viewer().refusal().empty();
+        if (frame || over) co_return frame;
         co_await event_->wait(deadline);
     }
 }

@@ -230,6 +230,10 @@ asio::awaitable<void> WebSocketSession::beat() {
             if (handle_->viewer().look(now, std::exchange(backlog_, false)) > context_->options.silence) {
                 handle_->markLost();
                 close(kCloseTryLater, "no frame was acknowledged for too long", kRetryRestart);
+            } else if (const std::string why = handle_->viewer().refusal(); !why.empty()) {
+                context_->metrics.refused("undrawable");
+                enqueue(packError(wire::ErrorCode::out_of_range, why, 0));
+                close(kClosePolicy, why);
             }
         }
         event_->notify();

@@ -27,6 +27,7 @@ class FakeRenderer {
 public:
     std::atomic<bool> paused{false};          // renders nothing, takes no command
     std::atomic<size_t> jpeg_bytes{0};        // pads pictures to at least so many
+    std::atomic<uint32_t> most_pixels{~0u};   // of a picture; who asks for more is refused
     std::atomic<uint64_t> rounds{0}, made{0}; // loops done, frames rendered
 
     FakeRenderer(Audience& audience, Metrics& metrics) : audience_(audience), metrics_(metrics) {
@@ -69,8 +70,14 @@ private:
 
             audience_.list(viewers);
             for (const auto& viewer : viewers)
-                if (const auto due = viewer->takeDue()) viewer->deliver(render(*due, report));
+                if (const auto due = viewer->takeDue()) answer(*viewer, *due, report);
         }
+    }
+
+    void answer(Viewer& viewer, const Viewer::Due& due, const SceneReport& report) {
+        if (uint32_t{due.request.width} * due.request.height <= most_pixels) return viewer.deliver(render(due, report));
+        viewer.abandon(due.frame_id);
+        viewer.refuse("ask for smaller pictures");
     }
 
     FramePtr render(const Viewer::Due& due, const SceneReport& report) {

@@ -51,6 +51,28 @@ TEST_F(SessionTest, AnOversizedMessageClosesOnlyItsSender) {
     EXPECT_TRUE(eventually([&] { return audience->size() == 1; }));
 }
 
+// The device cannot draw what one viewer asks for: that viewer is told why and goes, the other one looks on.
+TEST_F(SessionTest, WhoCannotBeDrawnIsToldAndGoes) {
+    serve();
+    const auto modest = watch(), greedy = watch();
+    renderer->most_pixels = 640 * 360;
+    modest->pose(1);
+    EXPECT_TRUE(frameOf(*modest, 1));
+    greedy->pose(1, {0, 0, 10}, 1280, 720);
+    const auto error = greedy->next<wire::Error>();
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->parsed->as<wire::Error>()->code(), ErrorCode::out_of_range);
+    EXPECT_EQ(error->parsed->as<wire::Error>()->text()->str(), "ask for smaller pictures");
+    EXPECT_EQ(greedy->closeCode(), 1008);
+    modest->pose(2);
+    EXPECT_TRUE(frameOf(*modest, 2));
+    for (const char* path : {"/snapshot.jpg", "/stream.mjpg"}) {
+        const HttpAnswer answer = get(server->port(), std::string(path) + "?w=1280&h=720");
+        EXPECT_EQ(answer.status, 400) << path;
+        EXPECT_EQ(answer.body, "ask for smaller pictures\n");
+    }
+}
+
 TEST_F(SessionTest, AFloodOfPosesHarmsNobodyAndItsLastIsShown) {
     serve();
     const auto quiet = watch(), loud = watch();
