@@ -96,7 +96,7 @@ struct SceneCamera {
 
 // What the renderer is asked for; changed by commands while the server runs.
 struct RenderSettings {
-    std::string method = "auto";        // a name of server/render/methods.cpp, or auto: what server/plan chooses
+    std::string method = "auto";        // a name of server/methods/list.h, or auto: what server/plan chooses
     float error = 5e-3f;                // auto: relative RMSE of a picture against the true medium, at most
     float flip = 1e-2f;                 // auto: and mean FLIP
     std::string quadrature = "simpson"; // isv: simpson | transmittance | analytic; tiles: cached | hermite

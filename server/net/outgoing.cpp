@@ -11,12 +11,10 @@ using Builder = flatbuffers::FlatBufferBuilder;
 auto packStrings(Builder& b, const std::vector<std::string>& strings) { return b.CreateVectorOfStrings(strings); }
 auto packText(Builder& b, std::string_view text) { return b.CreateString(text.data(), text.size()); }
 
-// Rays and slabs are of one method.
 auto packPlan(Builder& b, const SceneReport& report) {
     const RenderSettings& used = report.plan.settings;
-    const bool slabs = used.method == "slabs";
     const auto method = packText(b, used.method), quadrature = packText(b, used.quadrature);
-    return wire::CreatePlan(b, method, quadrature, slabs ? used.rate : 0, slabs ? used.slabs : 0, float(report.plan.error),
+    return wire::CreatePlan(b, method, quadrature, used.rate, used.slabs, float(report.plan.error),
                             float(report.plan.ms), report.plan.relaxed);
 }
 

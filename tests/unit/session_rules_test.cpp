@@ -102,9 +102,9 @@ TEST_F(SessionRulesTest, APoseIsShownWithEverythingItSays) {
 
 TEST_F(SessionRulesTest, AHiddenWindowIsHiddenUntilAPoseSaysOtherwise) {
     watch();
-    EXPECT_FALSE(only<Show>(pose({.seq = 1})).request.hidden);
-    EXPECT_TRUE(only<Show>(pose({.seq = 2, .hidden = true})).request.hidden);
-    EXPECT_FALSE(only<Show>(pose({.seq = 3})).request.hidden);
+    EXPECT_FALSE(only<SetPose>(pose({.seq = 1})).request.hidden);
+    EXPECT_TRUE(only<SetPose>(pose({.seq = 2, .hidden = true})).request.hidden);
+    EXPECT_FALSE(only<SetPose>(pose({.seq = 3})).request.hidden);
 }
 
 TEST_F(SessionRulesTest, APosesSizeStaysUntilAnotherComes) {
