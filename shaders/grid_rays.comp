@@ -54,7 +54,7 @@ float cubic(uint first, uint row, uint sheet, vec3 t) {
 }
 
 vec4 mediumAt(uint s) {
-    const vec3 at = eye_at + (grid.depth + (float(s) + 0.5) * grid.thickness) * ray_dir;
+    const vec3 at = eye_at + middleDepth(s) * ray_dir;
     const uvec3 size = push.medium.bricks * kSlabTile;
     vec4 medium = vec4(0);
     if (all(greaterThanEqual(at, vec3(1))) && all(lessThan(at, vec3(size) - 2))) {

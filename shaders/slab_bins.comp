@@ -35,7 +35,7 @@ void main() {
         SlabMember m;
         m.centre = vec3(dot(eye.right, c), -dot(eye.up, c), -dot(eye.back, c));
         const float least = grid.rate > 1 ? kLeastAcross * float(grid.rate) * pixel * m.centre.z : 0;
-        const float across = max(own, least), along = max(own, kLeastAlong * grid.thickness);
+        const float across = max(own, least), along = max(own, kLeastAlong * slabThickness(0));
         m.across = 0.5 * kLog2e / (across * across);
         m.along = 0.5 * kLog2e / (along * along);
         m.sigma = p.sigma_t * (own / across) * (own / across) * (own / along);
@@ -43,17 +43,16 @@ void main() {
         members[views[gl_WorkGroupID.z].members + i] = m;
         const float radius = supportRadius(p.sigma_t, u, tick.cut);
         const float wide = radius * across / own, deep = radius * along / own;
-        const float end = grid.depth + grid.thickness * float(grid.slabs);
+        const float end = farDepth();
         const float near = max(m.centre.z - deep, grid.depth), far = min(m.centre.z + deep, end);
         if (radius > 0 && far > near) {
             // Where the box around it is seen, in tiles from node (0, 0).
             const vec2 lo = m.centre.xy - wide, hi = m.centre.xy + wide;
             const vec2 origin = pictureCorner() + (0.5 + (vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate)) * pixel;
             const vec2 first = (min(lo / near, lo / far) - origin) / tile - 1e-3, last = (max(hi / near, hi / far) - origin) / tile + 1e-3;
-            const float sheet = grid.thickness * float(grid.sheet);
             reach[0] = span(first.x, last.x, grid.lines.x);
             reach[1] = span(first.y, last.y, grid.lines.y);
-            reach[2] = span((near - grid.depth) / sheet, (far - grid.depth) / sheet, grid.lines.z);
+            reach[2] = span(sheetAt(near), sheetAt(far), grid.lines.z);
         }
     }
     writeBins(views[gl_WorkGroupID.z].bins, reach, grid.lines);

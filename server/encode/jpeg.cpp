@@ -21,6 +21,7 @@ std::vector<uint8_t> JpegEncoder::encode(const PictureView& picture, int quality
     const int width = int(layout.width), height = int(layout.height);
     const int sampling = layout.full ? TJSAMP_444 : TJSAMP_420;
     const size_t most = tjBufSize(width, height, sampling);
+    if (most == size_t(-1)) throw std::runtime_error(std::string("libjpeg-turbo: ") + tjGetErrorStr2(nullptr));
     if (scratch_.size() < most) scratch_.resize(most);
     unsigned char* out = scratch_.data();
     unsigned long size = scratch_.size();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 namespace brume {
 
 EncodeWorkers::EncodeWorkers(unsigned threads) {
@@ -35,7 +37,11 @@ void EncodeWorkers::work() {
         const Job job = std::move(jobs_.front());
         jobs_.pop_front();
         lock.unlock();
-        job(encoder);
+        try {
+            job(encoder);
+        } catch (const std::exception& e) {
+            spdlog::error("a picture is lost: {}", e.what());
+        }
         lock.lock();
     }
 }

@@ -14,7 +14,7 @@ namespace brume {
 
 class EncodeWorkers {
 public:
-    using Job = std::function<void(JpegEncoder&)>; // must not throw
+    using Job = std::function<void(JpegEncoder&)>; // a job that throws is logged, and its thread goes on
 
     explicit EncodeWorkers(unsigned threads);
     // Finishes the jobs given so far.

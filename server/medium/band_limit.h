@@ -1,5 +1,5 @@
 // What follows from the medium's band limit: how far apart rays, slabs and shaded pixels may be, in its standard deviations
-// (physics: "Order-independent slabs"). What the choices err is measured by tests/bench/sweeps/methods.toml.
+// (physics: "Order-independent slabs"). What the choices err is measured by tools/bench/sweeps/methods.toml.
 #pragma once
 
 #include <algorithm>

@@ -56,7 +56,7 @@ void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, M
             uint found = 0;
             for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
                 if ((cut.casters >> min(o - grid.first_caster, 31) & 1) == 0) continue;
-                vec2 range = (shadowOf(objects[o], eye.position, dir) - grid.depth) / grid.thickness;
+                vec2 range = facesAt(shadowOf(objects[o], eye.position, dir));
                 range = vec2(max(range.x, from), min(range.y, end));
                 if (!(range.x < range.y)) continue;
                 ++found;
@@ -80,7 +80,7 @@ void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, M
 // Makes of a whole ray (wholeRay()) the pixel's own. `dir`: of unit view depth.
 void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 across, inout float depth, inout float scattered[kMostSources]) {
     const float part = fieldPart(pixel.x), z = texelFetch(view_depth, pixel, 0).r;
-    const float end = clamp((z - grid.depth) / grid.thickness, 0, float(grid.slabs));
+    const float end = clamp(faceAt(z), 0, float(grid.slabs));
     if (abs(dot(across, cut.ends) - end) > kSameFace) {
         depth = max(fieldAt(cut.ended[0], fieldSetOf(0), run.at, end, part), 0);
         for (uint c = 0; c < kSources; ++c) scattered[c] = max(fieldAt(cut.ended[c + 1], fieldSetOf(c + 1), run.at, end, part), 0);

@@ -17,7 +17,7 @@ void march() {
     const uint set = kHasOpaque ? (grid.slabs + 2) * plane : plane;
     const bool inside = all(lessThan(node, grid.nodes));
     const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;
-    const float length_of_slab = length(rayDirection(at)) * grid.thickness;
+    const float ray_length = length(rayDirection(at)); // m per m of view depth
     const vec3 volume_dir = map_rays.ray + at.x * map_rays.right + at.y * map_rays.down;
     float depth = 0, light = 0, scattered[kSources];
     for (uint c = 0; c < kSources; ++c) scattered[c] = 0;
@@ -38,11 +38,11 @@ void march() {
         if (s == 0) before = 3 * here.x - 3 * next.x + then.x; // the first slab curves as the second
         // Integral over the slab of the parabola through three middles: one sample alone would err where the near plane or a wall
         // cuts the medium.
-        const float slab = max(here.x + (before - 2 * here.x + next.x) / 24, 0) * length_of_slab;
+        const float slab = max(here.x + (before - 2 * here.x + next.x) / 24, 0) * (ray_length * slabThickness(s));
         if (slab > 0) {
-            const float face = grid.depth + float(s) * grid.thickness;
+            const float face = faceDepth(s);
             if (!known) light = lightDepth(map_rays.eye + face * volume_dir);
-            const float light_behind = lightDepth(map_rays.eye + (face + grid.thickness) * volume_dir);
+            const float light_behind = lightDepth(map_rays.eye + (face + slabThickness(s)) * volume_dir);
             const float gain = exp(-depth) * scatterAnalytic(slab, light, light_behind);
             if (kSources == 1) {
                 scattered[0] += gain;
@@ -65,7 +65,7 @@ void march() {
     uint whole = mine;
     if (kHasOpaque) { // up to what the ray hits
         const float z = texelFetch(view_depth, ivec2(clamp(at, vec2(0), vec2(eye.size) - 1)), 0).r;
-        const float end = clamp((z - grid.depth) / grid.thickness, 0, float(grid.slabs));
+        const float end = clamp(faceAt(z), 0, float(grid.slabs));
         const float face = min(floor(end), float(grid.slabs - 1));
         const uint below = uint(face) * plane + mine;
         depth = mix(field[below], field[below + plane], end - face);

@@ -13,3 +13,5 @@ void enterView(uint view) {
     grid = views[view].grid;
     field_at = views[view].field;
 }
+
+#include "shaders/lib/slab_depth.glsl"

@@ -9,9 +9,9 @@
 
 #include "common/metrics.h"
 #include "common/plot.h"
-#include "tests/bench/report.h"
-#include "tests/bench/sweep.h"
-#include "tests/bench/truth.h"
+#include "tools/bench/report.h"
+#include "tools/bench/sweep.h"
+#include "tools/bench/truth.h"
 
 namespace brume::bench {
 namespace {
@@ -255,8 +255,8 @@ TEST(Sweep, RefusesWhatItDoesNotKnow) {
     }
     EXPECT_THROW(loadSweep("no/such.toml"), SceneError);
     for (const char* shipped : {"methods", "dissertation"})
-        EXPECT_GT(loadSweep(fs::path("tests/bench/sweeps") / (std::string(shipped) + ".toml")).size(), 2u);
-    EXPECT_EQ(loadSweep("tests/bench/sweeps/shadow.toml").size(), 1u);
+        EXPECT_GT(loadSweep(fs::path("tools/bench/sweeps") / (std::string(shipped) + ".toml")).size(), 2u);
+    EXPECT_EQ(loadSweep("tools/bench/sweeps/shadow.toml").size(), 1u);
 }
 
 TEST(Plot, FrontIsWhatNothingBeats) {

@@ -8,7 +8,7 @@
 
 #include "common/camera.h"
 #include "tests/gpu/fixture.h"
-#include "tests/reference/light_field.h"
+#include "tools/reference/light_field.h"
 
 namespace brume::test {
 

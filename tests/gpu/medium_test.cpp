@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tests/gpu/closed_form.h"
-#include "tests/reference/medium_reference.h"
+#include "tools/reference/medium_reference.h"
 
 namespace brume::test {
 namespace {

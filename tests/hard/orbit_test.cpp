@@ -1,7 +1,7 @@
 // What moves: a slow orbit through overlapping particles, whose order changes from frame to frame.
 #include "common/metrics.h"
 #include "tests/hard/hard.h"
-#include "tests/reference/medium_reference.h"
+#include "tools/reference/medium_reference.h"
 
 namespace brume::test {
 namespace {

@@ -1,5 +1,5 @@
 // The reference against exact answers, and against itself refined.
-#include "tests/reference/medium_reference.h"
+#include "tools/reference/medium_reference.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/reference/gauss_legendre.h"
-#include "tests/reference/light_field.h"
+#include "tools/reference/gauss_legendre.h"
+#include "tools/reference/light_field.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/reference/medium_reference.h"
+#include "tools/reference/medium_reference.h"
 #include "tests/reference/test_media.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/reference/world.h"
+#include "tools/reference/world.h"
 
 namespace brume::reference::test {
 

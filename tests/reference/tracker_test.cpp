@@ -1,6 +1,6 @@
 // Random paths against exact answers, each within its own interval: 4 standard errors, which a right program leaves once in
 // 16000.
-#include "tests/reference/tracker.h"
+#include "tools/reference/tracker.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/reference/medium_reference.h"
+#include "tools/reference/medium_reference.h"
 #include "tests/reference/test_media.h"
 
 namespace {

@@ -1,0 +1,65 @@
+// Encoding without a device: what threads do with jobs, and which format a picture gets.
+#include <future>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "server/encode/picture_encoder.h"
+#include "server/encode/workers.h"
+
+namespace brume {
+namespace {
+
+// Want of memory on an encoder's thread costs one picture, not the process.
+TEST(EncodeWorkers, AJobThatThrowsIsLostAndTheNextOneRuns) {
+    EncodeWorkers workers(1);
+    std::promise<int> next;
+    workers.give([](JpegEncoder&) { throw std::bad_alloc(); });
+    workers.give([&](JpegEncoder&) { next.set_value(7); });
+    std::future<int> answer = next.get_future();
+    ASSERT_EQ(answer.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+    EXPECT_EQ(answer.get(), 7);
+}
+
+class PictureEncoder : public testing::Test {
+protected:
+    // R, G, B of 16x8 pixels.
+    PlaneLayout layout{16, 8, true};
+    std::vector<uint8_t> planes = std::vector<uint8_t>(layout.bytes(), 100);
+    std::array<PictureView, 2> eyes{PictureView{layout, planes.data()}, PictureView{layout, planes.data()}};
+    JpegEncoder jpeg;
+};
+
+TEST_F(PictureEncoder, BothEyesGetTheFormatThatIsAskedFor) {
+    const EncodedPictures lossy = encodePictures(eyes, {.quality = 70}, jpeg);
+    EXPECT_EQ(lossy.format, PictureFormat::jpeg);
+    EXPECT_EQ(lossy.quality, 70);
+    const EncodedPictures exact = encodePictures(eyes, {.quality = 70, .lossless = true}, jpeg);
+    EXPECT_EQ(exact.format, PictureFormat::png);
+    EXPECT_EQ(exact.quality, 100);
+    for (const size_t eye : {size_t(0), size_t(1)}) {
+        ASSERT_TRUE(lossy.bytes[eye] && exact.bytes[eye]);
+        EXPECT_EQ(lossy.bytes[eye]->front(), 0xff); // a JPEG begins so,
+        EXPECT_EQ(exact.bytes[eye]->front(), 0x89); // and a PNG so
+    }
+}
+
+// Noise does not shrink: beyond 4 MiB a lossless picture comes as JPEG of high quality.
+TEST_F(PictureEncoder, ALosslessPictureThatIsTooLargeComesAsJpeg) {
+    const PlaneLayout large{1600, 1200, true};
+    std::vector<uint8_t> noise(large.bytes());
+    uint32_t bits = 1;
+    for (uint8_t& byte : noise) byte = uint8_t((bits = bits * 1664525 + 1013904223) >> 24);
+    const PictureView view{large, noise.data()};
+    const EncodedPictures pictures = encodePictures({&view, 1}, {.quality = 80, .lossless = true}, jpeg);
+    EXPECT_EQ(pictures.format, PictureFormat::jpeg);
+    EXPECT_EQ(pictures.quality, 97);
+}
+
+TEST_F(PictureEncoder, APictureWithoutPixelsIsRefused) {
+    const PictureView none{{0, 0, false}, planes.data()};
+    EXPECT_THROW(encodePictures({&none, 1}, {}, jpeg), std::runtime_error);
+}
+
+} // namespace
+} // namespace brume

@@ -1,0 +1,238 @@
+#include "tools/bench/report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "common/plot.h"
+
+namespace brume::bench {
+namespace {
+
+using nlohmann::json;
+
+double numberAt(const json& row, const char* path) {
+    const json::json_pointer at(path);
+    return row.contains(at) && row.at(at).is_number() ? row.at(at).get<double>() : std::nan("");
+}
+
+// Three digits that count; "-" for what there is not.
+std::string digits(double value, double times = 1, const char* unit = "") {
+    if (!std::isfinite(value)) return "-";
+    char text[64];
+    const double v = value * times;
+    std::snprintf(text, sizeof text, std::abs(v) >= 100 ? "%.0f" : std::abs(v) >= 10 ? "%.1f" : "%.3g", v);
+    return text + std::string(unit);
+}
+
+std::string whole(double value) { return std::isfinite(value) ? std::to_string(std::llround(value)) : "-"; }
+
+std::string place(const json& row) {
+    std::string text = "`" + row.value("scene", "") + "`, " + row.value("camera", "outside") + ", " + row.value("size", "");
+    if (row.value("viewers", 1) > 1) text += ", " + std::to_string(row.value("viewers", 1)) + " viewers";
+    return text;
+}
+
+std::string plain(std::string markdown) {
+    std::erase(markdown, '`');
+    return markdown;
+}
+
+class Table {
+public:
+    explicit Table(const std::vector<std::string>& heads) { line(heads), line(std::vector<std::string>(heads.size(), "---")); }
+    void line(const std::vector<std::string>& cells) {
+        text_ += '|';
+        for (const std::string& cell : cells) text_ += ' ' + cell + " |";
+        text_ += '\n';
+    }
+    const std::string& text() const { return text_; }
+
+private:
+    std::string text_;
+};
+
+// Rows of one place (scene, camera, size, viewers), in their order.
+std::vector<std::pair<std::string, std::vector<json>>> byPlace(const json& series) {
+    std::vector<std::pair<std::string, std::vector<json>>> places;
+    for (const json& row : series.at("rows")) {
+        if (places.empty() || places.back().first != place(row)) places.push_back({place(row), {}});
+        places.back().second.push_back(row);
+    }
+    return places;
+}
+
+std::string fileName(const std::string& text) {
+    std::string out;
+    for (const char c : text)
+        if (std::isalnum(static_cast<unsigned char>(c)))
+            out += char(std::tolower(static_cast<unsigned char>(c)));
+        else if (!out.empty() && out.back() != '-')
+            out += '-';
+    while (!out.empty() && out.back() == '-') out.pop_back();
+    return out;
+}
+
+std::string costTables(const json& series, const std::filesystem::path& folder, const std::string& name) {
+    const bool errors = !series.value("error", "").empty(), published = !series.value("published_on", "").empty();
+    std::string out;
+    for (const auto& [where, rows] : byPlace(series)) {
+        double published_base = std::nan("");
+        json base;
+        for (const json& row : rows)
+            if (row.at("variant") == series.at("baseline")) base = row, published_base = numberAt(row, "/published_ms");
+        // A median, with the least in brackets; and how many times the baseline's that is.
+        const auto timesOf = [&](const json& row, const std::string& what) {
+            const auto both = [&](const auto& text) {
+                const std::string least = text("/" + what + "_least_ms");
+                return text("/" + what + "_ms") + (least == "-" ? "" : " (" + least + ")");
+            };
+            return std::pair(
+                both([&](const std::string& at) { return digits(numberAt(row, at.c_str())); }),
+                both([&](const std::string& at) { return digits(numberAt(base, at.c_str()) / numberAt(row, at.c_str())); }));
+        };
+        std::vector<std::string> heads = {"variant",    "medium, ms",     "times faster", "picture, ms", "times faster",
+                                          "shared, ms", "wall, ms (p95)", "fragments",    "device, MiB"};
+        if (errors) heads.insert(heads.end(), {"relative RMSE", "bias", "FLIP", "worst pixel"});
+        if (published) heads.insert(heads.end(), {"published, ms", "published, times faster"});
+        Table table(heads);
+        std::map<std::string, int> groups; // "isv, Simpson 2" has isv's colour
+        Plot plot{series.at("name").get<std::string>() + ": " + plain(where), "medium passes, ms", "relative RMSE, %", {}};
+        for (const json& row : rows) {
+            const double ms = numberAt(row, "/medium_ms");
+            const auto [medium, medium_times] = timesOf(row, "medium");
+            const auto [picture, picture_times] = timesOf(row, "views");
+            std::vector<std::string> cells = {row.at("variant"),
+                                              medium,
+                                              medium_times,
+                                              picture,
+                                              picture_times,
+                                              digits(numberAt(row, "/shared_ms")),
+                                              digits(numberAt(row, "/wall_ms")) + " (" + digits(numberAt(row, "/wall_p95_ms")) +
+                                                  ")",
+                                              digits(numberAt(row, "/fragments"), 1e-6, " M"),
+                                              digits(numberAt(row, "/device_mib"))};
+            if (errors) {
+                const double rmse = numberAt(row, "/error/relative_rmse");
+                cells.insert(cells.end(),
+                             {digits(rmse, 100, " %"), digits(numberAt(row, "/error/bias"), 100, " %"),
+                              digits(numberAt(row, "/error/flip")),
+                              digits(numberAt(row, "/error/worst/error"), 100, " %") + " at " +
+                                  whole(numberAt(row, "/error/worst/x")) + ", " + whole(numberAt(row, "/error/worst/y"))});
+                const std::string variant = row.at("variant");
+                const auto [group, unused] = groups.try_emplace(variant.substr(0, variant.find(',')), int(groups.size()));
+                plot.points.push_back({variant, ms, 100 * rmse, group->second});
+            }
+            const double theirs = numberAt(row, "/published_ms");
+            if (published) cells.insert(cells.end(), {digits(theirs), digits(published_base / theirs)});
+            table.line(cells);
+        }
+        out += "### " + where + "\n\n" + table.text() + "\n";
+        if (plot.points.size() > 1) {
+            const std::string file = name + '-' + fileName(plot.title) + ".svg";
+            std::ofstream(folder / file) << svg(plot);
+            out += "![time against error](" + file + ")\n\n";
+        }
+    }
+    return out;
+}
+
+std::string jpegTable(const json& series) {
+    Table table({"picture", "quality", "bytes", "encode, ms", "PSNR, dB", "FLIP"});
+    for (const json& row : series.at("rows"))
+        table.line({place(row), whole(numberAt(row, "/quality")), whole(numberAt(row, "/bytes")),
+                    digits(numberAt(row, "/encode_ms")), digits(numberAt(row, "/psnr")), digits(numberAt(row, "/flip"))});
+    return table.text() + "\n";
+}
+
+std::string lightTable(const json& series) {
+    Table table({"picture", "variant", "texels, planes", "time, ms", "relative RMSE", "estimated", "bias", "FLIP"});
+    for (const json& row : series.at("rows"))
+        table.line(
+            {"`" + row.value("scene", "") + "`, " + row.value("camera", ""), row.at("variant"),
+             whole(numberAt(row, "/columns")) + " x " + whole(numberAt(row, "/rows")) + " x " + whole(numberAt(row, "/planes")),
+             digits(numberAt(row, "/shadow_ms")), digits(numberAt(row, "/relative_rmse"), 100, " %"),
+             digits(numberAt(row, "/estimated"), 100, " %"), digits(numberAt(row, "/bias"), 100, " %"),
+             digits(numberAt(row, "/flip"))});
+    return table.text() + "\n";
+}
+
+std::string orbitTable(const json& series) {
+    Table table({"orbit", "variant", "frames", "degrees a frame", "temporal FLIP beyond the reference's"});
+    for (const json& row : series.at("rows"))
+        table.line({place(row), row.at("variant"), digits(numberAt(row, "/frames")), digits(numberAt(row, "/degrees")),
+                    digits(numberAt(row, "/temporal_flip"))});
+    return table.text() + "\n";
+}
+
+std::string list(const json& texts) {
+    std::string out;
+    for (const json& text : texts) out += (out.empty() ? "`" : ", `") + text.get<std::string>() + '`';
+    return out;
+}
+
+} // namespace
+
+void writeReport(const json& results, const std::filesystem::path& folder, const std::string& name) {
+    if (!results.contains("series") || !results.contains("device")) throw std::runtime_error("not the results of a sweep");
+    std::filesystem::create_directories(folder);
+    std::string out =
+        "# Speed against error\n\nDevice: " + results.at("device").get<std::string>() + ", driver " +
+        results.value("driver", "") + "; CPU: " + results.value("cpu", "") + "; commit " + results.value("commit", "unknown") +
+        ", " + results.value("date", "") + ". Made by `" + results.value("command", "") + "` in " +
+        digits(numberAt(results, "/seconds") / 60) +
+        " minutes; most memory of the process: " + digits(numberAt(results, "/peak_mib")) +
+        " MiB.\n\nMedium: cull, sort and draw of all viewers; picture: all that is done for them, from the background to the "
+        "planes that JPEG takes. Medians of all frames; in brackets the least, which a busy machine spoils less. Shared: what is "
+        "done once per tick for all "
+        "of them (upload, shadow maps). "
+        "Errors are those of linear radiance in pixels with medium, against the double-precision reference of the "
+        "true overlapping "
+        "medium without sky and ambient light; FLIP of what a viewer sees. Times faster: against the row of that "
+        "name that says 1.\n\n";
+    for (const json& series : results.at("series")) {
+        out += "## " + series.at("name").get<std::string>() + "\n\n" + series.value("about", "");
+        if (!series.at("set").empty()) out += " Settings: " + list(series.at("set")) + '.';
+        if (!series.value("error", "").empty()) {
+            out += " Errors at " + series.value("error", "");
+            if (const int every = series.value("every", 1); every > 1) out += ", every " + std::to_string(every) + "th pixel";
+            out += '.';
+        }
+        if (!series.value("published_on", "").empty()) out += " Published figures: " + series.value("published_on", "") + '.';
+        out += "\n\n";
+        const std::string kind = series.at("kind");
+        out += kind == "jpeg"    ? jpegTable(series)
+               : kind == "light" ? lightTable(series)
+               : kind == "orbit" ? orbitTable(series)
+                                 : costTables(series, folder, name);
+    }
+    std::ofstream file(folder / (name + ".md"));
+    file << out;
+    if (!file.flush()) throw std::runtime_error((folder / (name + ".md")).string() + ": cannot be written");
+}
+
+std::string compareResults(const json& before, const json& now) {
+    std::map<std::string, json> old;
+    const auto keyOf = [](const json& series, const json& row) {
+        return series.at("name").get<std::string>() + " · " + place(row) + " · " + row.at("variant").get<std::string>();
+    };
+    for (const json& series : before.at("series"))
+        for (const json& row : series.at("rows")) old[keyOf(series, row)] = row;
+    Table table({"what", "medium, ms before", "now", "now / before", "relative RMSE before", "now"});
+    for (const json& series : now.at("series"))
+        for (const json& row : series.at("rows")) {
+            const auto found = old.find(keyOf(series, row));
+            if (found == old.end()) continue;
+            const double a = numberAt(found->second, "/medium_ms"), b = numberAt(row, "/medium_ms");
+            table.line({found->first, digits(a), digits(b), digits(b / a),
+                        digits(numberAt(found->second, "/error/relative_rmse"), 100, " %"),
+                        digits(numberAt(row, "/error/relative_rmse"), 100, " %")});
+        }
+    return table.text();
+}
+
+} // namespace brume::bench

@@ -1,0 +1,258 @@
+#include "tools/bench/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "common/metrics.h"
+#include "common/scene_reader.h"
+#include "tools/bench/jpeg_error.h"
+#include "tools/bench/light_error.h"
+#include "tools/bench/passes.h"
+
+namespace brume::bench {
+namespace {
+
+using nlohmann::json;
+
+void readVariant(TableReader& in, Variant& out) {
+    float published = 0;
+    in.text("name", out.name, 64);
+    in.texts("set", out.set);
+    in.text("size", out.size, 16);
+    in.number("published_ms", published, {0, 1e6});
+    out.published_ms = double(published);
+}
+
+void readSeries(TableReader& in, Series& out) {
+    in.text("name", out.name, 64);
+    in.text("about", out.about, 400);
+    in.choice<std::string>("kind", out.kind, {{"cost", "cost"}, {"jpeg", "jpeg"}, {"light", "light"}, {"orbit", "orbit"}});
+    in.texts("scenes", out.scenes);
+    in.texts("cameras", out.cameras);
+    in.texts("sizes", out.sizes);
+    in.texts("viewers", out.viewers);
+    in.texts("set", out.set);
+    in.text("error", out.error, 16);
+    in.integer("every", out.every, {1, 99});
+    in.text("baseline", out.baseline, 64);
+    in.text("published_on", out.published_on, 100);
+    in.texts("qualities", out.qualities);
+    in.integer("frames", out.frames, {2, 1000});
+    in.number("degrees", out.degrees, {0, 360});
+    in.tables("variant", out.variants, {1, 100}, readVariant);
+    if (out.variants.empty()) out.variants.push_back({.name = "default", .set = {}, .size = {}});
+}
+
+// Without sky and ambient light the medium alone is compared.
+constexpr const char* kMediumAlone[] = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]"};
+
+Case caseOf(const Series& series, const Variant& variant, const std::string& scene, const std::string& camera) {
+    Case wanted;
+    wanted.scene = scene;
+    wanted.camera = camera;
+    wanted.set = series.set;
+    if (!series.error.empty()) wanted.set.insert(wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
+    wanted.set.insert(wanted.set.end(), variant.set.begin(), variant.set.end());
+    return wanted;
+}
+
+// JSON has no infinity and no NaN: they become null.
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+json errorsOf(const Errors& e) {
+    return {{"relative_rmse", number(e.relative_rmse)},
+            {"bias", number(e.bias)},
+            {"rel_mse", number(e.rel_mse)},
+            {"psnr", number(e.psnr)},
+            {"ssim", number(e.ssim)},
+            {"flip", number(e.flip)},
+            {"worst", {{"error", number(e.worst.error)}, {"x", e.worst.x}, {"y", e.worst.y}}},
+            {"pixels", e.pixels},
+            {"not_finite", e.not_finite}};
+}
+
+// What the frames of one stage took.
+struct Costs {
+    std::vector<FrameCost> frames;
+    double seconds = 0;
+
+    void add(FrameCost frame) {
+        seconds += frame.wall_ms * 1e-3;
+        frames.push_back(std::move(frame));
+    }
+
+    json summary() const {
+        json passes = json::array();
+        std::vector<double> shared(frames.size()), each(frames.size()), medium(frames.size()), wall;
+        const std::vector<FrameCost::Pass>& first = frames.front().passes;
+        for (size_t p = 0; p < first.size(); ++p) {
+            std::vector<double> ms;
+            for (size_t f = 0; f < frames.size(); ++f) {
+                const double took = frames[f].passes.at(p).ms;
+                ms.push_back(took);
+                (first[p].shared ? shared : each)[f] += took;
+                if (!first[p].shared && ofMedium(first[p].name)) medium[f] += took;
+            }
+            passes.push_back({{"name", first[p].name},
+                              {"shared", first[p].shared},
+                              {"median", median(ms)},
+                              {"least", percentile(ms, 0)},
+                              {"p95", percentile(ms, 0.95)}});
+        }
+        for (const FrameCost& frame : frames) wall.push_back(frame.wall_ms);
+        return {{"passes", passes},
+                {"frames", frames.size()},
+                {"medium_ms", median(medium)},
+                {"medium_least_ms", percentile(medium, 0)},
+                {"shared_ms", median(shared)},
+                {"views_ms", median(each)},
+                {"views_least_ms", percentile(each, 0)},
+                {"wall_ms", median(wall)},
+                {"wall_p95_ms", percentile(wall, 0.95)},
+                {"fragments", frames.front().fragments}};
+    }
+};
+
+// All variants of one place, their frames in turns: what disturbs the machine disturbs all alike.
+json costRows(const gpu::Device& device, const Series& series, const std::string& scene, const std::string& camera,
+              const std::string& size, const std::string& viewers, Truth& truth, const Effort& effort) {
+    std::vector<std::unique_ptr<Stage>> stages;
+    std::vector<Costs> costs(series.variants.size());
+    for (const Variant& variant : series.variants) {
+        Case wanted = caseOf(series, variant, scene, camera);
+        wanted.size = sizeOf(variant.size.empty() ? size : variant.size);
+        wanted.viewers = uint32_t(std::stoul(viewers));
+        stages.push_back(std::make_unique<Stage>(device, wanted, effort.ticks));
+        stages.back()->frame(); // compiles shaders, fits buffers
+    }
+    for (bool all_done = false; !all_done;) {
+        all_done = true;
+        for (size_t i = 0; i < stages.size(); ++i) {
+            if (costs[i].frames.size() >= effort.least && costs[i].seconds >= effort.seconds) continue;
+            costs[i].add(stages[i]->frame());
+            all_done = false;
+        }
+    }
+    json rows = json::array();
+    for (size_t i = 0; i < stages.size(); ++i) {
+        Stage& stage = *stages[i];
+        json row = costs[i].summary();
+        row.update({{"scene", scene},
+                    {"camera", camera},
+                    {"size", size},
+                    {"viewers", std::stoul(viewers)},
+                    {"variant", series.variants[i].name},
+                    {"set", series.variants[i].set},
+                    {"particles", stage.simulation().liveCount()},
+                    {"device_mib", double(stage.deviceBytes()) / (1 << 20)},
+                    {"particles_mib", double(stage.particleBytes()) / (1 << 20)}});
+        if (series.variants[i].published_ms > 0) row["published_ms"] = series.variants[i].published_ms;
+        if (!series.error.empty()) {
+            const glm::uvec2 small = sizeOf(series.error);
+            const RadianceImage exact = truth.of(stage, stage.pose(), small, series.every);
+            const RenderSettings& render = stage.scene().render;
+            row["error"] = errorsOf(compare(thinned(stage.picture(stage.pose(), small), series.every), exact,
+                                            {render.exposure, render.tone_map == "filmic"}, mediumMask(exact)));
+        }
+        std::fprintf(stderr, "  %-12s %-8s %-10s x%s  %-28s %8.1f ms\n", scene.c_str(), camera.c_str(), size.c_str(),
+                     viewers.c_str(), series.variants[i].name.c_str(), row["medium_ms"].get<double>());
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+// A slow orbit, paused: flicker and popping beyond the reference's own.
+json orbitRows(const gpu::Device& device, const Series& series, const std::string& scene, const std::string& camera, Truth& truth,
+               const Effort& effort) {
+    json rows = json::array();
+    for (const Variant& variant : series.variants) {
+        Stage stage(device, caseOf(series, variant, scene, camera), effort.ticks);
+        std::vector<RadianceImage> frames, exact;
+        const glm::uvec2 size = sizeOf(series.error);
+        for (uint32_t i = 0; i < series.frames; ++i) {
+            const Pose pose = turnedAbout(stage.pose(), stage.scene().camera.target, glm::radians(series.degrees * float(i)));
+            frames.push_back(stage.picture(pose, size));
+            exact.push_back(truth.of(stage, pose, size));
+        }
+        const RenderSettings& render = stage.scene().render;
+        const double flip = temporalFlip(frames, exact, {render.exposure, render.tone_map == "filmic"});
+        rows.push_back({{"scene", scene},
+                        {"camera", camera},
+                        {"variant", variant.name},
+                        {"set", variant.set},
+                        {"frames", series.frames},
+                        {"degrees", series.degrees},
+                        {"size", series.error},
+                        {"temporal_flip", number(flip)}});
+        std::fprintf(stderr, "  %-12s %-8s orbit %-28s %.5f\n", scene.c_str(), camera.c_str(), variant.name.c_str(), flip);
+    }
+    return rows;
+}
+
+} // namespace
+
+std::vector<Series> loadSweep(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    std::stringstream text;
+    text << in.rdbuf();
+    if (!in) throw SceneError(file.string() + ": cannot be read; give the path of a sweep's TOML file");
+    toml::table root;
+    try {
+        root = toml::parse(text.str(), file.string());
+    } catch (const toml::parse_error& error) {
+        throw SceneError(file.string() + ':' + std::to_string(error.source().begin.line) +
+                         ": syntax: " + std::string(error.description()));
+    }
+    const std::string name = file.string();
+    std::vector<Series> all;
+    TableReader reader(root, "", name);
+    reader.tables("series", all, {1, 100}, readSeries);
+    reader.finish();
+    return all;
+}
+
+json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& truth, const Effort& effort) {
+    json result = json::array();
+    for (const Series& series : all) {
+        if (series.name.find(effort.only) == std::string::npos) continue;
+        std::fprintf(stderr, "%s\n", series.name.c_str());
+        json rows = json::array();
+        const auto take = [&](const json& some) { rows.insert(rows.end(), some.begin(), some.end()); };
+        for (const std::string& scene : series.scenes)
+            for (const std::string& camera : series.cameras) {
+                if (series.kind == "orbit") take(orbitRows(device, series, scene, camera, truth, effort));
+                if (series.kind == "light") {
+                    std::vector<LightCase> cases;
+                    for (const Variant& variant : series.variants)
+                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
+                    take(lightRows(device, cases, sizeOf(series.error), effort));
+                }
+                if (series.kind != "cost" && series.kind != "jpeg") continue;
+                for (const std::string& size : series.sizes) {
+                    if (series.kind == "jpeg")
+                        take(jpegRows(device, caseOf(series, series.variants.front(), scene, camera), sizeOf(size),
+                                      series.qualities));
+                    if (series.kind != "cost") continue;
+                    for (const std::string& viewers : series.viewers)
+                        take(costRows(device, series, scene, camera, size, viewers, truth, effort));
+                }
+            }
+        result.push_back({{"name", series.name},
+                          {"about", series.about},
+                          {"kind", series.kind},
+                          {"error", series.error},
+                          {"every", series.every},
+                          {"baseline", series.baseline.empty() ? series.variants.front().name : series.baseline},
+                          {"published_on", series.published_on},
+                          {"set", series.set},
+                          {"rows", rows}});
+    }
+    return result;
+}
+
+} // namespace brume::bench

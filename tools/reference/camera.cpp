@@ -1,0 +1,37 @@
+#include "tools/reference/camera.h"
+
+#include <cmath>
+
+namespace brume::reference {
+
+Camera perspective(const Pose& pose, int width, int height, double near_depth) {
+    Camera camera{.width = width, .height = height, .position = pose.position, .near_depth = near_depth};
+    camera.world_from_view = glm::mat3_cast(glm::normalize(glm::dquat(pose.orientation)));
+    camera.half_height = std::tan(pose.fov_y / 2.0);
+    return camera;
+}
+
+Camera orthographic(const Pose& pose, int width, int height, double height_m) {
+    Camera camera = perspective(pose, width, height);
+    camera.orthographic = true;
+    camera.half_height = height_m / 2;
+    return camera;
+}
+
+Ray rayThrough(const Camera& camera, double x, double y) {
+    const auto drawnTogether = [&](double at) {
+        const double middle = (std::floor(at / camera.cluster) + 0.5) * camera.cluster;
+        return middle + (at - middle) * camera.cluster_part;
+    };
+    x = drawnTogether(x);
+    y = drawnTogether(y);
+    const double right = (2 * x - camera.width) / camera.height * camera.half_height;
+    const double up = (1 - 2 * y / camera.height) * camera.half_height;
+    if (camera.orthographic)
+        return {camera.position + camera.world_from_view * glm::dvec3(right, up, 0), -camera.world_from_view[2],
+                camera.near_depth};
+    const glm::dvec3 in_view(right, up, -1);
+    return {camera.position, glm::normalize(camera.world_from_view * in_view), camera.near_depth * glm::length(in_view)};
+}
+
+} // namespace brume::reference

@@ -1,0 +1,109 @@
+#include "tools/reference/lighting.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/reference/geometry.h"
+
+namespace brume::reference {
+
+using Kind = LightSource::Kind;
+
+Arrival arrivalAt(const LightSource& light, glm::dvec3 x) {
+    if (light.kind == Kind::directional) return {light.colour, light.to_light, kInfinity};
+    const glm::dvec3 toward = light.position - x;
+    const double distance = glm::length(toward);
+    const glm::dvec3 to_light = toward / distance;
+    double part = 1 / (distance * distance);
+    if (light.kind == Kind::spot) {
+        const double u = (-glm::dot(to_light, light.axis) - light.cos_outer) / (light.cos_inner - light.cos_outer);
+        const double v = std::clamp(u, 0.0, 1.0);
+        part *= v * v * (3 - 2 * v);
+    }
+    return {light.colour * part, to_light, distance};
+}
+
+Lighting::Lighting(const World& world, double reach, bool shadows) : world_(world), shadows_(shadows) {
+    for (const LightSource& light : world.lights) {
+        Fields& fields = fields_.emplace_back();
+        if (!shadows || world.cut_light) continue;
+        if (light.kind == Kind::directional)
+            fields.distant.emplace(world.blobs, light.to_light, reach);
+        else
+            fields.near.emplace(world.blobs, light.position, reach);
+    }
+}
+
+double Lighting::cutDepth(const Ray& toward) const {
+    double sum = 0;
+    for (const Blob& b : world_.blobs) {
+        const glm::dvec3 centre = b.centre - toward.origin;
+        const double closest = glm::dot(centre, toward.direction);
+        const glm::dvec3 off = centre - closest * toward.direction;
+        const double b2 = glm::dot(off, off);
+        if (b2 >= b.scale * b.scale) continue;
+        const Interval part = common(insideTetrahedron(b, toward), {toward.begin, toward.end});
+        if (part.empty()) continue;
+        sum += b.half_line * std::exp(-b.k * b.k * b2) *
+               (table_.erf(b.k * (part.end - closest)) - table_.erf(b.k * (part.begin - closest)));
+    }
+    return sum;
+}
+
+double Lighting::depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip) const {
+    if (!shadows_) return 0;
+    const Ray toward{x, arrival.to_light, 0, arrival.distance};
+    if (occluded(world_.obstacles, toward, skip)) return kInfinity;
+    double sum = world_.cut_light     ? cutDepth(toward)
+                 : fields_[i].distant ? fields_[i].distant->depth(x)
+                                      : fields_[i].near->depth(x);
+    for (const Fog& fog : world_.fogs) sum += depthOn(fog, toward);
+    if (!world_.balls.balls.empty()) {
+        std::vector<Interval> parts;
+        insideUnion(world_.balls, toward, parts);
+        for (const Interval part : parts) sum += world_.balls.sigma_t * (part.end - part.begin);
+    }
+    return sum;
+}
+
+glm::dvec3 Lighting::scattered(glm::dvec3 x, glm::dvec3 w) const {
+    glm::dvec3 sum(0);
+    for (size_t i = 0; i < world_.lights.size(); ++i) {
+        const Arrival arrival = arrivalAt(world_.lights[i], x);
+        if (arrival.irradiance == glm::dvec3(0)) continue;
+        sum += arrival.irradiance * (phase(world_, -arrival.to_light, -w) * std::exp(-depth(i, x, arrival)));
+    }
+    return sum;
+}
+
+glm::dvec3 Lighting::surface(int object, glm::dvec3 x, glm::dvec3 normal) const {
+    const double up = 0.5 + 0.5 * normal.y; // part of the hemisphere above the horizon
+    glm::dvec3 light = up * glm::mix(world_.sky_horizon, 0.5 * (world_.sky_horizon + world_.sky_zenith), up);
+    for (size_t i = 0; i < world_.lights.size(); ++i) {
+        const Arrival arrival = arrivalAt(world_.lights[i], x);
+        const double cosine = glm::dot(normal, arrival.to_light);
+        if (cosine > 0) light += arrival.irradiance * (cosine / kPi * std::exp(-depth(i, x, arrival, object)));
+    }
+    return world_.obstacles[object].albedo * light;
+}
+
+void Lighting::edges(const Ray& ray, std::vector<double>& t) const {
+    for (const LightSource& light : world_.lights) {
+        if (light.kind != Kind::directional) t.push_back(glm::dot(light.position - ray.origin, ray.direction));
+        if (light.kind == Kind::spot) {
+            coneCrossings(light.position, light.axis, light.cos_outer * light.cos_outer, ray, t);
+            coneCrossings(light.position, light.axis, light.cos_inner * light.cos_inner, ray, t);
+        }
+        if (!shadows_) continue;
+        for (const Obstacle& obstacle : world_.obstacles) shadowEdges(obstacle, light, ray, t);
+        for (const UnionMedium::Ball& ball : world_.balls.balls)
+            shadowEdges({Obstacle::Kind::sphere, ball.centre, glm::dvec3(ball.radius), 0, {}}, light, ray, t);
+        if (world_.cut_light)
+            for (const Blob& blob : world_.blobs) shadowEdges(blob, light, ray, t);
+        for (const Fog& fog : world_.fogs) // where the light leaves through its ends
+            if (!std::isinf(fog.radius))
+                shadowEdges({Obstacle::Kind::sphere, fog.centre, glm::dvec3(fog.radius), 0, {}}, light, ray, t);
+    }
+}
+
+} // namespace brume::reference

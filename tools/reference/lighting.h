@@ -1,0 +1,49 @@
+// What arrives from a world's lights at a point, through the medium and past the opaque objects.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tools/reference/light_field.h"
+#include "tools/reference/world.h"
+
+namespace brume::reference {
+
+// A light as a point sees it, nothing in between.
+struct Arrival {
+    glm::dvec3 irradiance; // perpendicular, W/m^2
+    glm::dvec3 to_light;   // unit
+    double distance;       // m
+};
+Arrival arrivalAt(const LightSource& light, glm::dvec3 x);
+
+class Lighting {
+public:
+    // `world` must outlive it. `reach` as in LightField. shadows = false: every light reaches every point unattenuated.
+    Lighting(const World& world, double reach, bool shadows);
+
+    // Sum over lights of E p T_L Vis: radiance scattered at x toward -w per unit of scattering, where w is the ray's direction.
+    glm::dvec3 scattered(glm::dvec3 x, glm::dvec3 w) const;
+    // Radiance that a surface point of obstacle `object` sends back: Lambert's law under the lights, past objects and medium, and
+    // under the sky, whose mean radiance over the sky's part of the hemisphere stands for its irradiance.
+    glm::dvec3 surface(int object, glm::dvec3 x, glm::dvec3 normal) const;
+
+    // Optical depth from x to light `i`; kInfinity when an object other than `skip` is in between.
+    double depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip = -1) const;
+    // Every place on the ray where the light may have a kink or a jump, or be nearest.
+    void edges(const Ray& ray, std::vector<double>& t) const;
+
+private:
+    double cutDepth(const Ray& toward) const; // of tetrahedra
+
+    struct Fields {
+        std::optional<LightField> distant;
+        std::optional<PointField> near;
+    };
+    const World& world_;
+    bool shadows_;
+    std::vector<Fields> fields_; // per light
+    ErfTable table_;
+};
+
+} // namespace brume::reference

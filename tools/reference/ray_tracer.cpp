@@ -1,0 +1,283 @@
+#include "tools/reference/ray_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace brume::reference {
+
+namespace {
+
+double sum(glm::dvec3 v) { return v.x + v.y + v.z; }
+
+double reachFor(const World& world, double tolerance) {
+    double depth = 0; // if every particle were met through its centre
+    for (const Blob& b : world.blobs) depth += 2 * b.half_line;
+    return std::sqrt(std::log(std::max(depth, 1.0) / tolerance));
+}
+
+} // namespace
+
+Stage::Stage(const World& w, const Settings& s)
+    : world(w), settings(s), reach(reachFor(w, s.tolerance)), lighting(w, reach, s.shadows) {
+    if (!(s.tolerance >= 1e-12 && s.tolerance <= 1e-2)) throw std::invalid_argument("tolerance is in [1e-12, 1e-2]");
+    if (w.composition == Composition::sequential && !(w.fogs.empty() && w.balls.balls.empty()))
+        throw std::invalid_argument("sequential composition is of Gaussian particles alone");
+    if (w.cut_light && w.support != Support::tetrahedron)
+        throw std::invalid_argument("cut_light needs the support to be the tetrahedron");
+}
+
+RayResult RayTracer::trace(const Ray& ray) {
+    RayResult result;
+    ray_ = ray;
+    const Hit hit = nearest(world_.obstacles, ray);
+    ray_.end = std::min(ray.end, hit.t);
+    if (hit.object >= 0)
+        result.background = stage_.lighting.surface(hit.object, ray.at(hit.t), hit.normal);
+    else if (std::isinf(ray.end))
+        result.background = skyRadiance(world_, ray.direction);
+    gather();
+    result.transmittance = std::exp(-depthFromBegin(ray_.end));
+    findBreaks();
+    layPanels();
+    refine();
+    if (world_.composition == Composition::overlapping)
+        sumOverlapping(result);
+    else
+        sumSequential(result);
+    return result;
+}
+
+void RayTracer::gather() {
+    crossings_.clear();
+    for (const Blob& b : world_.blobs) {
+        const double reach = stage_.reach / b.k;
+        const glm::dvec3 centre = b.centre - ray_.origin;
+        const double closest = glm::dot(centre, ray_.direction);
+        const glm::dvec3 off = centre - closest * ray_.direction;
+        const double b2 = glm::dot(off, off);
+        if (b2 >= reach * reach) continue;
+        const double half = std::sqrt(reach * reach - b2);
+        Interval part = common({closest - half, closest + half}, {ray_.begin, ray_.end});
+        if (world_.support == Support::tetrahedron) part = common(part, insideTetrahedron(b, ray_));
+        if (part.empty()) continue;
+        crossings_.push_back({&b, glm::length(centre), closest, std::exp(-b.k * b.k * b2),
+                              stage_.table.erf(b.k * (part.begin - closest)), part.begin, part.end});
+    }
+    fog_parts_.clear();
+    for (const Fog& fog : world_.fogs) fog_parts_.push_back(common(insideFog(fog, ray_), {ray_.begin, ray_.end}));
+    insideUnion(world_.balls, ray_, ball_parts_);
+    smallest_ball_ = kInfinity;
+    for (const UnionMedium::Ball& ball : world_.balls.balls) smallest_ball_ = std::min(smallest_ball_, ball.radius);
+}
+
+double RayTracer::crossedDepth(const Crossing& c, double t) const {
+    return c.blob->half_line * c.across * (stage_.table.erf(c.blob->k * (t - c.closest)) - c.erf_begin);
+}
+
+double RayTracer::depthFromBegin(double t) const {
+    double depth = 0;
+    for (const Crossing& c : crossings_)
+        if (t > c.t0) depth += crossedDepth(c, std::min(t, c.t1));
+    for (const Fog& fog : world_.fogs) depth += depthOn(fog, {ray_.origin, ray_.direction, ray_.begin, t});
+    for (const Interval part : ball_parts_) depth += world_.balls.sigma_t * std::max(std::min(t, part.end) - part.begin, 0.0);
+    return depth;
+}
+
+// Where fog without an end counts as ended: opaque, or what is left of it is below the tolerance.
+double RayTracer::endOfFog() const {
+    double end = ray_.begin;
+    for (const Fog& fog : world_.fogs) {
+        const Interval part = common(insideFog(fog, ray_), {ray_.begin, ray_.end});
+        if (part.empty()) continue;
+        const double whole = depthOn(fog, ray_), opaque = 10 - std::log(stage_.settings.tolerance);
+        const double depth = std::min(opaque, whole * (1 - 1e-3 * stage_.settings.tolerance));
+        end = std::max(end, std::isinf(part.end) ? ray_.begin + distanceOfDepth(fog, ray_, depth) : part.end);
+    }
+    return end;
+}
+
+void RayTracer::findBreaks() {
+    breaks_.clear();
+    double begin = kInfinity, end = -kInfinity;
+    const auto cover = [&](Interval part) {
+        begin = std::min(begin, part.begin);
+        end = std::max(end, part.end);
+        breaks_.insert(breaks_.end(), {part.begin, part.end});
+    };
+    if (world_.support == Support::tetrahedron) {
+        for (const Crossing& c : crossings_) cover({c.t0, c.t1});
+    } else { // only where a group of particles begins and ends: inside it Gaussians have no kinks
+        std::sort(crossings_.begin(), crossings_.end(), [](const Crossing& a, const Crossing& b) { return a.t0 < b.t0; });
+        for (size_t i = 0; i < crossings_.size();) {
+            Interval group{crossings_[i].t0, crossings_[i].t1};
+            for (; i < crossings_.size() && crossings_[i].t0 <= group.end; ++i) group.end = std::max(group.end, crossings_[i].t1);
+            cover(group);
+        }
+    }
+    for (const Interval part : ball_parts_) cover(part);
+    const double fog_end = endOfFog();
+    for (const Interval part : fog_parts_)
+        if (!part.empty()) cover({part.begin, std::min(part.end, fog_end)});
+    if (!(end > begin)) return;
+    stage_.lighting.edges(ray_, breaks_);
+    std::erase_if(breaks_, [&](double t) { return !(t >= begin && t <= end); });
+    std::sort(breaks_.begin(), breaks_.end());
+    breaks_.erase(std::unique(breaks_.begin(), breaks_.end()), breaks_.end());
+}
+
+double RayTracer::finest(double t0, double t1, bool& empty) const {
+    const double t = (t0 + t1) / 2;
+    const auto holds = [t](Interval part) { return t > part.begin && t < part.end; };
+    empty =
+        std::none_of(fog_parts_.begin(), fog_parts_.end(), holds) && std::none_of(ball_parts_.begin(), ball_parts_.end(), holds);
+    double k = 0;
+    for (const Crossing& c : crossings_)
+        if (c.t0 < t1 && c.t1 > t0) k = std::max(k, c.blob->k);
+    if (k > 0) empty = false;
+    // The light through a union has kinks wherever balls meet: eight times as fine as a ball finds them.
+    if (std::any_of(ball_parts_.begin(), ball_parts_.end(), holds)) k = std::max(k, 8 / smallest_ball_);
+    return k;
+}
+
+void RayTracer::layPanels() {
+    panels_.clear();
+    const double tolerance = stage_.settings.tolerance;
+    // Half a panel of 1.6/k leaves 5e-6 of a Gaussian beyond 15 Legendre coefficients, whose square is the rule's error.
+    const double in_k = 3.2 * std::pow(tolerance / 1e-8, 1.0 / 12);
+    double total = 0;
+    for (size_t i = 0; i + 1 < breaks_.size(); ++i) {
+        const double t0 = breaks_[i], t1 = breaks_[i + 1];
+        bool empty = true;
+        const double k = finest(t0, t1, empty);
+        if (empty) continue;
+        const int count = std::max(1, static_cast<int>(std::ceil((t1 - t0) * k / in_k)));
+        for (int p = 0; p < count; ++p) {
+            const auto at = [&](int end) { return end == count ? t1 : t0 + (t1 - t0) * end / count; }; // the ends to the last bit
+            panels_.push_back(panelOn(at(p), at(p + 1), k));
+            const Panel& last = panels_.back();
+            total += last.size;
+            if (world_.composition == Composition::overlapping && last.depth[0] > 10 - std::log(tolerance) &&
+                last.size <= 1e-3 * tolerance * total)
+                return; // nothing is seen behind it
+        }
+    }
+}
+
+void RayTracer::addMedia(Panel& panel) const {
+    const int n = panel.rule->size();
+    double passed = 0;
+    for (const Crossing& c : crossings_) {
+        if (c.t0 >= panel.t1) continue;
+        const double half = c.blob->half_line * c.across, peak = c.blob->sigma_t * c.across;
+        if (c.t1 <= panel.t0) {
+            passed += crossedDepth(c, c.t1);
+            continue;
+        }
+        for (int i = 0; i < n; ++i) {
+            const ErfTable::Pair pair = stage_.table.at(c.blob->k * (panel.at(i) - c.closest));
+            panel.scattering[i] += peak * pair.gauss * c.blob->albedo;
+            panel.depth[i] += half * (pair.erf - c.erf_begin);
+        }
+    }
+    const double middle = (panel.t0 + panel.t1) / 2;
+    for (int i = 0; i < n; ++i) {
+        const double t = panel.at(i);
+        panel.depth[i] += passed;
+        for (size_t f = 0; f < world_.fogs.size(); ++f) {
+            const Fog& fog = world_.fogs[f];
+            panel.depth[i] += depthOn(fog, {ray_.origin, ray_.direction, ray_.begin, t});
+            if (!(middle > fog_parts_[f].begin && middle < fog_parts_[f].end)) continue;
+            const double sigma = fog.sigma_t * std::exp(-fog.falloff * ray_.at(t).y);
+            panel.scattering[i] += sigma * fog.albedo;
+        }
+        for (const Interval part : ball_parts_) {
+            panel.depth[i] += world_.balls.sigma_t * std::max(std::min(t, part.end) - part.begin, 0.0);
+            if (!(middle > part.begin && middle < part.end)) continue;
+            panel.scattering[i] += world_.balls.sigma_t * world_.balls.albedo;
+        }
+    }
+}
+
+RayTracer::Panel RayTracer::panelOn(double t0, double t1, double k) const {
+    const double width = k > 0 ? k * (t1 - t0) : 1e300;
+    Panel panel{t0, t1, &stage_.rules[width < 0.15 ? 0 : width < 0.8 ? 1 : 2], {}, {}, {}, {}, {}, 0, 0};
+    addMedia(panel);
+    const GaussLegendre& rule = *panel.rule;
+    const int n = rule.size();
+    const double half = (t1 - t0) / 2;
+    // Sequential: as if nothing were in front of the panel. Each particle's own integrand is as smooth as their sum.
+    const double before = world_.composition == Composition::sequential ? panel.depth[0] : 0;
+    Values<double> integrand{};
+    for (int i = 0; i < n; ++i) {
+        panel.source[i] = stage_.lighting.scattered(ray_.at(panel.at(i)), ray_.direction);
+        const glm::dvec3 seen = std::exp(before - panel.depth[i]) * panel.scattering[i];
+        panel.light += rule.weight(i) * half * seen * panel.source[i];
+        panel.ambient += rule.weight(i) * half * seen * world_.ambient;
+        integrand[i] = sum(seen * (panel.source[i] + world_.ambient));
+    }
+    panel.size = sum(panel.light + panel.ambient);
+    // The rule errs by coefficients from 2n on: as many again further on, at the rate of the last half.
+    const auto largest = [&](int m) {
+        return std::abs(rule.coefficient(m, integrand)) + std::abs(rule.coefficient(m + 1, integrand));
+    };
+    const double late = largest(n - 2), early = largest(n / 2 - 2), rate = early > 0 ? std::min(late / early, 1.0) : 0;
+    const double decay = ball_parts_.empty() ? rate * rate : rate; // unions have kinks, whose coefficients fall slowly
+    panel.error = 16 * 2 * half * late * decay;
+    return panel;
+}
+
+// Halves panels until the estimate of each panel's error is below a part of the tolerance.
+void RayTracer::refine() {
+    // Sequential panels are as bright as if nothing were in front of them: their sum is more than the ray's radiance.
+    const double part = world_.composition == Composition::sequential ? 1.0 / 64 : 1.0 / 8;
+    for (int sweep = 0; sweep < 50; ++sweep) {
+        double total = 0;
+        for (const Panel& panel : panels_) total += panel.size;
+        const double allowed = stage_.settings.tolerance * part * total;
+        refined_.clear();
+        bool changed = false;
+        for (const Panel& panel : panels_) {
+            const double middle = (panel.t0 + panel.t1) / 2;
+            if (!(panel.error > allowed) || panel.t1 - panel.t0 < 1e-13 * std::max(1.0, std::abs(middle))) {
+                refined_.push_back(panel);
+                continue;
+            }
+            changed = true;
+            bool empty;
+            const double k = finest(panel.t0, panel.t1, empty);
+            refined_.push_back(panelOn(panel.t0, middle, k));
+            refined_.push_back(panelOn(middle, panel.t1, k));
+        }
+        panels_.swap(refined_);
+        if (!changed) return;
+    }
+}
+
+void RayTracer::sumOverlapping(RayResult& result) const {
+    for (const Panel& panel : panels_) result.scattered += panel.light + panel.ambient;
+}
+
+// Each particle by itself, from near to far. Panels cover it or do not: what they hold beyond the end of a Gaussian is nothing.
+void RayTracer::sumSequential(RayResult& result) {
+    std::sort(crossings_.begin(), crossings_.end(),
+              [](const Crossing& a, const Crossing& b) { return a.from_origin < b.from_origin; });
+    double transmittance = 1;
+    for (const Crossing& c : crossings_) {
+        const double half = c.blob->half_line * c.across, peak = c.blob->sigma_t * c.across;
+        glm::dvec3 scattered(0);
+        for (const Panel& panel : panels_) {
+            if (c.t0 >= panel.t1 || c.t1 <= panel.t0) continue;
+            for (int i = 0; i < panel.rule->size(); ++i) {
+                const ErfTable::Pair pair = stage_.table.at(c.blob->k * (panel.at(i) - c.closest));
+                const double seen = peak * pair.gauss * std::exp(-half * (pair.erf - c.erf_begin));
+                scattered += panel.rule->weight(i) * (panel.t1 - panel.t0) / 2 * seen * panel.source[i];
+            }
+        }
+        const double depth = crossedDepth(c, c.t1);
+        result.scattered += transmittance * c.blob->albedo * (scattered + world_.ambient * -std::expm1(-depth));
+        transmittance *= std::exp(-depth);
+    }
+}
+
+} // namespace brume::reference

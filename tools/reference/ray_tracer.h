@@ -1,0 +1,95 @@
+// Single scattering along one ray: closed forms for optical depths, adaptive Gauss-Legendre panels for what is left.
+#pragma once
+
+#include <vector>
+
+#include "tools/reference/gauss_legendre.h"
+#include "tools/reference/geometry.h"
+#include "tools/reference/lighting.h"
+#include "tools/reference/world.h"
+
+namespace brume::reference {
+
+struct Settings {
+    // Of a ray's scattered radiance, relative; and absolute, in optical depth, for what is left out where Gaussians end. In
+    // [1e-12, 1e-2]. Edges of shadows, faces of tetrahedra, ends of fog and silhouettes of balls are split exactly. Kinks where
+    // balls of a union meet, and where light leaves a fog's sphere and slab at once, are found by halving alone: unions are
+    // tested down to 1e-7. No ray may pass through a point light.
+    double tolerance = 1e-8;
+    bool shadows = true;  // false: every light reaches every point unattenuated
+    unsigned threads = 0; // of a picture; 0: as many as the machine has
+};
+
+struct RayResult {
+    glm::dvec3 scattered{0};  // by the medium, light and ambient
+    glm::dvec3 background{0}; // the opaque surface or the sky; black where the ray's own end is reached
+    double transmittance = 1; // of the medium in front of it
+    glm::dvec3 total() const { return scattered + transmittance * background; }
+};
+
+// What all rays share. `world` must outlive it.
+struct Stage {
+    Stage(const World& world, const Settings& settings);
+    const World& world;
+    Settings settings;
+    double reach; // units of 1/k: a depth lacks less than the tolerance, all particles together
+    Lighting lighting;
+    ErfTable table;
+    GaussLegendre rules[3]{GaussLegendre(4), GaussLegendre(8), GaussLegendre(16)};
+};
+
+// One a thread: keeps its memory from ray to ray.
+class RayTracer {
+public:
+    explicit RayTracer(const Stage& stage) : stage_(stage), world_(stage.world) {}
+    RayResult trace(const Ray& ray);
+
+private:
+    template <typename T>
+    using Values = GaussLegendre::Values<T>;
+
+    // One particle on the ray; t in metres.
+    struct Crossing {
+        const Blob* blob;
+        double from_origin; // m, of the centre
+        double closest;     // t of the closest approach
+        double across;      // e^(-k^2 b^2)
+        double erf_begin;   // erf(k (t - closest)) where the particle, or the ray, begins
+        double t0, t1;
+    };
+    // A piece of the ray on which the rule's nodes resolve everything.
+    struct Panel {
+        double t0, t1;
+        const GaussLegendre* rule;
+        Values<double> depth;          // from the ray's begin
+        Values<glm::dvec3> scattering; // sum of albedo * extinction
+        Values<glm::dvec3> source;     // sum of E p T_L Vis
+        glm::dvec3 light, ambient;     // what the panel adds to the ray's radiance
+        double size, error;            // of that, channels summed; the error is an upper estimate
+        double at(int i) const { return (t0 + t1) / 2 + (t1 - t0) / 2 * rule->node(i); }
+    };
+
+    void gather();
+    void findBreaks();
+    double endOfFog() const;
+    double depthFromBegin(double t) const;
+    double finest(double t0, double t1, bool& empty) const; // largest k of the particles there
+    Panel panelOn(double t0, double t1, double k) const;
+    void addMedia(Panel& panel) const;
+    void layPanels();
+    void refine();
+    void sumOverlapping(RayResult& result) const;
+    void sumSequential(RayResult& result);
+    double crossedDepth(const Crossing& c, double t) const;
+
+    const Stage& stage_;
+    const World& world_;
+    Ray ray_;
+    std::vector<Crossing> crossings_;
+    std::vector<Interval> fog_parts_, ball_parts_;
+    double smallest_ball_ = kInfinity; // m
+    std::vector<double> breaks_;
+    std::vector<Panel> panels_, refined_;
+};
+
+} // namespace brume::reference

@@ -1,0 +1,154 @@
+#include "tools/reference/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "tools/reference/density_grid.h"
+#include "tools/reference/lighting.h"
+#include "tools/reference/rows.h"
+
+namespace brume::reference {
+
+namespace {
+
+// splitmix64 (Steele et al. 2014).
+class Random {
+public:
+    Random(uint64_t seed, uint64_t stream) : state_(mixed(seed) + mixed(~stream)) {}
+    // In [0, 1).
+    double uniform() { return static_cast<double>(mixed(state_ += 0x9e3779b97f4a7c15) >> 11) * 0x1p-53; }
+    double depth() { return -std::log1p(-uniform()); } // exponential, mean 1
+
+private:
+    static uint64_t mixed(uint64_t z) {
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+        return z ^ (z >> 31);
+    }
+    uint64_t state_;
+};
+
+class Tracker {
+public:
+    Tracker(const World& world, const DensityGrid& grid, const Lighting& lighting, int orders)
+        : world_(world), grid_(grid), lighting_(lighting), orders_(orders) {}
+
+    // Radiance along one path back from the ray.
+    glm::dvec3 path(Ray ray, Random& random) const {
+        glm::dvec3 radiance(0), weight(1);
+        for (int order = 0;; ++order) {
+            const Hit hit = nearest(world_.obstacles, ray);
+            ray.end = std::min(ray.end, hit.t);
+            const Collision collision = collide(ray, random);
+            if (!(collision.t < ray.end)) {
+                if (hit.object >= 0)
+                    radiance += weight * lighting_.surface(hit.object, ray.at(hit.t), hit.normal);
+                else
+                    radiance += weight * (order == 0 ? skyRadiance(world_, ray.direction) : world_.ambient);
+                return radiance;
+            }
+            if (order == orders_) return radiance;
+            weight *= collision.albedo;
+            const glm::dvec3 x = ray.at(collision.t);
+            for (const LightSource& light : world_.lights) {
+                const Arrival arrival = arrivalAt(light, x);
+                const Ray toward{x, arrival.to_light, 0, arrival.distance};
+                if (arrival.irradiance == glm::dvec3(0) || occluded(world_.obstacles, toward)) continue;
+                radiance += weight * arrival.irradiance * phase(world_, -arrival.to_light, -ray.direction) *
+                            transmittance(toward, random);
+            }
+            // Dim paths end by chance, brighter ones in their place.
+            const double bright = std::max({weight.x, weight.y, weight.z}), survive = std::min(bright / 0.25, 1.0);
+            if (survive < 1 && random.uniform() >= survive) return radiance;
+            weight /= survive;
+            ray = {x, scatteredFrom(ray.direction, random)};
+        }
+    }
+
+private:
+    struct Collision {
+        double t = kInfinity;
+        glm::dvec3 albedo{0};
+    };
+
+    // The first of the media's own collisions: they are independent.
+    Collision collide(const Ray& ray, Random& random) const {
+        Collision first;
+        for (const Fog& fog : world_.fogs)
+            if (const double t = ray.begin + distanceOfDepth(fog, ray, random.depth()); t < first.t) first = {t, fog.albedo};
+        grid_.walk({ray.origin, ray.direction, ray.begin, std::min(ray.end, first.t)},
+                   [&](size_t cell, double t0, double t1, double majorant) {
+                       for (double t = t0;;) {
+                           t += random.depth() / majorant;
+                           if (t >= t1) return true;
+                           const DensityGrid::Density density = grid_.at(cell, ray.at(t));
+                           if (random.uniform() * majorant >= density.extinction) continue;
+                           first = {t, density.scattering / density.extinction};
+                           return false;
+                       }
+                   });
+        return first;
+    }
+
+    double transmittance(const Ray& ray, Random& random) const {
+        double through = 1;
+        for (const Fog& fog : world_.fogs) through *= std::exp(-depthOn(fog, ray));
+        if (through == 0) return 0;
+        grid_.walk(ray, [&](size_t cell, double t0, double t1, double majorant) {
+            for (double t = t0 + random.depth() / majorant; t < t1; t += random.depth() / majorant)
+                through *= 1 - grid_.at(cell, ray.at(t)).extinction / majorant;
+            return through > 0;
+        });
+        return through;
+    }
+
+    // A direction by the phase function: paths run backwards, which leaves the angle between the directions as it is.
+    glm::dvec3 scatteredFrom(glm::dvec3 w, Random& random) const {
+        const double g = world_.asymmetry, u = random.uniform();
+        double cosine = 2 * u - 1;
+        if (random.uniform() < world_.anisotropy && std::abs(g) > 1e-6) {
+            const double s = (1 - g * g) / (1 - g + 2 * g * u);
+            cosine = (1 + g * g - s * s) / (2 * g);
+        }
+        const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0)), turn = 2 * kPi * random.uniform();
+        const glm::dvec3 x = glm::normalize(glm::cross(w, std::abs(w.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
+        return glm::normalize(cosine * w + sine * (std::cos(turn) * x + std::sin(turn) * glm::cross(w, x)));
+    }
+
+    const World& world_;
+    const DensityGrid& grid_;
+    const Lighting& lighting_;
+    int orders_;
+};
+
+} // namespace
+
+TrackedPicture track(const World& world, const Camera& camera, const TrackSettings& settings) {
+    if (world.support != Support::full || world.composition != Composition::overlapping)
+        throw std::invalid_argument("tracking is of whole Gaussians whose extinctions add up");
+    const DensityGrid grid(world);
+    const Lighting lighting(world, kReach, true);
+    const size_t size = static_cast<size_t>(camera.width) * camera.height;
+    TrackedPicture picture{camera.width, camera.height, std::vector<glm::dvec3>(size), std::vector<glm::dvec3>(size)};
+    forRows(camera.height, settings.threads, [&] {
+        return [&, tracker = Tracker(world, grid, lighting, settings.orders)](int y) {
+            for (int x = 0; x < camera.width; ++x) {
+                const size_t pixel = static_cast<size_t>(y) * camera.width + x;
+                const Ray ray = rayThrough(camera, x + 0.5, y + 0.5);
+                Random random(settings.seed, pixel);
+                glm::dvec3 mean(0), squares(0); // of the differences from the mean (Welford 1962)
+                for (int i = 1; i <= settings.samples; ++i) {
+                    const glm::dvec3 value = tracker.path(ray, random), before = value - mean;
+                    mean += before / double(i);
+                    squares += before * (value - mean);
+                }
+                picture.radiance[pixel] = mean;
+                picture.standard_error[pixel] = glm::sqrt(squares / (double(settings.samples) * (settings.samples - 1)));
+            }
+        };
+    });
+    return picture;
+}
+
+} // namespace brume::reference

@@ -1,0 +1,67 @@
+#include "tools/reference/world.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace brume::reference {
+
+std::vector<Blob> blobsOf(std::span<const gpu::Particle> particles, double falloff) {
+    std::vector<Blob> blobs;
+    blobs.reserve(particles.size());
+    for (const gpu::Particle& p : particles) {
+        const double k = std::sqrt(50.0) / (p.scale * falloff);
+        blobs.push_back({p.centre, p.scale, k, p.sigma_t, p.sigma_t * kSqrtPi / (2 * k), p.albedo});
+    }
+    return blobs;
+}
+
+UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t, glm::dvec3 albedo) {
+    UnionMedium medium{{}, sigma_t, albedo};
+    for (const gpu::Particle& p : particles) medium.balls.push_back({p.centre, radius_per_scale * p.scale});
+    return medium;
+}
+
+LightSource directional(const brume::Light& light) {
+    LightSource source;
+    source.colour = light.irradiance;
+    source.to_light = glm::normalize(glm::dvec3(light.to_light));
+    return source;
+}
+
+World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
+              const brume::Light& light) {
+    World world;
+    world.blobs = blobsOf(particles, medium.falloff);
+    world.lights = {directional(light)};
+    for (const Plane& p : scene.planes)
+        world.obstacles.push_back({Obstacle::Kind::plane, {0, p.height, 0}, glm::dvec3(0), 0, p.albedo});
+    for (const Box& b : scene.boxes)
+        world.obstacles.push_back({Obstacle::Kind::box, b.centre, glm::dvec3(b.size) * 0.5, b.yaw, b.albedo});
+    for (const Sphere& s : scene.spheres)
+        world.obstacles.push_back({Obstacle::Kind::sphere, s.centre, glm::dvec3(s.radius), 0, s.albedo});
+    world.sky_zenith = scene.sky.zenith;
+    world.sky_horizon = scene.sky.horizon;
+    world.ambient = scene.sky.ambient;
+    world.anisotropy = medium.anisotropy;
+    world.asymmetry = medium.asymmetry;
+    return world;
+}
+
+World worldOf(const Scene& scene, std::span<const gpu::Particle> particles) {
+    return worldOf(scene, particles, scene.medium, scene.lights.at(0));
+}
+
+double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out) {
+    const double g = world.asymmetry, size = std::abs(g);
+    const glm::dvec3 apart = g < 0 ? travel_in + travel_out : travel_in - travel_out;
+    const double d = (1 - size) * (1 - size) + size * glm::dot(apart, apart);
+    const double lobe = (1 - size) * (1 + size) / (d * std::sqrt(d));
+    return ((1 - world.anisotropy) + world.anisotropy * lobe) / (4 * kPi);
+}
+
+glm::dvec3 skyRadiance(const World& world, glm::dvec3 direction) {
+    const double x = std::clamp(direction.y + 0.15, 0.0, 1.0);
+    return glm::mix(world.sky_horizon, world.sky_zenith, x * x * (3 - 2 * x));
+}
+
+} // namespace brume::reference
