@@ -218,7 +218,6 @@ asio::awaitable<void> WebSocketSession::beat() {
         co_await heartbeat_.async_wait(kToken);
         const auto now = Clock::now();
         if (write_began_ && now - *write_began_ > context_->options.write_stall) {
-            spdlog::warn("{}: closed, it takes no data any more", name_.empty() ? slot_->address() : name_);
             if (handle_) handle_->markLost();
             co_return finish("it takes no data");
         }

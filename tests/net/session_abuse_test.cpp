@@ -111,12 +111,15 @@ TEST_F(SessionTest, AStalledReaderDelaysNobody) {
 }
 
 TEST_F(SessionTest, AStalledReaderIsCut) {
+    const LogCapture log;
     options.write_stall = 300ms;
     serve();
     renderer->jpeg_bytes = 2 << 20;
     const auto stalled = watch(640, 360, 1, 4096);
     stalled->pose(1);
     EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+    server.reset();
+    EXPECT_EQ(log.atLeast(spdlog::level::warn), "") << "a laptop that sleeps is nothing to warn of";
 }
 
 TEST_F(SessionTest, WhoAsksButDoesNotReadIsNotReadAndCut) {
