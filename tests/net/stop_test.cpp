@@ -164,8 +164,9 @@ TEST_F(StopTest, ManyComeAndGoWhileItStops) {
     }
     server->stop(1s, "https://next.example");
     done = true;
-    for (auto& visitor : crowd) visitor.join();
     EXPECT_EQ(audience->size(), 0u);
+    server.reset(); // closes what was accepted last, when nobody served it any more
+    for (auto& visitor : crowd) visitor.join();
 }
 
 } // namespace
