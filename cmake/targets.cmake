@@ -12,6 +12,11 @@ if(BRUME_SANITIZE) # GCC warns without cause about instrumented code (its manual
   target_link_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE})
 endif()
 
+# Sources that run once, or wait for others: compiling them takes far more time than running them.
+function(brume_compile_quickly)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O0)
+endfunction()
+
 # brume_library(NAME SOURCES ... LINKS ...)
 function(brume_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
