@@ -70,8 +70,9 @@ TEST_F(MediumTest, SphereHasTheTransmittanceOfItsGaussian) {
 
 // With the coarsest cut-off the sphere's rim shows: inside of it the depth is all there, outside of it there is nothing.
 TEST_F(MediumTest, ProxiesCoverTheirSpheresAndNoMore) {
-    constexpr double kCut = 1e-4;                           // the most that one particle may leave out
-    const double rounding = subpixel(device()) - 1.0 / 256; // of proxies' vertices, pixels, beyond what the rim's 1e-3 allows for
+    constexpr double kCut = 1e-4; // the most that one particle may leave out
+    const double rounding =
+        std::max(0.0, subpixel(device()) - 1.0 / 256); // of proxies' vertices, pixels, beyond what the rim's 1e-3 allows for
     Random random(11);
     int inside = 0, straddling = 0;
     for (int i = 0; i < 100; ++i) {
@@ -235,7 +236,8 @@ TEST_F(MediumTest, AmbientFurnace) {
 // Under the light alone: so thin that nothing shadows, every quadrature whose weights sum to 1 - T scatters just that.
 TEST_F(MediumTest, FurnaceOfTheNormalisedQuadratures) {
     const double depth = 1e-4;
-    const double rounding = subpixel(device()) - 1.0 / 256; // of vertices, pixels, beyond what is allowed for below
+    const double rounding =
+        std::max(0.0, subpixel(device()) - 1.0 / 256); // of vertices, pixels, beyond what is allowed for below
     const float falloff = 1.6f;
     for (const Way& way :
          {Way{"sphere", "", 1}, Way{"tiles", "cached", 1}, Way{"tiles", "hermite", 1}, Way{"isv", "transmittance", 1},
