@@ -37,9 +37,10 @@ float coefficient(float values[25], uint known) {
         const int i = n % 5, j = n / 5;
         const float inverse = kInverse[i] * kInverse[j], near = 1.0 / float(1 + (i - 2) * (i - 2) + (j - 2) * (j - 2));
         const bool is_known = (known >> n & 1) != 0;
-        sum += is_known ? inverse * values[n] : 0;
+        const float inverse_value = inverse * values[n], near_value = near * values[n];
+        sum += is_known ? inverse_value : 0;
         unknown += is_known ? 0 : inverse;
-        around += is_known ? near * values[n] : 0;
+        around += is_known ? near_value : 0;
         weights += is_known ? near : 0;
     }
     return sum + unknown * around / max(weights, 1e-6);

@@ -43,6 +43,8 @@ Point thick(glm::vec3 centre, float scale, double depth, float falloff) {
 
 double allowed(double distance, double k, double depth) { return 3e-6 + 2e-7 * distance * k * depth; }
 
+double subpixel(const gpu::Device& device) { return std::ldexp(1.0, -int(device.properties().limits.subPixelPrecisionBits)); }
+
 std::vector<gpu::Particle> particlesOf(const Scene& scene) {
     const Simulation simulation(scene);
     std::vector<gpu::Particle> particles(simulation.liveCount());

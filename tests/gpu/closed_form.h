@@ -27,6 +27,9 @@ Point thick(glm::vec3 centre, float scale, double depth, float falloff);
 // metre.
 double allowed(double distance, double k, double depth);
 
+// Steps, in pixels, of the places to which the device rounds the vertices of what it draws: 1/256 on lavapipe, at most 1/16.
+double subpixel(const gpu::Device& device);
+
 // The scene's particles as the renderer gets them.
 std::vector<gpu::Particle> particlesOf(const Scene& scene);
 std::vector<reference::Blob> blobsOf(const Scene& scene);

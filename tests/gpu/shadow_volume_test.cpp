@@ -210,8 +210,8 @@ TEST_F(ShadowVolumeTest, InterpolationErrsByNoMoreThanItIsReckonedToErr) {
     }
 }
 
-// Every way that some device works on the map. Fewer lanes make narrower tiles, which leave out a little more and add in another
-// order.
+// Every way in which this device can work on the map: a tile's lanes are of one subgroup. Fewer lanes make narrower tiles, which
+// leave out a little more and add in another order.
 TEST_F(ShadowVolumeTest, AnyShape) {
     Scene scene = loadScene("server/scenes/cloud.toml");
     scene.render.cutoff = 1e-5f;
@@ -222,11 +222,13 @@ TEST_F(ShadowVolumeTest, AnyShape) {
         const std::vector<float> usual = texelsOf(scene, particles, tick);
         for (const auto& [lanes, tiles] : {std::pair(8u, 8u), std::pair(8u, 3u), std::pair(4u, 1u), std::pair(4u, 16u),
                                            std::pair(2u, 1u), std::pair(1u, 8u)}) {
+            if (lanes > device().subgroupSize()) continue;
             SCOPED_TRACE(testing::Message() << lanes << " lanes, " << tiles << " tiles");
             ShadowVolume other(device(), uint32_t(particles.size()), {lanes, tiles});
             const std::vector<float> texels = texelsOf(other, scene, particles, tick);
             ASSERT_EQ(texels.size(), usual.size());
-            const float left_out = lanes == 8 ? 0 : tick.cut * float(particles.size()), relative = lanes == 8 ? 0 : 2e-6f;
+            const bool same_tiles = lanes == ShadowVolume::shapeFor(device()).lanes;
+            const float left_out = same_tiles ? 0 : tick.cut * float(particles.size()), relative = same_tiles ? 0 : 2e-6f;
             for (size_t i = 0; i < usual.size(); ++i) ASSERT_NEAR(texels[i], usual[i], left_out + relative * usual[i]) << i;
         }
     }
