@@ -32,11 +32,11 @@ public:
     // JPEG quality costs the device nothing: half the size, then every second, fourth frame.
     static QualityStep deviceStepAt(uint32_t level);
 
-    // What happened since the last look. Several times a second; acts every 250 ms. Down at once when the link queues or frames
+    // What happened since the last seen. Several times a second; acts every 250 ms. Down at once when the link queues or frames
     // were held back or replaced because of it; up by one after a second without, or after twice as long as before the last step
     // up when that had to be taken back within two seconds, up to 16 s: pictures do not swing between two sizes. True when a
     // level changed.
-    struct Look {
+    struct Observation {
         float queue_ms = 0;      // on the link
         bool held_back = false;  // the window of bytes was closed when a pose waited
         bool superseded = false; // a frame was replaced before the socket took it
@@ -45,16 +45,16 @@ public:
         // left a fifth of the budget. None: nothing is known.
         std::optional<DeviceLoad> device;
     };
-    bool look(const Look& seen, Clock::time_point now);
+    bool observe(const Observation& seen, Clock::time_point now);
     uint32_t level() const { return level_; }
     uint32_t deviceLevel() const { return device_level_; }
     QualityStep step() const; // the lesser of both limits
 
 private:
-    bool lookAtDevice(const DeviceLoad& load, Clock::time_point now);
+    bool observeDevice(const DeviceLoad& load, Clock::time_point now);
 
     uint32_t level_ = 0, device_level_ = 0;
-    Look seen_; // the worst since the last act
+    Observation seen_; // the worst since the last act
     Clock::time_point acted_{}, clean_since_{}, room_since_{};
     std::optional<Clock::time_point> raised_;  // when it last went up, if it has not gone down since
     std::chrono::milliseconds patience_{1000}; // without queues, before the next step up

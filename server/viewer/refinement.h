@@ -11,7 +11,7 @@ public:
     // `part` of the frame budget that finer pictures of everybody may take; 0: never.
     explicit Refinement(double part) : part_(part) {}
 
-    struct Look {
+    struct Observation {
         bool rests = false;   // no camera has moved for 150 ms, every viewer gets its best, and no accuracy is given up
         double plain_ms = 0;  // of a frame of all viewers as it is, measured
         double dearer = 1;    // what a finer one takes over that, predicted
@@ -19,7 +19,7 @@ public:
     };
     // Of the next batch. Begins when a fifth less than the part would do, goes on while the part does; once it was too dear, not
     // for five seconds.
-    bool next(const Look& look, Clock::time_point now);
+    bool next(const Observation& seen, Clock::time_point now);
     // The finer batch took so long.
     void took(double ms) { measured_ms_ = measured_ms_ == 0 ? ms : measured_ms_ + 0.2 * (ms - measured_ms_); }
 

@@ -17,13 +17,13 @@ namespace brume {
 class Schedule {
 public:
     // One viewer that is due, and its pictures.
-    struct Wish {
+    struct DrawRequest {
         uint32_t viewer = 0; // id
         double pixels = 0;   // of all its eyes
         uint32_t eyes = 1;
         uint64_t bytes = 0; // of its pictures on the device
         uint32_t every = 1; // ticks between its frames, at least
-        uint32_t like = 0;  // number of the first wish with the same pictures, which are drawn once
+        uint32_t like = 0;  // number of the first request with the same pictures, which are drawn once
     };
     struct Limits {
         double budget_ms = 0;   // that a batch may take
@@ -32,13 +32,13 @@ public:
         uint64_t bytes = ~0ull; // of a batch's pictures; who exceeds them alone is drawn alone
     };
 
-    // Numbers of the wishes to draw now, in their order. All, when they fit or exceed the budget by half at most: a batch of its
-    // own would cost the rest more than that. Else as many as fit, in the order of deadlines; the first one always, unless it
+    // Numbers of the requests to draw now, in their order. All, when they fit or exceed the budget by half at most: a batch of
+    // its own would cost the rest more than that. Else as many as fit, in the order of deadlines; the first one always, unless it
     // exceeds the budget alone, its deadline is to come and others want the device. `tick`: between two of the simulation's.
-    std::span<const uint32_t> choose(std::span<const Wish> wishes, const Limits& limits, Clock::time_point now,
+    std::span<const uint32_t> choose(std::span<const DrawRequest> requests, const Limits& limits, Clock::time_point now,
                                      Clock::duration tick);
-    // Of the last choose(), in ms of the device, predicted: of all wishes and of those chosen.
-    double wholeMs() const { return whole_ms_; }
+    // Of the last choose(), in ms of the device, predicted: of all requests and of those chosen.
+    double fullBatchMs() const { return full_batch_ms_; }
     double chosenMs() const { return chosen_ms_; }
 
     // Measured: this viewer's pictures of so many pixels, alone; and what the batch's viewers share.
@@ -52,20 +52,20 @@ public:
     uint32_t active() const { return active_; }
 
 private:
-    struct Seat {
+    struct Turn {
         double ms_per_pixel = 0; // smoothed; 0: not measured
-        double pixels = 0;       // of the last wish
+        double pixels = 0;       // of the last request
         Clock::time_point drawn{}, since{}, seen{};
         bool waits = false; // since `since`
     };
-    Clock::time_point deadline(const Wish& wish, Clock::duration tick);
+    Clock::time_point deadline(const DrawRequest& request, Clock::duration tick);
 
-    std::map<uint32_t, Seat> seats_; // by viewer; those seen lately
-    double shared_ms_ = 0, ms_per_pixel_ = 0, whole_ms_ = 0, chosen_ms_ = 0;
+    std::map<uint32_t, Turn> turns_; // by viewer; those seen lately
+    double shared_ms_ = 0, ms_per_pixel_ = 0, full_batch_ms_ = 0, chosen_ms_ = 0;
     uint32_t active_ = 0;
     std::vector<Clock::time_point> deadlines_;
     std::vector<uint32_t> order_, chosen_;
-    std::vector<char> drawn_; // of a wish: its pictures are in the batch
+    std::vector<char> drawn_; // of a request: its pictures are in the batch
 };
 
 } // namespace brume

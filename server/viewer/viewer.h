@@ -43,7 +43,7 @@ public:
     // To be called several times a second: what its link can carry follows what it did. How long frames have been waiting for an
     // acknowledgement. `backlog`: since the last look there were bytes that the link had not taken; without, frames that were
     // replaced say nothing of it.
-    Clock::duration look(Clock::time_point now, bool backlog = true);
+    Clock::duration observe(Clock::time_point now, bool backlog = true);
     // Why the frame loop refuses it; empty while it does not.
     std::string refusal() const;
     // The connection is gone: nothing is rendered for it and nothing is notified any more. Waits for a running notify.
@@ -58,11 +58,12 @@ public:
         PoseRequest request;
         bool again = false; // frames of this pose were handed out before
     };
+    // The request that the next batch may draw. To be called once for each batch, since each call counts: it skips frames as
+    // QualityStep::every says, and it notes when the window of bytes alone held a request back.
     // `fine`: once, the picture that has rested for 150 ms, at JPEG quality 90 or more; 150 ms later, once, without loss, for a
     // viewer that takes PNG and whose link does not queue; nothing else.
-    std::optional<Due> takeDue(Clock::time_point now = Clock::now(), std::optional<uint64_t> scene = {}, bool fine = false);
-    // The same in two steps, when not everybody who is due can be drawn: what is due, and taking that.
-    std::optional<PoseRequest> due(Clock::time_point now, std::optional<uint64_t> scene, bool fine);
+    std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool fine);
+    // Hands out a frame for a request that pollDue() returned. Nothing if the viewer has left or was hidden meanwhile.
     std::optional<Due> take(const PoseRequest& due, Clock::time_point now, std::optional<uint64_t> scene);
     // What the device has to do now, for the next look().
     void deviceHas(const DeviceLoad& load);

@@ -10,6 +10,7 @@
 
 #include "server/metrics/metrics.h"
 #include "server/viewer/audience.h"
+#include "tests/unit/take_due.h"
 
 namespace brume {
 
@@ -70,7 +71,7 @@ private:
 
             audience_.list(viewers);
             for (const auto& viewer : viewers)
-                if (const auto due = viewer->takeDue()) answer(*viewer, *due, report);
+                if (const auto due = takeDue(*viewer)) answer(*viewer, *due, report);
         }
     }
 
