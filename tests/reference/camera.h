@@ -13,8 +13,8 @@ struct Camera {
     bool orthographic = false;
     double half_height = 0.5; // of the picture: m when orthographic, else per m of view depth
     double near_depth = 0;    // view depth in front of which nothing is seen, m
-    // Rays stand in clusters of cluster x cluster that cover only a part of their own square, as the pixels of a larger picture
-    // of which only every n-th is wanted: part = 1/n of the side.
+    // Rays stand in clusters of cluster x cluster that cover only a part of their own square, as the pixels of a
+    // larger picture of which only every n-th is wanted: part = 1/n of the side.
     int cluster = 1;
     double cluster_part = 1;
 };

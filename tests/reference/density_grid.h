@@ -23,8 +23,8 @@ public:
     // What is at x, a point of this cell.
     Density at(size_t cell, glm::dvec3 x) const;
 
-    // Calls visit(cell, t0, t1, majorant) for each cell on [ray.begin, ray.end], in order, while it returns true; the extinction
-    // in the cell is at most `majorant`. (Amanatides and Woo 1987.)
+    // Calls visit(cell, t0, t1, majorant) for each cell on [ray.begin, ray.end], in order, while it returns true; the
+    // extinction in the cell is at most `majorant`. (Amanatides and Woo 1987.)
     template <typename Visit>
     void walk(const Ray& ray, const Visit& visit) const {
         Interval part{ray.begin, ray.end};

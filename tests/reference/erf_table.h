@@ -1,5 +1,5 @@
-// erf(q) and exp(-q^2) at once: Taylor series of the Gaussian, and its integral, about the nearest multiple of 1/32. Absolute
-// error below 1e-13, tested against libm.
+// erf(q) and exp(-q^2) at once: Taylor series of the Gaussian, and its integral, about the nearest multiple of 1/32.
+// Absolute error below 1e-13, tested against libm.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// Exact intersections: rays with fog, tetrahedra and opaque objects, and where a ray crosses the edges of what objects shadow.
+// Exact intersections: rays with fog, tetrahedra and opaque objects, and where a ray crosses the edges of what
+// objects shadow.
 #pragma once
 
 #include <span>
@@ -33,8 +34,8 @@ Hit nearest(std::span<const Obstacle> obstacles, const Ray& ray);
 // True when an object other than `skip` lies on [begin, end].
 bool occluded(std::span<const Obstacle> obstacles, const Ray& ray, int skip = -1);
 
-// Appends every t at which the shadow of the object under this light can begin or end on the ray's line: silhouettes of spheres,
-// planes through the light and a box's edges, the height of a plane. Some are no edges; none is missing.
+// Appends every t at which the shadow of the object under this light can begin or end on the ray's line: silhouettes
+// of spheres, planes through the light and a box's edges, the height of a plane. Some are no edges; none is missing.
 void shadowEdges(const Obstacle& object, const LightSource& light, const Ray& ray, std::vector<double>& t);
 // The same for the light through a tetrahedron: where its depth may have a kink.
 void shadowEdges(const Blob& tetrahedron, const LightSource& light, const Ray& ray, std::vector<double>& t);

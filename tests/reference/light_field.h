@@ -1,4 +1,5 @@
-// The exact optical depth of Gaussian particles between any point and a light, over those particles alone that matter there.
+// The exact optical depth of Gaussian particles between any point and a light, over those particles alone that matter
+// there.
 #pragma once
 
 #include <cstdint>

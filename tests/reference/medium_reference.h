@@ -1,5 +1,5 @@
-// Single scattering in double precision on the CPU: what the renderer's pictures are measured against. Shares no closed form with
-// the shaders.
+// Single scattering in double precision on the CPU: what the renderer's pictures are measured against. Shares no
+// closed form with the shaders.
 #pragma once
 
 #include <span>
@@ -46,8 +46,8 @@ World worldOf(const Medium& medium, const Light& light, Model model);
 Picture render(const Medium& medium, const Light& light, const Pose& pose, int width, int height, Model model,
                const Settings& settings = {});
 
-// Relative RMSE: sqrt(sum of (value - reference)^2 / sum of reference^2) over pixels and channels where the reference exceeds
-// 1e-3 of its maximum.
+// Relative RMSE: sqrt(sum of (value - reference)^2 / sum of reference^2) over pixels and channels where the reference
+// exceeds 1e-3 of its maximum.
 double relativeRmse(std::span<const glm::dvec3> value, std::span<const glm::dvec3> reference);
 
 } // namespace brume::reference

@@ -11,10 +11,10 @@
 namespace brume::reference {
 
 struct Settings {
-    // Of a ray's scattered radiance, relative; and absolute, in optical depth, for what is left out where Gaussians end. In
-    // [1e-12, 1e-2]. Edges of shadows, faces of tetrahedra, ends of fog and silhouettes of balls are split exactly. Kinks where
-    // balls of a union meet, and where light leaves a fog's sphere and slab at once, are found by halving alone: unions are
-    // tested down to 1e-7. No ray may pass through a point light.
+    // Of a ray's scattered radiance, relative; and absolute, in optical depth, for what is left out where Gaussians
+    // end. In [1e-12, 1e-2]. Edges of shadows, faces of tetrahedra, ends of fog and silhouettes of balls are split
+    // exactly. Kinks where balls of a union meet, and where light leaves a fog's sphere and slab at once, are found
+    // by halving alone: unions are tested down to 1e-7. No ray may pass through a point light.
     double tolerance = 1e-8;
     bool shadows = true;  // false: every light reaches every point unattenuated
     unsigned threads = 0; // of a picture; 0: as many as the machine has

@@ -45,8 +45,9 @@ enum class Composition {
     sequential,  // particles integrated one by one and composited by the distance of their centres from the ray's origin
 };
 
-// The medium of seed 003: constant extinction wherever at least one ball is, however many overlap. The seed gives no numbers: its
-// extinction is "user defined", one for the whole medium, and its radius that of a particle's icosahedron, here a ball.
+// The medium of seed 003: constant extinction wherever at least one ball is, however many overlap. The seed gives no
+// numbers: its extinction is "user defined", one for the whole medium, and its radius that of a particle's
+// icosahedron, here a ball.
 struct UnionMedium {
     struct Ball {
         glm::dvec3 centre;
@@ -102,7 +103,8 @@ struct World {
     double anisotropy = 0, asymmetry = 0;     // p = (1 - a) / 4 pi + a HG(g)
 };
 
-// A scene as the server renders it: `medium` and `light` are those of now (Simulation::now()), moved and changed by commands.
+// A scene as the server renders it: `medium` and `light` are those of now (Simulation::now()), moved and changed by
+// commands.
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
               const brume::Light& light);
 // At its start.

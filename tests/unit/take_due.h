@@ -1,5 +1,5 @@
-// For tests with one viewer: asks a viewer for its due request and takes it at once. The server chooses among all viewers between
-// these two steps.
+// takeDue(): polls a viewer for its due request and takes it at once. The server chooses among all viewers between
+// these two steps; tests of one viewer do not need that.
 #pragma once
 
 #include "server/viewer/viewer.h"
