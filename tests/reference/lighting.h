@@ -1,4 +1,4 @@
-// What arrives from a world's lights at a point, through the medium and past the opaque objects.
+// Lighting: light that arrives at a point from a world's lights, through the medium and past opaque objects.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace brume::reference {
 
-// A light as a point sees it, nothing in between.
+// Light that arrives at a point with nothing in between.
 struct Arrival {
     glm::dvec3 irradiance; // perpendicular, W/m^2
     glm::dvec3 to_light;   // unit
@@ -29,13 +29,13 @@ public:
     // medium, and under the sky, whose mean radiance over the sky's part of the hemisphere stands for its irradiance.
     glm::dvec3 surface(int object, glm::dvec3 x, glm::dvec3 normal) const;
 
-    // Optical depth from x to light `i`; kInfinity when an object other than `skip` is in between.
+    // Optical depth from x to light `i`; kInfinity if an object other than `skip` is in between.
     double depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip = -1) const;
-    // Every place on the ray where the light may have a kink or a jump, or be nearest.
+    // Every t on the ray at which the light may have a kink or a jump, or is nearest.
     void edges(const Ray& ray, std::vector<double>& t) const;
 
 private:
-    double cutDepth(const Ray& toward) const; // of tetrahedra
+    double cutDepth(const Ray& toward) const; // optical depth of tetrahedra
 
     struct Fields {
         std::optional<LightField> distant;

@@ -25,9 +25,9 @@ struct TrackedPicture {
     std::vector<glm::dvec3> radiance, standard_error;
 };
 
-// The world's support is full, its composition overlapping, else std::invalid_argument. The camera sees the sky;
-// scattered rays that leave the medium meet World::ambient from all directions, those that meet an obstacle its
-// shading (Lighting::surface).
+// Throws std::invalid_argument unless the world's support is full and its composition overlapping. The camera sees
+// the sky; scattered rays that leave the medium meet World::ambient from all directions, those that meet an obstacle
+// its shading (Lighting::surface).
 TrackedPicture track(const World& world, const Camera& camera, const TrackSettings& settings = {});
 
 } // namespace brume::reference
