@@ -13,8 +13,8 @@ struct Camera {
     bool orthographic = false;
     double half_height = 0.5; // half the picture's height: m if orthographic, otherwise m per m of view depth
     double near_depth = 0;    // m, view depth of the near plane; nothing in front of it is seen
-    // Rays stand in clusters of cluster x cluster that cover only a part of their own square, as the pixels of a
-    // larger picture of which only every n-th is wanted: part = 1/n of the side.
+    // For pictures of every n-th pixel of a larger one: rays form clusters of cluster x cluster, and a cluster covers
+    // only part = 1/n of the side of its square.
     int cluster = 1;
     double cluster_part = 1;
 };

@@ -1,5 +1,5 @@
-// The exact optical depth of Gaussian particles between any point and a light, over those particles alone that matter
-// there.
+// LightField: the exact optical depth of Gaussian particles between any point and a light. It visits only particles
+// near the line.
 #pragma once
 
 #include <cstdint>

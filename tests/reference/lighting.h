@@ -25,8 +25,9 @@ public:
     // Sum over lights of E p T_L Vis: radiance scattered at x toward -w per unit of scattering, where w is the ray's
     // direction.
     glm::dvec3 scattered(glm::dvec3 x, glm::dvec3 w) const;
-    // Radiance that a surface point of obstacle `object` sends back: Lambert's law under the lights, past objects and
-    // medium, and under the sky, whose mean radiance over the sky's part of the hemisphere stands for its irradiance.
+    // Radiance that a surface point of obstacle `object` reflects, by Lambert's law: of the lights, past objects and
+    // medium, and of the sky. The sky's irradiance is taken from its mean radiance over the sky's part of the
+    // hemisphere.
     glm::dvec3 surface(int object, glm::dvec3 x, glm::dvec3 normal) const;
 
     // Optical depth from x to light `i`; kInfinity if an object other than `skip` is in between.

@@ -1,5 +1,5 @@
-// Single scattering in double precision on the CPU: what the renderer's pictures are measured against. Shares no
-// closed form with the shaders.
+// The reference renderer: single scattering in double precision on the CPU, which the renderer's pictures are
+// compared with. It shares no closed form with the shaders.
 #pragma once
 
 #include <span>

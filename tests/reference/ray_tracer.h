@@ -12,10 +12,11 @@
 namespace brume::reference {
 
 struct Settings {
-    // Of a ray's scattered radiance, relative; and absolute, in optical depth, for what is left out where Gaussians
-    // end. In [1e-12, 1e-2]. Edges of shadows, faces of tetrahedra, ends of fog and silhouettes of balls are split
-    // exactly. Kinks where balls of a union meet, and where light leaves a fog's sphere and slab at once, are found
-    // by halving alone: unions are tested down to 1e-7. No ray may pass through a point light.
+    // Relative tolerance of a ray's scattered radiance, and absolute tolerance of the optical depth left out where
+    // Gaussians end. In [1e-12, 1e-2]. Panels are split exactly at edges of shadows, faces of tetrahedra, ends of fog
+    // and silhouettes of balls. Kinks where balls of a union meet, and where light leaves a fog's sphere and slab at
+    // once, are found by halving only: unions are tested down to 1e-7. Precondition: no ray passes through a point
+    // light.
     double tolerance = 1e-8;
     bool shadows = true;  // False: every light reaches every point unattenuated
     unsigned threads = 0; // for a picture; 0: as many as the machine has

@@ -18,8 +18,7 @@ struct TrackSettings {
     unsigned threads = 0;   // 0: as many as the machine has
 };
 
-// Radiance of everything (medium, surfaces, sky). The mean over paths; 95 % of exact values lie within 1.96 standard
-// errors of it.
+// Mean radiance over paths, of medium, surfaces and sky. 95 % of exact values lie within 1.96 standard errors of it.
 struct TrackedPicture {
     int width = 0, height = 0;
     std::vector<glm::dvec3> radiance, standard_error;

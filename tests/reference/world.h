@@ -46,8 +46,8 @@ enum class Composition {
     sequential,  // particles integrated one by one, composited by distance of their centres
 };
 
-// The medium of seed 003: constant extinction wherever at least one ball is, however many overlap. The seed gives no
-// numbers: its extinction is "user defined", one for the whole medium, and its radius that of a particle's
+// The medium of seed 003: constant extinction wherever there is at least one ball; overlaps do not add up. The seed
+// gives no numbers. Its extinction is "user defined", one for the whole medium. Its radius is that of a particle's
 // icosahedron, here a ball.
 struct UnionMedium {
     struct Ball {
@@ -93,19 +93,19 @@ struct Obstacle {
 struct World {
     std::vector<Blob> blobs;
     Support support = Support::full;                    // of the blobs along view rays
-    bool cut_light = false;                             // True: light depth ends at the faces, too (with Support::tetrahedron)
+    bool cut_light = false;                             // True, with Support::tetrahedron: light depth is cut, too
     Composition composition = Composition::overlapping; // sequential: only worlds of blobs
     UnionMedium balls;
     std::vector<Fog> fogs;
     std::vector<LightSource> lights;
     std::vector<Obstacle> obstacles;
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
-    glm::dvec3 ambient{0};                    // radiance from all directions, without shadowing
+    glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
     double anisotropy = 0, asymmetry = 0;     // p = (1 - a) / 4 pi + a HG(g)
 };
 
-// A scene as the server renders it: `medium` and `light` are those of now (Simulation::now()), moved and changed by
-// commands.
+// The world of a scene as the server renders it. `medium` and `light`: the present ones (Simulation::now()), as
+// commands changed them.
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
               const brume::Light& light);
 // The world of a scene at its start.
