@@ -1,5 +1,5 @@
-// How far a picture is from its reference. Every number is named by its definition, so that no report compares two different
-// things.
+// Error metrics between a picture and its reference. Every metric is defined here, so that all reports mean the same
+// by a name.
 #pragma once
 
 #include <cstddef>
@@ -14,42 +14,43 @@
 namespace brume {
 
 struct WorstPixel {
-    int x = -1, y = -1; // from the top left
-    double error = 0;   // |v - r| / (r + 0.01) of its worst channel
+    int x = -1, y = -1; // counted from the top left
+    double error = 0;   // |v - r| / (r + 0.01) in the worst channel
     glm::vec3 value{0}, reference{0};
 };
 
-// v is the value, r >= 0 the reference, both linear radiance; sums go over the compared pixels and their three channels. Those of
-// `bright` take only channels where r exceeds 1e-3 of the largest r compared; they are NaN where there is none (a black
-// reference). Psnr, ssim and flip see what a viewer sees: exposed, tone mapped, in [0, 1], not rounded to 8 bits.
+// v is the value, r >= 0 the reference, both linear radiance. Sums go over the compared pixels and their three
+// channels. Metrics marked "bright" use only channels where r exceeds 1e-3 of the largest compared r; they are NaN if
+// there is none (a black reference). psnr, ssim and flip compare displayed pictures: exposed, tone mapped, in [0, 1],
+// not rounded to 8 bits.
 struct Errors {
     double relative_rmse = 0; // bright: sqrt(sum (v - r)^2 / sum r^2)
     double bias = 0;          // bright: mean (v - r) / r; positive is too bright
     double rel_mse = 0;       // mean (v - r)^2 / (r + 0.01)^2
-    double psnr = 0;          // dB, sRGB values, peak 1; infinite when equal
-    double ssim = 1;          // mean, of luma (common/metrics_ssim.h); NaN where no window fits the picture
+    double psnr = 0;          // dB, of sRGB values, peak 1; infinite for equal pictures
+    double ssim = 1;          // mean, of luma (common/metrics_ssim.h); NaN if no window fits the picture
     double flip = 0;          // mean, LDR-FLIP (common/metrics_flip.h)
     WorstPixel worst;         // the largest term of rel_mse
-    size_t pixels = 0;        // compared
-    // Pixels of either whole picture, in the mask or not, with NaN or infinity in radiance or transmittance.
+    size_t pixels = 0;        // number of compared pixels
+    // Pixels with NaN or infinity in radiance or transmittance, in both pictures, inside and outside the mask.
     size_t not_finite = 0;
 
-    // False: something was not finite, or the mask left nothing. Then all errors are NaN, so that no bound on them holds, and
-    // `worst` is the first pixel that is not finite.
+    // False: a number was not finite, or the mask left no pixel. Then all errors are NaN, so that no comparison with
+    // a bound is true, and `worst` is the first pixel that is not finite.
     bool comparable() const { return pixels > 0 && not_finite == 0; }
 };
 
-// `mask`: empty for all pixels, or width * height values, 0 for pixels that are left out. Windows and filters (ssim, flip) of a
-// pixel within still see its neighbours without. Throws std::invalid_argument when sizes differ.
+// `mask`: empty for all pixels, or width * height values, 0 for pixels that are left out. Windows and filters (ssim,
+// flip) of a pixel in the mask still use neighbours outside it. Throws std::invalid_argument if sizes differ.
 Errors compare(const RadianceImage& value, const RadianceImage& reference, const DisplaySettings& display,
                std::span<const uint8_t> mask = {});
 
-// One line with all of them; it says first when pixels were not finite or nothing was compared.
+// All errors in one line. It begins with a warning if pixels were not finite or nothing was compared.
 std::string describe(const Errors& errors);
 
-// Flicker and popping: the mean FLIP between consecutive frames minus the same of the reference's frames. Positive: more changes
-// than should; negative: less (a picture that lags). NaN when a frame holds a pixel that is not finite. Throws
-// std::invalid_argument for fewer than two frames, lists of different length, or sizes that differ.
+// Measures flicker and popping: mean FLIP between consecutive frames, minus that of the reference's frames. Positive:
+// pictures change more than the reference; negative: less (a picture that lags). NaN if a frame has a pixel that is
+// not finite. Throws std::invalid_argument for fewer than two frames, lists of different length, or different sizes.
 double temporalFlip(std::span<const RadianceImage> frames, std::span<const RadianceImage> reference_frames,
                     const DisplaySettings& display);
 

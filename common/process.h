@@ -1,4 +1,5 @@
-// A program as a child process: its output is kept, its end is awaited with a deadline, and it never outlives us.
+// Process: a program run as a child process. It keeps the output, waits for the end with a deadline, and kills the
+// child when it is destroyed.
 #pragma once
 
 #include <chrono>
@@ -16,23 +17,26 @@ namespace brume {
 class Process {
 public:
     using milliseconds = std::chrono::milliseconds;
-    // Nothing should take this long; a loaded machine with sanitizers may.
+    // Default deadline: longer than anything takes, also on a busy machine with sanitizers.
     static constexpr milliseconds kPatience{30'000};
 
-    // `environment`: NAME=value sets, NAME alone removes. Throws std::system_error when it cannot be started.
+    // `environment`: NAME=value sets a variable, NAME alone removes it. Throws std::system_error if the program
+    // cannot be started.
     explicit Process(const std::vector<std::string>& command, const std::vector<std::string>& environment = {});
-    ~Process(); // SIGKILL if it still runs
+    ~Process(); // sends SIGKILL if it still runs
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
 
     pid_t id() const { return pid_; }
     void signal(int number);
-    // The exit status, or minus the signal that ended it; nothing when it still runs after `timeout`.
+    // Waits for the end. Returns the exit status, or minus the signal that ended it; nothing if it still runs after
+    // `timeout`.
     std::optional<int> exitCode(milliseconds timeout = kPatience);
-    // The rest of the first line of stdout that starts so; nothing when the program ends or the time is over before.
+    // Waits for a line of stdout that starts with `prefix`, and returns its rest. Nothing if the program ends or time
+    // is over first.
     std::optional<std::string> lineStarting(const std::string& prefix, milliseconds timeout = kPatience);
 
-    // All so far; complete once exitCode() has returned one.
+    // The output so far; complete once exitCode() has returned a status.
     std::string out() const;
     std::string err() const;
 
@@ -44,7 +48,7 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::string out_, err_;
-    bool closed_ = false; // both pipes are at their end
+    bool closed_ = false; // True: both pipes have ended
     std::thread reader_;
 };
 

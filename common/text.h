@@ -1,4 +1,4 @@
-// Text from outside, for people to read.
+// Text from outside the program, made safe to show.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace brume {
 
-// With '?' for every control character: one line, that does nothing to a terminal.
+// Replaces every control character by '?'. The result is one line and cannot control a terminal.
 inline std::string oneLine(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');

@@ -1,5 +1,5 @@
-// Framing of brume.v1: one binary WebSocket message is a size-prefixed FlatBuffer (u32 little-endian length, identifier
-// "BRM1"), for a frame followed by the JPEG bytes of each view. See protocol/README.md.
+// Framing of brume.v1. One binary WebSocket message is a size-prefixed FlatBuffer (u32 little-endian length,
+// identifier "BRM1"). In a frame message, the JPEG bytes of each view follow. See protocol/README.md.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,25 @@ namespace brume::wire {
 inline constexpr char kSubprotocol[] = "brume.v1";
 inline constexpr uint32_t kMaxViews = 2;
 
-// A verified message; points into the bytes that it was parsed from.
+// A verified message. It points into the bytes that it was parsed from.
 struct Parsed {
     const Message* message;
-    std::span<const uint8_t> jpeg; // of all views, empty but for a frame
+    std::span<const uint8_t> jpeg; // of all views; empty unless the message is a frame
 
     Body type() const { return message->body_type(); }
-    // Null when the body is of another type.
+    // The body as a T; null if it has another type.
     template <class T>
     const T* as() const {
         return type() == BodyTraits<T>::enum_value ? static_cast<const T*>(message->body()) : nullptr;
     }
-    // JPEG bytes of one view. Precondition: a frame, and view < jpeg_bytes()->size().
+    // JPEG bytes of one view. Precondition: the message is a frame, and view < jpeg_bytes()->size().
     std::span<const uint8_t> view(uint32_t view) const;
 };
 
-// Nothing unless the bytes are exactly one well-formed message of this schema: every offset inside, a body type that we know,
-// nothing left over, and a frame's JPEG lengths adding up to the bytes that follow. Numbers are not judged.
-// Precondition: bytes.data() is aligned to 8, as fresh heap memory is.
+// Parses one message. Returns nothing unless the bytes are exactly one well-formed message of this schema: all
+// offsets are inside, the body type is known, no bytes are left over, and the JPEG lengths of a frame add up to the
+// bytes that follow. Values of numbers are not checked. Precondition: bytes.data() is aligned to 8, as fresh heap
+// memory is.
 std::optional<Parsed> parse(std::span<const uint8_t> bytes);
 
 using Packed = flatbuffers::DetachedBuffer;
@@ -45,7 +46,8 @@ Packed finish(flatbuffers::FlatBufferBuilder& builder, flatbuffers::Offset<Table
 }
 } // namespace detail
 
-// `build` fills a body with the builder that it gets and returns its offset: pack([](auto& b) { return CreateAck(b, 7); }).
+// Makes a message. `build` gets a builder, creates the body and returns its offset: pack([](auto& b) { return
+// CreateAck(b, 7); }).
 template <class Build>
 Packed pack(Build&& build) {
     flatbuffers::FlatBufferBuilder builder(256);

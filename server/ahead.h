@@ -1,5 +1,5 @@
-// Shaders that a running server may come to need, compiled before it does: a driver compiles what is drawn for the first time,
-// which takes a CPU driver up to seconds, for which all viewers would wait.
+// Compiles ahead the shaders that a running server may need later. A driver compiles a shader when it is first used.
+// A CPU driver takes up to seconds for it, and all viewers would wait.
 #pragma once
 
 #include <memory>
@@ -10,14 +10,14 @@
 
 namespace brume {
 
-// Draws, unseen, what other viewers and overload lead to. The driver keeps what it compiled on disk, for every process of this
-// user. Throws SceneError, gpu::Error.
+// Draws pictures with the settings that more viewers or overload would lead to; nobody sees them. The driver caches
+// the compiled shaders on disk for all processes of this user. Throws SceneError, gpu::Error.
 void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms);
 
-// The same by another process with these arguments, of the least priority, which ends with this object. Null where that may take
-// more memory than it is worth, and when no process can be started.
+// Starts compileAhead() in a child process of lowest priority, with these arguments. The process ends with the
+// returned object. Null if it may need more memory than it is worth, or if no process can be started.
 std::unique_ptr<Process> startAhead(const Scene& scene, int argc, const char* const* argv);
-// To be called by that process, first.
+// Lowers the priority (nice 19). The child process calls it first.
 void stepBehind();
 
 } // namespace brume

@@ -1,4 +1,4 @@
-// The way of the data, from commands to frames: the loop that every tick and every picture passes.
+// FrameLoop: takes commands, steps the simulation, renders due viewers in batches, encodes and delivers their frames.
 #pragma once
 
 #include <atomic>
@@ -27,34 +27,34 @@ class FrameLoop {
 public:
     using Options = FrameOptions;
 
-    // Draws one picture unseen, so that the first viewer does not wait for its shaders. Throws SceneError, gpu::Error. `device`,
-    // `audience` and `metrics` outlive the loop.
+    // Draws one picture that nobody sees, so that the first viewer does not wait for its shaders. `device`,
+    // `audience` and `metrics` outlive the loop. Throws SceneError, gpu::Error.
     FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options);
-    // Stops and waits for what is on the device.
+    // Stops, and waits for the device and the encoders.
     ~FrameLoop();
 
-    // Starts the loop on a thread of its own; null: LocalTicks of the audience's commands. `on_failure` is called from that
-    // thread, once, when the loop cannot go on; see failure().
+    // Starts the loop on its own thread. `on_failure` is called there once if the loop cannot go on; see failure().
+    // `ticks`: source of ticks and commands; null: the clock and the audience's commands.
     void start(std::function<void()> on_failure, std::unique_ptr<TickSource> ticks = nullptr);
     void stop();
-    // Options::frame_ms from the next tick on. Thread-safe.
+    // Sets Options::frame_ms from the next tick on. Thread-safe.
     void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
     // True once the background shader compiler has finished: PlanInputs::compiled. Thread-safe.
     void setCompiled(bool compiled) { compiled_ = compiled; }
-    // What ended the loop; null while all is well.
+    // The exception that ended the loop; null if there was none.
     std::exception_ptr failure() const { return failure_; }
 
 private:
-    // One tick's pictures: on the device, then with the encoders, then free again.
+    // One batch of pictures: first on the device, then with the encoders, then free for reuse.
     struct Batch : BatchContents {
         explicit Batch(const gpu::Device& device) : submission(device, "batch") {}
 
         Submission submission;
         uint64_t tick = 0, state_hash = 0;
-        Clock::time_point taken{}, done{}; // when poses were taken, and when the device was done
-        bool low_error = false;            // True: half the distance between rays and slabs; every still picture, and others
-                                           // where there is time
-        std::atomic<uint32_t> pending{0};  // jobs not encoded yet
+        Clock::time_point taken{}, done{}; // when its poses were taken; when the device was done
+        // True: half the distance between rays and slabs. For still pictures, and for others if there is time.
+        bool low_error = false;
+        std::atomic<uint32_t> pending{0}; // jobs not encoded yet
     };
 
     void warmUp();
@@ -76,25 +76,25 @@ private:
     std::atomic<double> frame_ms_;
     std::atomic<bool> compiled_{true};
     Simulation simulation_;
-    std::optional<Renderer> renderer_; // made anew when a submission fails
+    std::optional<Renderer> renderer_; // made anew after a submission failed
     Planner planner_;
     std::unique_ptr<TickSource> ticks_;
 
     std::vector<std::unique_ptr<Batch>> batches_;
     Batch* on_device_ = nullptr;
-    uint64_t rendered_tick_ = ~0ull; // of the last batch
+    uint64_t rendered_tick_ = ~0ull; // tick of the last batch
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     BatchPlanner batch_planner_;
     DeviceLedger ledger_;
     Refinement refinement_;
     Clock::time_point load_told_{}, reported_{};
-    double most_full_ms_ = 0;    // the most that a batch of all due viewers would have taken since load_told_, predicted
+    double most_full_ms_ = 0;    // largest predicted time of a batch with all due viewers, since load_told_
     bool replan_ = false;        // True: a command came since the last frame
     bool changed_ = true;        // True: a command came since the last report
-    uint64_t scene_version_ = 0; // grows with everything that is seen
+    uint64_t scene_version_ = 0; // grows whenever pictures would change
 
-    EncodeWorkers workers_; // before the thread that uses it
+    EncodeWorkers workers_; // declared before the thread that uses it
     std::mutex mutex_;
     std::condition_variable wake_;
     bool stopping_ = false;

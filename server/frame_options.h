@@ -1,4 +1,4 @@
-// What an operator may set of the frame loop, apart from the loop so that reading it needs no Vulkan.
+// Options of the frame loop. They have their own header so that parsing options needs no Vulkan.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ class Simulation;
 
 struct FrameOptions {
     unsigned encode_threads = 2;
-    unsigned batches = 3;            // one on the device, the others being encoded
-    double frame_ms = 50;            // that a frame of all viewers may take before accuracy is given up
-    double refine_moving = 0.5;      // part of frame_ms that finer pictures may take while cameras rest and the medium moves
-    uint64_t memory = 1024ull << 20; // bytes that particles may take, on the CPU and on the device together
+    unsigned batches = 3;            // batches in flight: one on the device, the others with the encoders
+    double frame_ms = 50;            // budget for a frame of all viewers; above it accuracy is given up
+    double refine_moving = 0.5;      // part of frame_ms for finer pictures while cameras rest and the medium moves
+    uint64_t memory = 1024ull << 20; // most bytes of particles, on the CPU and on the device together
     CostModel costs = builtInCosts();
-    // Called before the first tick and after every one, on the loop's thread, with the commands that it took.
+    // Called on the loop's thread before the first tick, and after every tick with the commands that it took.
     std::function<void(const Simulation&, std::span<const Command>)> ticked;
 };
 

@@ -1,4 +1,4 @@
-// What brume-server may be asked: by flags, by the environment (BRUME_*) and by a TOML file, in this order.
+// Options of brume-server. A flag overrides an environment variable (BRUME_*), which overrides the TOML file.
 #pragma once
 
 #include <filesystem>
@@ -14,54 +14,54 @@ namespace brume {
 
 struct ServerOptions {
     std::string scene = "plume";
-    std::filesystem::path scene_dir;    // of the scenes that are known by name
-    std::vector<std::string> overrides; // key=value, instead of the scene's
+    std::filesystem::path scene_dir;    // folder of the scenes that are known by name
+    std::vector<std::string> overrides; // key=value, replaces the scene's value
     net::NetOptions net;
-    std::filesystem::path token_key; // its bytes are in `net`
-    bool open = false;               // without a key, whoever may reach it
+    std::filesystem::path token_key; // file of the key; its bytes are in `net`
+    bool open = false;               // True: serves other machines without a key
     uint32_t max_viewers = 32;
     uint32_t max_in_flight = 6;
-    float most_frame_ms = 500; // of all viewers
+    float most_frame_ms = 500; // ms of a frame of all viewers; above it no viewer is admitted
     gpu::DeviceOptions device;
     FrameOptions frame;
-    // Instead of the scene's own.
+    // Replace the scene's values if set.
     std::optional<std::string> method, quadrature;
     std::optional<uint32_t> steps, shadow_size, shadow_slices;
     std::optional<float> exposure, cutoff, shadow_error;
     std::optional<bool> paused;
-    std::filesystem::path costs;      // folder of the device's constants, as brume-bench calibrate writes them
-    bool explain = false;             // print the plan and end
-    std::string ahead = "background"; // compile shaders ahead: so, off, or only that
+    std::filesystem::path costs;      // folder of cost files, written by brume-bench calibrate
+    bool explain = false;             // True: print the plan and exit
+    std::string ahead = "background"; // compile shaders ahead: background | off | only
     std::string log_level = "info", log_format = "text";
     std::filesystem::path log_file;        // empty: standard error
-    std::chrono::milliseconds drain{0};    // told to stop: /readyz fails for so long while frames still flow
-    std::string drain_to;                  // URL that viewers are told to go on to; empty: none
-    std::chrono::milliseconds grace{3000}; // to end what is open after that
+    std::chrono::milliseconds drain{0};    // time after a stop signal with /readyz failing and frames flowing
+    std::string drain_to;                  // URL that viewers are sent to when the server stops; empty: none
+    std::chrono::milliseconds grace{3000}; // then the time in which connections may close
     std::filesystem::path record, replay;  // files; empty: none
     uint32_t record_limit = 256;           // MiB
-    uint32_t frames = 0;                   // recording and replaying: ticks between pictures of the scene's own camera
+    uint32_t frames = 0;                   // recording, replay: ticks between pictures of the scene's camera; 0: none
 };
 
-// One option as it stands.
+// The present value of one option.
 struct Setting {
-    std::string name;  // its key in the file
+    std::string name;  // its key in the TOML file
     std::string value; // as TOML
-    bool live;         // a reload can change it
+    bool live;         // True: reload() can change it
 };
 
-// Options, or the exit code of a command line that ends here: --help, --version and --print-config, which have printed, or a
-// mistake.
+// The result of parsing: options, or the exit code if the program ends here. It ends after --help, --version or
+// --print-config, which have printed, and after a mistake.
 struct ParsedOptions {
     std::optional<ServerOptions> options;
     int exit_code = 0;
     std::string complaint;         // one line on the mistake: where it is, what is wrong, what is allowed
-    std::vector<Setting> settings; // of all options
+    std::vector<Setting> settings; // the values of all options
 };
 ParsedOptions parseServerOptions(int argc, const char* const* argv);
 
-// The options' settings of the scene, as in its file: key=value.
+// Scene settings given by options, as key=value.
 std::vector<std::string> sceneOverrides(const ServerOptions& options);
-// The scene with these in it. Throws SceneError.
+// Loads the scene with these settings. Throws SceneError.
 Scene loadScene(const ServerOptions& options);
 
 } // namespace brume

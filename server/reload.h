@@ -1,4 +1,4 @@
-// SIGHUP: what may change while the server runs.
+// reload(): applies changed options while the server runs (SIGHUP).
 #pragma once
 
 #include "server/frame.h"
@@ -7,14 +7,16 @@
 
 namespace brume {
 
+// Parts of the running server that options change.
 struct Running {
     Audience& audience;
     FrameLoop& frames;
     NetServer& network;
 };
 
-// Reads flags, environment and file anew. Of what differs from `now`, live settings change and are logged as old -> new; the log
-// names the others, which keep their values. A mistake changes nothing and is one line in the log.
+// Reads flags, environment and file again. Live settings that differ from `now` change and are logged as old -> new.
+// Other settings that differ keep their values, and the log names them. A mistake changes nothing and is logged in
+// one line.
 void reload(ParsedOptions& now, int argc, const char* const* argv, const Running& running);
 
 } // namespace brume

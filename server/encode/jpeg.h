@@ -1,4 +1,4 @@
-// Planes to JPEG with libjpeg-turbo: Y, Cb, Cr 4:2:0 as they are; R, G, B as 4:4:4.
+// JpegEncoder: encodes planes with libjpeg-turbo. Y, Cb, Cr planes become 4:2:0, R, G, B planes 4:4:4.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace brume {
 
-// One thread at a time. Keeps its scratch memory between pictures.
+// To be used by one thread at a time. Keeps its scratch memory between pictures.
 class JpegEncoder {
 public:
     JpegEncoder();
@@ -16,7 +16,7 @@ public:
     JpegEncoder(const JpegEncoder&) = delete;
     JpegEncoder& operator=(const JpegEncoder&) = delete;
 
-    // `quality` 1...100. Throws std::runtime_error when libjpeg-turbo refuses (a picture without pixels).
+    // `quality`: 1 ... 100. Throws std::runtime_error if libjpeg-turbo refuses (a picture without pixels).
     std::vector<uint8_t> encode(const PictureView& picture, int quality);
 
 private:

@@ -1,4 +1,4 @@
-// From a picture's planes to the bytes that a viewer gets, in the format that it asked for.
+// Encodes a picture's planes to the bytes that a viewer gets, in the format that it asked for.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace brume {
 
-// Bytes of one picture; frames of viewers that ask for the same picture share them.
+// Bytes of one picture. Viewers that ask for the same picture share them.
 using PictureBytes = std::shared_ptr<const std::vector<uint8_t>>;
 
 enum class PictureFormat : uint8_t { jpeg, png };
@@ -20,16 +20,16 @@ enum class PictureFormat : uint8_t { jpeg, png };
 struct EncodedPictures {
     std::array<PictureBytes, 2> bytes; // one for each eye
     PictureFormat format = PictureFormat::jpeg;
-    uint8_t quality = 0; // 1 ... 100 of JPEG; 100 for PNG
+    uint8_t quality = 0; // JPEG quality, 1 ... 100; 100 for PNG
 };
 
 struct EncodeRequest {
     uint8_t quality = 80;  // JPEG, 1 ... 100
-    bool lossless = false; // True: PNG, or JPEG of quality 97 where PNG takes more than 4 MiB
+    bool lossless = false; // True: PNG, or JPEG of quality 97 if PNG takes more than 4 MiB
 };
 
-// Pictures of one or two eyes. `jpeg`: the calling thread's own. Precondition: lossless pictures have all of their colour. Throws
-// std::runtime_error or std::bad_alloc.
+// Encodes the pictures of one or two eyes. `jpeg`: the calling thread's own encoder. Precondition: for lossless
+// pictures, layout.full (R, G, B at every pixel). Throws std::runtime_error or std::bad_alloc.
 EncodedPictures encodePictures(std::span<const PictureView> eyes, const EncodeRequest& request, JpegEncoder& jpeg);
 
 } // namespace brume

@@ -1,4 +1,4 @@
-// Planes of R, G, B to PNG with libpng: every bit of what the display shows.
+// Encodes planes of R, G, B as PNG with libpng: 8 bits a channel, without loss.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace brume {
 
-// Empty when that takes more than `most` bytes. Throws std::runtime_error when libpng refuses (a picture without pixels).
-// Precondition: picture.layout.full.
+// Returns the PNG; empty if it would be larger than `most` bytes. Throws std::runtime_error if libpng refuses (a
+// picture without pixels). Precondition: picture.layout.full.
 std::vector<uint8_t> encodePng(const PictureView& picture, size_t most);
 
 } // namespace brume

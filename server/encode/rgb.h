@@ -1,4 +1,4 @@
-// Rows of R, G, B from a picture's planes.
+// Interleaves a picture's planes of R, G and B.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 
 namespace brume {
 
-// Tightly packed, top first, into the beginning of `out`, which grows. Precondition: picture.layout.full.
+// Writes R, G, B of every pixel to the beginning of `out`, rows tightly packed, top row first. `out` grows if it is
+// too small. Precondition: picture.layout.full.
 inline void packRgb(const PictureView& picture, std::vector<uint8_t>& out) {
     const PlaneLayout& layout = picture.layout;
     out.resize(std::max(out.size(), size_t(3) * layout.width * layout.height));

@@ -1,4 +1,4 @@
-// Threads that encode. Jobs start in the order in which they were given.
+// EncodeWorkers: threads that encode pictures. Jobs start in the order in which they were given.
 #pragma once
 
 #include <condition_variable>
@@ -17,7 +17,7 @@ public:
     using Job = std::function<void(JpegEncoder&)>; // a job that throws is logged, and its thread goes on
 
     explicit EncodeWorkers(unsigned threads);
-    // Finishes the jobs given so far.
+    // Finishes all jobs first.
     ~EncodeWorkers();
 
     void give(Job job);
@@ -27,7 +27,7 @@ private:
 
     std::mutex mutex_;
     std::condition_variable wake_;
-    std::deque<Job> jobs_; // bounded by the frames in flight
+    std::deque<Job> jobs_; // bounded: no more than frames in flight
     bool stopping_ = false;
     std::vector<std::jthread> threads_;
 };

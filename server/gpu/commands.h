@@ -1,5 +1,5 @@
-// Recording: command buffers with their timestamps, barriers as plain functions, and one scope that names, labels and times a
-// pass.
+// Recording: a command buffer with its timestamps, barriers as plain functions, and Commands::Pass, a scope that
+// names, labels and times a pass.
 #pragma once
 
 #include <cstdint>
@@ -21,22 +21,22 @@ public:
     Commands(const Commands&) = delete;
     Commands& operator=(const Commands&) = delete;
 
-    // Starts recording anew. Precondition: the last submission is done.
+    // Starts a new recording. Precondition: the last submission is done.
     VkCommandBuffer begin();
     // Ends recording and submits. Throws DeviceLost / Error.
     void submit();
     // True when the last submission is done; waits up to `timeout_ns`. Throws DeviceLost.
     bool wait(uint64_t timeout_ns) const;
-    // The passes of the last submission. Precondition: it is done. Valid until begin().
+    // Times of the passes of the last submission. Precondition: it is done. Valid until begin().
     std::span<const PassSample> readTimes();
 
-    // A new descriptor set for what is recorded next. Valid until begin().
+    // A new descriptor set for the commands recorded next. Valid until begin().
     VkDescriptorSet descriptorSet(VkDescriptorSetLayout layout);
 
     VkCommandBuffer handle() const { return cmd_; }
     const Device& device() const { return device_; }
 
-    // Names, labels and times what is recorded while it lives.
+    // Names, labels and times the commands that are recorded during its lifetime.
     class Pass {
     public:
         Pass(Commands& commands, const char* name, uint32_t view = kShared);
@@ -47,7 +47,7 @@ public:
     private:
         Commands& commands_;
         uint32_t query_;
-        bool timed_; // the first kMaxPasses of a submission are
+        bool timed_; // True: one of the first kMaxPasses of the submission
     };
 
 private:
@@ -55,32 +55,33 @@ private:
     const Device& device_;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer cmd_ = VK_NULL_HANDLE;
-    std::vector<VkDescriptorPool> descriptors_; // one more whenever all are full
+    std::vector<VkDescriptorPool> descriptors_; // a new pool is added when all are full
     size_t filling_ = 0;                        // index of the pool that sets are taken from
     VkQueryPool queries_ = VK_NULL_HANDLE;
-    VkQueryPool fragments_ = VK_NULL_HANDLE; // null unless the device counts them
+    VkQueryPool fragments_ = VK_NULL_HANDLE; // null unless the device counts fragments
     VkSemaphore timeline_ = VK_NULL_HANDLE;
     uint64_t value_ = 0;
     std::vector<PassSample> passes_;
     std::vector<uint64_t> stamps_, counts_;
 };
 
-// --- barriers: what was written before is seen after ---
+// --- barriers: writes before the barrier are visible after it ---
 void computeToCompute(VkCommandBuffer cmd);  // storage writes -> storage and sampled reads and writes in compute
-void computeToDraw(VkCommandBuffer cmd);     // storage writes -> indirect arguments, vertex/mesh/fragment reads, colour target
+void computeToDraw(VkCommandBuffer cmd);     // storage writes -> indirect, vertex/mesh/fragment reads, colour target
 void drawToCompute(VkCommandBuffer cmd);     // colour writes and shader reads -> compute
 void transferToCompute(VkCommandBuffer cmd); // copies, fills -> compute
 void computeToTransfer(VkCommandBuffer cmd); // compute -> copies
 void transferToHost(VkCommandBuffer cmd);    // copies -> CPU reads after the submission is done
-// Whatever ran before in this queue is done before what follows, for re-used scratch memory.
+// All earlier commands of this queue end before later ones start. For scratch memory that is used again.
 void everythingBefore(VkCommandBuffer cmd);
-// A new image gets its one and only layout, VK_IMAGE_LAYOUT_GENERAL; what it held is lost.
+// Moves a new image to VK_IMAGE_LAYOUT_GENERAL, its only layout. Its content is lost.
 void toGeneral(VkCommandBuffer cmd, const Image& image);
 
-// Draws follow, into the first `size` pixels of these targets, which keep what they hold; until vkCmdEndRendering.
+// Begins draws into the first `size` pixels of these targets, whose content is kept. The caller ends them with
+// vkCmdEndRendering.
 void beginDrawing(VkCommandBuffer cmd, VkExtent2D size, std::initializer_list<const Image*> targets);
 
-// Groups that cover `count` items.
+// Number of groups of `size` that cover `count` items.
 constexpr uint32_t groups(uint32_t count, uint32_t size) { return (count + size - 1) / size; }
 
 } // namespace brume::gpu

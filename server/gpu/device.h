@@ -1,4 +1,4 @@
-// The Vulkan device: instance, one physical device, one queue for graphics, compute and transfer. Owns them; no globals.
+// Device: owns the Vulkan instance, one device, and one queue for graphics, compute and transfer. No globals.
 #pragma once
 
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace brume::gpu {
 
-// Start-up and what cannot go on. The text is one line and says what to do.
+// An error that the program cannot continue after. The text is one line and says what to do.
 struct Error : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -27,8 +27,8 @@ std::string resultName(VkResult result);
 struct DeviceOptions {
     bool validation = false;  // Khronos layer with synchronization checks; messages are logged and counted
     std::string name;         // part of the wanted device's name; empty: a real GPU first, then a CPU driver
-    bool mesh_shaders = true; // use them where the device has them
-    bool statistics = false;  // count the fragments of every pass, where the device can; for measurements
+    bool mesh_shaders = true; // use mesh shaders if the device has them
+    bool statistics = false;  // count the fragments of every pass if the device can; for measurements
 };
 
 class Device {
@@ -44,21 +44,22 @@ public:
     uint32_t queueFamily() const { return queue_family_; }
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
     std::string name() const { return properties_.deviceName; }
-    std::string driver() const; // its name and version
+    std::string driver() const; // name and version of the driver
     bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool hasMeshShaders() const { return mesh_shaders_; }
-    uint32_t subgroupSize() const { return subgroup_size_; } // lanes that exchange values; the least, where it varies
+    uint32_t subgroupSize() const { return subgroup_size_; } // lanes that exchange values; the least, if it varies
     bool countsFragments() const { return counts_fragments_; }
 
-    // Bytes of device memory held by resources of this program, and the most there ever were.
+    // Bytes of device memory in use by this program, and the most so far.
     uint64_t memoryInUse() const { return memory_in_use_.load(); }
     uint64_t peakMemory() const { return peak_memory_.load(); }
     void countMemory(int64_t bytes) const;
 
-    // Index of a memory type out of `type_bits` that has `wanted`, and `preferred` too when there is one. Throws Error.
+    // Index of a memory type in `type_bits` that has the properties `wanted`, and `preferred` too if possible. Throws
+    // Error if there is none.
     uint32_t memoryType(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const;
 
-    // Warnings and errors of the validation layer so far. Tests demand zero.
+    // Number of warnings and errors of the validation layer so far. Tests require zero.
     uint32_t validationMessages() const { return validation_messages_.load(); }
 
     // Extension functions; null where the device lacks the extension.

@@ -1,18 +1,18 @@
-// The device's time for one pass of one submission.
+// PassSample: the device's time for one pass of one submission.
 #pragma once
 
 #include <cstdint>
 
 namespace brume::gpu {
 
-inline constexpr uint32_t kShared = ~0u; // the pass is for all views of the submission
-inline constexpr uint32_t kEach = ~1u;   // the pass draws several views together
+inline constexpr uint32_t kShared = ~0u; // PassSample::view: the pass serves all views of the submission
+inline constexpr uint32_t kEach = ~1u;   // PassSample::view: the pass draws several views together
 
 struct PassSample {
-    const char* name; // static
-    uint32_t view;    // number of the submission's view, or kShared, or kEach
+    const char* name; // static string
+    uint32_t view;    // index of the view in the submission, or kShared, or kEach
     float ms;
-    uint64_t fragments; // shaded, when the device counts them; else 0
+    uint64_t fragments; // number of shaded fragments; 0 unless the device counts them
 };
 
 } // namespace brume::gpu

@@ -1,5 +1,5 @@
-// Shader programs. The descriptor layout and the push constants come from the SPIR-V itself, and every use is checked against
-// them.
+// Shader programs. Descriptor layout and size of the push constants are read from the SPIR-V, and every use is
+// checked against them.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct ShaderCode {
 
 // The value of a specialization constant. Booleans and integers alike are 32 bits.
 struct SpecConstant {
-    uint32_t id; // of shaders/shared/constants.h
+    uint32_t id; // from shaders/shared/constants.h
     uint32_t value;
 };
 
@@ -40,7 +40,7 @@ Resource uniformBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offs
 Resource storageImage(uint32_t binding, const Image& image);
 Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampler);
 
-// Layout, pipeline and what the shaders expect. Images are always in VK_IMAGE_LAYOUT_GENERAL.
+// A pipeline with its layout and the resources that its shaders expect. Images are always in VK_IMAGE_LAYOUT_GENERAL.
 class Program {
 public:
     Program() = default;
@@ -51,8 +51,8 @@ public:
         return *this;
     }
 
-    // Binds pipeline, descriptors and push constants. Throws Error when a resource that the shaders use is missing, of
-    // another kind, or larger than the device can bind, or when the push constants have another size.
+    // Binds pipeline, descriptors and push constants. Throws Error if a resource that the shaders use is missing, has
+    // another type, or is larger than the device can bind. Throws Error if the push constants have another size.
     void bind(Commands& commands, std::span<const Resource> resources, std::span<const std::byte> push) const;
     template <class Push>
     void bind(Commands& commands, std::initializer_list<Resource> resources, const Push& push) const {
@@ -64,7 +64,7 @@ public:
     explicit operator bool() const { return pipeline_ != VK_NULL_HANDLE; }
 
 protected:
-    // Throws Error when none of the shaders has a specialization constant with the id of one of `constants`.
+    // Throws Error if the id of one of `constants` is in none of the shaders.
     Program(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants,
             VkPipelineBindPoint bind_point);
     void swap(Program& other) noexcept;
@@ -96,17 +96,20 @@ public:
     ComputeProgram(const Device& device, const ShaderCode& shader, std::initializer_list<SpecConstant> constants = {});
 };
 
-// What becomes of a target's colour. Over: premultiplied, back to front, colour = source + transmittance * colour, where the
-// shader writes the transmittance as alpha; the target's alpha gathers the product of transmittances.
+// How a draw changes a target's colour.
+// - over: premultiplied, back to front. Colour = source + transmittance * colour; the shader writes the transmittance
+//   as alpha. The target's alpha becomes the product of all transmittances.
+// - replace: the source.
+// - largest: the larger value in each channel.
 enum class Blend { over, replace, largest };
 
 struct GraphicsInfo {
-    std::vector<VkFormat> formats{VK_FORMAT_R32G32B32A32_SFLOAT};       // of the targets
+    std::vector<VkFormat> formats{VK_FORMAT_R32G32B32A32_SFLOAT};       // one for each target
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST; // ignored with a mesh shader
     Blend blend = Blend::over;
 };
 
-// Draws into colour targets.
+// A program that draws into colour targets.
 class GraphicsProgram : public Program {
 public:
     GraphicsProgram() = default;

@@ -1,4 +1,4 @@
-// Buffers, images and samplers that own themselves. Sizes are bytes; every use is checked against them.
+// Buffers, images and samplers that free themselves. Sizes are in bytes; every mapped range is checked against them.
 #pragma once
 
 #include <span>
@@ -9,12 +9,12 @@
 namespace brume::gpu {
 
 enum class Memory {
-    device,   // fast for the device; the CPU does not see it
+    device,   // fast for the device, not visible to the CPU
     upload,   // written by the CPU, read by the device
     readback, // written by the device, read by the CPU: cached
 };
 
-// Device memory that frees itself and is counted by its device.
+// Device memory that frees itself. The device counts its bytes.
 class Allocation {
 public:
     Allocation() = default;
@@ -38,7 +38,7 @@ private:
     VkDeviceSize bytes_ = 0;
 };
 
-// Movable handle of something that `Device` makes and destroys.
+// A buffer with its memory. Upload and readback buffers stay mapped.
 class Buffer {
 public:
     Buffer() = default;
@@ -50,15 +50,16 @@ public:
         return *this;
     }
 
-    // Makes the buffer hold at least `bytes`: a smaller one is replaced, and what it held is lost.
-    // Precondition: the device does not use a buffer that is too small.
+    // Replaces the buffer if it is smaller than `bytes`; its content is then lost.
+    // Precondition: the device does not use a buffer that is replaced.
     void atLeast(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, Memory memory, const char* name);
 
     VkBuffer handle() const { return buffer_; }
     VkDeviceSize size() const { return size_; }
     explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
 
-    // The mapped memory of an upload or readback buffer as `count` elements from byte `offset`. Throws Error outside the buffer.
+    // The mapped memory of an upload or readback buffer as `count` elements from byte `offset`. Throws Error outside
+    // the buffer.
     template <class T>
     std::span<T> mapped(size_t count, VkDeviceSize offset = 0) const {
         checkRange(offset, count * sizeof(T));
@@ -84,7 +85,7 @@ struct ImageInfo {
     VkFormat format = VK_FORMAT_R32_SFLOAT;
     VkExtent2D extent{1, 1};
     VkImageUsageFlags usage = 0;
-    uint32_t layers = 0; // 0: a plain 2D image, else an array
+    uint32_t layers = 0; // 0: a plain 2D image; otherwise layers of an array
 };
 
 class Image {
@@ -118,7 +119,7 @@ private:
 class Sampler {
 public:
     Sampler() = default;
-    // Linear or nearest; coordinates beyond the image read its edge.
+    // `filter`: linear or nearest. Coordinates beyond the image read its edge.
     Sampler(const Device& device, VkFilter filter);
     ~Sampler();
     Sampler(Sampler&& other) noexcept { swap(other); }

@@ -1,5 +1,5 @@
-// Light cached on the particles: once per tick, shared by all viewers. The look-ups are in the volumetric shadow map, seven per
-// particle. (Exact sums over pairs of particles in closed form cost N^2 of them: for 500 particles as much as 16 planes of the
+// Light cached on the particles, once per tick for all viewers: seven look-ups in the volumetric shadow map per
+// particle. (Exact closed-form sums over pairs of particles cost N^2: for 500 particles as much as 16 planes of the
 // map.)
 #pragma once
 
@@ -20,10 +20,11 @@ public:
         const gpu::Image* shadow_volume;
         const gpu::Sampler* linear;
     };
-    // Records the light of `count` particles, unless it is that of the last time. Those whose fit errs by more than `tolerance`
-    // (of T_L, 0 ... 1) get gpu::kLookUp. The shadow volume has been recorded before. Ends with its writes visible to compute.
+    // Records the light of `count` particles, unless the buffer holds it already. A particle whose fit errs by more
+    // than `tolerance` (of the light's transmittance, 0 ... 1) gets gpu::kLookUp. Precondition: the shadow volume is
+    // recorded. Its writes are then visible to compute.
     void record(gpu::Commands& commands, const Inputs& inputs, uint32_t count, float tolerance);
-    // Light or particles have changed.
+    // To be called when light or particles have changed.
     void invalidate() { tolerance_ = -1; }
 
     // gpu::ParticleLight[count].
@@ -32,7 +33,7 @@ public:
 private:
     gpu::ComputeProgram program_;
     gpu::Buffer lights_;
-    float tolerance_ = -1; // of what the buffer holds; < 0: nothing yet
+    float tolerance_ = -1; // the one the buffer was made with; < 0: the buffer is not valid
 };
 
 } // namespace brume

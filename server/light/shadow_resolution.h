@@ -1,5 +1,5 @@
-// How many texels and planes the volumetric shadow map needs: from the particles' standard deviations, their depths and how many
-// share the medium, not from the scene's size.
+// Resolution of the volumetric shadow map: texels and planes, from the particles' standard deviations, optical depths
+// and number, not from the scene's size.
 #pragma once
 
 #include <span>
@@ -10,31 +10,31 @@
 
 namespace brume {
 
-// The particles as the light sees them, as sums over them. a: optical depth through a particle's centre; s: its standard
-// deviation.
+// Sums over the particles as the light sees them. Below, a is the optical depth through a particle's centre, s its
+// standard deviation.
 class ShadowedMedium {
 public:
-    // `basis`: light_x, light_y, to_light. Looks at 4,096 particles at most, evenly chosen.
+    // `basis`: light_x, light_y, to_light. Uses at most 4,096 particles, evenly chosen.
     ShadowedMedium(std::span<const gpu::Particle> particles, float falloff, const glm::mat3& basis);
 
-    // RMS error of the light that reaches the medium, relative, that linear interpolation leaves between texels (planes) that are
-    // `spacing` (m) apart. Two causes, both estimates:
-    // - particles at random places: each errs by its own curvature, independently of the others;
-    // - the body that they fill, if it were full of infinitely many: its outline is as soft as they are.
-    // Only particles within one optical depth of the light's side count for texels, and what a line of sight averages is taken
-    // off (measured on the shipped scenes).
+    // Relative RMS error of the light in the medium by linear interpolation between texels (planes) `spacing` (m)
+    // apart. It estimates two causes:
+    // - each particle: interpolation errs by its curvature, independently of other particles;
+    // - the body that they fill, if it were smooth: its outline is as soft as one particle. For texels, only
+    //   particles within one optical depth of the lit side count. The part of the error that a line of sight averages
+    //   away is subtracted (measured on the shipped scenes).
     double texelError(double spacing) const;
     double planeError(double spacing) const;
 
 private:
     struct Size {
-        double deviation = 0; // m, of the particles of about this size
+        double deviation = 0; // m, mean of the particles of this size
         double squares = 0;   // sum of (a s)^2
     };
     std::vector<Size> sizes_;
     double depth_ = 0;     // mean optical depth of the medium along the light
     double deviation_ = 1; // mean s, by depth
-    glm::dvec3 size_{1};   // of a box with the particles' second moments, m
+    glm::dvec3 size_{1};   // m, of a box with the second moments of the particles' centres
 };
 
 struct ShadowResolution {
@@ -43,9 +43,9 @@ struct ShadowResolution {
     double error = 0;    // estimated: relative RMS error of the light in the medium
 };
 
-// What `settings` ask for where they are not 0; the rest such that the error is at most settings.shadow_error, in steps of a
-// fifth, 16 ... 1024 texels and 7 ... 127 planes, and not more than 2^22 cells: then the error may be larger. `extent`: m, of the
-// map.
+// Chooses the resolution. Numbers that `settings` give (not 0) are kept. The others are the smallest, in steps of a
+// fifth, for which the error is at most settings.shadow_error. Limits: 16 ... 1024 texels, 7 ... 127 planes, 2^22
+// cells; at a limit the error may be larger. `extent`: m, of the map.
 ShadowResolution shadowResolution(const RenderSettings& settings, const ShadowedMedium& medium, glm::vec3 extent);
 
 } // namespace brume

@@ -18,19 +18,19 @@ double pixelsOf(const PoseRequest& request) { return double(request.width) * req
 void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, Clock::time_point now) {
     due_.clear();
     requests_.clear();
-    wishes_.clear();
+    draw_requests_.clear();
     for (const std::shared_ptr<Viewer>& viewer : viewers) {
-        const auto due = viewer->due(now, scene, still);
+        const auto due = viewer->pollDue(now, scene, still);
         if (!due) continue;
         const auto same = std::find_if(requests_.begin(), requests_.end(),
                                        [&](const PoseRequest& request) { return samePictures(request, *due); });
         const PlaneLayout layout{due->width, due->height, still};
-        wishes_.push_back({.viewer = viewer->id(),
-                           .pixels = pixelsOf(*due),
-                           .eyes = due->views,
-                           .bytes = layout.bytes() * due->views,
-                           .every = viewer->every(),
-                           .like = uint32_t(same - requests_.begin())});
+        draw_requests_.push_back({.viewer = viewer->id(),
+                                  .pixels = pixelsOf(*due),
+                                  .eyes = due->views,
+                                  .bytes = layout.bytes() * due->views,
+                                  .every = viewer->every(),
+                                  .like = uint32_t(same - requests_.begin())});
         requests_.push_back(*due);
         due_.push_back(viewer);
     }
@@ -43,19 +43,20 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     out.views.clear();
     out.still_pictures = false;
     findDue(viewers, scene, false, now);
-    if (wishes_.empty()) { // nothing has changed for anybody
+    if (draw_requests_.empty()) { // nothing has changed for anybody
         out.still_pictures = true;
         findDue(viewers, scene, true, now);
     }
-    if (wishes_.empty()) return false;
+    if (draw_requests_.empty()) return false;
     const double dearer = out.still_pictures ? limits.still_ratio : 1;
-    for (const uint32_t number : schedule_.choose(wishes_, {limits.budget_ms, dearer, kMostEyes, limits.bytes}, now, kTick))
+    for (const uint32_t number :
+         schedule_.choose(draw_requests_, {limits.budget_ms, dearer, kMostEyes, limits.bytes}, now, kTick))
         if (const auto due = due_[number]->take(requests_[number], now, scene)) add(due_[number], *due, out);
     due_.clear();
-    for (size_t i = 0; i < wishes_.size(); ++i)
-        for (int eye = 0; wishes_[i].like == i && eye < requests_[i].views; ++eye)
+    for (size_t i = 0; i < draw_requests_.size(); ++i)
+        for (int eye = 0; draw_requests_[i].like == i && eye < requests_[i].views; ++eye)
             out.views.push_back({eyePose(requests_[i].pose, eye, requests_[i].views), requests_[i].width, requests_[i].height});
-    out.full_batch_ratio = schedule_.chosenMs() > 0 ? float(schedule_.wholeMs() / schedule_.chosenMs()) : 1;
+    out.full_batch_ratio = schedule_.chosenMs() > 0 ? float(schedule_.fullBatchMs() / schedule_.chosenMs()) : 1;
     return !out.jobs.empty();
 }
 
@@ -74,7 +75,7 @@ void BatchPlanner::add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due&
 }
 
 bool BatchPlanner::camerasRest(Clock::time_point now) const {
-    return schedule_.chosenMs() > 0.999 * schedule_.wholeMs() &&
+    return schedule_.chosenMs() > 0.999 * schedule_.fullBatchMs() &&
            std::all_of(requests_.begin(), requests_.end(),
                        [&](const PoseRequest& r) { return !r.lowered && now - r.since >= kRestsFor; });
 }

@@ -46,7 +46,7 @@ public:
     // Of the last plan(). True: every due viewer is in the batch at full quality, and no camera has moved for 150 ms.
     bool camerasRest(Clock::time_point now) const;
     // ms of the device, predicted, for a batch with all due viewers.
-    double fullBatchMs() const { return schedule_.wholeMs(); }
+    double fullBatchMs() const { return schedule_.fullBatchMs(); }
 
     // Measured, in ms of the device: what the batch's viewers share, and each job's own. `besides`: factor on that for what the
     // loop and the driver need. `usual`: false if pictures had less error than usual, so that viewers' own times tell nothing.
@@ -63,7 +63,7 @@ private:
     Schedule schedule_;
     std::vector<std::shared_ptr<Viewer>> due_; // whose requests and wishes the next two lists hold
     std::vector<PoseRequest> requests_;
-    std::vector<Schedule::Wish> wishes_;
+    std::vector<Schedule::DrawRequest> draw_requests_;
 };
 
 } // namespace brume

@@ -1,5 +1,5 @@
-// What follows from the medium's band limit: how far apart rays, slabs and shaded pixels may be, in its standard deviations
-// (physics: "Order-independent slabs"). What the choices err is measured by tools/bench/sweeps/methods.toml.
+// Sampling distances that follow from the medium's band limit: of rays, slabs and shaded pixels, in the medium's
+// standard deviations. tools/bench/sweeps/methods.toml measures the errors that these choices lead to.
 #pragma once
 
 #include <algorithm>
@@ -9,21 +9,23 @@
 
 namespace brume {
 
-// Spacing of rays and of shaded pixels in projected standard deviations of the medium, at most.
+// Most spacing of rays and of shaded pixels, in projected standard deviations of the medium.
 inline constexpr float kRaysPerDeviation = 0.85f;
-// Spacing of shaded pixels in widths of the phase function's lobe, at most.
+// Most spacing of shaded pixels, in widths of the phase function's lobe.
 inline constexpr float kPixelsPerLobe = 0.1f;
-// Thickness of slabs in standard deviations, where their number is left open.
+// Thickness of slabs in standard deviations, if their number is left open.
 inline constexpr float kSlabsPerDeviation = 0.7f;
-// Pixels between rays that are used.
+// Pixels between rays: the rates that exist.
 inline constexpr uint32_t kRates[] = {1, 2, 4, 6, 8, 12, 16};
-// Numbers of slabs along a ray.
+// Limits of the number of slabs along a ray.
 inline constexpr uint32_t kLeastSlabs = 8, kMostSlabs = 256;
-// Spacings by which rates may exceed what the plan says, so that they stay while cameras move a little: less than a step.
+// Factor by which a ray spacing may exceed the planned one, so that rates do not change while cameras move a little.
+// Smaller than the ratio of any two rates.
 inline constexpr double kFarther = 1.15;
 
-// Pixels between rays in a view where the medium's deviation has `part` of the pixels that it has where they are `rate`: rays as
-// far apart in deviations, up to kFarther times.
+// Pixels between rays for a view, from `rate`, that of the reference view. `part`: the medium's standard deviation in
+// pixels, in this view / in the reference view. The spacing in deviations stays the same, within a factor of
+// kFarther.
 inline uint32_t rateFor(uint32_t rate, double part) {
     if (part > 1 / kFarther && part < kFarther) return rate;
     uint32_t own = 1;
@@ -32,10 +34,10 @@ inline uint32_t rateFor(uint32_t rate, double part) {
     return own;
 }
 
-// Pixels between those that are shaded: 1, 2, 4 or 8, as RenderSettings::shading says, or as both limits allow. No more than
-// `rate`, pixels between rays. `deviation`: the medium's, in pixels; `lobe`: 1 - |asymmetry| rad in pixels, the width of a
-// Henyey-Greenstein lobe, infinite without one. Its error is below a hundredth of a level on average
-// (tests/gpu/coarse_test.cpp).
+// Pixels between shaded pixels: 1, 2, 4 or 8. RenderSettings::shading if it is given, otherwise the most that both
+// limits above allow; never more than `rate`, the pixels between rays. `deviation`: the medium's, in pixels. `lobe`:
+// width of the Henyey-Greenstein lobe, 1 - |asymmetry| rad, in pixels; infinite without one. The mean error is below
+// 1/100 of an 8-bit level (tests/gpu/coarse_test.cpp).
 inline uint32_t shadingStep(const RenderSettings& settings, uint32_t rate, float deviation, float lobe) {
     uint32_t step = settings.shading;
     if (step == 0) {

@@ -1,4 +1,5 @@
-// What a tick's particles are as a whole: where they end, how fine they are. From it follow the resolutions that methods work at.
+// Extent of a tick's medium: bounds, standard deviation and albedo of its particles. Methods derive their resolutions
+// from it.
 #pragma once
 
 #include <span>
@@ -8,18 +9,19 @@
 namespace brume {
 
 struct MediumExtent {
-    glm::vec3 lo{0}, hi{0}; // m, world space, with every particle's support; lo = hi = 0 when nothing is there
-    // m: the standard deviation whose interpolation error is that of the medium, (sum of m s^-4 / sum of m)^(-1/4) over the
-    // particles' own, m = their optical mass: a few thin small ones do not make the whole scene fine.
+    glm::vec3 lo{0}, hi{0}; // m, world space, of all particles' supports; lo = hi = 0 without particles
+    // m. The standard deviation of a single size of particles with the same interpolation error as the medium's: (sum
+    // of m s^-4 / sum of m)^(-1/4), s: a particle's deviation, m: its optical mass. A few thin small particles hardly
+    // change it.
     float deviation = 1;
-    bool one_albedo = true; // of all particles
-    glm::vec3 albedo{1};    // the first one's
+    bool one_albedo = true; // True: all particles have the same albedo
+    glm::vec3 albedo{1};    // the first particle's
 };
 
-// `cut` as gpu::Tick::cut.
+// `cut`: gpu::Tick::cut.
 MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float falloff, float cut);
 
-// View depths (m) between which its bounds lie, from `eye` along `forward` (unit); negative ones are behind the eye.
+// View depths (m) of the medium's bounds, from `eye` along `forward` (unit). Negative depths are behind the eye.
 struct DepthRange {
     float near = 0, far = 0;
 };

@@ -1,5 +1,5 @@
-// Level of detail for media of many particles: their order in space, and media of fewer particles that look the same from afar.
-// Both are functions of the particles alone, so that a picture never depends on who else is watching.
+// Levels of detail of a large medium: its particles sorted in space, and media of fewer, merged particles for distant
+// views. Both depend on the particles alone, so that a picture never depends on other viewers.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,22 @@
 
 namespace brume {
 
-// With fewer particles nothing is ordered or merged: it would cost more than it saves.
+// Least number of particles that are sorted and merged. With fewer it would cost more than it saves.
 inline constexpr uint32_t kLargeMedium = 20'000;
 
-// Most optical depth that the lines through the centres of all that is merged into one particle may have together, A. Whatever
-// has no more takes between 1 - A/4 and 1 times its cross-section out of the light, from wherever it is seen, before and after:
-// for sums of Gaussians the integral of tau^2 is at most A/2 that of tau. So merging changes what a group takes away by 2.5 % at
-// most; a particle thicker than that always stays as it is.
+// Most optical depth A of a merged group: the sum of the optical depths through the centres of its particles. A group
+// removes between 1 - A/4 and 1 times its cross-section from the light, merged or not and from every side: for sums
+// of Gaussians, the integral of tau^2 is at most A/2 times that of tau. So merging changes the removed light by at
+// most A/4 = 2.5 %. A particle with a larger depth is never merged.
 inline constexpr double kMostMergedDepth = 0.1;
 
-// The order of particles along a Morton curve through 512 to 1024 cells across their bounds. Neighbours in space become
-// neighbours in memory, which lets the passes that look for the particles of a tile skip most others
+// Sorts particles along a Morton curve, with 512 to 1024 cells across their bounds. Neighbours in space become
+// neighbours in memory. Passes that search for the particles of a tile can then skip most others
 // (shaders/lib/line_pages.glsl).
 class SpatialOrder {
 public:
-    // `out`: as many. The order of equals is kept. Allocates nothing when there are no more than ever before.
+    // Writes the sorted particles to `out`, which has the same size. Stable. Allocates only when there are more
+    // particles than before.
     void sort(std::span<const gpu::Particle> particles, std::span<gpu::Particle> out);
 
     uint64_t bytes() const { return (keys_.capacity() + other_.capacity()) * sizeof(uint64_t); }
@@ -35,18 +36,21 @@ private:
     std::vector<uint64_t> keys_, other_; // Morton code << 32 | particle
 };
 
-// Appends to `out` what is left when particles in the same cell of side 2^exponent m (cells count from the world's zero) and of
-// about the same size become one. `ordered`: as SpatialOrder leaves them; cells finer than its are merged less completely.
+// Merges particles of about the same size that lie in the same cell of side 2^exponent m; cells count from the
+// world's origin. Appends the resulting medium to `out`. `ordered`: sorted by SpatialOrder; cells finer than its own
+// are merged less completely.
 //
-// A merged particle has the integral of the extinction over space, what of it is scattered in each colour, the centre of mass and
-// the isotropic second moment (their own variance + a third of their spread) of those it stands for. What is lost: the spread's
-// direction, everything finer than the cell, and by kMostMergedDepth that they hide each other.
-// Stays as it is: what is alone, what is too thick, and what is at least four cells wide in its standard deviation.
-// Precondition: exponent >= -12.
+// A merged particle keeps the group's integral of extinction over space, the scattered part of it in each colour, the
+// centre of mass and the isotropic second moment (variance of the particles + a third of their spread). It loses the
+// direction of the spread, detail finer than the cell, and the shadowing within the group, which kMostMergedDepth
+// bounds.
+//
+// Particles are kept unchanged if they are alone in their cell, too thick, or have a standard deviation of four cells
+// or more. Precondition: exponent >= -12.
 void mergeCells(std::span<const gpu::Particle> ordered, float falloff, int exponent, std::vector<gpu::Particle>& out);
 
-// The exponent of the largest cells that are at most `merge` pixels wide wherever the picture shows the medium; kNoLevel when the
-// eye is in its bounds or merge is 0. A function of the picture's own camera alone.
+// The exponent of the largest cells that are at most `merge` pixels wide everywhere in the picture. kNoLevel if the
+// eye is within the medium's bounds, or if `merge` is 0. Depends on the picture's own camera only.
 inline constexpr int kNoLevel = -1000;
 int mergeLevel(const Pose& pose, uint32_t width, uint32_t height, const MediumExtent& extent, float merge);
 

@@ -226,7 +226,7 @@ asio::awaitable<void> WebSocketSession::beat() {
         carryOut(effects);
         if (handle_ && !closing_) {
             ping(now);
-            if (handle_->viewer().look(now, std::exchange(backlog_, false)) > context_->options.silence) {
+            if (handle_->viewer().observe(now, std::exchange(backlog_, false)) > context_->options.silence) {
                 handle_->markLost();
                 close(kCloseTryLater, "no frame was acknowledged for too long", kRetryRestart);
             } else if (const std::string why = handle_->viewer().refusal(); !why.empty()) {

@@ -1,4 +1,4 @@
-// A program's options as a TOML file: read by toml++, checked and stored by CLI11.
+// ConfigFile: reads a program's options from a TOML file. toml++ parses it, CLI11 checks and stores the values.
 #pragma once
 
 #include <map>
@@ -9,40 +9,43 @@
 
 namespace brume {
 
-// One key of the file for every option: --max-viewers 8 is max-viewers = 8; what may be given several times is an array.
-// The order in which values count: flags, environment (takeEnvironment() below), file.
+// The file has one key for every option: --max-viewers 8 is max-viewers = 8. An option that may be given several
+// times is an array. A flag overrides the environment (takeEnvironment() below), which overrides the file.
 class ConfigFile final : public CLI::ConfigTOML {
 public:
     explicit ConfigFile(const CLI::App& app) : app_(app) {}
 
-    // Only what neither the command line nor the environment says: they go first. Throws CLI::ConfigError, in one line with file,
-    // line, key and what is allowed, on bad syntax, unknown keys, and tables where a value is meant.
+    // Returns the values of options that neither the command line nor the environment sets. Throws CLI::ConfigError
+    // for bad syntax, an unknown key, or a table in place of a value. Its text is one line with file, line, key and
+    // what is allowed.
     std::vector<CLI::ConfigItem> from_config(std::istream& in) const override;
 
-    // "FILE:LINE: " when the file gave the value of the option that `complaint` (of CLI11) names, else empty.
+    // `complaint`: an error text of CLI11 that names an option. Returns "FILE:LINE: " if the file set that option,
+    // otherwise empty.
     std::string sourceOf(const std::string& complaint) const;
 
 private:
     std::string file() const;
 
     const CLI::App& app_;
-    mutable std::map<std::string, size_t> lines_; // of keys whose values were taken from the file
+    mutable std::map<std::string, size_t> lines_; // line of each key whose value was taken
 };
 
-// An option's value as it stands: every string of it; empty when it has none.
+// The present value of an option, as its strings; empty if it has none.
 std::vector<std::string> valuesOf(const CLI::Option& option);
-// The same as TOML: numbers and truth values bare, all else quoted.
+// The present value of an option as TOML: numbers and booleans bare, all others quoted.
 std::string tomlOf(const CLI::Option& option);
 
-// All options with their values as such a file, with comments; an option without a value is a comment too.
+// Writes such a file with all options, their values and descriptions. An option without a value is commented out.
 std::string writeConfig(const CLI::App& app);
 
-// BRUME_MAX_VIEWERS for --max-viewers.
+// Name of an option's environment variable: BRUME_MAX_VIEWERS for --max-viewers.
 std::string environmentName(const CLI::Option& option);
-// After parse(): every option that no flag gave takes its environment variable. CLI11 could read them too (envname), but its
-// newer versions pass over a value that an option refuses. Throws CLI::ConfigError, in one line, for such a value.
+// To be called after parse(): sets every option without a flag from its environment variable. CLI11 could do so
+// itself (envname), but newer versions ignore a value that an option refuses. Throws CLI::ConfigError, one line, for
+// such a value.
 void takeEnvironment(CLI::App& app);
-// Help names the variables.
+// Adds the names of the environment variables to the help text.
 void showEnvironment(CLI::App& app);
 
 } // namespace brume

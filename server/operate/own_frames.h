@@ -1,5 +1,6 @@
-// Pictures of the scene's own camera, for comparing runs: 640x360, alone in their submission, planned with the built-in costs and
-// without overload, so that they depend on the state, the device and its driver only.
+// OwnFrames: hashes of pictures of the scene's own camera, for comparing runs. A picture depends only on the
+// simulation's state, the device and its driver: it is 640x360, alone in its submission, and planned with the
+// built-in costs and without overload.
 #pragma once
 
 #include "server/plan/planner.h"
@@ -11,8 +12,8 @@ class OwnFrames {
 public:
     // `device` outlives this. Throws gpu::Error.
     OwnFrames(const gpu::Device& device, const Scene& scene, uint32_t capacity);
-    // XXH3 of the picture's planes at the simulation's present state. Waits for the device. Precondition: from the thread that
-    // submits all else to it.
+    // XXH3 of the picture's planes at the simulation's present state. Waits for the device. Precondition: called from
+    // the thread that makes all other submissions.
     uint64_t hash(const Simulation& simulation);
 
 private:

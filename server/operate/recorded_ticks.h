@@ -1,4 +1,4 @@
-// The ticks of a recording: each is due at once, and takes the commands that it took then.
+// RecordedTicks: a tick source that reads a recording. Each tick is due at once and gets its recorded commands.
 #pragma once
 
 #include <optional>
@@ -12,13 +12,14 @@ namespace brume {
 
 class RecordedTicks final : public TickSource {
 public:
-    // `recording` outlives this. Throws RecordingError, as take() does.
+    // `recording` outlives this. The constructor and take() throw RecordingError.
     explicit RecordedTicks(RecordingReader& recording) : recording_(recording), next_(recording.next()) { collect(); }
 
     Clock::time_point due() const override { return next_ ? Clock::time_point::min() : Clock::time_point::max(); }
     bool take(Clock::time_point /*now*/, std::vector<Command>& commands) override;
 
-    // The records of the tick that was taken last, at first of the state before any; most ticks have none.
+    // Records of the tick taken last; most ticks have none. Before the first take(): those of the state before the
+    // first tick.
     std::span<const RecordedTick> records() const { return records_; }
 
 private:

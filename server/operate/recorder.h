@@ -1,4 +1,4 @@
-// Writes a running session: given every tick by the frame loop, on its thread.
+// Recorder: writes a running session to a file. The frame loop calls it at every tick, on its own thread.
 #pragma once
 
 #include <filesystem>
@@ -14,16 +14,16 @@ class Recorder {
 public:
     struct Options {
         std::filesystem::path file;
-        uint64_t most_bytes = 256ull << 20; // after which it ends; the server goes on
+        uint64_t most_bytes = 256ull << 20; // size at which the recording ends; the server goes on
         uint32_t frames = 0;                // ticks between pictures of the scene's own camera; 0: none
     };
-    // Throws RecordingError; gpu::Error with frames.
+    // Throws RecordingError; also gpu::Error if `frames` is not 0.
     Recorder(const Options& options, const RecordingHead& head, const Scene& scene, const gpu::Device& device);
     // Ends the recording.
     ~Recorder();
 
-    // The simulation before its first tick, and after every tick, with what that took. A disk that is full is told to the log and
-    // ends the recording, not the server. Throws gpu::Error with frames.
+    // To be called before the first tick, and after every tick with the commands that it took. A full disk ends the
+    // recording, not the server; the log says so. Throws gpu::Error if `frames` is not 0.
     void ticked(const Simulation& simulation, std::span<const Command> commands);
 
 private:
@@ -33,9 +33,9 @@ private:
     const Options options_;
     const Scene scene_;
     const gpu::Device& device_;
-    std::unique_ptr<RecordingWriter> out_; // null once it has ended
+    std::unique_ptr<RecordingWriter> out_; // null once the recording has ended
     std::unique_ptr<OwnFrames> pictures_;
-    RecordedTick last_; // without commands
+    RecordedTick last_; // its commands are left out
 };
 
 } // namespace brume

@@ -1,4 +1,4 @@
-// Steps a recorded session anew, without network, and checks every recorded state and picture.
+// replay(): repeats a recorded session without network, and checks every recorded state and picture.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,14 @@ namespace brume {
 
 struct ReplayOptions {
     std::filesystem::path file;
-    uint32_t frames =
-        0; // ticks between pictures of the scene's own camera, whose hashes are printed; 0: none, and no device is needed
+    // Ticks between pictures of the scene's own camera, whose hashes are printed. 0: no pictures, and no device is
+    // needed.
+    uint32_t frames = 0;
     gpu::DeviceOptions device;
 };
 
-// Says on `out` what was replayed. Throws RecordingError for a file that cannot be replayed and for the first tick whose state or
-// picture is another one than recorded; SceneError, gpu::Error.
+// Replays a file and reports on `out`. Throws RecordingError for a file that cannot be replayed, and for the first
+// tick whose state or picture differs from the recorded one. Also throws SceneError and gpu::Error.
 void replay(const ReplayOptions& options, std::ostream& out);
 
 } // namespace brume

@@ -1,4 +1,4 @@
-// What a scene's particles take of memory: bounded before anything is made of them.
+// Memory that a scene's particles need, estimated before any of it is allocated.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,15 @@ namespace brume {
 
 struct ParticleMemory {
     uint64_t cpu = 0;    // bytes: the simulation's columns, twice for a restart, and the renderer's lists
-    uint64_t device = 0; // bytes: lists, uploads on their way, sort, bits of bins, and the dearest method's own
+    uint64_t device = 0; // bytes: lists, uploads in flight, sort, bins, and the buffers of the method that needs most
     uint64_t total() const { return cpu + device; }
 };
 
-// Of `count` particles, at most: with merged media, a picture of 1920 x 1080 and three submissions in work. What else there is
-// (pictures, shadow maps, fields of slabs) does not grow with the count.
+// Upper bound for `count` particles, with levels of detail, a picture of 1920 x 1080 and three submissions in flight.
+// Memory that does not grow with the count (pictures, shadow maps, fields of slabs) is left out.
 ParticleMemory particleMemory(uint32_t count);
 
-// Empty when `count` particles fit `most` bytes; else one line that says how many would.
+// Empty if `count` particles fit `most` bytes; otherwise one line that says how many would fit.
 std::string memoryRefusal(uint32_t count, uint64_t most);
 
 } // namespace brume

@@ -1,5 +1,6 @@
-// What the plan must know of a medium method: its passes and their costs, the ways in which it can render, how much work each way
-// is and how large its error. No device, no shader. Each method defines one in server/methods/NAME/NAME_plan.cpp.
+// MethodPlan: what the plan knows about a medium method. It names the method's passes and their costs, lists the ways
+// to render (settings), and predicts the work and the error of each. No device, no shader. Each method defines one in
+// server/methods/NAME/NAME_plan.cpp.
 #pragma once
 
 #include <optional>
@@ -13,18 +14,18 @@
 
 namespace brume {
 
-// In which direction overload makes a method coarser.
+// The direction in which overload makes a method coarser.
 enum class Coarser { along, across }; // fewer samples along each ray; rays farther apart
 
 class MethodPlan {
 public:
     virtual ~MethodPlan() = default;
     virtual const char* name() const = 0;
-    virtual const char* about() const = 0; // one line: what it is, which support of the particles it renders
+    virtual const char* about() const = 0; // one line: the algorithm, and which support of the particles it renders
 
-    // The quadratures that it can choose from, its own first; empty: it has but one.
+    // Names of its quadratures, the default first; empty if it has only one.
     virtual std::span<const char* const> quadratures() const { return {}; }
-    // The one that the settings ask for, or its own first one where it lacks that; empty when it has no choice.
+    // The quadrature that the settings ask for if it has that one, otherwise its default; empty if it has only one.
     std::string_view quadratureOf(const RenderSettings& settings) const {
         for (const char* own : quadratures())
             if (settings.quadrature == own) return own;
@@ -32,33 +33,35 @@ public:
     }
     // Empty if it can render with these settings; otherwise one line: what is wrong, what is allowed.
     virtual std::string refusal(const RenderSettings& /*settings*/) const { return {}; }
-    // Differs between settings that its shaders are compiled for differently.
+    // A number that differs between settings for which its shaders are compiled differently.
     virtual uint32_t variant(const RenderSettings& /*settings*/) const { return 0; }
-    // A way in a few words, for people.
+    // The settings in a few words, for people.
     virtual std::string text(const RenderSettings& /*settings*/) const { return name(); }
-    // Bytes of the device's memory for each particle, beside those that all methods share.
+    // Bytes of device memory per particle, in addition to what all methods share.
     virtual uint64_t bytesPerParticle() const { return 0; }
 
-    // --- for the choice. A method that leaves out what follows is used where it is asked for, and never chosen by `auto`.
+    // --- for `auto`. A method that does not override the following functions is used when a scene names it; `auto`
+    // never chooses it.
 
-    // The costs of its passes, in the order in which people see them; those that methods share may be named by each.
+    // The costs of its passes, in the order of display. Several methods may name the same cost.
     virtual std::span<const CostInfo* const> costs() const { return {}; }
-    // Appends all ways to render the scene: `way` with every setting that it leaves open. `asked`: the scene asks for this method
-    // by name. `refused` becomes one line when the scene allows none of them, or not the coarsest.
+    // Appends all ways to render the scene: copies of `way` in which every setting left open (0) has a value.
+    // `asked`: true if the scene names this method. `refused` gets one line if the scene allows none of the ways, or
+    // not the coarsest.
     virtual void addWays(const PlanScene& /*scene*/, const RenderSettings& way, bool asked, std::vector<RenderSettings>& ways,
                          std::string& /*refused*/) const {
         if (asked) ways.push_back(way);
     }
-    // Adds its work once per tick for everybody, and for one view. Precondition: every setting is chosen.
+    // Adds its work: once per tick for all viewers, and for one view. Precondition: no setting is left open.
     virtual void addSharedWork(const PlanScene& /*scene*/, const RenderSettings& /*settings*/, Work& /*work*/) const {}
     virtual void addViewWork(const ViewWork& /*view*/, const RenderSettings& /*settings*/, Work& /*work*/) const {}
-    // Relative RMSE of a view of the medium, but for that of the light's map. 1: not known.
+    // Predicted relative RMSE of a view of the medium, without the error of the volumetric shadow map. 1: not known.
     virtual double error(const RenderSettings& /*settings*/, const ViewWork& /*view*/) const { return 1; }
-    // True: settings.rate is the distance of its rays, and every view may have its own.
+    // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
-    // The next coarser settings in that direction; nothing when there are none.
+    // The next coarser settings in a direction; nothing if there are none.
     virtual std::optional<RenderSettings> coarser(const RenderSettings& /*settings*/, Coarser /*direction*/) const { return {}; }
-    // With a fraction of the error, for pictures that rest.
+    // Settings with a fraction of the error, for still pictures.
     virtual RenderSettings finer(const RenderSettings& settings) const { return settings; }
 };
 

@@ -1,5 +1,5 @@
-// When frames take longer than viewers can wait: how many steps of accuracy to give up. Times are the caller's, so that a test
-// has its own.
+// Overload: how many steps of accuracy to give up, since frames take longer than the budget. It has no clock: callers
+// pass the time.
 #pragma once
 
 #include <array>
@@ -12,29 +12,31 @@ namespace brume {
 class Overload {
 public:
     using Time = std::chrono::steady_clock::time_point;
-    // `budget_ms`: that a frame of all viewers may take.
+    // `budget_ms`: device time that a frame of all viewers may take.
     explicit Overload(double budget_ms) : budget_ms_(budget_ms) {}
 
     void setBudget(double budget_ms) { budget_ms_ = budget_ms; }
 
-    // A frame took `ms` at the present level. `restored`: what it would take one level lower over what it takes, predicted, >= 1.
-    // True when the level changed: by one, up after frames of a second that were all too long, down after five seconds in which
-    // most (the median of eleven: what else a machine does makes some longer) would have been short enough one level lower, by a
-    // fifth. More than a second between two frames starts anew.
+    // A frame took `ms` at the present level. `restored`: predicted time one level lower / at this level, at least 1.
+    // Returns true if the level changed, by one.
+    // - Up: all frames of a second exceeded the budget.
+    // - Down: for five seconds, the median of eleven frames, multiplied by `restored`, was below 4/5 of the budget.
+    //   The median ignores frames that other programs made longer. More than a second between two frames starts both
+    //   times anew.
     bool took(double ms, double restored, Time now);
-    // The last step changed nothing, since there is nothing left to give up.
+    // Takes the last step up back: the caller found no accuracy left to give up.
     void stepBack() { level_ -= level_ > 0; }
 
     uint32_t level() const { return level_; }
 
 private:
-    double median() const; // of the newest frames
+    double median() const; // ms, of the newest frames
 
     double budget_ms_;
     uint32_t level_ = 0;
     Time last_{}, long_since_{}, short_since_{};
     bool long_ = false, short_ = false;
-    std::array<double, 11> newest_{}; // ms, a ring
+    std::array<double, 11> newest_{}; // ms, ring buffer
     size_t frames_ = 0;
 };
 

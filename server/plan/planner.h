@@ -1,4 +1,5 @@
-// The plan of a running scene: made anew when the scene, the settings or the viewers change, and under overload.
+// Planner: keeps the plan of a running scene, and makes it anew when scene, settings or viewers change and under
+// overload.
 #pragma once
 
 #include <chrono>
@@ -10,10 +11,11 @@
 
 namespace brume {
 
-// The scene at the simulation's present state. Its cost grows with the particle count: about as that of an upload.
+// The scene at the simulation's present state, as the plan needs it. Its time grows with the particle count, about as
+// an upload's.
 PlanScene planScene(const Scene& scene, const Simulation& simulation);
 
-// What the scene's own camera sees, 640x360: for a plan without viewers.
+// The view of the scene's own camera, 640x360, for a plan without viewers.
 PlanView ownView(const Scene& scene);
 
 class Planner {
@@ -22,22 +24,22 @@ public:
 
     Planner(const Scene& scene, CostModel model, double frame_budget_ms);
 
-    // What to render `views` with now. Plans when settings changed (`changed`) and when another number of views or sizes came;
-    // else it costs nothing.
+    // The settings to render `views` with. Makes a new plan if settings changed (`changed`), or if number or sizes of
+    // the views changed; otherwise it costs nothing.
     const RenderSettings& settings(const Simulation& simulation, std::span<const PlanView> views, bool changed, Time now);
-    // The same for the frames to come, every quarter of a second, since cameras and particles move: to be called while the device
-    // works.
+    // Makes a new plan for the coming frames every quarter of a second, since cameras and particles move. To be
+    // called while the device works, so that no frame waits.
     void refresh(const Simulation& simulation, std::span<const PlanView> views, Time now);
 
-    // Pixels between the rays of `view`, which may have moved since, with the settings of settings() or finer ones. 0: as they
-    // say.
+    // Pixels between rays for `view`, which may have moved since the plan was made. `settings`: those of settings(),
+    // or finer ones. 0: use settings.rate.
     uint32_t rateOf(const PlanView& view, const RenderSettings& settings) const;
 
-    // A frame with these settings took so long. Logs when accuracy begins to be given up, when none is left to give up, and when
-    // it is back.
+    // A frame with these settings took so long. Logs when accuracy begins to be given up, when none is left to give
+    // up, and when it is back.
     void took(double ms, Time now);
     void setFrameBudget(double ms) { overload_.setBudget(ms); }
-    // PlanInputs::compiled, from the next plan on.
+    // Sets PlanInputs::compiled from the next plan on.
     void setCompiled(bool compiled) { inputs_.compiled = compiled; }
 
     // True: frames took too long with no accuracy left to give up, and have not been short enough since.
@@ -45,10 +47,11 @@ public:
 
     const Plan& plan() const { return plan_; }
     const CostModel& model() const { return model_; }
-    const PlanInputs& inputs() const { return inputs_; } // of the plan
+    const PlanInputs& inputs() const { return inputs_; } // of the last plan
 
 private:
-    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at); // `look`: at the scene, too
+    // `look`: true if the scene is measured, too.
+    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at);
     void make();
 
     const Scene& scene_;
@@ -57,9 +60,9 @@ private:
     PlanInputs inputs_;
     Plan plan_;
     bool exhausted_ = false;
-    uint32_t worst_ = 0; // overload level since accuracy was whole
+    uint32_t worst_ = 0; // highest overload level since accuracy was last full
     Time overloaded_since_{};
-    Time planned_{}, looked_{}; // when the plan was made; when the scene was looked at
+    Time planned_{}, looked_{}; // when the plan was made; when the scene was measured
 };
 
 } // namespace brume

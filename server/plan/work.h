@@ -1,5 +1,5 @@
-// How much work the passes have, counted from a sample of the particles: what every method's plan counts with. No device, no
-// shader.
+// Work: how many units each pass has to process, counted from a sample of the particles. Every method's plan uses it.
+// No device, no shader.
 #pragma once
 
 #include <array>
@@ -16,37 +16,38 @@
 
 namespace brume {
 
-// One picture that is wanted.
+// One picture to plan for.
 struct PlanView {
     Pose pose;
     uint32_t width = 0, height = 0; // pixels
 };
 
-// The scene as the plan sees it: it does not grow with the particle count.
+// The scene as the plan sees it. Its size does not grow with the particle count.
 struct PlanScene {
-    RenderSettings wanted; // what the scene and the commands ask for; method may be kAutoMethod
+    RenderSettings wanted; // settings of the scene and of commands; method may be kAutoMethod
     SceneFeatures features;
     uint32_t objects = 0, casters = 0;
     gpu::Tick tick{}; // light, falloff, cut, bounds of the shadow volume
     uint32_t particles = 0;
-    std::vector<gpu::Particle> sample; // evenly chosen, each stands for particles / sample.size()
+    std::vector<gpu::Particle> sample; // evenly chosen; each stands for weight() particles
     MediumExtent extent;
-    double extinction = 0; // 1/m, that the medium meets on average, by its optical mass
-    // Resolutions of the volumetric shadow map, errors from wanted.shadow_error by halves and doubles: coarser ones are for
-    // overload.
+    double extinction = 0; // 1/m, mean extinction in the medium, weighted by optical mass
+    // Possible resolutions of the volumetric shadow map: errors from kFinestShadow to kCoarsestShadow,
+    // wanted.shadow_error times powers of two. Those coarser than wanted are for overload.
     struct Shadow {
-        float wanted = 0; // shadow_error that leads to it
+        float wanted = 0; // the shadow_error that this resolution is for
         ShadowResolution resolution;
     };
     std::vector<Shadow> shadows;
 
-    double weight() const { return sample.empty() ? 0 : double(particles) / double(sample.size()); } // particles per sample
-    double support(const gpu::Particle& particle) const;                                             // m, radius
+    // Particles that one of the sample stands for.
+    double weight() const { return sample.empty() ? 0 : double(particles) / double(sample.size()); }
+    double support(const gpu::Particle& particle) const; // m, radius beyond which it is cut
 };
 
-inline constexpr float kCoarsestShadow = 0.05f, kFinestShadow = 2e-4f; // of PlanScene::shadows
+inline constexpr float kCoarsestShadow = 0.05f, kFinestShadow = 2e-4f; // relative errors, ends of PlanScene::shadows
 
-// Units as each CostInfo says, by numberOf(); 0 for passes that a frame does not have.
+// Units of work for every pass; CostInfo names the unit. 0 for passes that a frame does not have.
 class Work {
 public:
     double& operator[](const CostInfo& cost) { return units_[numberOf(cost)]; }
@@ -59,38 +60,38 @@ private:
     std::array<double, kMostCosts> units_{};
 };
 
-// Once per tick, for everyone: of the volumetric shadow map, and of all the rest.
+// Work once per tick for all viewers: of the volumetric shadow map, and of all other shared passes.
 Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow);
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings);
 
-// Pixels that the medium's standard deviation has in a picture, in the middle of the view depths between which the medium lies.
+// The medium's standard deviation in pixels of a picture, at the middle of the view depths that the medium covers.
 double projectedDeviation(const MediumExtent& extent, const PlanView& view);
 
-// A view with the sample's places in it, for many settings.
+// One view with the sample's particles projected into it; used to count the work of many settings.
 class ViewWork {
 public:
     ViewWork(const PlanScene& scene, const PlanView& view);
 
-    // Of the settings' method. Precondition: every setting is chosen.
+    // Work of this view with the settings' method. Precondition: no setting is left open.
     Work of(const RenderSettings& settings) const;
 
     const PlanScene& scene() const { return scene_; }
     uint32_t width() const { return width_; } // pixels
     uint32_t height() const { return height_; }
     double pixels() const { return double(width_) * height_; }
-    double pixel() const { return pixel_; } // m per m of view depth
-    double near() const { return near_; }   // m of view depth, where the medium begins and ends before the eye
+    double pixel() const { return pixel_; } // width of a pixel, m per m of view depth
+    double near() const { return near_; }   // m of view depth: where the medium in front of the eye begins, ends
     double far() const { return far_; }
     bool inside() const;                                   // True: the eye is in the medium's bounds
-    bool sees() const { return far_ > near_; }             // True: some of the medium is before the eye
-    double raySpacing(uint32_t rate) const;                // of neighbouring rays, in projected standard deviations
+    bool sees() const { return far_ > near_; }             // True: some of the medium is in front of the eye
+    double raySpacing(uint32_t rate) const;                // between neighbours, in projected standard deviations
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
-    double deviationDepth() const;                         // mean optical depth of a standard deviation's length
-    // Pixels that particles cover, where each covers this part of the box around it.
+    double deviationDepth() const;                         // mean optical depth of a length of one standard deviation
+    // Pixels covered by all particles, if each covers `part_of_box` of the box around it.
     double fragments(double part_of_box) const;
 
-    struct Seen {                        // the box around one of the sample's particles in the picture
+    struct Seen {                        // box around one of the sample's particles in the picture
         double left, right, top, bottom; // pixels, clipped
         double near, far;                // m of view depth
     };
@@ -103,9 +104,9 @@ private:
     std::vector<Seen> seen_;
 };
 
-// Cells of `size` that [lo, hi] touches, of `count` from 0.
+// Number of cells that [lo, hi] touches, in a row of `count` cells of `size` from 0.
 double cellsTouched(double lo, double hi, double size, double count);
-// Groups of `size` that cover `count`.
+// Number of groups of `size` that cover `count` items.
 double groupsOf(uint32_t count, uint32_t size);
 
 } // namespace brume

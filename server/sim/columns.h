@@ -1,4 +1,4 @@
-// The particles' numbers, one column each (structure of arrays), so that the step's loops vectorise.
+// Particle state as structure of arrays, one column per number, so that the loops of a step vectorise.
 #pragma once
 
 #include <algorithm>
@@ -17,9 +17,9 @@ enum class Column : uint32_t {
     scale,  // m, centre to vertex
     weight, // extinction's multiplier * 1e-4; unused where points bring their own sigma_t
     sigma,  // 1/m, now
-    home_x, // m, target relative to the volume; an emitter's particles have none and keep
-    home_y, //    age (s) and
-    home_z, //    scale at birth (m) there
+    home_x, // home: m, target relative to the volume. Particles of an emitter have no
+    home_y, // target; for them these columns hold the age (s)
+    home_z, // and the scale at birth (m)
     count,
     age = home_x,
     birth_scale = home_y,
@@ -38,11 +38,12 @@ public:
     float* operator[](Column c) { return data_.data() + stride_ * static_cast<size_t>(c); }
     const float* operator[](Column c) const { return data_.data() + stride_ * static_cast<size_t>(c); }
     uint64_t bytes() const { return data_.size() * sizeof(float); }
-    // Precondition: as many rows. Allocates nothing.
+    // Precondition: both have the same number of rows. Allocates nothing.
     void copyFrom(const Columns& other) { std::copy(other.data_.begin(), other.data_.end(), data_.begin()); }
 
 private:
-    // Rows of all columns are read together: without the skew they would all fall into the same sets of the first-level cache.
+    // One row of all columns is read together. Without the skew these reads would share the same sets of the
+    // first-level cache.
     static constexpr size_t kPage = 1024, kSkew = 80; // floats: 4 KiB, and 5 cache lines
     size_t stride_;
     std::vector<float> data_;

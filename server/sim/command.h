@@ -48,8 +48,8 @@ struct Command {
 
 inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles
 
-// Many writers, one reader, which drains it once a tick. It refuses what the next tick cannot take, so that the writer can
-// answer its viewer: nothing is dropped silently.
+// Many writers, one reader, which drains it once a tick. It refuses what the next tick cannot take, so that the
+// writer can answer its viewer: nothing is dropped silently.
 class CommandQueue {
 public:
     explicit CommandQueue(size_t capacity = 4096) : capacity_(capacity) { pending_.reserve(capacity); }

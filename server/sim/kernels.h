@@ -1,5 +1,5 @@
-// The loops over all particles. Each is a plain formula per particle; the compiler vectorises them, with the same bits for any
-// width.
+// Loops over all particles. Each applies one formula per particle. The compiler vectorises them; the result has the
+// same bits for any vector width.
 #pragma once
 
 #include <span>
@@ -17,11 +17,11 @@ struct SpringStep {
     float dt = 0;        // s
     float spring = 0;    // 1/s^2
     float viscosity = 0; // 1/s
-    glm::vec3 volume{0}; // m, added to every home
+    glm::vec3 volume{0}; // m, offset of all targets
 };
 void springStep(Columns& columns, Rows rows, const SpringStep& step);
 
-// dv/dt = viscosity (air - v) + buoyancy (1 - age / life) in +Y, air = wind + turbulence; and everything gets older.
+// dv/dt = viscosity (air - v) + buoyancy (1 - age / life) in +Y, air = wind + turbulence. Ages grow by dt.
 struct PlumeStep {
     float dt = 0;        // s
     float viscosity = 0; // 1/s
@@ -31,24 +31,25 @@ struct PlumeStep {
 };
 void plumeStep(Columns& columns, Rows rows, const PlumeStep& step, const Turbulence::Modes& turbulence);
 
-// Scale and sigma at a particle's age. It grows, and thins so that its optical mass sigma_t * scale^3 stays, except while it
-// appears (a tenth of its life, at most kAppear) and while it dissolves (the last kDissolve of its life).
+// Sets scale and sigma from a particle's age. The scale grows, and sigma_t falls so that the optical mass sigma_t *
+// scale^3 stays constant. Exceptions: it fades in during a tenth of its life, at most kAppear, and fades out in the
+// last kDissolve of its life.
 struct Ageing {
-    static constexpr float kAppear = 0.5f;    // s: hides the disc that births fall on
-    static constexpr float kDissolve = 0.35f; // of the life: smoke thins out rather than vanishing
+    static constexpr float kAppear = 0.5f;    // s: a slow start hides the disc on which particles are born
+    static constexpr float kDissolve = 0.35f; // part of the life: smoke thins out instead of vanishing
     float life = 1;                           // s
     float growth = 0;                         // m/s
-    float extinction = 0;                     // times a particle's weight: sigma_t at birth
+    float extinction = 0;                     // 1/m: times a particle's weight, its sigma_t at birth
 };
 void age(Columns& columns, Rows rows, const Ageing& ageing);
 
-// v += (1 - d^2 / radius^2)^2 (along + away * radial), d = distance to the ray, in front of its origin only; speeds stay within
-// the scene's limits.
+// v += (1 - d^2 / radius^2)^2 (along + away * radial), d = distance to the ray, only in front of its origin. Speeds
+// stay within the scene's limits.
 struct Push {
     glm::vec3 origin{0}, direction{0, 0, -1}; // m, unit
     float radius = 1;                         // m
     glm::vec3 along{0};                       // m/s on the ray
-    float away = 0;                           // m/s, out from the ray; falls to zero on it, where there is no outward direction
+    float away = 0;                           // m/s, away from the ray; zero on the ray, which has no outward direction
 };
 void push(Columns& columns, Rows rows, const Push& push);
 

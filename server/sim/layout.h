@@ -1,4 +1,4 @@
-// Where the particles of a resting medium stand: layouts cube, tubes, cumulus and file.
+// Initial particles of the layouts cube, tubes, cumulus and file.
 #pragma once
 
 #include <vector>
@@ -7,20 +7,21 @@
 
 namespace brume {
 
-// One entry per particle; the lists that only a file can bring are empty otherwise.
+// One entry per particle. sigma_t and albedo come from files only and are empty otherwise.
 struct Placement {
     std::vector<glm::vec3> position; // m, world
     std::vector<float> scale;        // m
-    std::vector<float> multiplier;   // of the medium's extinction
-    std::vector<float> sigma_t;      // 1/m, instead
-    std::vector<glm::vec3> albedo;   // instead of the medium's
+    std::vector<float> multiplier;   // times the medium's extinction
+    std::vector<float> sigma_t;      // 1/m, replaces multiplier * extinction
+    std::vector<glm::vec3> albedo;   // replaces the medium's
 };
 
-// The same for the same medium, whatever the compiler. Throws SceneError when the medium's file is bad.
-// `origin`: the scene's, which a file's places count from. Precondition: the layout is not `emitter`.
+// Places the particles of a medium. The result depends on the medium only, not on compiler or machine. Throws
+// SceneError if the medium's file is bad. `origin`: the scene's; it is subtracted from a file's positions.
+// Precondition: the layout is not `emitter`.
 Placement place(const Medium& medium, glm::dvec3 origin = glm::dvec3(0));
 
-// `count` positions and scales that fill a cumulus of `extent` width standing on y = 0 over the origin.
+// medium.count positions and scales that fill a cumulus, medium.extent wide, that stands on y = 0 over the origin.
 Placement cumulus(const Medium& medium);
 
 } // namespace brume

@@ -1,5 +1,5 @@
-// An emitter's smoke: a ring of particles in the order of their births. All live equally long, so the living are one run of the
-// ring.
+// Particles of an emitter, in a ring buffer in the order of their births. All live equally long, so the living
+// particles are one contiguous run of the ring.
 #pragma once
 
 #include <array>
@@ -15,12 +15,14 @@ class Plume {
 public:
     Plume(const Medium& medium, float viscosity);
 
-    // Ages, moves and retires the living, then bears what is due at the end of simulated step `steps` (the first is 1).
+    // Ages and moves the living particles and retires the oldest. Then adds those born by the end of simulation step
+    // `steps` (the first step is 1).
     void step(Columns& columns, uint64_t steps, glm::vec3 volume);
-    // Scale and sigma of the living; due after every step and after every change of the extinction.
+    // Sets scale and sigma of the living particles. To be called after every step and after every change of the
+    // extinction.
     void ageTo(Columns& columns, float extinction) const;
 
-    // The living, oldest first, in at most two runs of rows.
+    // Rows of the living particles, oldest first, in at most two runs.
     std::array<Rows, 2> living() const;
     uint32_t liveCount() const { return static_cast<uint32_t>(born_ - oldest_); }
     uint64_t born() const { return born_; }
@@ -34,7 +36,7 @@ private:
     uint32_t pool_;
     float viscosity_;
     Turbulence turbulence_;
-    uint64_t born_ = 0, oldest_ = 0; // births so far, and how many of them are dead; birth number n lives in row n % pool
+    uint64_t born_ = 0, oldest_ = 0; // births so far; deaths so far. Particle number n is in row n % pool_
 };
 
 } // namespace brume

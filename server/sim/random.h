@@ -1,4 +1,4 @@
-// Random numbers that are the same with every compiler and library: counter-based (splitmix64), no hidden state.
+// Random numbers that are equal with every compiler and library: counter-based (splitmix64), no hidden state.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ constexpr uint64_t mix64(uint64_t z) {
     return z ^ (z >> 31);
 }
 
-// One stream per (seed, index): what a birth draws depends on its own index only.
+// One stream of random numbers per (seed, index). A particle uses its own index, so that its numbers depend on
+// nothing else.
 class Random {
 public:
     explicit constexpr Random(uint64_t seed, uint64_t index = 0) : state_(mix64(mix64(seed + kStep) + index * kStep)) {}

@@ -19,12 +19,12 @@ struct Bounds {
     float max_sigma_t = 0;  // the largest peak extinction, 1/m
 };
 
-// Everything a frame needs to know about the scene that commands and time may change.
+// The parts of the scene that commands and time can change, at their present values.
 struct SceneNow {
     Medium medium;
     Light light;
     RenderSettings render;
-    bool paused = false;
+    bool paused = false; // True: particles do not move
 };
 
 class Simulation {
@@ -34,15 +34,15 @@ public:
     ~Simulation();
     Simulation(Simulation&&) noexcept;
 
-    // One tick of 1/60 s: applies the commands in order, then moves the particles (not when paused). Allocates nothing.
+    // One tick of 1/60 s: applies the commands in order, then moves the particles unless paused. Allocates nothing.
     void step(std::span<const Command> commands);
 
     uint64_t tick() const;
     // 64-bit hash of the whole state after the last step; equal seeds and commands give equal hashes.
     uint64_t stateHash() const;
     uint32_t liveCount() const;
-    uint32_t capacity() const; // the most particles that there can ever be
-    uint64_t bytes() const;    // of memory that the particles take here
+    uint32_t capacity() const; // most particles that can be alive at once
+    uint64_t bytes() const;    // of the particles' memory in the simulation
     const Bounds& bounds() const;
     const SceneNow& now() const;
     // Writes the live particles, in a stable order. Precondition: out.size() >= liveCount().

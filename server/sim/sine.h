@@ -1,4 +1,5 @@
-// sin(2 pi x) by additions and multiplications only: the same bits everywhere, and loops that call it vectorise.
+// Approximates sin(2 pi x) by additions and multiplications only: equal bits on all machines, and loops that call it
+// vectorise.
 #pragma once
 
 namespace brume {

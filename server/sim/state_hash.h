@@ -1,4 +1,4 @@
-// A 64-bit hash of a state made of many numbers: XXH3, which is the same on every machine and reads about 10 GB/s.
+// A 64-bit hash (XXH3) of a state made of many numbers. Equal on every machine; reads about 10 GB/s.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@ namespace brume {
 class StateHash {
 public:
     StateHash() { XXH3_64bits_reset(&state_); }
-    void add(std::span<const float> values) { XXH3_64bits_update(&state_, values.data(), values.size_bytes()); } // as their bits
+    // Adds the numbers' bits.
+    void add(std::span<const float> values) { XXH3_64bits_update(&state_, values.data(), values.size_bytes()); }
     void add(uint64_t word) { XXH3_64bits_update(&state_, &word, sizeof(word)); }
     void add(std::string_view text) {
         add(uint64_t{text.size()});

@@ -1,4 +1,5 @@
-// A velocity field without divergence: a few random Fourier modes, each moving across its own wave vector.
+// A divergence-free velocity field: a few random Fourier modes. The velocity of each is perpendicular to its wave
+// vector.
 #pragma once
 
 #include <array>
@@ -8,7 +9,8 @@
 
 namespace brume {
 
-// velocity = amplitude * sin(2 pi (wave . x + phase)); amplitude . wave = 0, so the divergence is zero for any periodic function.
+// velocity = amplitude * sin(2 pi (wave . x + phase)); amplitude . wave = 0, so the divergence is zero for any
+// periodic function.
 struct Mode {
     glm::vec3 wave{0};      // turns per metre
     float phase = 0;        // turns, now
@@ -20,7 +22,8 @@ public:
     static constexpr size_t kOctaves = 3, kModesPerOctave = 4, kModes = kOctaves * kModesPerOctave;
     using Modes = std::array<Mode, kModes>;
 
-    // `rms`: m/s of the velocity's length; `eddy`: m, wavelength of the first octave; `wind`: m/s, carries the pattern along.
+    // `rms`: m/s of the velocity's length; `eddy`: m, wavelength of the first octave; `wind`: m/s, carries the
+    // pattern along.
     Turbulence(uint64_t seed, float rms, float eddy, glm::vec3 wind);
 
     Modes at(double seconds) const;
@@ -30,7 +33,7 @@ private:
     std::array<double, kModes> frequency_{}; // turns per second
 };
 
-// The field at a place: the plain form of what the plume's step does for many places at once.
+// The velocity (m/s) at a place (m). plumeStep() computes the same for many places at once.
 glm::vec3 velocityAt(const Turbulence::Modes& modes, glm::vec3 place);
 
 } // namespace brume

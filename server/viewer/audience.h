@@ -1,4 +1,4 @@
-// All viewers of the one scene, and what every one of them is told. Thread-safe.
+// All viewers of the scene, their commands, and the report on the scene that they all get. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -15,28 +15,28 @@
 
 namespace brume {
 
-// The scene as viewers are told of it; immutable once published.
+// The state of the scene as viewers see it in their panels. Immutable once published.
 struct SceneReport {
     uint64_t tick = 0, state_hash = 0;
     uint32_t particles = 0;
-    bool paused = false;
+    bool paused = false; // True: the simulation stands still
     Light light;
-    Medium medium;         // extinction, falloff, anisotropy, asymmetry, albedo are current
-    RenderSettings render; // as asked for
+    Medium medium;         // current extinction, falloff, anisotropy, asymmetry, albedo
+    RenderSettings render; // as the scene and commands ask for
     struct {
-        RenderSettings settings; // in use
-        double error = 0;        // relative RMSE, predicted
-        double ms = 0;           // of a frame of all viewers, predicted
-        uint32_t relaxed = 0;    // steps of accuracy given up under overload
+        RenderSettings settings; // as the plan chose
+        double error = 0;        // predicted relative RMSE
+        double ms = 0;           // predicted device time of a frame of all viewers
+        uint32_t relaxed = 0;    // overload steps: how often accuracy was given up
     } plan;
     std::vector<PassTime> passes;
     struct {
-        uint64_t device = 0, device_peak = 0; // bytes that resources on the device take, and the most there ever were
-        uint64_t particles = 0;               // bytes of the CPU's memory that particles take
+        uint64_t device = 0, device_peak = 0; // bytes of resources on the device: now, and at most so far
+        uint64_t particles = 0;               // bytes of CPU memory for particles
     } memory;
 };
 
-// What does not change while the server runs.
+// Facts about the scene and the server that do not change while it runs.
 struct SceneFacts {
     std::string scene, device;
     SceneCamera camera;
@@ -45,54 +45,58 @@ struct SceneFacts {
 
 class Audience {
 public:
-    Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight); // at most that many frames, as Pacing decides
+    // `max_in_flight`: the most frames in flight for one viewer; Pacing may decide for fewer.
+    Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight);
 
     const SceneFacts& facts() const { return facts_; }
 
-    // Who is in stays in.
+    // Viewers that have joined stay, also when there are more than the new limit.
     void setMaxViewers(uint32_t max_viewers);
     uint32_t maxInFlight() const { return max_in_flight_; }
 
-    // Null when the house is full. A viewer may ask for a smaller window than the house's; 0 takes that. With the key of one
-    // whose connection was lost less than a minute ago it is that one again, with its pose.
+    // Admits a viewer; null when whyFull() applies. `max_in_flight`: a smaller window than the server's; 0: the
+    // server's. `key`: the key of a viewer whose connection was lost less than a minute ago. It gets its id and its
+    // pose back.
     std::shared_ptr<Viewer> join(std::function<void()> notify, uint32_t max_in_flight = 0, const std::string& key = {});
-    // What join() says no for, in one line.
+    // The reason, one line, for which join() returned null.
     const char* whyFull() const;
-    // Admission: a frame of all viewers takes so long now; nobody is let in who would make it longer than the most (ms).
+    // Admission by time. frameTook(): measured device time of a frame of all viewers (ms). admitUpTo(): the most that
+    // it may become (ms). join() refuses a viewer that would make it longer.
     void frameTook(float ms);
     void admitUpTo(float ms) { most_frame_ms_ = ms; }
-    // Also closes the viewer. Not from its own notify. `lost`: it may come back.
+    // Removes the viewer and closes it. `lost`: true if its connection broke, so that it may come back with its key.
+    // Precondition: not called from the viewer's own notify.
     void leave(const std::shared_ptr<Viewer>& viewer, bool lost = false);
     uint32_t size() const;
-    // The viewers in order of joining. Reuses `out`.
+    // Fills `out` with the viewers in the order of joining. Reuses its memory.
     void list(std::vector<std::shared_ptr<Viewer>>& out) const;
 
     CommandQueue& commands() { return commands_; }
 
     void publish(std::shared_ptr<const SceneReport> report);
     std::shared_ptr<const SceneReport> report() const; // never null
-    // Grows when there is something that viewers should see at once: a setting changed, a viewer came or went.
+    // A number that grows when viewers should get a new report at once: a setting changed, a viewer came or went.
     uint64_t revision() const;
 
-    // The frame loop runs and frames can be had: /readyz.
+    // True: the frame loop runs and delivers frames. Answered at /readyz.
     std::atomic<bool> ready{false};
 
 private:
     SceneFacts facts_;
-    bool hasTime() const; // with mutex_
+    bool hasTime() const; // True: one more viewer fits admitUpTo(). Precondition: mutex_ is held
 
     uint32_t max_viewers_, max_in_flight_;
     CommandQueue commands_;
     mutable std::mutex mutex_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     uint32_t next_id_ = 1;
-    float frame_ms_ = 0, most_frame_ms_ = 1e30f; // smoothed
+    float frame_ms_ = 0, most_frame_ms_ = 1e30f; // frame_ms_: smoothed
     struct Lost {
         uint32_t id;
         std::optional<PoseRequest> pose;
         Clock::time_point until;
     };
-    std::map<std::string, Lost> lost_; // by key; at most kMostLost
+    std::map<std::string, Lost> lost_; // viewers whose connection broke, by key; at most kMostLost
     std::shared_ptr<const SceneReport> report_;
     uint64_t revision_ = 0;
 };

@@ -1,4 +1,5 @@
-// What travels between the frame loop and a viewer's connection: the pose that is wanted, the frame that answers it.
+// PoseRequest and EncodedFrame: a viewer's connection passes a pose to the frame loop and gets the frame that answers
+// it.
 #pragma once
 
 #include <array>
@@ -14,41 +15,43 @@ namespace brume {
 
 using Clock = std::chrono::steady_clock;
 
+// A request for the pictures of one viewer at one pose.
 struct PoseRequest {
     uint32_t seq = 0;
     uint64_t client_time_us = 0;
     Pose pose;
-    uint16_t width = 640, height = 360; // of one eye
-    uint8_t views = 1;                  // 1 or 2
+    uint16_t width = 640, height = 360; // pixels of one eye's picture
+    uint8_t views = 1;                  // eyes: 1 or 2
     uint8_t quality = 80;               // JPEG, 1...100
-    bool lowered = false;               // its quality: below what the viewer wishes for
-    bool hidden = false;                // true: the viewer's window is not seen; nothing is due until a pose without it
-    bool takes_png = false;             // the viewer: what rests may come without loss
-    bool fine = false;                  // of what rests: with less error than what moves, and all of its colour
-    bool lossless = false;              // of a fine one: as PNG
+    bool lowered = false;               // True: quality or size is below what the viewer asked for
+    bool hidden = false;                // True: the viewer's window is hidden. Nothing is drawn until it shows again
+    bool takes_png = false;             // True: the viewer accepts PNG for still pictures
+    bool fine = false;                  // True: a still picture, with less error and full colour (4:4:4)
+    bool lossless = false;              // True: a `fine` picture as PNG
     Clock::time_point received{};
-    Clock::time_point since{}; // the same view was first asked for; the viewer's to fill
+    Clock::time_point since{}; // when this view was first asked for; set by Viewer
 };
 
-// Bytes of one picture, JPEG or PNG; frames of viewers that ask for the same picture share them.
+// Bytes of one picture, JPEG or PNG. Viewers that ask for the same picture share them.
 using Jpeg = std::shared_ptr<const std::vector<uint8_t>>;
 
-// One encoded answer to one pose; immutable once delivered. JPEG bytes stay in `jpeg` until the socket has sent them.
+// The encoded pictures that answer one request. Immutable once delivered.
 struct EncodedFrame {
-    uint32_t id = 0; // grows by one per viewer
+    uint32_t id = 0; // counts up for each viewer; 0 is no frame
     uint64_t tick = 0, state_hash = 0;
     PoseRequest request;
-    bool again = false; // not the first of its pose: how long that waited says nothing of the server
+    bool again = false; // True: an earlier frame answered this pose, so that wait_ms tells nothing about the server
     float wait_ms = 0, render_ms = 0, encode_ms = 0, gpu_ms = 0;
     Clock::time_point encoded{};
-    std::array<Jpeg, 2> jpeg; // [request.views]
-    bool png = false;         // all of them are
+    std::array<Jpeg, 2> jpeg; // one for each of request.views eyes
+    bool png = false;         // True: all pictures are PNG; false: JPEG
 };
-// Whether both ask for the same pictures, however they are numbered.
+// True if both requests ask for the same pictures. Their numbers and times may differ.
 bool samePictures(const PoseRequest& a, const PoseRequest& b);
 
 using FramePtr = std::shared_ptr<const EncodedFrame>;
 
+// Device time of one pass.
 struct PassTime {
     std::string name;
     float ms = 0; // smoothed

@@ -25,7 +25,7 @@ QualityStep QualityControl::step() const {
     return {std::min(link.quality, device.quality), link.half || device.half, std::max(link.every, device.every)};
 }
 
-bool QualityControl::lookAtDevice(const DeviceLoad& load, Clock::time_point now) {
+bool QualityControl::observeDevice(const DeviceLoad& load, Clock::time_point now) {
     // One step better makes the picture four times as large, or only comes more often.
     const double more = device_level_ == 1 && !stepAt(level_).half ? 3 * load.own_ms : 0;
     const bool over = load.exhausted && load.whole_ms > kTooMuch * load.budget_ms && load.own_ms * load.viewers > load.budget_ms;
@@ -42,7 +42,7 @@ bool QualityControl::lookAtDevice(const DeviceLoad& load, Clock::time_point now)
     return true;
 }
 
-bool QualityControl::look(const Look& seen, Clock::time_point now) {
+bool QualityControl::observe(const Observation& seen, Clock::time_point now) {
     seen_ = {std::max(seen_.queue_ms, seen.queue_ms), seen_.held_back || seen.held_back, seen_.superseded || seen.superseded,
              seen.device ? seen.device : seen_.device};
     if (seen_.queue_ms > kQueueClean || seen_.held_back || seen_.superseded) clean_since_ = now;
@@ -57,7 +57,7 @@ bool QualityControl::look(const Look& seen, Clock::time_point now) {
         --level_;
         raised_ = clean_since_ = now; // the next step needs a time of its own
     }
-    const bool device_changed = seen_.device && lookAtDevice(*seen_.device, now);
+    const bool device_changed = seen_.device && observeDevice(*seen_.device, now);
     acted_ = now;
     seen_ = {};
     return level_ != before || device_changed;

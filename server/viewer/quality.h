@@ -1,5 +1,5 @@
-// What one viewer's pictures may cost: its JPEG quality, its size and its rate, from what its link and the device can do. A
-// machine without a clock of its own.
+// Chooses JPEG quality, size and rate of one viewer's pictures from what its link and the device can carry. It has no
+// clock: callers pass the time.
 #pragma once
 
 #include <algorithm>
@@ -10,54 +10,58 @@
 
 namespace brume {
 
-// Less in this order: JPEG quality from what the viewer wishes for (75) down to 40, then half the size, then every second, fourth
-// frame.
+// How far pictures are reduced. The order: first JPEG quality, from what the viewer asked for (75) down to 40; then
+// half the size; then every second, every fourth frame.
 struct QualityStep {
-    uint8_t quality = 100; // JPEG, at most; the viewer may wish for less
-    bool half = false;     // of the size wished for, each side
-    uint8_t every = 1;     // of the ticks, one frame
+    uint8_t quality = 100; // most JPEG quality; the viewer may ask for less
+    bool half = false;     // True: half the width and half the height
+    uint8_t every = 1;     // ticks between frames, at least
 };
 
-// What the device has to do, in ms: for this viewer's next picture, and for one picture of everybody.
+// The device's load. Times in ms, predicted: of this viewer's next frame, of a frame of all viewers, and what that
+// may take.
 struct DeviceLoad {
     double own_ms = 0, whole_ms = 0, budget_ms = 0;
-    uint32_t viewers = 1;   // that share it
-    bool exhausted = false; // the plan has no accuracy left to give up (Overload comes first)
+    uint32_t viewers = 1;   // viewers that share the device
+    bool exhausted = false; // True: the plan has no accuracy left to give up (Overload comes first)
 };
 
 class QualityControl {
 public:
-    static constexpr uint32_t kSteps = 7, kDeviceSteps = 4; // 0: the best
+    static constexpr uint32_t kSteps = 7, kDeviceSteps = 4; // level 0 is the best
+    // The steps for a slow link, `level` < kSteps.
     static QualityStep stepAt(uint32_t level);
-    // JPEG quality costs the device nothing: half the size, then every second, fourth frame.
+    // The steps for a busy device, `level` < kDeviceSteps: half the size, then every second, fourth frame. JPEG
+    // quality costs the device nothing.
     static QualityStep deviceStepAt(uint32_t level);
 
-    // What happened since the last look. Several times a second; acts every 250 ms. Down at once when the link queues or frames
-    // were held back or replaced because of it; up by one after a second without, or after twice as long as before the last step
-    // up when that had to be taken back within two seconds, up to 16 s: pictures do not swing between two sizes. True when a
-    // level changed.
-    struct Look {
-        float queue_ms = 0;      // on the link
-        bool held_back = false;  // the window of bytes was closed when a pose waited
-        bool superseded = false; // a frame was replaced before the socket took it
-        // A limit of its own. Down at once while a frame of everybody takes more than one and a half budgets, the plan has given
-        // up all it may, and this viewer takes more than an equal part; up after a second in which one step better would have
-        // left a fifth of the budget. None: nothing is known.
-        std::optional<DeviceLoad> device;
+    // What happened since the last call of observe().
+    struct Observation {
+        float queue_ms = 0;               // queueing delay of the link
+        bool held_back = false;           // True: a request waited since the window of bytes was full
+        bool superseded = false;          // True: a newer frame replaced one that the socket had not taken
+        std::optional<DeviceLoad> device; // nothing: not known
     };
-    bool look(const Look& seen, Clock::time_point now);
+    // To be called several times a second; acts every 250 ms. Returns true when a level changed. Two levels are kept.
+    // - Link. One step down at once when it queues more than 50 ms, or when frames were held back or superseded. One
+    //   step up after a second without. When a step up had to be taken back within two seconds, the next one waits
+    //   twice as long, at most 16 s: pictures do not swing between two sizes.
+    // - Device. One step down at once if a frame of all viewers takes more than 1.5 budgets, the plan is exhausted,
+    //   and this viewer takes more than an equal share. One step up after a second in which the better step would
+    //   have left a fifth of the budget.
+    bool observe(const Observation& seen, Clock::time_point now);
     uint32_t level() const { return level_; }
     uint32_t deviceLevel() const { return device_level_; }
-    QualityStep step() const; // the lesser of both limits
+    QualityStep step() const; // the lower of both levels' steps, in each part
 
 private:
-    bool lookAtDevice(const DeviceLoad& load, Clock::time_point now);
+    bool observeDevice(const DeviceLoad& load, Clock::time_point now);
 
     uint32_t level_ = 0, device_level_ = 0;
-    Look seen_; // the worst since the last act
+    Observation seen_; // the worst values since a level was last decided
     Clock::time_point acted_{}, clean_since_{}, room_since_{};
-    std::optional<Clock::time_point> raised_;  // when it last went up, if it has not gone down since
-    std::chrono::milliseconds patience_{1000}; // without queues, before the next step up
+    std::optional<Clock::time_point> raised_;  // when the link's level last improved; nothing once it went down
+    std::chrono::milliseconds patience_{1000}; // time without queues before the next step up
 };
 
 } // namespace brume

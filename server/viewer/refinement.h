@@ -1,5 +1,5 @@
-// Whether pictures of a moving medium may be finer while all cameras rest: only in time of the device that nothing else needs. A
-// machine without a clock of its own.
+// Decides if pictures of a moving medium are drawn with less error while all cameras rest, in device time that
+// nothing else needs. It has no clock: callers pass the time.
 #pragma once
 
 #include "server/viewer/frame.h"
@@ -8,25 +8,25 @@ namespace brume {
 
 class Refinement {
 public:
-    // `part` of the frame budget that finer pictures of everybody may take; 0: never.
+    // `part`: the part of the frame budget that finer pictures of all viewers may take; 0: never.
     explicit Refinement(double part) : part_(part) {}
 
-    struct Look {
-        bool rests = false;   // no camera has moved for 150 ms, every viewer gets its best, and no accuracy is given up
-        double plain_ms = 0;  // of a frame of all viewers as it is, measured
-        double dearer = 1;    // what a finer one takes over that, predicted
-        double budget_ms = 0; // of a frame
+    struct Observation {
+        bool rests = false;   // True: no camera moved for 150 ms, every viewer has full quality, and overload is off
+        double plain_ms = 0;  // measured time of a usual frame of all viewers
+        double dearer = 1;    // predicted time of a finer frame / of a usual one
+        double budget_ms = 0; // of a frame of all viewers
     };
-    // Of the next batch. Begins when a fifth less than the part would do, goes on while the part does; once it was too dear, not
-    // for five seconds.
-    bool next(const Look& look, Clock::time_point now);
-    // The finer batch took so long.
+    // True if the next batch is drawn finer. Begins when the predicted time is at most 4/5 of the part, and goes on
+    // while the measured time is within the part. After a batch that took longer it pauses for five seconds.
+    bool next(const Observation& seen, Clock::time_point now);
+    // Measured time of a finer batch of all viewers.
     void took(double ms) { measured_ms_ = measured_ms_ == 0 ? ms : measured_ms_ + 0.2 * (ms - measured_ms_); }
 
 private:
     const double part_;
     bool on_ = false;
-    double measured_ms_ = 0; // smoothed, since it began
+    double measured_ms_ = 0; // smoothed, since finer batches began
     Clock::time_point stopped_{};
 };
 

@@ -19,79 +19,79 @@ void smooth(double& value, double sample) { value = value == 0 ? sample : value 
 void Schedule::took(uint32_t viewer, double pixels, double ms) {
     if (pixels <= 0) return;
     smooth(ms_per_pixel_, ms / pixels);
-    if (const auto seat = seats_.find(viewer); seat != seats_.end()) smooth(seat->second.ms_per_pixel, ms / pixels);
+    if (const auto turn = turns_.find(viewer); turn != turns_.end()) smooth(turn->second.ms_per_pixel, ms / pixels);
 }
 
 void Schedule::sharedTook(double ms) { smooth(shared_ms_, ms); }
 
 double Schedule::predict(uint32_t viewer, double pixels) const {
-    const auto seat = seats_.find(viewer);
-    return pixels * (seat != seats_.end() && seat->second.ms_per_pixel > 0 ? seat->second.ms_per_pixel : ms_per_pixel_);
+    const auto turn = turns_.find(viewer);
+    return pixels * (turn != turns_.end() && turn->second.ms_per_pixel > 0 ? turn->second.ms_per_pixel : ms_per_pixel_);
 }
 
 double Schedule::predict(uint32_t viewer) const {
-    const auto seat = seats_.find(viewer);
-    return seat == seats_.end() ? 0 : predict(viewer, seat->second.pixels);
+    const auto turn = turns_.find(viewer);
+    return turn == turns_.end() ? 0 : predict(viewer, turn->second.pixels);
 }
 
-Clock::time_point Schedule::deadline(const Wish& wish, Clock::duration tick) {
-    const Seat& seat = seats_[wish.viewer];
-    if (seat.drawn == Clock::time_point{}) return seat.since;
-    const auto own = std::chrono::duration_cast<Clock::duration>(Millis(predict(wish.viewer, wish.pixels)));
+Clock::time_point Schedule::deadline(const DrawRequest& request, Clock::duration tick) {
+    const Turn& turn = turns_[request.viewer];
+    if (turn.drawn == Clock::time_point{}) return turn.since;
+    const auto own = std::chrono::duration_cast<Clock::duration>(Millis(predict(request.viewer, request.pixels)));
     const Clock::duration most = std::max<Clock::duration>(kLongest, 2 * own);
-    const Clock::duration interval = std::min(std::max<Clock::duration>(tick * wish.every, own * active_), most);
-    return std::max(seat.drawn + interval, seat.since);
+    const Clock::duration interval = std::min(std::max<Clock::duration>(tick * request.every, own * active_), most);
+    return std::max(turn.drawn + interval, turn.since);
 }
 
-std::span<const uint32_t> Schedule::choose(std::span<const Wish> wishes, const Limits& limits, Clock::time_point now,
+std::span<const uint32_t> Schedule::choose(std::span<const DrawRequest> requests, const Limits& limits, Clock::time_point now,
                                            Clock::duration tick) {
-    for (const Wish& wish : wishes) {
-        Seat& seat = seats_[wish.viewer];
-        if (!seat.waits) seat.waits = true, seat.since = now;
-        seat.seen = now;
-        seat.pixels = wish.pixels;
+    for (const DrawRequest& request : requests) {
+        Turn& turn = turns_[request.viewer];
+        if (!turn.waits) turn.waits = true, turn.since = now;
+        turn.seen = now;
+        turn.pixels = request.pixels;
     }
-    std::erase_if(seats_, [&](const auto& one) { return now - one.second.seen > kForget; });
+    std::erase_if(turns_, [&](const auto& one) { return now - one.second.seen > kForget; });
     active_ =
-        uint32_t(std::count_if(seats_.begin(), seats_.end(), [&](const auto& one) { return now - one.second.seen <= kActive; }));
+        uint32_t(std::count_if(turns_.begin(), turns_.end(), [&](const auto& one) { return now - one.second.seen <= kActive; }));
 
     deadlines_.clear();
-    for (const Wish& wish : wishes) deadlines_.push_back(deadline(wish, tick));
-    order_.resize(wishes.size());
+    for (const DrawRequest& request : requests) deadlines_.push_back(deadline(request, tick));
+    order_.resize(requests.size());
     std::iota(order_.begin(), order_.end(), 0u);
     std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) { return deadlines_[a] < deadlines_[b]; });
 
-    const auto cost = [&](const Wish& wish) { return limits.dearer * predict(wish.viewer, wish.pixels); };
+    const auto cost = [&](const DrawRequest& request) { return limits.dearer * predict(request.viewer, request.pixels); };
     const auto fill = [&](double budget) {
         chosen_.clear();
-        drawn_.assign(wishes.size(), 0);
+        drawn_.assign(requests.size(), 0);
         double ms = shared_ms_;
         uint32_t eyes = 0;
         uint64_t bytes = 0;
         for (const uint32_t number : order_) {
-            const Wish& wish = wishes[number];
-            if (!drawn_[wish.like]) {
-                const double more = cost(wish);
+            const DrawRequest& request = requests[number];
+            if (!drawn_[request.like]) {
+                const double more = cost(request);
                 const bool alone = chosen_.empty(), in_turn = active_ < 2 || deadlines_[number] <= now;
                 if (ms + more > budget && !(alone && in_turn)) continue;
-                if (eyes + wish.eyes > limits.eyes || (!alone && bytes + wish.bytes > limits.bytes)) continue;
+                if (eyes + request.eyes > limits.eyes || (!alone && bytes + request.bytes > limits.bytes)) continue;
                 ms += more;
-                eyes += wish.eyes;
-                bytes += wish.bytes;
-                drawn_[wish.like] = 1;
+                eyes += request.eyes;
+                bytes += request.bytes;
+                drawn_[request.like] = 1;
             }
             chosen_.push_back(number);
         }
         return ms;
     };
-    whole_ms_ = shared_ms_;
-    for (uint32_t number = 0; number < wishes.size(); ++number)
-        if (wishes[number].like == number) whole_ms_ += cost(wishes[number]);
-    chosen_ms_ = fill(whole_ms_ <= kWorthIt * limits.budget_ms ? whole_ms_ + 1 : limits.budget_ms);
+    full_batch_ms_ = shared_ms_;
+    for (uint32_t number = 0; number < requests.size(); ++number)
+        if (requests[number].like == number) full_batch_ms_ += cost(requests[number]);
+    chosen_ms_ = fill(full_batch_ms_ <= kWorthIt * limits.budget_ms ? full_batch_ms_ + 1 : limits.budget_ms);
     for (const uint32_t number : chosen_) {
-        Seat& seat = seats_[wishes[number].viewer];
-        seat.waits = false;
-        seat.drawn = now;
+        Turn& turn = turns_[requests[number].viewer];
+        turn.waits = false;
+        turn.drawn = now;
     }
     return chosen_;
 }

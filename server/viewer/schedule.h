@@ -1,5 +1,5 @@
-// Whose pictures a batch draws when it cannot draw everybody's: the earliest deadline first, until the device's time is spent. A
-// machine without a clock of its own.
+// Chooses the viewers of a batch when it cannot draw all of them: earliest deadline first, until the budget is spent.
+// It has no clock: callers pass the time.
 #pragma once
 
 #include <cstdint>
@@ -11,61 +11,68 @@
 
 namespace brume {
 
-// A viewer's deadline is its own interval after it was last drawn: as many ticks as its quality allows, or so long that it takes
-// no more than an equal part of the device, whichever is longer, but a second or half of the device at most; and not before it
-// wanted a picture. While it waits its deadline stays and those of others, who are drawn, move on: nobody waits forever.
+// Earliest deadline first:
+//   deadline = last frame + interval, and not before the viewer asked
+//   interval = max(ticks that its quality allows, its predicted time x active viewers), at most max(1 s, 2 x that time)
+// A waiting viewer's deadline stays, while those of drawn viewers move on: nobody waits forever.
 class Schedule {
 public:
-    // One viewer that is due, and its pictures.
-    struct Wish {
-        uint32_t viewer = 0; // id
-        double pixels = 0;   // of all its eyes
+    // The pictures that one due viewer asks for.
+    struct DrawRequest {
+        uint32_t viewer = 0; // its id
+        double pixels = 0;   // of all its eyes together
         uint32_t eyes = 1;
-        uint64_t bytes = 0; // of its pictures on the device
-        uint32_t every = 1; // ticks between its frames, at least
-        uint32_t like = 0;  // number of the first wish with the same pictures, which are drawn once
+        uint64_t bytes = 0; // device memory for its pictures
+        uint32_t every = 1; // least ticks between its frames
+        uint32_t like = 0;  // index of the first request with the same pictures: they are drawn once
     };
     struct Limits {
-        double budget_ms = 0;   // that a batch may take
-        double dearer = 1;      // factor on what was measured: for pictures drawn otherwise
-        uint32_t eyes = 64;     // of a batch
-        uint64_t bytes = ~0ull; // of a batch's pictures; who exceeds them alone is drawn alone
+        double budget_ms = 0;   // most predicted time of a batch
+        double dearer = 1;      // factor on predicted times, for pictures with less error than those measured
+        uint32_t eyes = 64;     // most of a batch
+        uint64_t bytes = ~0ull; // most of a batch's pictures; a larger request is drawn alone
     };
 
-    // Numbers of the wishes to draw now, in their order. All, when they fit or exceed the budget by half at most: a batch of its
-    // own would cost the rest more than that. Else as many as fit, in the order of deadlines; the first one always, unless it
-    // exceeds the budget alone, its deadline is to come and others want the device. `tick`: between two of the simulation's.
-    std::span<const uint32_t> choose(std::span<const Wish> wishes, const Limits& limits, Clock::time_point now,
+    // Chooses requests for the next batch; returns their indices, earliest deadline first.
+    // - All of them, when they fit or exceed the budget by no more than half: a second batch would cost the others
+    //   more.
+    // - Otherwise as many as fit. The first is taken in any case, unless it exceeds the budget alone, its deadline is
+    //   still to come, and other viewers are active.
+    // `tick`: duration of a simulation tick.
+    std::span<const uint32_t> choose(std::span<const DrawRequest> requests, const Limits& limits, Clock::time_point now,
                                      Clock::duration tick);
-    // Of the last choose(), in ms of the device, predicted: of all wishes and of those chosen.
-    double wholeMs() const { return whole_ms_; }
+    // Predicted device time of the last choose(): of a batch with all requests, and of the chosen one.
+    double fullBatchMs() const { return full_batch_ms_; }
     double chosenMs() const { return chosen_ms_; }
 
-    // Measured: this viewer's pictures of so many pixels, alone; and what the batch's viewers share.
+    // Measured device time: of this viewer's pictures, of `pixels` in all; and of the work that the batch's viewers
+    // share.
     void took(uint32_t viewer, double pixels, double ms);
     void sharedTook(double ms);
-    // Predicted, of a viewer's pictures; of one not measured yet: as the others' pixels. 0 while nothing is known.
+    // Predicted device time (ms) of a viewer's pictures. A viewer not measured yet counts as the average one. 0:
+    // nothing is known.
     double predict(uint32_t viewer, double pixels) const;
-    // Of the picture that it wanted last.
+    // The same for the pictures that the viewer last asked for; 0 for an unknown viewer.
     double predict(uint32_t viewer) const;
-    // How many viewers wanted pictures in the second before the last choose().
+    // Viewers that asked for pictures in the second before the last choose().
     uint32_t active() const { return active_; }
 
 private:
-    struct Seat {
+    // What is remembered of a viewer.
+    struct Turn {
         double ms_per_pixel = 0; // smoothed; 0: not measured
-        double pixels = 0;       // of the last wish
+        double pixels = 0;       // of its last request
         Clock::time_point drawn{}, since{}, seen{};
-        bool waits = false; // since `since`
+        bool waits = false; // True: asked at `since`, not drawn yet
     };
-    Clock::time_point deadline(const Wish& wish, Clock::duration tick);
+    Clock::time_point deadline(const DrawRequest& request, Clock::duration tick);
 
-    std::map<uint32_t, Seat> seats_; // by viewer; those seen lately
-    double shared_ms_ = 0, ms_per_pixel_ = 0, whole_ms_ = 0, chosen_ms_ = 0;
+    std::map<uint32_t, Turn> turns_; // by viewer; forgotten 10 s after the last request
+    double shared_ms_ = 0, ms_per_pixel_ = 0, full_batch_ms_ = 0, chosen_ms_ = 0;
     uint32_t active_ = 0;
     std::vector<Clock::time_point> deadlines_;
     std::vector<uint32_t> order_, chosen_;
-    std::vector<char> drawn_; // of a wish: its pictures are in the batch
+    std::vector<char> drawn_; // [request]: 1 if its pictures are in the batch
 };
 
 } // namespace brume

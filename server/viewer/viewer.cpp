@@ -80,11 +80,11 @@ void Viewer::ponged(Clock::duration round_trip, Clock::time_point now, Pacing::M
     pacing_.ponged(round_trip, now, most_queue);
 }
 
-Clock::duration Viewer::look(Clock::time_point now, bool backlog) {
+Clock::duration Viewer::observe(Clock::time_point now, bool backlog) {
     const std::scoped_lock lock(mutex_);
     const uint32_t level = quality_.level();
-    quality_.look({pacing_.queueMs(), held_back_, backlog && counts_.superseded > superseded_seen_, std::exchange(device_, {})},
-                  now);
+    quality_.observe(
+        {pacing_.queueMs(), held_back_, backlog && counts_.superseded > superseded_seen_, std::exchange(device_, {})}, now);
     if (quality_.level() < level) pacing_.probe();
     held_back_ = false;
     superseded_seen_ = counts_.superseded;
@@ -102,12 +102,7 @@ void Viewer::close() {
     notify_ = nullptr;
 }
 
-std::optional<Viewer::Due> Viewer::takeDue(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
-    const auto request = due(now, scene, fine);
-    return request ? take(*request, now, scene) : std::nullopt;
-}
-
-std::optional<PoseRequest> Viewer::due(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
+std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_ || pose_->hidden || !refusal_.empty()) return {};
     const QualityStep step = quality_.step();

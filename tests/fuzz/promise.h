@@ -1,4 +1,5 @@
-// What targets share: promises, the fuzzer's bytes as numbers, and its bytes as a file.
+// Helpers of the fuzz targets: promises (conditions that must hold), and the fuzzer's bytes read as numbers or as a
+// file.
 #pragma once
 
 #include <cstdlib>
@@ -11,14 +12,14 @@
 
 namespace brume::fuzz {
 
-// Ends the program with the promise that was broken; libFuzzer keeps the input.
+// Ends the program and names the promise unless it holds. libFuzzer then keeps the input.
 inline void promise(bool holds, const char* what, std::string_view shown = {}) {
     if (holds) return;
     std::cerr << "broken promise: " << what << (shown.empty() ? "" : ": ") << shown << std::endl;
     std::abort();
 }
 
-// What people are told is one line, and does nothing to a terminal.
+// A message for people must be one line without control characters.
 inline void promiseOneLine(std::string_view text, size_t longest) {
     promise(!text.empty(), "a message says something");
     promise(text.size() <= longest, "a message is not endless", text);
@@ -27,7 +28,7 @@ inline void promiseOneLine(std::string_view text, size_t longest) {
 
 inline std::string_view textOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-// Numbers of any bits, one after another; zeros after the end.
+// Reads the bytes as numbers of any value, one after another; zeros after the end.
 class Numbers {
 public:
     explicit Numbers(Bytes bytes) : bytes_(bytes) {}
@@ -40,7 +41,7 @@ public:
         std::memcpy(&value, some.data(), some.size());
         return value;
     }
-    // So many bytes, or as many as there are.
+    // The next `count` bytes, or fewer at the end.
     Bytes bytes(size_t count) {
         const Bytes some = bytes_.first(count < bytes_.size() ? count : bytes_.size());
         bytes_ = bytes_.subspan(some.size());
@@ -51,7 +52,7 @@ private:
     Bytes bytes_;
 };
 
-// The path of a file in memory that holds the bytes, until the next call.
+// Path of a file in memory with these bytes. Valid until the next call.
 const char* asFile(Bytes bytes);
 
 } // namespace brume::fuzz

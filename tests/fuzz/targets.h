@@ -1,5 +1,5 @@
-// What is fuzzed: everything that is read from outside. A target takes any bytes and ends the program when a promise does not
-// hold.
+// Fuzz targets: one for everything that the programs read from outside. A target takes any bytes, and ends the
+// program if a promise does not hold.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@ namespace brume::fuzz {
 
 using Bytes = std::span<const uint8_t>;
 
-void message(Bytes input); // wire::parse, and every field that either side reads of what it lets through
-void session(Bytes input); // SessionRules through records of messages, texts, ticks and waits: session.cpp has their form
-void query(Bytes input);   // lines: a request's target (page, picture query), its Origin, its Host
+void message(Bytes input); // wire::parse(), then every field that server and client read of a valid message
+void session(Bytes input); // SessionRules; the bytes are messages, texts, ticks and waits, see session.cpp
+void query(Bytes input);   // lines of an HTTP request: target (page, picture query), Origin, Host
 void scene(Bytes input);   // a scene file; a first line "--set KEY=VALUE" is an override
 void ply(Bytes input);     // a point cloud
-void costs(Bytes input);   // what calibration wrote
-void token(Bytes input);   // a token, and a request that may hold one
+void costs(Bytes input);   // a cost file of `brume-bench calibrate`
+void token(Bytes input);   // a token, and a request that may carry one
 
 struct Target {
     const char* name;

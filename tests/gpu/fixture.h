@@ -1,4 +1,5 @@
-// A device under validation with synchronization checks, shared by the tests of one program; every test demands zero messages.
+// GpuTest: tests on a device with validation and synchronization checks, shared by a program's tests. Every test
+// requires zero validation messages.
 #pragma once
 
 #include <filesystem>
@@ -19,11 +20,11 @@ struct Picture {
     const glm::vec4& at(uint32_t x, uint32_t y) const { return pixels[y * width + x]; }
 };
 
-// A renderer with its pipelines, for many scenes of the same sky and objects.
+// A renderer that is used again for many scenes with the same sky and objects, since compiling pipelines takes long.
 class Stage {
 public:
     Stage(const gpu::Device& device, const Scene& fixed, uint32_t capacity);
-    // `scene` may differ from the stage's own in its medium, its light and its render settings.
+    // Renders `scene`, which may differ from the constructor's scene in medium, light and render settings.
     Picture see(const Scene& scene, const Pose& pose, uint32_t width, uint32_t height);
 
 private:
@@ -35,26 +36,26 @@ class GpuTest : public testing::Test {
 protected:
     static constexpr uint32_t kPlainCapacity = 600;
 
-    static const gpu::Device& device(); // with mesh shaders where there are any
+    static const gpu::Device& device(); // with mesh shaders if the device has them
     static const gpu::Device& deviceWithoutMesh();
-    // For scenes of at most kPlainCapacity particles, without objects, sky and ambient light.
+    // Stages for scenes of at most kPlainCapacity particles without objects, sky and ambient light.
     static Stage& plain();
     static Stage& plainWithoutMesh();
 
     void TearDown() override;
 };
 
-// A particle just as the renderer gets it.
+// One particle of a test scene.
 struct Point {
     glm::vec3 centre{0};
     float scale = 1, sigma_t = 1;
     glm::vec3 albedo{1};
 };
 
-// A scene of exactly these particles under one light of irradiance 1 without sky, its cut-off negligible.
+// A scene of exactly these particles, one light of irradiance 1, no sky, and a negligible cut-off.
 Scene sceneOf(const std::vector<Point>& points, float falloff = 1);
 
-// Numbers that are the same everywhere.
+// Random numbers that are equal on all machines.
 class Random {
 public:
     explicit Random(uint32_t seed) : bits_(seed) {}
@@ -66,20 +67,20 @@ private:
     std::mt19937 bits_;
 };
 
-// `count` particles at random in a cube of `extent` (m) around the origin.
+// `count` particles at random positions in a cube of side `extent` (m) around the origin.
 std::vector<Point> randomPoints(uint32_t count, float extent, float scale, float sigma_t, uint32_t seed = 1);
 
-// One submission of one eye, waited for.
+// Renders in one submission, and waits for it.
 void submitAndWait(Renderer& renderer, Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
 Picture render(const gpu::Device& device, const Scene& scene, const Pose& pose, uint32_t width, uint32_t height);
 
-// Direction of the ray through a pixel's centre, of unit view depth, in double.
+// Direction of the ray through a pixel's centre, scaled to unit view depth, in double.
 glm::dvec3 pixelDirection(const Pose& pose, uint32_t width, uint32_t height, uint32_t x, uint32_t y);
 
 // All layers of an RGBA32F or R32F image as floats, layer after layer, row after row.
 std::vector<float> readImage(const gpu::Device& device, const gpu::Image& image, uint32_t channels);
 
-// Waits for what `commands` has submitted.
+// Waits until the last submission of `commands` is done.
 void waitFor(const gpu::Commands& commands);
 
 } // namespace brume::test

@@ -1,4 +1,4 @@
-// Recording one pass of the light by itself.
+// Runs a single pass of the lighting, without the rest of a frame.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace brume::test {
 
-// Records one pass with the tick and a buffer of structs bound, and waits.
+// Records one pass with a tick block and a buffer of `elements`, submits it and waits.
 template <class Element, class Record>
 void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, const std::vector<Element>& elements, const Record& record) {
     const gpu::Buffer block(device, sizeof(gpu::Tick), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "tick");

@@ -1,4 +1,4 @@
-// What the hard cases share: every way to render, what each is compared with, and the table of what was measured.
+// HardTest, base of the hard cases: all ways to render, the exact result for each, and the table of measured errors.
 #pragma once
 
 #include <functional>
@@ -9,46 +9,48 @@
 
 namespace brume::test {
 
-// One way to render: a method, and where it can choose, its quadrature.
+// One way to render: a method and, if it has several, a quadrature.
 struct Way {
     std::string method, quadrature;
     uint32_t steps;
     std::string name() const; // "isv, simpson-2"
 };
 
-// Every method that the renderer has, with every quadrature that it has.
+// Every method of the renderer with each of its quadratures.
 std::vector<Way> ways();
 void choose(Scene& scene, const Way& way);
 
-// The part of a ray on which a way sees a particle: isv what lies in its tetrahedron, others the whole Gaussian.
+// The part of a ray on which a way integrates a particle: for isv inside its tetrahedron, for others the whole ray.
+// isCut(): true for isv.
 bool isCut(const Way& way);
 Interval supportOf(const Way& way, const reference::Blob& blob, const Ray& ray);
 
-// With this falloff a face of the tetrahedron is 7.9 / k from the centre: what it cuts off is below 1e-27 of the optical depth,
-// and every way sees the whole Gaussian.
+// A falloff at which every way integrates the whole Gaussian: a face of the tetrahedron is 7.9 / k from the centre,
+// and cuts off less than 1e-27 of the optical depth.
 inline constexpr float kInside = 0.3f;
 
-// The integral of sigma T_V T_L over the support, by the way's own rule in double precision: a picture differs from it by float32
-// and by the shadow volume alone. For a method without a rule here: the integral itself.
-// `light_depth` is of a place.
+// The integral of sigma T_V T_L over the support, by the way's own quadrature in double precision. A picture differs
+// from it only by float32 and by the shadow volume. For a method without a rule here it is the exact integral.
+// `light_depth`: optical depth from a place to the light.
 double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray,
                    const std::function<double(glm::dvec3)>& light_depth);
-// Relative error that a way may have against scatteredBy() in exact arithmetic: 0 where its rule is known.
+// Relative error that a way may have against scatteredBy() in exact arithmetic; 0 if scatteredBy() uses its rule.
 double ruleError(const Way& way);
 
 class HardTest : public GpuTest {
 protected:
-    // Expects error <= tolerance and keeps the row for the table; of several with one name, the worst compared with its
-    // tolerance.
+    // Expects error <= tolerance and adds a row to the table. Of several rows with the same name, the one with the
+    // largest error / tolerance is kept.
     static void judge(const std::string& hard_case, const std::string& way, double error, double tolerance);
     static void judge(const std::string& hard_case, const Way& way, double error, double tolerance) {
         judge(hard_case, way.name(), error, tolerance);
     }
 
-    // Whether the way refuses the scene, with the settings that it has: a row of the table, with the reason instead of an error.
+    // True if the way refuses the scene with its settings. The table then gets a row with the reason instead of an
+    // error.
     static bool refused(const std::string& hard_case, const Way& way, const Scene& scene);
 
-    // check(pixel, ray, x, y) for every pixel.
+    // Calls check(pixel, ray, x, y) for every pixel.
     template <class Check>
     static void forPixels(const Picture& picture, const Pose& pose, const Check& check) {
         for (uint32_t y = 0; y < picture.height; ++y)
@@ -57,13 +59,13 @@ protected:
     }
 
     struct Seen {
-        double error = 0;  // largest, of the transmittance; NaN if any number of the picture is not finite
-        double lowest = 1; // exact transmittance
-        int covered = 0;   // pixels
+        double error = 0;  // largest error of a transmittance; NaN if any number is not finite
+        double lowest = 1; // least exact transmittance
+        int covered = 0;   // number of pixels that see medium
     };
-    // Every pixel's transmittance against that of the exact optical depth of the scene's particles on its ray. Vertices are drawn
-    // rounded to 1/256 pixel: where faces cut the Gaussian, what that explains is subtracted from the error.
-    // `stride`: only every so many-th pixel (the rest must be finite).
+    // Compares every pixel's transmittance with the exact one of the scene's particles on its ray. The rasterizer
+    // rounds vertices to 1/256 pixel. For ways that cut the Gaussian at faces, the error that this explains is
+    // subtracted. `stride`: compares only every so many-th pixel; all others must still be finite.
     static Seen transmittance(Stage& stage, Scene scene, const Way& way, const Pose& pose, uint32_t width, uint32_t height,
                               uint32_t stride = 1);
 };

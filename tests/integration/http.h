@@ -1,5 +1,5 @@
-// HTTP over a plain socket, written out by hand, so that the server is judged by its bytes and not by the library it is made
-// with.
+// An HTTP client over a plain socket, written by hand: tests judge the server's bytes without the library that the
+// server uses.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@ struct HttpReply {
     std::string body;
 };
 
-// One connection to a port of this machine. Throws std::runtime_error when it fails or nothing comes for kPatience.
+// A connection to a port of this machine. Throws std::runtime_error if it fails, or if nothing comes for kPatience.
 class HttpConnection {
 public:
     explicit HttpConnection(uint16_t port);
@@ -25,15 +25,15 @@ public:
     HttpConnection& operator=(const HttpConnection&) = delete;
 
     void send(const std::string& text) const;
-    // Status line and headers.
+    // Reads status line and headers.
     HttpReply readHead();
-    // A reply whose body has a Content-Length.
+    // Reads a reply with a Content-Length.
     HttpReply readReply();
     std::string readBytes(size_t count);
-    std::string readLine(); // without its CR LF
+    std::string readLine(); // without CR LF
 
 private:
-    bool fill(); // false at the end of the stream
+    bool fill(); // reads more bytes; false at the end of the stream
 
     int fd_;
     std::string buffer_;
@@ -41,7 +41,7 @@ private:
 
 HttpReply get(uint16_t port, const std::string& target);
 
-// The value of one time series of /metrics; nothing when it is not there.
+// The value of one time series of /metrics; nothing if it is missing.
 std::optional<double> metric(uint16_t port, const std::string& name);
 
 } // namespace brume::test

@@ -1,4 +1,4 @@
-// Programs under test as child processes, and how long to wait for them.
+// Child processes of the integration tests, and the time to wait for them.
 #pragma once
 
 #include "common/process.h"

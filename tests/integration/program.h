@@ -1,4 +1,4 @@
-// What tests of whole programs share: start, read their files, judge their end.
+// Helpers of tests that run whole programs: start them, read their files, check how they end.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,8 @@ std::unique_ptr<Process> startProgram(const std::string& program, const std::vec
 
 client::Bytes contentOf(const std::filesystem::path& file);
 
-// It ends by itself, not with success, and with a single line on standard error that has these words.
+// Expects that the process ends by itself with an error status and exactly one line on standard error, which contains
+// `words`.
 void expectOneLine(Process& process, const std::string& words);
 
 } // namespace brume::test

@@ -1,4 +1,4 @@
-// The real server as a child process.
+// RunningServer: brume-server as a child process.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@ namespace brume::test {
 
 class RunningServer {
 public:
-    // Scene `cloud` and a free port unless the arguments say otherwise. Throws std::runtime_error with its output when it does
-    // not get ready.
+    // Starts scene `cloud` on a free port, unless the arguments say otherwise, and waits until the server is ready.
+    // Throws std::runtime_error with its output if it does not become ready.
     explicit RunningServer(const std::vector<std::string>& arguments = {});
 
     uint16_t port() const { return port_; }
@@ -26,7 +26,7 @@ private:
     uint16_t port_ = 0;
 };
 
-// The server with exactly these arguments, not waited for.
+// Starts the server with exactly these arguments and does not wait.
 std::unique_ptr<Process> startServer(const std::vector<std::string>& arguments);
 
 } // namespace brume::test

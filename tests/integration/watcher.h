@@ -1,4 +1,4 @@
-// A viewer for tests: keeps every frame, error and state that it gets, and acknowledges.
+// Watcher: a viewer for tests. It keeps every frame, error and state that it receives, and acknowledges frames.
 #pragma once
 
 #include <functional>
@@ -19,8 +19,8 @@ struct Seen {
     int width = 0, height = 0;
     glm::vec3 position{0};
     int quality = 0;
-    float render_ms = 0;              // until the device was done
-    std::vector<client::Bytes> jpegs; // one a view
+    float render_ms = 0;              // until the device was done, as the server reports
+    std::vector<client::Bytes> jpegs; // one for each view
 };
 
 struct SeenError {
@@ -33,45 +33,45 @@ constexpr client::Wishes kSmall{.width = 320, .height = 180, .views = 1, .qualit
 
 class Watcher {
 public:
-    // Returns when it is welcomed. Throws std::runtime_error when it is not.
+    // Connects and waits for the welcome. Throws std::runtime_error if none comes.
     explicit Watcher(const client::Endpoint& server, const client::Wishes& wishes = kSmall);
 
-    // Looks from here from now on; returns the pose's number.
+    // Sends a pose; returns its number.
     uint32_t look(const Pose& pose);
-    // Takes what comes within the time.
+    // Receives messages until the time is over.
     void poll(milliseconds timeout);
 
     client::Session session;
-    bool acknowledging = true;
+    bool acknowledging = true; // False: frames are not acknowledged
 
     std::vector<Seen> frames;
     std::vector<SeenError> errors;
-    std::map<uint64_t, uint64_t> hashes; // state hash by tick, of frames and states
+    std::map<uint64_t, uint64_t> hashes; // state hash by tick, from frames and states
     std::optional<bool> paused;          // of the newest state
     uint64_t state_tick = 0;             // of the newest state
     std::optional<uint32_t> viewers;     // of the newest state
     std::optional<std::string> goodbye, go_to;
 
-    // The newest frame. Throws when there is none.
+    // The newest frame. Throws std::out_of_range if there is none.
     const Seen& last() const { return frames.at(frames.size() - 1); }
     bool saw(wire::ErrorCode code) const;
 };
 
-// Polls all in turn until the condition holds; false when it does not within kPatience.
+// Polls all watchers in turn until the condition holds; false if it does not within `timeout`.
 bool watch(const std::vector<Watcher*>& watchers, const std::function<bool()>& until, milliseconds timeout = kPatience);
 
-// Pauses or resumes the shared simulation; returns a tick from which on that is so.
+// Pauses or resumes the shared simulation; returns a tick from which on it is paused or runs.
 uint64_t setPaused(Watcher& watcher, bool paused, const std::vector<Watcher*>& others = {});
 
-// Frames of both with one tick, newest last.
+// Pairs of frames, one of each watcher, with the same tick; newest last.
 std::vector<std::pair<const Seen*, const Seen*>> commonTicks(const Watcher& a, const Watcher& b, uint64_t from_tick = 0);
 
-// Throws std::runtime_error when it is not a whole JPEG of this size.
+// Decodes a JPEG. Throws std::runtime_error unless it is a complete JPEG of this size.
 client::Picture decoded(const client::Bytes& jpeg, int width, int height);
 client::Picture pictureOf(const Seen& frame, size_t view = 0);
 // Mean absolute difference of all samples, in steps of 1/255. Precondition: equal sizes.
 double difference(const client::Picture& a, const client::Picture& b);
-// Standard deviation of the green samples, in steps of 1/255: near 0 for an empty picture.
+// Standard deviation of the green samples, in steps of 1/255; near 0 for an empty picture.
 double contrast(const client::Picture& picture);
 
 } // namespace brume::test

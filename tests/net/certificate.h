@@ -1,4 +1,4 @@
-// A certificate for a test's own server, vouched for by itself.
+// Certificate: a self-signed TLS certificate for a test server.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace brume::test {
 
-// A folder of its own with certificate.pem and key.pem for 127.0.0.1 and localhost; gone with the object.
+// A temporary folder with certificate.pem and key.pem for 127.0.0.1 and localhost. The destructor removes it.
 class Certificate {
 public:
     Certificate();
@@ -16,7 +16,7 @@ public:
 
     std::string certificate() const { return (folder_ / "certificate.pem").string(); }
     std::string key() const { return (folder_ / "key.pem").string(); }
-    // Another in its place, with another key. Returns its serial number.
+    // Replaces certificate and key by new ones. Returns the new serial number.
     long renew();
 
 private:

@@ -1,4 +1,5 @@
-// A frame loop without a renderer: answers every due pose with bytes that say what was asked, and publishes reports.
+// FakeRenderer: a frame loop without a renderer. It answers every due pose with text that repeats the request, and
+// publishes reports.
 #pragma once
 
 #include <atomic>
@@ -10,6 +11,7 @@
 
 #include "server/metrics/metrics.h"
 #include "server/viewer/audience.h"
+#include "tests/unit/take_due.h"
 
 namespace brume {
 
@@ -25,10 +27,10 @@ inline std::vector<uint8_t> fakeJpeg(const PoseRequest& request, int view, size_
 
 class FakeRenderer {
 public:
-    std::atomic<bool> paused{false};          // renders nothing, takes no command
-    std::atomic<size_t> jpeg_bytes{0};        // pads pictures to at least so many
-    std::atomic<uint32_t> most_pixels{~0u};   // of a picture; who asks for more is refused
-    std::atomic<uint64_t> rounds{0}, made{0}; // loops done, frames rendered
+    std::atomic<bool> paused{false};          // True: renders nothing, takes no command
+    std::atomic<size_t> jpeg_bytes{0};        // least size of a picture, by padding
+    std::atomic<uint32_t> most_pixels{~0u};   // most pixels of a picture; a viewer that asks for more is refused
+    std::atomic<uint64_t> rounds{0}, made{0}; // finished loops; rendered frames
 
     FakeRenderer(Audience& audience, Metrics& metrics) : audience_(audience), metrics_(metrics) {
         audience_.ready = true;
@@ -70,7 +72,7 @@ private:
 
             audience_.list(viewers);
             for (const auto& viewer : viewers)
-                if (const auto due = viewer->takeDue()) answer(*viewer, *due, report);
+                if (const auto due = takeDue(*viewer)) answer(*viewer, *due, report);
         }
     }
 

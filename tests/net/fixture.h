@@ -1,4 +1,4 @@
-// The real server on a free port, a fake frame loop behind it.
+// ServerTest: the real network server on a free port, with FakeRenderer as its frame loop.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace brume::test {
 
-// Waits for what another thread will do; false when it does not within the time.
+// Waits until another thread has made the condition true; false if it does not within the time.
 inline bool eventually(const std::function<bool()>& condition, Milliseconds timeout = 5s) {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
     while (!condition()) {
@@ -33,7 +33,7 @@ protected:
 
     ServerTest() { options.port = 0; }
 
-    // After the options are set.
+    // Starts the server; returns its port. To be called after the options are set.
     uint16_t serve() {
         SceneFacts facts{"test scene", "test device", {{0, 2, 26}, {0, 0, 0}, 0.75f}, {"sphere", "isv"}, {"simpson", "analytic"}};
         audience.emplace(facts, max_viewers, max_in_flight);
@@ -49,14 +49,14 @@ protected:
         renderer.reset();
     }
 
-    // No frame is rendered and no command taken any more; the round that runs has ended.
+    // Stops rendering and taking commands, and waits until the running round has ended.
     void pauseRenderer() {
         renderer->paused = true;
         const uint64_t rounds = renderer->rounds;
         ASSERT_TRUE(eventually([&] { return renderer->rounds >= rounds + 2; }));
     }
 
-    // A viewer that has been welcomed.
+    // Connects a viewer and waits for its welcome.
     std::unique_ptr<WsClient> watch(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1, int receive_buffer = 0) {
         auto client = std::make_unique<WsClient>(server->port(), receive_buffer);
         EXPECT_EQ(client->handshake.status, 101);

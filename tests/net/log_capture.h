@@ -1,4 +1,4 @@
-// What is logged while this lives. It begins before a server starts and ends after the server has gone.
+// LogCapture: keeps the log lines written during its lifetime. Create it before a server, destroy it after.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ public:
     LogCapture(const LogCapture&) = delete;
     LogCapture& operator=(const LogCapture&) = delete;
 
-    // The lines of this level and above.
+    // The captured lines of this level and above.
     std::string atLeast(spdlog::level::level_enum level) const {
         std::string text;
         for (const auto& line : sink_->last_raw())

@@ -1,4 +1,4 @@
-// What the tests of a viewer's session share.
+// SessionTest: fixture and helpers of the tests of a viewer's session.
 #pragma once
 
 #include "tests/net/fixture.h"
@@ -7,14 +7,14 @@ namespace brume::test {
 
 struct SessionTest : ServerTest {};
 
-// The code of the error that comes next.
+// The code of the next error message.
 inline wire::ErrorCode nextError(WsClient& client) {
     const auto message = client.next<wire::Error>();
     EXPECT_TRUE(message);
     return message ? message->parsed->as<wire::Error>()->code() : wire::ErrorCode(0);
 }
 
-// Acknowledges frames until one answers that pose; null when none does in time.
+// Acknowledges frames until one answers the pose, and returns it; null if none comes in time.
 inline std::unique_ptr<Received> frameOf(WsClient& client, uint32_t pose_seq) {
     for (int i = 0; i < 1000; ++i) {
         auto message = client.next<wire::Frame>();

@@ -1,4 +1,4 @@
-// A client that can also misbehave: plain blocking sockets with deadlines, HTTP and WebSocket written out by hand.
+// A client that can also break the protocol: blocking sockets with deadlines, HTTP and WebSocket written by hand.
 #pragma once
 
 #include <chrono>
@@ -17,22 +17,22 @@ using Milliseconds = std::chrono::milliseconds;
 
 class Socket {
 public:
-    // Connects to 127.0.0.1. `receive_buffer`: bytes, 0 for the system's own.
+    // Connects to 127.0.0.1. `receive_buffer`: bytes; 0: the system's default.
     explicit Socket(uint16_t port, int receive_buffer = 0);
     ~Socket();
     Socket(const Socket&) = delete;
     Socket& operator=(const Socket&) = delete;
 
-    // False when the peer is gone or takes nothing for `timeout`.
+    // Sends all bytes. False if the peer is gone or takes nothing for `timeout`.
     bool send(std::span<const uint8_t> bytes, Milliseconds timeout = 5s) const;
     bool send(std::string_view text, Milliseconds timeout = 5s) const;
-    // Exactly so many bytes; fewer when the peer closed or nothing more came in time.
+    // Reads exactly `bytes` bytes; fewer if the peer closes or nothing more comes in time.
     std::string read(size_t bytes, Milliseconds timeout = 5s);
-    // Up to and with `end`; what there is when the peer closed or nothing more came in time.
+    // Reads up to and including `end`; less if the peer closes or nothing more comes in time.
     std::string readUntil(std::string_view end, Milliseconds timeout = 5s);
-    // Everything until the peer closes.
+    // Reads everything until the peer closes.
     std::string readAll(Milliseconds timeout = 5s);
-    // True when the peer closes or resets within the time, whatever it sends before.
+    // True if the peer closes or resets within the time, whatever it sends before.
     bool closesWithin(Milliseconds timeout);
     void reset(); // drops the connection with a TCP reset
 
@@ -46,12 +46,12 @@ private:
 struct HttpAnswer {
     int status = 0;
     std::string head, body;
-    std::string header(const std::string& name) const; // any case; "" when missing
+    std::string header(const std::string& name) const; // the name in any case; "" if missing
 };
 
-// Reads one answer with a Content-Length (or none for HEAD and 304).
+// Reads one answer. It has a Content-Length, or no body (HEAD and 304).
 HttpAnswer readAnswer(Socket& socket, bool head_only = false, Milliseconds timeout = 5s);
-// One request on a connection of its own.
+// Sends one request on a new connection and reads the answer.
 HttpAnswer get(uint16_t port, const std::string& target, const std::string& extra_headers = "",
                const std::string& method = "GET");
 
@@ -59,13 +59,13 @@ HttpAnswer get(uint16_t port, const std::string& target, const std::string& extr
 struct Received {
     uint8_t opcode = 0; // 1 text, 2 binary, 8 close, 9 ping
     std::vector<uint8_t> bytes;
-    std::optional<wire::Parsed> parsed; // of a binary message, points into bytes
+    std::optional<wire::Parsed> parsed; // of a binary message; points into `bytes`
     uint16_t closeCode() const { return bytes.size() < 2 ? 0 : uint16_t(bytes[0] << 8 | bytes[1]); }
 };
 
 class WsClient {
 public:
-    // Upgrades at /ws; `headers` replaces "Sec-WebSocket-Protocol: brume.v1\r\n".
+    // Connects and upgrades at /ws. `headers`: sent in place of "Sec-WebSocket-Protocol: brume.v1\r\n".
     explicit WsClient(uint16_t port, int receive_buffer = 0, const std::string& headers = "Sec-WebSocket-Protocol: brume.v1\r\n");
 
     HttpAnswer handshake;
@@ -82,9 +82,9 @@ public:
     bool pose(uint32_t seq, wire::Vec3 position = {0, 0, 10}, uint16_t width = 0, uint16_t height = 0, bool hidden = false);
     bool ack(uint32_t frame);
 
-    // The next message; nothing in time, or after the end of the connection. Pings are answered on the way and not shown.
+    // The next message; null if none comes in time or the connection has ended. Pings are answered and left out.
     std::unique_ptr<Received> receive(Milliseconds timeout = 5s);
-    // The next message of that type, others passed over; null when none comes in time.
+    // The next message of type T, others are skipped; null if none comes in time.
     template <class T>
     std::unique_ptr<Received> next(Milliseconds timeout = 5s) {
         const auto deadline = std::chrono::steady_clock::now() + timeout;
@@ -94,7 +94,7 @@ public:
             if (!message || (message->parsed && message->parsed->as<T>())) return message;
         }
     }
-    // The code of the close frame that comes, others passed over; 0 when none comes in time.
+    // The code of the next close frame, other messages are skipped; 0 if none comes in time.
     uint16_t closeCode(Milliseconds timeout = 5s);
 };
 

@@ -1,4 +1,4 @@
-// How often the program has allocated: operator new is replaced by one that counts.
+// allocations(): the number of allocations so far. Its source replaces operator new by one that counts.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The closed forms at 50 decimal digits, straight from their definitions, rounded to double: what the tests compare against.
+// Closed forms computed from their definitions with 50 decimal digits and rounded to double. Tests compare with them.
 #pragma once
 
 namespace brume::exact {

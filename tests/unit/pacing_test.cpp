@@ -59,7 +59,7 @@ Outcome stream(Link link, size_t bytes, int seconds, bool adapts = false) {
         if (ms % 200 == 0) back.push_back({link.arrivesBack(40, now), now, 0});
         if (ms % 100 == 0) {
             const uint32_t level = quality.level();
-            quality.look({pacing.queueMs(), held, false}, now);
+            quality.observe({pacing.queueMs(), held, false}, now);
             held = false;
             if (quality.level() < level) pacing.probe();
         }
@@ -161,16 +161,16 @@ TEST(Pacing, ABusyProgramBehindAQuickLinkIsNoQueue) {
 TEST(Quality, DownAtOnceUpAfterACleanSecond) {
     QualityControl quality;
     Clock::time_point now = kStart;
-    EXPECT_TRUE(quality.look({60, false, false}, now));
+    EXPECT_TRUE(quality.observe({60, false, false}, now));
     EXPECT_EQ(quality.level(), 1u);
-    EXPECT_FALSE(quality.look({60, false, false}, now += milliseconds(100))); // every 250 ms
-    EXPECT_TRUE(quality.look({0, false, true}, now += milliseconds(150)));
+    EXPECT_FALSE(quality.observe({60, false, false}, now += milliseconds(100))); // every 250 ms
+    EXPECT_TRUE(quality.observe({0, false, true}, now += milliseconds(150)));
     EXPECT_EQ(quality.level(), 2u);
-    for (int i = 0; i < 3; ++i) EXPECT_FALSE(quality.look({0, false, false}, now += milliseconds(250)));
-    EXPECT_TRUE(quality.look({0, false, false}, now += milliseconds(250)));
+    for (int i = 0; i < 3; ++i) EXPECT_FALSE(quality.observe({0, false, false}, now += milliseconds(250)));
+    EXPECT_TRUE(quality.observe({0, false, false}, now += milliseconds(250)));
     EXPECT_EQ(quality.level(), 1u);
-    EXPECT_FALSE(quality.look({30, false, false}, now += milliseconds(250))); // neither clean nor bad: as it is
-    for (int i = 0; i < 40; ++i) quality.look({0, true, false}, now += milliseconds(250));
+    EXPECT_FALSE(quality.observe({30, false, false}, now += milliseconds(250))); // neither clean nor bad: as it is
+    for (int i = 0; i < 40; ++i) quality.observe({0, true, false}, now += milliseconds(250));
     EXPECT_EQ(quality.level(), QualityControl::kSteps - 1);
 }
 
@@ -178,15 +178,15 @@ TEST(Quality, DownAtOnceUpAfterACleanSecond) {
 TEST(Quality, AStepThatHadToBeTakenBackIsTriedAgainLaterAndLater) {
     QualityControl quality;
     Clock::time_point now = kStart;
-    quality.look({60, false, false}, now);
+    quality.observe({60, false, false}, now);
     const auto untilUp = [&] {
         const Clock::time_point since = now;
-        while (quality.level() > 0) quality.look({0, false, false}, now += milliseconds(250));
+        while (quality.level() > 0) quality.observe({0, false, false}, now += milliseconds(250));
         return (now - since) / milliseconds(1);
     };
     const auto down = [&](int after_ms) {
-        while (after_ms > 0) quality.look({0, false, false}, now += milliseconds(250)), after_ms -= 250;
-        EXPECT_TRUE(quality.look({60, false, false}, now += milliseconds(250)));
+        while (after_ms > 0) quality.observe({0, false, false}, now += milliseconds(250)), after_ms -= 250;
+        EXPECT_TRUE(quality.observe({60, false, false}, now += milliseconds(250)));
     };
     EXPECT_EQ(untilUp(), 1000);
     for (const int wait : {2000, 4000, 8000, 16000, 16000}) {

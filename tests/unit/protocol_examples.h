@@ -1,4 +1,5 @@
-// The example messages of protocol/examples: how they are made, and what they say in JSON. Numbers are exact in binary.
+// Makes the example messages of protocol/examples, and describes messages in JSON. All their numbers are exact in
+// binary.
 #pragma once
 
 #include <string>
@@ -13,14 +14,14 @@ namespace brume::wire {
 using Json = nlohmann::ordered_json;
 
 struct Example {
-    std::string name; // of its file, without ".bin"
+    std::string name; // name of its file without ".bin"
     std::vector<uint8_t> bytes;
 };
 
 std::vector<Example> makeExamples();
 
-// {"type": "Ack", "body": {"frame": 41}}; field names as in the schema, 64-bit integers as decimal strings, absent fields null,
-// a frame's JPEG bytes in hexadecimal, view after view, under "jpeg".
+// A message as JSON: {"type": "Ack", "body": {"frame": 41}}. Field names as in the schema, 64-bit integers as decimal
+// strings, absent fields null, a frame's JPEG bytes in hexadecimal, view after view, under "jpeg".
 Json describe(const Parsed& message);
 
 } // namespace brume::wire

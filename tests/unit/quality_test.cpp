@@ -14,7 +14,7 @@ const Clock::time_point kStart = Clock::time_point{} + std::chrono::hours(1);
 
 // Looks every 100 ms for so long; the level at the end.
 uint32_t after(QualityControl& quality, Clock::time_point& now, milliseconds time, const DeviceLoad& load) {
-    for (const auto end = now + time; now < end; now += milliseconds(100)) quality.look({.device = load}, now);
+    for (const auto end = now + time; now < end; now += milliseconds(100)) quality.observe({.device = load}, now);
     return quality.deviceLevel();
 }
 
@@ -22,7 +22,7 @@ TEST(DeviceQuality, SizeThenRateAtOnceWhenNothingElseIsLeft) {
     QualityControl quality;
     Clock::time_point now = kStart;
     const DeviceLoad over{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 4, .exhausted = true};
-    EXPECT_TRUE(quality.look({.device = over}, now));
+    EXPECT_TRUE(quality.observe({.device = over}, now));
     EXPECT_EQ(quality.deviceLevel(), 1u);
     EXPECT_TRUE(quality.step().half);
     EXPECT_EQ(quality.step().every, 1);
@@ -48,7 +48,7 @@ TEST(DeviceQuality, AccuracyComesFirstAndTheCheapPayNothing) {
 TEST(DeviceQuality, ComesBackAfterASecondInWhichItWouldFit) {
     QualityControl quality;
     Clock::time_point now = kStart;
-    quality.look({.device = DeviceLoad{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 2, .exhausted = true}}, now);
+    quality.observe({.device = DeviceLoad{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 2, .exhausted = true}}, now);
     ASSERT_EQ(quality.deviceLevel(), 1u);
     const DeviceLoad not_yet{.own_ms = 10, .whole_ms = 15, .budget_ms = 50, .viewers = 2}; // 45 at full size
     EXPECT_EQ(after(quality, now, milliseconds(5000), not_yet), 1u);
@@ -60,7 +60,8 @@ TEST(DeviceQuality, ComesBackAfterASecondInWhichItWouldFit) {
 TEST(DeviceQuality, WhereNothingIsDrawnThereIsRoom) {
     QualityControl quality;
     Clock::time_point now = kStart;
-    quality.look({.device = DeviceLoad{.own_ms = 200, .whole_ms = 200, .budget_ms = 50, .viewers = 1, .exhausted = true}}, now);
+    quality.observe({.device = DeviceLoad{.own_ms = 200, .whole_ms = 200, .budget_ms = 50, .viewers = 1, .exhausted = true}},
+                    now);
     ASSERT_EQ(quality.deviceLevel(), 1u);
     EXPECT_EQ(after(quality, now, milliseconds(1500), {.own_ms = 50, .whole_ms = 0, .budget_ms = 50}), 0u);
 }
@@ -69,7 +70,7 @@ TEST(DeviceQuality, TheLesserOfBothLimitsHolds) {
     QualityControl quality;
     Clock::time_point now = kStart;
     const DeviceLoad over{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 1, .exhausted = true};
-    quality.look({.queue_ms = 60, .device = over}, now);
+    quality.observe({.queue_ms = 60, .device = over}, now);
     EXPECT_EQ(quality.level(), 1u);
     EXPECT_EQ(quality.deviceLevel(), 1u);
     EXPECT_EQ(quality.step().quality, 65); // the link's
@@ -88,14 +89,14 @@ TEST(Refinement, OnlyInTimeThatNothingElseNeeds) {
 // The prediction was wrong: it ends, and tries again after five seconds, not at every frame.
 TEST(Refinement, EndsWhenItTakesMoreThanItMayAndPauses) {
     Refinement refinement(0.5);
-    const Refinement::Look look{.rests = true, .plain_ms = 5, .dearer = 2, .budget_ms = 50};
-    EXPECT_TRUE(refinement.next(look, kStart));
+    const Refinement::Observation seen{.rests = true, .plain_ms = 5, .dearer = 2, .budget_ms = 50};
+    EXPECT_TRUE(refinement.next(seen, kStart));
     refinement.took(24);
-    EXPECT_TRUE(refinement.next(look, kStart));
+    EXPECT_TRUE(refinement.next(seen, kStart));
     for (int i = 0; i < 10; ++i) refinement.took(40);
-    EXPECT_FALSE(refinement.next(look, kStart + milliseconds(100)));
-    EXPECT_FALSE(refinement.next(look, kStart + milliseconds(5000)));
-    EXPECT_TRUE(refinement.next(look, kStart + milliseconds(5100)));
+    EXPECT_FALSE(refinement.next(seen, kStart + milliseconds(100)));
+    EXPECT_FALSE(refinement.next(seen, kStart + milliseconds(5000)));
+    EXPECT_TRUE(refinement.next(seen, kStart + milliseconds(5100)));
 }
 
 TEST(Refinement, NoneWhenItMayTakeNothing) {

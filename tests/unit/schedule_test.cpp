@@ -18,10 +18,10 @@ constexpr auto kTick = std::chrono::microseconds(16667);
 Clock::duration ms(double count) { return std::chrono::duration_cast<Clock::duration>(Ms(count)); }
 
 // Wishes of viewers 0, 1, 2 ... with so many pixels each; a pixel takes 1 ms.
-std::vector<Schedule::Wish> wishesOf(const std::vector<double>& pixels) {
-    std::vector<Schedule::Wish> wishes;
-    for (uint32_t i = 0; i < pixels.size(); ++i) wishes.push_back({.viewer = i, .pixels = pixels[i], .like = i});
-    return wishes;
+std::vector<Schedule::DrawRequest> requestsOf(const std::vector<double>& pixels) {
+    std::vector<Schedule::DrawRequest> requests;
+    for (uint32_t i = 0; i < pixels.size(); ++i) requests.push_back({.viewer = i, .pixels = pixels[i], .like = i});
+    return requests;
 }
 
 struct Outcome {
@@ -33,7 +33,7 @@ struct Outcome {
 // Every viewer wants a picture at every tick, for so many seconds, as FrameLoop asks for them.
 Outcome run(const std::vector<double>& costs, double budget_ms, double seconds, double shared_ms = 1) {
     Schedule schedule;
-    const auto wishes = wishesOf(costs);
+    const auto requests = requestsOf(costs);
     Outcome out{std::vector<int>(costs.size()), std::vector<Clock::duration>(costs.size()), 0};
     std::vector<Clock::time_point> last(costs.size(), kStart);
     Clock::time_point now = kStart, drawn_tick{};
@@ -44,7 +44,7 @@ Outcome run(const std::vector<double>& costs, double budget_ms, double seconds, 
             now = next_tick;
             continue;
         }
-        const auto chosen = schedule.choose(wishes, {.budget_ms = budget_ms}, now, kTick);
+        const auto chosen = schedule.choose(requests, {.budget_ms = budget_ms}, now, kTick);
         if (chosen.empty()) {
             now = next_tick;
             continue;
@@ -127,39 +127,39 @@ TEST(Schedule, NobodyStarves) {
 
 TEST(Schedule, WhoWasLeftOutComesFirst) {
     Schedule schedule;
-    const auto wishes = wishesOf({40, 40, 40});
-    for (Schedule::Wish alone : wishes) {
+    const auto requests = requestsOf({40, 40, 40});
+    for (Schedule::DrawRequest alone : requests) {
         alone.like = 0; // the first of one
         schedule.choose({&alone, 1}, {.budget_ms = 50}, kStart, kTick);
     }
     for (uint32_t i = 0; i < 3; ++i) schedule.took(i, 40, 40);
     std::vector<uint32_t> turns;
     for (int i = 0; i < 6; ++i)
-        for (const uint32_t number : schedule.choose(wishes, {.budget_ms = 50}, kStart + ms(200 + 41 * i), kTick))
+        for (const uint32_t number : schedule.choose(requests, {.budget_ms = 50}, kStart + ms(200 + 41 * i), kTick))
             turns.push_back(number);
     EXPECT_EQ(turns, (std::vector<uint32_t>{0, 1, 2, 0, 1, 2}));
-    EXPECT_DOUBLE_EQ(schedule.wholeMs(), 120);
+    EXPECT_DOUBLE_EQ(schedule.fullBatchMs(), 120);
     EXPECT_DOUBLE_EQ(schedule.chosenMs(), 40);
 }
 
 // Viewers with the same camera share their pictures: they cost one.
 TEST(Schedule, TheSamePicturesCountOnce) {
     Schedule schedule;
-    auto wishes = wishesOf({40, 40, 40, 40});
-    for (Schedule::Wish& wish : wishes) wish.like = wish.viewer % 2;
-    schedule.choose(wishes, {.budget_ms = 1000}, kStart, kTick);
+    auto requests = requestsOf({40, 40, 40, 40});
+    for (Schedule::DrawRequest& request : requests) request.like = request.viewer % 2;
+    schedule.choose(requests, {.budget_ms = 1000}, kStart, kTick);
     for (uint32_t i = 0; i < 4; ++i) schedule.took(i, 40, 40);
-    const auto chosen = schedule.choose(wishes, {.budget_ms = 50}, kStart + ms(500), kTick);
+    const auto chosen = schedule.choose(requests, {.budget_ms = 50}, kStart + ms(500), kTick);
     EXPECT_EQ((std::vector<uint32_t>(chosen.begin(), chosen.end())), (std::vector<uint32_t>{0, 2}));
-    EXPECT_DOUBLE_EQ(schedule.wholeMs(), 80);
+    EXPECT_DOUBLE_EQ(schedule.fullBatchMs(), 80);
 }
 
 TEST(Schedule, NoMoreEyesThanABatchHolds) {
     Schedule schedule;
-    auto wishes = wishesOf(std::vector<double>(40, 1.0));
-    for (Schedule::Wish& wish : wishes) wish.eyes = 2;
-    EXPECT_EQ(schedule.choose(wishes, {.budget_ms = 50, .eyes = 64}, kStart, kTick).size(), 32u);
-    EXPECT_EQ(schedule.choose(wishes, {.budget_ms = 50, .eyes = 64}, kStart + ms(40), kTick).front(), 32u);
+    auto requests = requestsOf(std::vector<double>(40, 1.0));
+    for (Schedule::DrawRequest& request : requests) request.eyes = 2;
+    EXPECT_EQ(schedule.choose(requests, {.budget_ms = 50, .eyes = 64}, kStart, kTick).size(), 32u);
+    EXPECT_EQ(schedule.choose(requests, {.budget_ms = 50, .eyes = 64}, kStart + ms(40), kTick).front(), 32u);
 }
 
 } // namespace

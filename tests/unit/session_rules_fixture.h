@@ -1,4 +1,4 @@
-// What the tests of the session rules share: a session with a clock of its own, and the effects of what is said in it.
+// SessionRulesTest: a session with its own clock. Helpers send messages and return the effects.
 #pragma once
 
 #include <limits>
@@ -79,7 +79,7 @@ protected:
     void watch() { ASSERT_EQ(hello().size(), 1u); }
 };
 
-// The one effect, which must be of that kind.
+// The only effect of a message, which must be a T.
 template <class T>
 const T& only(const Effects& effects) {
     static const T none{};

@@ -1,4 +1,4 @@
-// Small scenes for the tests of the simulation, and what they do with it.
+// Small scenes and helpers for the tests of the simulation.
 #pragma once
 
 #include <utility>

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/viewer/audience.h"
+#include "tests/unit/take_due.h"
 
 namespace brume {
 namespace {
@@ -27,19 +28,19 @@ FramePtr frameFor(const Viewer::Due& due, Clock::time_point encoded = Clock::now
 
 TEST(Viewer, NothingIsDueBeforeAPose) {
     Viewer viewer(1, windowOf(2), nullptr);
-    EXPECT_FALSE(viewer.takeDue());
+    EXPECT_FALSE(takeDue(viewer));
     EXPECT_EQ(viewer.takeFrame(), nullptr);
 }
 
 TEST(Viewer, RendersAgainForTheSamePoseUntilTheWindowIsFull) {
     Viewer viewer(1, windowOf(2), nullptr);
     viewer.setPose(poseWithSeq(5));
-    const auto first = viewer.takeDue(), second = viewer.takeDue();
+    const auto first = takeDue(viewer), second = takeDue(viewer);
     ASSERT_TRUE(first && second);
     EXPECT_EQ(first->frame_id, 1u);
     EXPECT_EQ(second->frame_id, 2u);
     EXPECT_EQ(second->request.seq, 5u);
-    EXPECT_FALSE(viewer.takeDue());
+    EXPECT_FALSE(takeDue(viewer));
     EXPECT_EQ(viewer.counts().in_flight, 2u);
 }
 
@@ -47,31 +48,31 @@ TEST(Viewer, NewestPoseWinsAndSequenceWrapsAround) {
     Viewer viewer(1, windowOf(8), nullptr);
     viewer.setPose(poseWithSeq(0xfffffffe));
     viewer.setPose(poseWithSeq(0xfffffffd)); // older
-    EXPECT_EQ(viewer.takeDue()->request.seq, 0xfffffffeu);
+    EXPECT_EQ(takeDue(viewer)->request.seq, 0xfffffffeu);
     viewer.setPose(poseWithSeq(1)); // three later, across the wrap
-    EXPECT_EQ(viewer.takeDue()->request.seq, 1u);
+    EXPECT_EQ(takeDue(viewer)->request.seq, 1u);
     viewer.setPose(poseWithSeq(0xffffffff)); // late
-    EXPECT_EQ(viewer.takeDue()->request.seq, 1u);
+    EXPECT_EQ(takeDue(viewer)->request.seq, 1u);
     auto repeated = poseWithSeq(1);
     repeated.width = 99;
     viewer.setPose(repeated); // equal is not newer
-    EXPECT_NE(viewer.takeDue()->request.width, 99);
+    EXPECT_NE(takeDue(viewer)->request.width, 99);
 }
 
 TEST(Viewer, AcknowledgingFreesThatFrameAndAllBefore) {
     Viewer viewer(1, windowOf(3), nullptr);
     viewer.setPose(poseWithSeq(1));
     for (int i = 0; i < 3; ++i) {
-        viewer.deliver(frameFor(*viewer.takeDue()));
+        viewer.deliver(frameFor(*takeDue(viewer)));
         ASSERT_NE(viewer.takeFrame(), nullptr);
     }
-    EXPECT_FALSE(viewer.takeDue());
+    EXPECT_FALSE(takeDue(viewer));
     EXPECT_TRUE(viewer.acknowledge(2));
     EXPECT_EQ(viewer.counts().in_flight, 1u);
     EXPECT_EQ(viewer.counts().acknowledged, 2u);
     EXPECT_TRUE(viewer.acknowledge(2)); // again: harmless
     EXPECT_EQ(viewer.counts().acknowledged, 2u);
-    EXPECT_TRUE(viewer.takeDue());
+    EXPECT_TRUE(takeDue(viewer));
 }
 
 TEST(Viewer, AcknowledgingWhatWasNeverSentIsRefused) {
@@ -79,7 +80,7 @@ TEST(Viewer, AcknowledgingWhatWasNeverSentIsRefused) {
     EXPECT_FALSE(viewer.acknowledge(0));
     EXPECT_FALSE(viewer.acknowledge(1));
     viewer.setPose(poseWithSeq(1));
-    const auto due = viewer.takeDue();
+    const auto due = takeDue(viewer);
     EXPECT_FALSE(viewer.acknowledge(1)); // handed out, not sent
     viewer.deliver(frameFor(*due));
     EXPECT_FALSE(viewer.acknowledge(1)); // ready, not sent
@@ -93,8 +94,8 @@ TEST(Viewer, AcknowledgingWhatWasNeverSentIsRefused) {
 TEST(Viewer, AFrameReplacedBeforeItWasTakenGivesItsPlaceBack) {
     Viewer viewer(1, windowOf(2), nullptr);
     viewer.setPose(poseWithSeq(1));
-    viewer.deliver(frameFor(*viewer.takeDue()));
-    viewer.deliver(frameFor(*viewer.takeDue()));
+    viewer.deliver(frameFor(*takeDue(viewer)));
+    viewer.deliver(frameFor(*takeDue(viewer)));
     EXPECT_EQ(viewer.counts().superseded, 1u);
     EXPECT_EQ(viewer.counts().in_flight, 1u);
     EXPECT_EQ(viewer.takeFrame()->id, 2u);
@@ -104,7 +105,7 @@ TEST(Viewer, AFrameReplacedBeforeItWasTakenGivesItsPlaceBack) {
 TEST(Viewer, AnOvertakenFrameIsDropped) {
     Viewer viewer(1, windowOf(3), nullptr);
     viewer.setPose(poseWithSeq(1));
-    const auto first = viewer.takeDue(), second = viewer.takeDue(), third = viewer.takeDue();
+    const auto first = takeDue(viewer), second = takeDue(viewer), third = takeDue(viewer);
     viewer.deliver(frameFor(*second));
     viewer.deliver(frameFor(*first)); // out of order, the newer one still waits
     EXPECT_EQ(viewer.takeFrame()->id, 2u);
@@ -121,10 +122,10 @@ TEST(Viewer, AnOvertakenFrameIsDropped) {
 TEST(Viewer, AbandoningGivesThePlaceBack) {
     Viewer viewer(1, windowOf(1), nullptr);
     viewer.setPose(poseWithSeq(1));
-    const auto due = viewer.takeDue();
-    EXPECT_FALSE(viewer.takeDue());
+    const auto due = takeDue(viewer);
+    EXPECT_FALSE(takeDue(viewer));
     viewer.abandon(due->frame_id);
-    EXPECT_TRUE(viewer.takeDue());
+    EXPECT_TRUE(takeDue(viewer));
 }
 
 TEST(Viewer, TellsOfEveryFrameAndMayBeAskedFromTheNotice) {
@@ -136,9 +137,9 @@ TEST(Viewer, TellsOfEveryFrameAndMayBeAskedFromTheNotice) {
     });
     self = &viewer;
     viewer.setPose(poseWithSeq(1));
-    viewer.deliver(frameFor(*viewer.takeDue()));
+    viewer.deliver(frameFor(*takeDue(viewer)));
     viewer.acknowledge(1);
-    viewer.deliver(frameFor(*viewer.takeDue()));
+    viewer.deliver(frameFor(*takeDue(viewer)));
     EXPECT_EQ(told, 2);
     EXPECT_EQ(taken, 2);
 }
@@ -147,14 +148,14 @@ TEST(Viewer, ClosedMeansNoWorkAndNoNotice) {
     int told = 0;
     Viewer viewer(1, windowOf(2), [&] { ++told; });
     viewer.setPose(poseWithSeq(1));
-    const auto due = viewer.takeDue();
+    const auto due = takeDue(viewer);
     viewer.close();
     viewer.deliver(frameFor(*due));
     EXPECT_EQ(told, 0);
     EXPECT_EQ(viewer.takeFrame(), nullptr);
-    EXPECT_FALSE(viewer.takeDue());
+    EXPECT_FALSE(takeDue(viewer));
     viewer.setPose(poseWithSeq(2));
-    EXPECT_FALSE(viewer.takeDue());
+    EXPECT_FALSE(takeDue(viewer));
 }
 
 TEST(Viewer, CloseWaitsForARunningNotice) {
@@ -165,7 +166,7 @@ TEST(Viewer, CloseWaitsForARunningNotice) {
         EXPECT_FALSE(closed.load());
     });
     viewer.setPose(poseWithSeq(1));
-    const auto due = viewer.takeDue();
+    const auto due = takeDue(viewer);
     std::thread loop([&] { viewer.deliver(frameFor(*due)); });
     while (!inside) std::this_thread::yield();
     std::thread closer([&] {
@@ -195,7 +196,7 @@ TEST(Viewer, TwoThreadsNeverExceedTheWindow) {
     });
     for (int rendered = 0; rendered < 20000;) {
         EXPECT_LE(viewer.counts().in_flight, 2u);
-        const auto due = viewer.takeDue();
+        const auto due = takeDue(viewer);
         if (!due) continue;
         viewer.deliver(frameFor(*due));
         ++rendered;
@@ -216,28 +217,28 @@ TEST(Viewer, WhatRestsComesFinerThenWithoutLossThenNotAtAll) {
         viewer.setPose(pose);
         Clock::time_point now{std::chrono::hours(1)};
         const auto pass = [&](int ms) { now += std::chrono::milliseconds(ms); };
-        ASSERT_TRUE(viewer.takeDue(now, 7));
-        EXPECT_FALSE(viewer.takeDue(now, 7)); // the same again
+        ASSERT_TRUE(takeDue(viewer, now, 7));
+        EXPECT_FALSE(takeDue(viewer, now, 7)); // the same again
         pass(149);
-        EXPECT_FALSE(viewer.takeDue(now, 7, true));
+        EXPECT_FALSE(takeDue(viewer, now, 7, true));
         pass(1);
-        const auto fine = viewer.takeDue(now, 7, true);
+        const auto fine = takeDue(viewer, now, 7, true);
         ASSERT_TRUE(fine);
         EXPECT_TRUE(fine->request.fine);
         EXPECT_FALSE(fine->request.lossless);
         EXPECT_GE(fine->request.quality, 90);
         pass(149);
-        EXPECT_FALSE(viewer.takeDue(now, 7, true));
+        EXPECT_FALSE(takeDue(viewer, now, 7, true));
         pass(1);
-        const auto lossless = viewer.takeDue(now, 7, true);
+        const auto lossless = takeDue(viewer, now, 7, true);
         EXPECT_EQ(lossless.has_value(), takes_png);
         if (takes_png) {
             EXPECT_TRUE(lossless->request.fine && lossless->request.lossless);
         }
         pass(10'000);
-        EXPECT_FALSE(viewer.takeDue(now, 7, true));
-        EXPECT_FALSE(viewer.takeDue(now, 7));
-        const auto moved = viewer.takeDue(now, 8); // the scene goes on
+        EXPECT_FALSE(takeDue(viewer, now, 7, true));
+        EXPECT_FALSE(takeDue(viewer, now, 7));
+        const auto moved = takeDue(viewer, now, 8); // the scene goes on
         ASSERT_TRUE(moved);
         EXPECT_FALSE(moved->request.fine || moved->request.lossless);
     }
@@ -251,7 +252,7 @@ TEST(Viewer, NothingWithoutLossOverALinkThatQueues) {
     viewer.setPose(pose);
     Clock::time_point now{std::chrono::hours(1)};
     viewer.ponged(std::chrono::milliseconds(1), now);
-    const auto first = viewer.takeDue(now, 7);
+    const auto first = takeDue(viewer, now, 7);
     auto frame = std::make_shared<EncodedFrame>();
     frame->id = first->frame_id;
     frame->request = first->request;
@@ -261,9 +262,9 @@ TEST(Viewer, NothingWithoutLossOverALinkThatQueues) {
     ASSERT_TRUE(viewer.takeFrame(now));
     ASSERT_TRUE(viewer.acknowledge(first->frame_id, now));
     viewer.ponged(std::chrono::milliseconds(90), now); // 89 ms of queue: the window of bytes closes
-    const auto fine = viewer.takeDue(now + std::chrono::milliseconds(200), 7, true);
+    const auto fine = takeDue(viewer, now + std::chrono::milliseconds(200), 7, true);
     ASSERT_TRUE(fine && fine->request.fine);
-    EXPECT_FALSE(viewer.takeDue(now + std::chrono::milliseconds(500), 7, true));
+    EXPECT_FALSE(takeDue(viewer, now + std::chrono::milliseconds(500), 7, true));
 }
 
 // Frames that come faster than they are taken: the link's fault only when bytes wait for it.
@@ -273,14 +274,14 @@ TEST(Viewer, ReplacedFramesCostQualityOnlyWhereTheLinkIsBehind) {
         Clock::time_point now{std::chrono::hours(1)};
         viewer.setPose(poseWithSeq(1));
         for (int i = 0; i < 2; ++i) {
-            const auto due = viewer.takeDue(now);
+            const auto due = takeDue(viewer, now);
             ASSERT_TRUE(due);
             auto frame = std::make_shared<EncodedFrame>();
             frame->id = due->frame_id;
             viewer.deliver(std::move(frame));
         }
         ASSERT_EQ(viewer.counts().superseded, 1u);
-        viewer.look(now, backlog);
+        viewer.observe(now, backlog);
         EXPECT_EQ(viewer.link().level > 0, backlog);
     }
 }
@@ -295,7 +296,7 @@ TEST(Viewer, ARestingCameraKeepsItsRate) {
     viewer.ponged(std::chrono::milliseconds(1), now);
     for (uint64_t tick = 1; tick <= 1800; ++tick) {
         now += std::chrono::microseconds(16'667);
-        const auto due = viewer.takeDue(now, tick);
+        const auto due = takeDue(viewer, now, tick);
         ASSERT_TRUE(due) << tick;
         EXPECT_EQ(due->again, tick > 1);
         auto frame = std::make_shared<EncodedFrame>();
@@ -320,7 +321,7 @@ TEST(Viewer, NothingIsDueForAHiddenWindowAndAFrameAtOnceWhenItIsSeenAgain) {
     PoseRequest pose = poseWithSeq(1);
     viewer.setPose(pose);
     for (uint64_t tick = 1; tick <= 2; ++tick) { // the window is full: a hidden page presents nothing, so acknowledges nothing
-        const auto due = viewer.takeDue(now, tick);
+        const auto due = takeDue(viewer, now, tick);
         ASSERT_TRUE(due);
         viewer.deliver(frameFor(*due, now));
         ASSERT_TRUE(viewer.takeFrame(now));
@@ -330,15 +331,15 @@ TEST(Viewer, NothingIsDueForAHiddenWindowAndAFrameAtOnceWhenItIsSeenAgain) {
     viewer.setPose(pose);
     for (uint64_t tick = 3; tick < 100; ++tick) {
         now += std::chrono::seconds(1);
-        EXPECT_FALSE(viewer.takeDue(now, tick));
-        EXPECT_FALSE(viewer.takeDue(now, tick, true));
-        EXPECT_EQ(viewer.look(now).count(), 0) << "no acknowledgement is missing";
+        EXPECT_FALSE(takeDue(viewer, now, tick));
+        EXPECT_FALSE(takeDue(viewer, now, tick, true));
+        EXPECT_EQ(viewer.observe(now).count(), 0) << "no acknowledgement is missing";
     }
     pose.seq = 3;
     pose.hidden = false;
     viewer.setPose(pose);
-    EXPECT_EQ(viewer.look(now).count(), 0) << "nor now";
-    EXPECT_TRUE(viewer.takeDue(now, 100));
+    EXPECT_EQ(viewer.observe(now).count(), 0) << "nor now";
+    EXPECT_TRUE(takeDue(viewer, now, 100));
     EXPECT_TRUE(viewer.acknowledge(2, now)) << "a late acknowledgement is none for a frame never sent";
 }
 
@@ -348,7 +349,7 @@ TEST(Viewer, NothingIsTakenForAWindowThatWasHiddenMeanwhile) {
     PoseRequest pose = poseWithSeq(1);
     viewer.setPose(pose);
     const auto now = Clock::now();
-    const auto due = viewer.due(now, 1, false);
+    const auto due = viewer.pollDue(now, 1, false);
     ASSERT_TRUE(due);
     pose.seq = 2;
     pose.hidden = true;
@@ -393,7 +394,7 @@ TEST(Audience, LeavingClosesTheViewer) {
     const auto viewer = audience.join(nullptr);
     viewer->setPose(poseWithSeq(1));
     audience.leave(viewer);
-    EXPECT_FALSE(viewer->takeDue());
+    EXPECT_FALSE(takeDue(*viewer));
     audience.leave(viewer); // again: harmless
     EXPECT_EQ(audience.size(), 0u);
 }
@@ -404,7 +405,7 @@ TEST(Audience, AViewerMayAskForASmallerWindowNotALarger) {
         const auto viewer = audience.join(nullptr, window);
         viewer->setPose(poseWithSeq(1));
         int due = 0;
-        while (due < 100 && viewer->takeDue()) ++due;
+        while (due < 100 && takeDue(*viewer)) ++due;
         return due;
     };
     EXPECT_EQ(dueOf(0), 2);

@@ -1,4 +1,4 @@
-// Keeps the worst deviation over a grid and where it was, so that one assertion speaks for the whole grid.
+// Worst: keeps the largest deviation over a grid and its position, so that one assertion covers the grid.
 #pragma once
 
 #include <cmath>

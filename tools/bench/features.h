@@ -1,4 +1,4 @@
-// What is saved by compiling out of the shaders what a scene does not have.
+// Measures the time saved by leaving out of the shaders features that a scene does not have.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace brume::bench {
 
-// Each method on the scene cloud, slabs and tiles also on cloud-5000, which have no objects, lobe or ambient light, 640x360 from
-// outside: compiled for what they have, and for each thing besides that they do not. `frames` frames of each in turns. Markdown.
-// Throws std::runtime_error when a picture changes by more than rounding: then something else was measured than what a feature
-// costs.
+// Times each method on the scene cloud, slabs and tiles also on cloud-5000, at 640x360 from outside. These scenes
+// have no objects, lobe or ambient light. Each is compiled for what it has, and again with one more feature, `frames`
+// frames of each in turns. Returns Markdown. Throws std::runtime_error if a picture changes by more than rounding:
+// then the time would not be that of a feature.
 std::string featuresTable(const gpu::Device& device, uint32_t frames);
 
 } // namespace brume::bench

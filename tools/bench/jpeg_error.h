@@ -1,4 +1,4 @@
-// The last stage's error: what JPEG of a quality costs in bytes and changes in what a viewer sees.
+// Measures JPEG, the last stage: bytes and visible error of each quality.
 #pragma once
 
 #include <string>
@@ -10,7 +10,8 @@
 
 namespace brume::bench {
 
-// One row per quality (1...100, as text). FLIP and PSNR of the decoded picture against the displayed one before the planes.
+// One row per quality (1 ... 100, as text): bytes, and FLIP and PSNR between the decoded picture and the displayed
+// one before it was split into planes.
 nlohmann::json jpegRows(const gpu::Device& device, const Case& wanted, glm::uvec2 size,
                         const std::vector<std::string>& qualities);
 

@@ -1,4 +1,4 @@
-// What the resolution of the volumetric shadow map costs in time and error: one picture with it, and one with a far finer map.
+// Measures time and error of a resolution of the volumetric shadow map, against a picture with a far finer map.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,8 +12,9 @@ struct LightCase {
     Case wanted;
 };
 
-// One row per case, their frames in turns: the map's size, the median time of its pass, the error that its maker estimates, and
-// the errors of pictures of `size` against those with 512 x 512 texels and 128 planes, by the same method.
+// One row per case; frames of all cases are timed in turns. A row holds the map's size, the median time of its pass,
+// the estimated error (ShadowResolution::error), and the errors of pictures of `size`. These are compared with
+// pictures by the same method, but with 512 x 512 texels and 128 planes.
 nlohmann::json lightRows(const gpu::Device& device, const std::vector<LightCase>& cases, glm::uvec2 size, const Effort& effort);
 
 } // namespace brume::bench

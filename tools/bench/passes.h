@@ -1,11 +1,11 @@
-// Passes by what they are for.
+// Classifies passes by name.
 #pragma once
 
 #include <string_view>
 
 namespace brume::bench {
 
-// Of a view's passes those of the medium itself: without the background, and without what makes bytes for display of it.
+// True if a pass of a view renders the medium itself: not the background, and not the conversion to bytes for display.
 inline bool ofMedium(std::string_view pass) {
     return pass != "opaque" && pass != "compose" && pass != "shade" && pass != "present";
 }

@@ -1,5 +1,5 @@
-// Fingerprints of pictures: every shipped scene by every method from two cameras, the same text as long as no bit of any picture
-// changes. Written before and after a change of structure and compared, they prove that it changed nothing else.
+// Hashes of pictures: every shipped scene by every method from two cameras. The text stays equal as long as no bit of
+// a picture changes. Compare it before and after a refactoring to show that pictures are unchanged.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace brume::bench {
 
-// One line a picture: scene, camera, method, variant, XXH3 of its bytes. Scenes whose names hold `only`; empty: all.
+// One line per picture: scene, camera, method, variant, XXH3 of its bytes. `only`: part of the scenes' names; empty:
+// all scenes.
 std::string pictureHashes(const gpu::Device& device, const std::string& only);
 
 } // namespace brume::bench

@@ -1,4 +1,4 @@
-// From the results of sweeps to Markdown and plots.
+// Writes results of sweeps as Markdown and plots.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +7,11 @@
 
 namespace brume::bench {
 
-// Writes `folder`/NAME.md and its NAME-*.svg. Throws std::runtime_error when it cannot, or `results` is not a sweep's.
+// Writes `folder`/NAME.md and its plots NAME-*.svg. Throws std::runtime_error if it cannot, or if `results` are not
+// those of a sweep.
 void writeReport(const nlohmann::json& results, const std::filesystem::path& folder, const std::string& name);
 
-// A table of what is in both: times of `now` over those of `before`, errors beside each other.
+// A table of the measurements that are in both: time of `now` / time of `before`, and both errors.
 std::string compareResults(const nlohmann::json& before, const nlohmann::json& now);
 
 } // namespace brume::bench

@@ -1,4 +1,4 @@
-// One thing to measure: a scene with its settings, seen by some viewers at once, rendered again and again.
+// Stage: a scene with settings and some viewers, rendered again and again for measurements.
 #pragma once
 
 #include <map>
@@ -13,54 +13,57 @@
 namespace brume::bench {
 
 struct Case {
-    std::string scene = "cloud";    // a shipped scene's name, or a path
-    std::vector<std::string> set;   // key=value, instead of the scene's
+    std::string scene = "cloud";    // name of a shipped scene, or a path
+    std::vector<std::string> set;   // key=value, replaces the scene's value
     std::string camera = "outside"; // see poseOf()
     glm::uvec2 size{640, 360};
-    uint32_t viewers = 1;       // around the target, evenly
-    SceneFeatures besides = {}; // that shaders are compiled for though the scene has none of it
+    uint32_t viewers = 1;       // evenly around the target
+    SceneFeatures besides = {}; // compiled into shaders though the scene lacks them
 };
 
-// The scene with the case's settings. Throws SceneError, also for a method that does not exist.
+// Loads the scene with the case's settings. Throws SceneError, also for an unknown method.
 Scene sceneOf(const Case& wanted);
 
-// outside: the scene's own camera. inside: the same way, from the middle of the medium's bounds. 20m: the same way, 20 m from the
-// target. x,y,z or x,y,z:x,y,z: from there, to the scene's target or to that place. Throws std::runtime_error for anything else.
+// The pose of a named camera. Throws std::runtime_error for any other name.
+// - outside: the scene's own camera.
+// - inside: at the middle of the medium's bounds, in the direction of the scene's camera.
+// - 20m: 20 m from the target, in the direction of the scene's camera.
+// - x,y,z or x,y,z:x,y,z: at that position, toward the scene's target or toward the second position.
 Pose poseOf(const std::string& camera, const Scene& scene, const Simulation& simulation);
 
-// The pose carried about a vertical axis through `target`, radians.
+// The pose rotated by `angle` (rad) about a vertical axis through `target`.
 Pose turnedAbout(const Pose& pose, glm::vec3 target, float angle);
 
-// "640x360". Throws std::runtime_error.
+// Parses a size such as "640x360". Throws std::runtime_error.
 glm::uvec2 sizeOf(const std::string& text);
 
-// What one frame took: ms of each pass, the views' together, in the order of recording; whether it is shared by all views.
+// Times of one frame: ms of each pass, summed over views, in the order of recording.
 struct FrameCost {
     struct Pass {
         std::string name;
-        bool shared;
+        bool shared; // True: once for all views
         double ms;
     };
     std::vector<Pass> passes;
-    double wall_ms = 0; // from recording to done
+    double wall_ms = 0; // from the begin of recording until the device is done
     uint64_t fragments = 0;
 };
 
 class Stage {
 public:
-    // Steps the simulation by `ticks` first. Method auto: as planned with `costs`.
+    // Steps the simulation by `ticks` first. `costs`: for the plan if the method is auto.
     Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks = 0, const CostModel& costs = builtInCosts());
 
-    FrameCost frame();                                        // all viewers of the case
-    RadianceImage picture(const Pose& pose, glm::uvec2 size); // one more view, read back
-    std::span<const PictureView> planes();                    // of the last frame, as JPEG takes them
+    FrameCost frame();                                        // renders all viewers of the case
+    RadianceImage picture(const Pose& pose, glm::uvec2 size); // renders one more view and reads it back
+    std::span<const PictureView> planes();                    // planes of the last frame, the encoder's input
 
     const Plan& plan() const { return plan_; }
     const Scene& scene() const { return scene_; }
     const Simulation& simulation() const { return simulation_; }
-    const Pose& pose() const { return eyes_.front().pose; } // of the first viewer
+    const Pose& pose() const { return eyes_.front().pose; } // pose of the first viewer
     uint64_t deviceBytes() const { return device_bytes_; }  // held by this stage after its first frame
-    uint64_t particleBytes() const { return simulation_.bytes() + renderer_.particleBytes(); } // on the CPU
+    uint64_t particleBytes() const { return simulation_.bytes() + renderer_.particleBytes(); } // of CPU memory
     std::vector<gpu::Particle> particles() const;
 
 private:
@@ -77,7 +80,7 @@ private:
     uint64_t device_bytes_ = 0;
 };
 
-// Nearest rank; 0 of nothing.
+// Percentile by nearest rank; 0 without values. `part`: 0 ... 1.
 double percentile(std::vector<double> values, double part);
 inline double median(const std::vector<double>& values) { return percentile(values, 0.5); }
 

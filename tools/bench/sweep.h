@@ -1,5 +1,5 @@
-// Runs a list of series: every combination of scenes, cameras, sizes, viewers and variants, timed in turns and compared with the
-// double-precision reference.
+// Runs series of measurements. A series combines scenes, cameras, sizes, viewers and variants. They are timed in
+// turns and compared with the double-precision reference.
 #pragma once
 
 #include <filesystem>
@@ -17,8 +17,8 @@ namespace brume::bench {
 struct Variant {
     std::string name;
     std::vector<std::string> set;
-    std::string size;        // of its pictures; empty: the series' sizes
-    double published_ms = 0; // the dissertation's own figure for it, 0: it prints none
+    std::string size;        // size of its pictures; empty: the series' sizes
+    double published_ms = 0; // the dissertation's figure; 0: none was published
 };
 
 struct Series {
@@ -26,27 +26,27 @@ struct Series {
     std::string kind = "cost"; // cost | jpeg | light | orbit
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
-    std::string error;            // size of the pictures whose error is measured; empty: none is
-    uint32_t every = 1;           // of those, only every so many-th pixel is compared, an odd number that divides the size
-    std::string baseline;         // the variant that the report relates the others to; empty: the first
-    std::string published_on;     // the device of the variants' published figures
+    std::string error;            // size of the pictures whose error is measured; empty: no errors
+    uint32_t every = 1;           // errors: only every so many-th pixel is compared; odd, divides the size
+    std::string baseline;         // variant that the report compares the others with; empty: the first
+    std::string published_on;     // device of the published figures
     std::vector<Variant> variants;
-    std::vector<std::string> qualities; // jpeg
-    uint32_t frames = 0;                // orbit
-    float degrees = 0;                  // orbit, per frame
+    std::vector<std::string> qualities; // kind jpeg: JPEG qualities
+    uint32_t frames = 0;                // kind orbit: frames
+    float degrees = 0;                  // kind orbit: degrees per frame
 };
 
 struct Effort {
-    double seconds = 1; // of frames per variant
-    uint32_t least = 3; // frames per variant
-    std::string only;   // part of a series' name; empty: all
-    uint32_t ticks = 0; // of simulation before the first frame
+    double seconds = 1; // time for the frames of each variant
+    uint32_t least = 3; // least frames of each variant
+    std::string only;   // part of the series' names; empty: all series
+    uint32_t ticks = 0; // simulated ticks before the first frame
 };
 
-// Throws SceneError: file, line, key and what is allowed.
+// Loads a sweep. Throws SceneError, which names file, line, key and what is allowed.
 std::vector<Series> loadSweep(const std::filesystem::path& file);
 
-// Says on standard error what it is doing.
+// Runs a sweep and returns its results. Reports progress on standard error.
 nlohmann::json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& truth, const Effort& effort);
 
 } // namespace brume::bench

@@ -1,4 +1,4 @@
-// The rays of a picture.
+// Camera: the rays of a picture, one for each pixel.
 #pragma once
 
 #include "common/camera.h"
@@ -11,19 +11,19 @@ struct Camera {
     glm::dvec3 position{0};
     glm::dmat3 world_from_view{1};
     bool orthographic = false;
-    double half_height = 0.5; // of the picture: m when orthographic, else per m of view depth
-    double near_depth = 0;    // view depth in front of which nothing is seen, m
-    // Rays stand in clusters of cluster x cluster that cover only a part of their own square, as the pixels of a larger picture
-    // of which only every n-th is wanted: part = 1/n of the side.
+    double half_height = 0.5; // half the picture's height: m if orthographic, otherwise m per m of view depth
+    double near_depth = 0;    // m, view depth of the near plane; nothing in front of it is seen
+    // For pictures of every n-th pixel of a larger one: rays form clusters of cluster x cluster, and a cluster covers
+    // only part = 1/n of the side of its square.
     int cluster = 1;
     double cluster_part = 1;
 };
 
 Camera perspective(const Pose& pose, int width, int height, double near_depth = 0);
-// `height_m`: of the whole picture.
+// `height_m`: height of the whole picture, m.
 Camera orthographic(const Pose& pose, int width, int height, double height_m);
 
-// Through the pixel coordinates (x right, y down; a pixel's centre is at +0.5).
+// The ray through pixel coordinates (x right, y down; a pixel's centre is at +0.5).
 Ray rayThrough(const Camera& camera, double x, double y);
 
 } // namespace brume::reference

@@ -1,4 +1,5 @@
-// Extinction at a point of Gaussian particles and a union of balls, and upper bounds of it cell by cell along a ray.
+// DensityGrid: extinction of Gaussian particles and of a union of balls at a point, and its upper bounds in cells
+// along a ray.
 #pragma once
 
 #include <algorithm>
@@ -20,11 +21,11 @@ public:
         double extinction = 0;    // 1/m
         glm::dvec3 scattering{0}; // sum of albedo * extinction
     };
-    // What is at x, a point of this cell.
+    // The medium at x. Precondition: x is in this cell.
     Density at(size_t cell, glm::dvec3 x) const;
 
-    // Calls visit(cell, t0, t1, majorant) for each cell on [ray.begin, ray.end], in order, while it returns true; the extinction
-    // in the cell is at most `majorant`. (Amanatides and Woo 1987.)
+    // Calls visit(cell, t0, t1, majorant) for each cell on [ray.begin, ray.end], in order, while it returns true; the
+    // extinction in the cell is at most `majorant`. (Amanatides and Woo 1987.)
     template <typename Visit>
     void walk(const Ray& ray, const Visit& visit) const {
         Interval part{ray.begin, ray.end};
@@ -62,7 +63,7 @@ private:
     glm::ivec3 count_{0};
     double cell_ = 1; // m
     std::vector<double> majorants_;
-    std::vector<std::vector<uint32_t>> blobs_, balls_; // per cell: which reach it
+    std::vector<std::vector<uint32_t>> blobs_, balls_; // per cell: the particles and balls that reach it
 };
 
 } // namespace brume::reference

@@ -1,5 +1,5 @@
-// erf(q) and exp(-q^2) at once: Taylor series of the Gaussian, and its integral, about the nearest multiple of 1/32. Absolute
-// error below 1e-13, tested against libm.
+// erf(q) and exp(-q^2) at once: Taylor series of the Gaussian, and its integral, about the nearest multiple of 1/32.
+// Absolute error below 1e-13, tested against libm.
 #pragma once
 
 #include <array>
@@ -20,7 +20,8 @@ public:
             e.erf = std::erf(x);
             e.taylor[0] = std::exp(-x * x);
             e.taylor[1] = -2 * x * e.taylor[0];
-            for (int n = 1; n < 6; ++n) e.taylor[n + 1] = -2 * (x * e.taylor[n] + e.taylor[n - 1]) / (n + 1); // g' = -2 x g
+            // g' = -2 x g
+            for (int n = 1; n < 6; ++n) e.taylor[n + 1] = -2 * (x * e.taylor[n] + e.taylor[n - 1]) / (n + 1);
         }
     }
 

@@ -1,4 +1,4 @@
-// Exact intersections: rays with fog, tetrahedra and opaque objects, and where a ray crosses the edges of what objects shadow.
+// Exact intersections of rays with fog, tetrahedra and opaque objects, and with the boundaries of shadows.
 #pragma once
 
 #include <span>
@@ -10,17 +10,17 @@ namespace brume::reference {
 
 Interval common(Interval a, Interval b);
 
-// Where the whole line through the ray lies inside; empty when nowhere.
+// The part of the whole line through the ray that lies inside; empty if there is none.
 Interval insideSphere(glm::dvec3 centre, double radius, const Ray& ray);
 Interval insideFog(const Fog& fog, const Ray& ray);
 Interval insideTetrahedron(const Blob& blob, const Ray& ray);
 
 // Optical depth of the fog between ray.begin and ray.end, which may be infinite.
 double depthOn(const Fog& fog, const Ray& ray);
-// How far beyond ray.begin the fog's optical depth reaches `depth`: kInfinity when it does not before ray.end.
+// Distance from ray.begin at which the fog's optical depth reaches `depth`; kInfinity if that is beyond ray.end.
 double distanceOfDepth(const Fog& fog, const Ray& ray, double depth);
 
-// The parts of [ray.begin, ray.end] inside at least one ball, in order, apart.
+// The parts of [ray.begin, ray.end] inside at least one ball, in order and disjoint.
 void insideUnion(const UnionMedium& medium, const Ray& ray, std::vector<Interval>& parts);
 
 struct Hit {
@@ -28,17 +28,18 @@ struct Hit {
     int object = -1; // -1: none
     glm::dvec3 normal{0, 1, 0};
 };
-// The first surface on [begin, end] that is met from outside; a plane only from above.
+// The first surface on [begin, end] that the ray enters from outside; a plane only from above.
 Hit nearest(std::span<const Obstacle> obstacles, const Ray& ray);
-// True when an object other than `skip` lies on [begin, end].
+// True if an object other than `skip` lies on [begin, end].
 bool occluded(std::span<const Obstacle> obstacles, const Ray& ray, int skip = -1);
 
-// Appends every t at which the shadow of the object under this light can begin or end on the ray's line: silhouettes of spheres,
-// planes through the light and a box's edges, the height of a plane. Some are no edges; none is missing.
+// Appends every t at which the shadow of the object under this light can begin or end on the ray's line: silhouettes
+// of spheres, planes through the light and a box's edges, the height of a plane. Some may be no edges; none is missing.
 void shadowEdges(const Obstacle& object, const LightSource& light, const Ray& ray, std::vector<double>& t);
-// The same for the light through a tetrahedron: where its depth may have a kink.
+// Appends every t at which the optical depth of a tetrahedron toward the light may have a kink.
 void shadowEdges(const Blob& tetrahedron, const LightSource& light, const Ray& ray, std::vector<double>& t);
-// Where the ray's line crosses the double cone about `axis` (unit) with this squared cosine of its half-angle.
+// Appends every t at which the ray's line crosses the double cone about `axis` (unit) with this squared cosine of its
+// half-angle.
 void coneCrossings(glm::dvec3 apex, glm::dvec3 axis, double cosine_squared, const Ray& ray, std::vector<double>& t);
 
 } // namespace brume::reference

@@ -1,4 +1,5 @@
-// The exact optical depth of Gaussian particles between any point and a light, over those particles alone that matter there.
+// LightField: the exact optical depth of Gaussian particles between any point and a light. It visits only particles
+// near the line.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +13,13 @@
 
 namespace brume::reference {
 
-// Beyond this many units of 1/k a Gaussian counts as nothing: a part e^-21 = 7e-10 of its mass is left out.
+// Radius, in units of 1/k, at which a Gaussian ends: a part e^-21 = 7e-10 of its mass is left out.
 inline constexpr double kReach = 4.6;
 
-// Toward a distant light.
+// The depth toward a distant light.
 class LightField {
 public:
-    // `reach` in units of 1/k; a point's depth lacks at most e^(-reach^2) of each particle's. to_light is unit.
+    // `reach`: in units of 1/k; a point's depth lacks at most e^(-reach^2) of each particle's depth. `to_light`: unit.
     LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double reach = kReach);
 
     // tau_L(x) = sum of sigma sqrt(pi)/(2k) e^(-k^2 b^2) erfc(k s).
@@ -32,12 +33,12 @@ private:
     glm::dvec3 x_axis_, y_axis_, to_light_;
     double lo_x_ = 0, lo_y_ = 0, cell_ = 1; // m
     int cells_x_ = 0, cells_y_ = 0;
-    std::vector<Shade> shades_;            // those nearest to the light first
-    std::vector<uint32_t> first_, listed_; // per cell of the light's plane: which shades reach it, in that order
+    std::vector<Shade> shades_;            // nearest to the light first
+    std::vector<uint32_t> first_, listed_; // per cell of the light's plane: the shades that reach it, in that order
     ErfTable table_;
 };
 
-// Toward a light at a place: of the finite segment that ends there.
+// The depth toward a light at a position: that of the finite segment which ends there.
 class PointField {
 public:
     PointField(std::span<const Blob> blobs, glm::dvec3 position, double reach = kReach);

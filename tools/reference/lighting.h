@@ -1,4 +1,4 @@
-// What arrives from a world's lights at a point, through the medium and past the opaque objects.
+// Lighting: light that arrives at a point from a world's lights, through the medium and past opaque objects.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace brume::reference {
 
-// A light as a point sees it, nothing in between.
+// Light that arrives at a point with nothing in between.
 struct Arrival {
     glm::dvec3 irradiance; // perpendicular, W/m^2
     glm::dvec3 to_light;   // unit
@@ -22,19 +22,21 @@ public:
     // `world` must outlive it. `reach` as in LightField. shadows = false: every light reaches every point unattenuated.
     Lighting(const World& world, double reach, bool shadows);
 
-    // Sum over lights of E p T_L Vis: radiance scattered at x toward -w per unit of scattering, where w is the ray's direction.
+    // Sum over lights of E p T_L Vis: radiance scattered at x toward -w per unit of scattering, where w is the ray's
+    // direction.
     glm::dvec3 scattered(glm::dvec3 x, glm::dvec3 w) const;
-    // Radiance that a surface point of obstacle `object` sends back: Lambert's law under the lights, past objects and medium, and
-    // under the sky, whose mean radiance over the sky's part of the hemisphere stands for its irradiance.
+    // Radiance that a surface point of obstacle `object` reflects, by Lambert's law: of the lights, past objects and
+    // medium, and of the sky. The sky's irradiance is taken from its mean radiance over the sky's part of the
+    // hemisphere.
     glm::dvec3 surface(int object, glm::dvec3 x, glm::dvec3 normal) const;
 
-    // Optical depth from x to light `i`; kInfinity when an object other than `skip` is in between.
+    // Optical depth from x to light `i`; kInfinity if an object other than `skip` is in between.
     double depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip = -1) const;
-    // Every place on the ray where the light may have a kink or a jump, or be nearest.
+    // Every t on the ray at which the light may have a kink or a jump, or is nearest.
     void edges(const Ray& ray, std::vector<double>& t) const;
 
 private:
-    double cutDepth(const Ray& toward) const; // of tetrahedra
+    double cutDepth(const Ray& toward) const; // optical depth of tetrahedra
 
     struct Fields {
         std::optional<LightField> distant;

@@ -1,4 +1,5 @@
-// Single scattering along one ray: closed forms for optical depths, adaptive Gauss-Legendre panels for what is left.
+// RayTracer: single scattering along one ray, by closed forms for optical depths and adaptive Gauss-Legendre panels
+// for the rest.
 #pragma once
 
 #include <vector>
@@ -11,34 +12,35 @@
 namespace brume::reference {
 
 struct Settings {
-    // Of a ray's scattered radiance, relative; and absolute, in optical depth, for what is left out where Gaussians end. In
-    // [1e-12, 1e-2]. Edges of shadows, faces of tetrahedra, ends of fog and silhouettes of balls are split exactly. Kinks where
-    // balls of a union meet, and where light leaves a fog's sphere and slab at once, are found by halving alone: unions are
-    // tested down to 1e-7. No ray may pass through a point light.
+    // Relative tolerance of a ray's scattered radiance, and absolute tolerance of the optical depth left out where
+    // Gaussians end. In [1e-12, 1e-2]. Panels are split exactly at edges of shadows, faces of tetrahedra, ends of fog
+    // and silhouettes of balls. Kinks where balls of a union meet, and where light leaves a fog's sphere and slab at
+    // once, are found by halving only: unions are tested down to 1e-7. Precondition: no ray passes through a point
+    // light.
     double tolerance = 1e-8;
-    bool shadows = true;  // false: every light reaches every point unattenuated
-    unsigned threads = 0; // of a picture; 0: as many as the machine has
+    bool shadows = true;  // False: every light reaches every point unattenuated
+    unsigned threads = 0; // for a picture; 0: as many as the machine has
 };
 
 struct RayResult {
-    glm::dvec3 scattered{0};  // by the medium, light and ambient
-    glm::dvec3 background{0}; // the opaque surface or the sky; black where the ray's own end is reached
+    glm::dvec3 scattered{0};  // by the medium, from lights and ambient light
+    glm::dvec3 background{0}; // the opaque surface or the sky; black if the ray ends before
     double transmittance = 1; // of the medium in front of it
     glm::dvec3 total() const { return scattered + transmittance * background; }
 };
 
-// What all rays share. `world` must outlive it.
+// Data that all rays share. `world` must outlive it.
 struct Stage {
     Stage(const World& world, const Settings& settings);
     const World& world;
     Settings settings;
-    double reach; // units of 1/k: a depth lacks less than the tolerance, all particles together
+    double reach; // units of 1/k: the depth lacks less than the tolerance, over all particles
     Lighting lighting;
     ErfTable table;
     GaussLegendre rules[3]{GaussLegendre(4), GaussLegendre(8), GaussLegendre(16)};
 };
 
-// One a thread: keeps its memory from ray to ray.
+// Each thread has its own. It keeps its memory from ray to ray.
 class RayTracer {
 public:
     explicit RayTracer(const Stage& stage) : stage_(stage), world_(stage.world) {}
@@ -57,7 +59,7 @@ private:
         double erf_begin;   // erf(k (t - closest)) where the particle, or the ray, begins
         double t0, t1;
     };
-    // A piece of the ray on which the rule's nodes resolve everything.
+    // A piece of the ray that is short enough for the quadrature's nodes.
     struct Panel {
         double t0, t1;
         const GaussLegendre* rule;

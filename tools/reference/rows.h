@@ -1,4 +1,4 @@
-// Work on a picture's rows, shared out among threads.
+// Distributes the rows of a picture over threads.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace brume::reference {
 
-// Calls make() once a thread and what it returns for each row; 0 threads: as many as the machine has.
+// Calls make() once per thread, and the function that it returns for each row. 0 threads: as many as the machine has.
 template <typename Make>
 void forRows(int height, unsigned threads, const Make& make) {
     std::atomic<int> next_row{0};

@@ -1,5 +1,6 @@
-// Multiple scattering by random paths: free flights by delta tracking (Woodcock 1965) in cells with their own bounds, fog's
-// flights by inversion, next-event estimation to every light past the objects with ratio tracking (Novak et al. 2014). Unbiased.
+// Multiple scattering by random paths: free flights by delta tracking (Woodcock 1965) in cells with their own bounds,
+// fog's flights by inversion, next-event estimation to every light past the objects with ratio tracking (Novak et al.
+// 2014). Unbiased.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +18,15 @@ struct TrackSettings {
     unsigned threads = 0;   // 0: as many as the machine has
 };
 
-// Radiance of everything (medium, surfaces, sky). The mean over paths; 95 % of exact values lie within 1.96 standard errors of
-// it.
+// Mean radiance over paths, of medium, surfaces and sky. 95 % of exact values lie within 1.96 standard errors of it.
 struct TrackedPicture {
     int width = 0, height = 0;
     std::vector<glm::dvec3> radiance, standard_error;
 };
 
-// The world's support is full, its composition overlapping, else std::invalid_argument. The camera sees the sky; scattered rays
-// that leave the medium meet World::ambient from all directions, those that meet an obstacle its shading (Lighting::surface).
+// Throws std::invalid_argument unless the world's support is full and its composition overlapping. The camera sees
+// the sky; scattered rays that leave the medium meet World::ambient from all directions, those that meet an obstacle
+// its shading (Lighting::surface).
 TrackedPicture track(const World& world, const Camera& camera, const TrackSettings& settings = {});
 
 } // namespace brume::reference

@@ -1,4 +1,5 @@
-// What the reference renders: media, lights, opaque objects, sky, all in double. Metres, radians, linear radiance.
+// World: the input of the reference renderer, in double: media, lights, opaque objects, sky. Metres, radians, linear
+// radiance.
 #pragma once
 
 #include <limits>
@@ -16,7 +17,7 @@ inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kSqrtPi = 1.77245385090551602730;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A point on it is origin + t * direction, t in m; `direction` is unit.
+// A point on the ray is origin + t * direction, t in m; `direction` is unit.
 struct Ray {
     glm::dvec3 origin, direction;
     double begin = 0, end = kInfinity;
@@ -42,11 +43,12 @@ std::vector<Blob> blobsOf(std::span<const gpu::Particle> particles, double fallo
 enum class Support { full, tetrahedron };
 enum class Composition {
     overlapping, // the true medium: extinctions add up
-    sequential,  // particles integrated one by one and composited by the distance of their centres from the ray's origin
+    sequential,  // particles integrated one by one, composited by distance of their centres
 };
 
-// The medium of seed 003: constant extinction wherever at least one ball is, however many overlap. The seed gives no numbers: its
-// extinction is "user defined", one for the whole medium, and its radius that of a particle's icosahedron, here a ball.
+// The medium of seed 003: constant extinction wherever there is at least one ball; overlaps do not add up. The seed
+// gives no numbers. Its extinction is "user defined", one for the whole medium. Its radius is that of a particle's
+// icosahedron, here a ball.
 struct UnionMedium {
     struct Ball {
         glm::dvec3 centre;
@@ -56,7 +58,7 @@ struct UnionMedium {
     double sigma_t = 0; // 1/m
     glm::dvec3 albedo{1};
 };
-// Each particle a ball of radius `radius_per_scale` times its scale.
+// A medium in which each particle is a ball of radius `radius_per_scale` times its scale.
 UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t, glm::dvec3 albedo);
 
 // extinction = sigma_t e^(-falloff y) where lo <= y <= hi and |x - centre| <= radius.
@@ -72,7 +74,7 @@ struct Fog {
 struct LightSource {
     enum class Kind { directional, point, spot };
     Kind kind = Kind::directional;
-    glm::dvec3 colour{1};                // directional: perpendicular irradiance E, W/m^2; else radiant intensity I, W/sr
+    glm::dvec3 colour{1};                // directional: irradiance E, W/m^2; others: intensity I, W/sr
     glm::dvec3 to_light{0, 1, 0};        // directional: unit
     glm::dvec3 position{0};              // point, spot
     glm::dvec3 axis{0, -1, 0};           // spot: unit, along the light's travel
@@ -90,30 +92,33 @@ struct Obstacle {
 
 struct World {
     std::vector<Blob> blobs;
-    Support support = Support::full;                    // of the blobs along the view
-    bool cut_light = false;                             // with Support::tetrahedron: light depth ends at the faces, too
-    Composition composition = Composition::overlapping; // sequential: blobs alone
+    Support support = Support::full;                    // of the blobs along view rays
+    bool cut_light = false;                             // True, with Support::tetrahedron: light depth is cut, too
+    Composition composition = Composition::overlapping; // sequential: only worlds of blobs
     UnionMedium balls;
     std::vector<Fog> fogs;
     std::vector<LightSource> lights;
     std::vector<Obstacle> obstacles;
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
-    glm::dvec3 ambient{0};                    // radiance that the medium scatters in without shadowing
+    glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
     double anisotropy = 0, asymmetry = 0;     // p = (1 - a) / 4 pi + a HG(g)
 };
 
-// A scene as the server renders it: `medium` and `light` are those of now (Simulation::now()), moved and changed by commands.
+// The world of a scene as the server renders it. `medium` and `light`: the present ones (Simulation::now()), as
+// commands changed them.
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
               const brume::Light& light);
-// At its start.
+// The world of a scene at its start.
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles);
 
 LightSource directional(const brume::Light& light);
 
-// 1/sr; unit directions of propagation. Henyey-Greenstein without cancellation: |in - out|^2 in place of 2 - 2 cos.
+// Phase function, 1/sr, of unit directions of propagation. Henyey-Greenstein without cancellation: |in - out|^2 in
+// place of 2 - 2 cos.
 double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out);
 
-// Blends from the horizon's to the zenith's for height in -0.15 ... 0.85 of the unit direction.
+// Radiance of the sky: blends from the horizon's to the zenith's as the height of the unit direction goes from -0.15
+// to 0.85.
 glm::dvec3 skyRadiance(const World& world, glm::dvec3 direction);
 
 } // namespace brume::reference
