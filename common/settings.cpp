@@ -1,5 +1,10 @@
 #include "common/settings.h"
 
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
 namespace brume {
 namespace {
 
@@ -14,8 +19,8 @@ using P = SceneParts;
 using S = SimulationSettings;
 using R = RenderSettings;
 
-constexpr Limits kNames{1, 64}, kPaths{1, 4096}; // bytes
-constexpr Limits kNone{0, 0};                    // of what has no range: booleans and choices
+constexpr Limits kNames{1, kLongestName}, kPaths{1, 4096}; // bytes
+constexpr Limits kNone{0, 0};                              // of what has no range: booleans and choices
 
 constexpr std::string_view kLayouts[]{"cube", "tubes", "cumulus", "emitter", "file"}; // in the order of Layout
 constexpr std::string_view kLights[]{"directional"};
@@ -30,6 +35,14 @@ constexpr SceneSetting kSettings[]{
     {"origin", at<&P::scene, &Scene::origin>, "m", limits::kOrigin,
      "World coordinates of the point that the server counts places from; give it where the scene is far from zero"},
 
+    {"light.type", nothing, "", kNone, "Kind of light", kNobody, Form::plain, kLights},
+    {"light.to_light", at<&P::light, &Light::to_light>, "", limits::kPlace, "Direction to the light, of any length but zero",
+     kControllers, Form::direction},
+    {"light.irradiance", at<&P::light, &Light::irradiance>, "W/m²", limits::kRadiance,
+     "Irradiance of each channel on a surface that faces the light", kControllers},
+    {"light.rotate", at<&P::light, &Light::rotate>, "rad/s", limits::kRotate, "Turning of the light about the vertical",
+     kControllers},
+
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody, Form::plain,
      kLayouts},
     {"medium.count", at<&P::medium, &Medium::count>, "", limits::kCount,
@@ -40,10 +53,10 @@ constexpr SceneSetting kSettings[]{
      "Side of the cube, length of a tube, width of the cumulus"},
     {"medium.scale", at<&P::medium, &Medium::scale>, "m", limits::kScale,
      "Size of the particles, from the centre to a vertex of the tetrahedron; a range is uniform, or by the layout"},
-    {"medium.falloff", at<&P::medium, &Medium::falloff>, "", limits::kFalloff,
-     "How softly a particle fades: its extinction is peak exp(-50 r² / u²) with u = scale · falloff", kControllers},
     {"medium.extinction", at<&P::medium, &Medium::extinction>, "", limits::kExtinction,
      "Extinction at a particle's centre is extinction · multiplier · 1e-4 per metre", kControllers},
+    {"medium.falloff", at<&P::medium, &Medium::falloff>, "", limits::kFalloff,
+     "How softly a particle fades: its extinction is peak exp(-50 r² / u²) with u = scale · falloff", kControllers},
     {"medium.multiplier", at<&P::medium, &Medium::multiplier>, "", limits::kMultiplier,
      "Factor of each particle, uniform in this range"},
     {"medium.albedo", at<&P::medium, &Medium::albedo>, "", limits::kColour, "Single-scattering albedo", kControllers},
@@ -89,14 +102,6 @@ constexpr SceneSetting kSettings[]{
      "Amplitude of a slow sway along x"},
     {"simulation.volume_period", at<&P::simulation, &S::volume_period>, "s", limits::kPeriod, "Period of that sway"},
     {"simulation.paused", at<&P::simulation, &S::paused>, "", kNone, "True: the particles and the light stand still",
-     kControllers},
-
-    {"light.type", nothing, "", kNone, "Kind of light", kNobody, Form::plain, kLights},
-    {"light.to_light", at<&P::light, &Light::to_light>, "", limits::kPlace, "Direction to the light, of any length but zero",
-     kControllers, Form::direction},
-    {"light.irradiance", at<&P::light, &Light::irradiance>, "W/m²", limits::kRadiance,
-     "Irradiance of each channel on a surface that faces the light", kControllers},
-    {"light.rotate", at<&P::light, &Light::rotate>, "rad/s", limits::kRotate, "Turning of the light about the vertical",
      kControllers},
 
     {"plane.height", at<&P::plane, &Plane::height>, "m", limits::kPlace, "Height of the horizontal ground", kNobody,
@@ -162,9 +167,78 @@ constexpr SceneSetting kSettings[]{
      "`tiles`: where a ray may end; what lies behind counts for no more than this"},
 };
 
+struct Read {
+    SettingValue operator()(bool* member) const { return *member; }
+    SettingValue operator()(float* member) const { return *member; }
+    SettingValue operator()(uint32_t* member) const { return *member; }
+    SettingValue operator()(glm::vec3* member) const { return *member; }
+    SettingValue operator()(std::string* member) const { return *member; }
+    template <class Other>
+    SettingValue operator()(Other) const {
+        throw std::logic_error("a live setting of a type that no command has");
+    }
+};
+
+// Gives a member a value of its type.
+struct Assign {
+    const SceneSetting& setting;
+
+    void operator()(bool* to, bool value) const { *to = value; }
+    void operator()(float* to, float value) const {
+        if (std::isfinite(value)) *to = setting.allowed.clamp(value);
+    }
+    void operator()(uint32_t* to, uint32_t value) const {
+        *to = static_cast<uint32_t>(std::clamp<double>(value, setting.allowed.lo, setting.allowed.hi));
+    }
+    void operator()(glm::vec3* to, glm::vec3 value) const {
+        for (int i = 0; i < 3; ++i) {
+            if (!std::isfinite(value[i])) return;
+            value[i] = setting.allowed.clamp(value[i]);
+        }
+        const float length = glm::length(value);
+        if (setting.form != Form::direction) *to = value;
+        if (setting.form == Form::direction && length > 1e-6f) *to = value / length;
+    }
+    void operator()(std::string* to, const std::string& value) const {
+        const auto& names = setting.choices;
+        const bool known = names.empty() || std::find(names.begin(), names.end(), value) != names.end();
+        if (known && !value.empty() && value.size() <= kLongestName) *to = value;
+    }
+    template <class Member, class Value>
+    void operator()(Member, const Value&) const {} // of another type
+};
+
 } // namespace
 
 std::span<const SceneSetting> sceneSettings() { return kSettings; }
+
+const SceneSetting* liveSetting(std::string_view path) {
+    for (const SceneSetting& setting : kSettings)
+        if (setting.path == path) return setting.live() ? &setting : nullptr;
+    return nullptr;
+}
+
+SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts) { return std::visit(Read{}, setting.member(parts)); }
+
+SettingValue defaultOf(const SceneSetting& setting) {
+    Medium medium;
+    SimulationSettings simulation;
+    Light light;
+    Sky sky;
+    RenderSettings render;
+    return valueOf(setting, {.medium = &medium, .simulation = &simulation, .light = &light, .sky = &sky, .render = &render});
+}
+
+Change::Change(std::string_view path, SettingValue to) : setting(liveSetting(path)), value(std::move(to)) {
+    if (!setting) throw std::invalid_argument(std::string(path) + " is not a live setting");
+    if (value.index() != defaultOf(*setting).index())
+        throw std::invalid_argument(std::string(path) + " has values of another type");
+}
+
+void apply(const Change& change, const SceneParts& parts) {
+    std::visit(Assign{*change.setting}, change.setting->member(parts), change.value);
+    if (parts.render) parts.render->steps = std::min(parts.render->steps, static_cast<uint32_t>(stepsAllowed(*parts.render).hi));
+}
 
 Limits stepsAllowed(const RenderSettings& render) {
     return render.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps;

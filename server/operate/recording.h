@@ -2,14 +2,14 @@
 //
 // A text file, one line a record, each written whole by one write() as soon as it is known:
 //
-//   brume-recording 1
+//   brume-recording 2
 //   0123456789abcdef {"scene":"plume",...}                        what it was recorded from: Head
 //   0123456789abcdef {"tick":0,"state":"fedcba9876543210"}        the state before the first tick
 //   0123456789abcdef {"tick":17,"state":"...","commands":[...]}   a tick with commands, or one of every second
 //   0123456789abcdef {"tick":60,"state":"...","frame":"..."}      also a picture of the scene's own camera
 //   0123456789abcdef {"tick":99,"state":"...","end":"stopped"}    the last line of a server that ended by itself
 //
-// The 16 digits are the XXH3 hash of the digits of the line before (for the first: of "brume-recording 1") and of the JSON, so
+// The 16 digits are the XXH3 hash of the digits of the line before (for the first: of "brume-recording 2") and of the JSON, so
 // that no line can be changed, left out or moved without notice. "state" is Simulation::stateHash() after the tick, "frame" a
 // hash of the picture.
 #pragma once

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/settings_page.h"
+#include "server/sim/command.h"
 
 namespace brume {
 namespace {
@@ -33,6 +34,21 @@ TEST(Settings, TheDocumentationHasThemAll) {
     size_t rows = 0;
     for (size_t at = 0; (at = page.find("\n| `", at)) != page.npos; ++at) ++rows;
     EXPECT_EQ(rows, sceneSettings().size()) << "a table without a heading in common/settings_page.cpp";
+}
+
+TEST(Settings, ALiveOneHasAValueThatACommandCanHave) {
+    size_t live = 0;
+    for (const SceneSetting& setting : sceneSettings()) {
+        EXPECT_EQ(liveSetting(setting.path), setting.live() ? &setting : nullptr);
+        if (!setting.live()) continue;
+        ++live;
+        EXPECT_NO_THROW(defaultOf(setting)) << setting.path;
+        EXPECT_NO_THROW(Change(setting.path, defaultOf(setting))) << setting.path;
+    }
+    EXPECT_GE(live, 13u);
+    EXPECT_EQ(liveSetting("medium.cuont"), nullptr);
+    EXPECT_THROW(Change("medium.count", 3u), std::invalid_argument) << "not live";
+    EXPECT_THROW(Change("render.steps", 3.0f), std::invalid_argument) << "a whole number";
 }
 
 } // namespace
