@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "common/scene_reader.h"
 #include "common/scene_text.h"
+#include "common/settings.h"
 #include "common/text.h"
 
 namespace brume {
@@ -13,49 +15,86 @@ namespace brume {
 namespace {
 
 constexpr size_t kMostBytes = 1 << 20; // of a scene file
-constexpr size_t kLongestName = 64, kLongestPath = 4096;
 
-void readEmitter(TableReader& in, Emitter& out, glm::dvec3 origin) {
-    in.place("position", out.position, origin);
-    in.number("radius", out.radius, limits::kLength);
-    in.number("rate", out.rate, limits::kRate);
-    in.number("life", out.life, limits::kLife);
-    in.vector("velocity", out.velocity, limits::kSpeed);
-    in.number("spread", out.spread, {0, limits::kSpeed.hi});
-    in.number("growth", out.growth, limits::kGrowth);
-    in.number("buoyancy", out.buoyancy, limits::kAcceleration);
-    in.vector("wind", out.wind, limits::kSpeed);
-    in.number("turbulence", out.turbulence, limits::kTurbulence);
-    in.number("eddy", out.eddy, limits::kLength);
-}
+// Reads the settings of one table into the scene.
+class SettingReader {
+public:
+    explicit SettingReader(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-void readMedium(TableReader& in, Medium& out, glm::dvec3 origin, const std::filesystem::path& folder) {
-    in.choice<Layout>("layout", out.layout,
-                      {{"cube", Layout::cube},
-                       {"tubes", Layout::tubes},
-                       {"cumulus", Layout::cumulus},
-                       {"emitter", Layout::emitter},
-                       {"file", Layout::file}});
-    in.integer("count", out.count, limits::kCount);
-    if (out.layout == Layout::file) // a displacement, not a place
-        in.vector("centre", out.centre, limits::kPlace);
-    else
-        in.place("centre", out.centre, origin);
-    in.number("extent", out.extent, limits::kLength);
-    in.range("scale", out.scale, limits::kScale);
-    in.number("falloff", out.falloff, limits::kFalloff);
-    in.number("extinction", out.extinction, limits::kExtinction);
-    in.range("multiplier", out.multiplier, limits::kMultiplier);
-    in.vector("albedo", out.albedo, limits::kColour);
-    in.number("anisotropy", out.anisotropy, limits::kAnisotropy);
-    in.number("asymmetry", out.asymmetry, limits::kAsymmetry);
-    in.integer("seed", out.seed, limits::kSeed);
-    std::string file;
-    in.text("file", file, kLongestPath);
-    in.table("emitter", [&](TableReader& r) { readEmitter(r, out.emitter, origin); });
+    // All of one table ("medium.emitter", "" for the file's top). `origin`: what places count from; without it they are
+    // displacements.
+    void readTable(TableReader& in, std::string_view table, const SceneParts& parts, const glm::dvec3* origin) const {
+        for (const SceneSetting& setting : sceneSettings())
+            if (setting.table() == table) std::visit(Read{in, setting, origin, folder_}, setting.member(parts));
+    }
+    void readOne(TableReader& in, std::string_view path, const SceneParts& parts) const {
+        for (const SceneSetting& setting : sceneSettings())
+            if (setting.path == path) std::visit(Read{in, setting, nullptr, folder_}, setting.member(parts));
+    }
 
+private:
+    struct Read {
+        TableReader& in;
+        const SceneSetting& setting;
+        const glm::dvec3* origin;
+        const std::filesystem::path& folder;
+
+        void operator()(std::monostate) const { in.choice(setting.key(), setting.choices); }
+        void operator()(bool* out) const { in.boolean(setting.key(), *out); }
+        void operator()(float* out) const {
+            if (setting.form == Form::height && origin)
+                in.height(setting.key(), *out, *origin);
+            else
+                in.number(setting.key(), *out, setting.allowed);
+        }
+        void operator()(uint32_t* out) const {
+            if (setting.form == Form::or_zero)
+                in.integerOrZero(setting.key(), *out, setting.allowed);
+            else
+                in.integer(setting.key(), *out, setting.allowed);
+        }
+        void operator()(uint64_t* out) const { in.integer(setting.key(), *out, setting.allowed); }
+        void operator()(glm::vec3* out) const {
+            if (setting.form == Form::place && origin)
+                in.place(setting.key(), *out, *origin);
+            else
+                in.vector(setting.key(), *out, setting.allowed);
+            if (setting.form == Form::direction) normalise(*out);
+        }
+        void operator()(glm::dvec3* out) const { in.vector(setting.key(), *out, setting.allowed); }
+        void operator()(Range* out) const { in.range(setting.key(), *out, setting.allowed); }
+        void operator()(std::string* out) const {
+            if (setting.choices.empty())
+                in.text(setting.key(), *out, static_cast<size_t>(setting.allowed.hi));
+            else if (const auto chosen = in.choice(setting.key(), setting.choices))
+                *out = setting.choices[*chosen];
+        }
+        void operator()(Layout* out) const {
+            if (const auto chosen = in.choice(setting.key(), setting.choices)) *out = static_cast<Layout>(*chosen);
+        }
+        void operator()(std::filesystem::path* out) const {
+            std::string file;
+            in.text(setting.key(), file, static_cast<size_t>(setting.allowed.hi));
+            if (!file.empty()) *out = folder / file;
+        }
+        void normalise(glm::vec3& direction) const {
+            const float length = glm::length(direction);
+            if (!(length > 1e-6f)) in.fail(setting.key(), "has no direction", "any vector longer than 1e-6");
+            direction /= length;
+        }
+    };
+
+    std::filesystem::path folder_;
+};
+
+void readMedium(TableReader& in, const SettingReader& read, Medium& out, const glm::dvec3& origin) {
+    const SceneParts parts{.medium = &out};
+    read.readOne(in, "medium.layout", parts); // what the centre is depends on it
     const bool from_file = out.layout == Layout::file, emitted = out.layout == Layout::emitter;
-    if (from_file && file.empty()) in.fail("layout", "\"file\" without a file", "with the key file, a PLY beside the scene");
+    read.readTable(in, "medium", parts, from_file ? nullptr : &origin);
+    in.table("emitter", [&](TableReader& r) { read.readTable(r, "medium.emitter", parts, &origin); });
+
+    if (from_file && out.file.empty()) in.fail("layout", "\"file\" without a file", "with the key file, a PLY beside the scene");
     if (!from_file && in.has("file")) in.fail("file", "not used by this layout", "only with layout = \"file\"");
     if (from_file && in.has("count")) in.fail("count", "not used by this layout", "none: the file says how many points it has");
     if (!emitted && in.has("emitter")) in.fail("emitter", "not used by this layout", "only with layout = \"emitter\"");
@@ -63,107 +102,39 @@ void readMedium(TableReader& in, Medium& out, glm::dvec3 origin, const std::file
         in.fail(in.has("count") ? "count" : "layout", "the pool is smaller than emitter.rate * emitter.life",
                 "count from " + std::to_string(static_cast<uint64_t>(out.emitter.rate * out.emitter.life) + 1) + " to " +
                     std::to_string(static_cast<uint64_t>(limits::kCount.hi)));
-    if (from_file) out.file = folder / file;
 }
 
-void readSimulation(TableReader& in, SimulationSettings& out) {
-    in.number("spring", out.spring, limits::kSpring);
-    in.number("viscosity", out.viscosity, limits::kViscosity);
-    in.number("impulse_radius", out.impulse_radius, limits::kLength);
-    in.number("impulse_strength", out.impulse_strength, limits::kImpulseStrength);
-    in.vector("volume_velocity", out.volume_velocity, limits::kSpeed);
-    in.number("volume_swing", out.volume_swing, {0, limits::kLength.hi});
-    in.number("volume_period", out.volume_period, limits::kPeriod);
-    in.boolean("paused", out.paused);
-}
-
-void readLight(TableReader& in, Light& out) {
-    std::string type;
-    in.choice<std::string>("type", type, {{"directional", "directional"}});
-    in.vector("to_light", out.to_light, limits::kPlace);
-    in.vector("irradiance", out.irradiance, limits::kRadiance);
-    in.number("rotate", out.rotate, limits::kRotate);
-    const float length = glm::length(out.to_light);
-    if (!(length > 1e-6f)) in.fail("to_light", "has no direction", "any vector longer than 1e-6");
-    out.to_light /= length;
-}
-
-void readPlane(TableReader& in, Plane& out, glm::dvec3 origin) {
-    in.height("height", out.height, origin);
-    in.vector("albedo", out.albedo, limits::kColour);
-}
-
-void readBox(TableReader& in, Box& out, glm::dvec3 origin) {
-    in.place("centre", out.centre, origin);
-    in.vector("size", out.size, limits::kLength);
-    in.number("yaw", out.yaw, limits::kAngle);
-    in.vector("albedo", out.albedo, limits::kColour);
-}
-
-void readSphere(TableReader& in, Sphere& out, glm::dvec3 origin) {
-    in.place("centre", out.centre, origin);
-    in.number("radius", out.radius, limits::kLength);
-    in.vector("albedo", out.albedo, limits::kColour);
-}
-
-void readSky(TableReader& in, Sky& out) {
-    in.vector("zenith", out.zenith, limits::kRadiance);
-    in.vector("horizon", out.horizon, limits::kRadiance);
-    in.vector("ambient", out.ambient, limits::kRadiance);
-}
-
-void readCamera(TableReader& in, SceneCamera& out, glm::dvec3 origin) {
-    in.place("position", out.position, origin);
-    in.place("target", out.target, origin);
-    in.number("fov_y", out.fov_y, limits::kFovY);
+void readCamera(TableReader& in, const SettingReader& read, SceneCamera& out, const glm::dvec3& origin) {
+    read.readTable(in, "camera", {.camera = &out}, &origin);
     if (!(glm::distance(out.position, out.target) > 1e-3f))
         in.fail("target", "is where the camera stands", "any place further than 1 mm from camera.position");
 }
 
 // The method's name is checked by the server, whose list of methods this library does not know.
-void readRender(TableReader& in, RenderSettings& out) {
-    in.text("method", out.method, kLongestName);
-    in.number("error", out.error, limits::kError);
-    in.number("flip", out.flip, limits::kFlip);
-    in.choice<std::string>("quadrature", out.quadrature,
-                           {{"simpson", "simpson"},
-                            {"transmittance", "transmittance"},
-                            {"analytic", "analytic"},
-                            {"cached", "cached"},
-                            {"hermite", "hermite"}});
-    in.integer("steps", out.steps, out.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps);
-    in.integer("rate", out.rate, limits::kRayRate);
-    in.integer("slabs", out.slabs, limits::kSlabs);
-    in.integer("shading", out.shading, limits::kShading);
+void readRender(TableReader& in, const SettingReader& read, RenderSettings& out) {
+    read.readTable(in, "render", {.render = &out}, nullptr);
+    in.integer("steps", out.steps, stepsAllowed(out));
     if ((out.shading & (out.shading - 1)) != 0)
         in.fail("shading", std::to_string(out.shading) + " is not allowed", "0, 1, 2, 4 or 8");
-    in.number("grid", out.grid, limits::kGridSpacing);
-    in.number("merge", out.merge, limits::kMerge);
-    in.boolean("shared_order", out.shared_order);
-    in.number("exposure", out.exposure, limits::kExposure);
-    in.choice<std::string>("tone_map", out.tone_map, {{"filmic", "filmic"}, {"linear", "linear"}});
-    in.integerOrZero("shadow_size", out.shadow_size, limits::kShadowSize);
-    in.integerOrZero("shadow_slices", out.shadow_slices, limits::kShadowSlices);
-    in.number("shadow_error", out.shadow_error, limits::kShadowError);
-    in.integer("opaque_shadow_size", out.opaque_shadow_size, limits::kOpaqueShadowSize);
-    in.number("cutoff", out.cutoff, limits::kCutoff);
-    in.number("light_tolerance", out.light_tolerance, limits::kLightTolerance);
-    in.number("least_transmittance", out.least_transmittance, limits::kLeastTransmittance);
 }
 
 void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder) {
     const Limits objects{0, 64}; // of a kind: the opaque pass draws each of them
-    in.text("name", out.name, kLongestName);
-    in.vector("origin", out.origin, limits::kOrigin);
-    in.table("medium", [&](TableReader& r) { readMedium(r, out.medium, out.origin, folder); });
-    in.table("simulation", [&](TableReader& r) { readSimulation(r, out.simulation); });
-    in.tables("light", out.lights, {1, 1}, readLight);
-    in.tables("plane", out.planes, objects, [&](TableReader& r, Plane& plane) { readPlane(r, plane, out.origin); });
-    in.tables("box", out.boxes, objects, [&](TableReader& r, Box& box) { readBox(r, box, out.origin); });
-    in.tables("sphere", out.spheres, objects, [&](TableReader& r, Sphere& sphere) { readSphere(r, sphere, out.origin); });
-    in.table("sky", [&](TableReader& r) { readSky(r, out.sky); });
-    in.table("camera", [&](TableReader& r) { readCamera(r, out.camera, out.origin); });
-    in.table("render", [&](TableReader& r) { readRender(r, out.render); });
+    const SettingReader read(folder);
+    const glm::dvec3& origin = out.origin;
+    read.readTable(in, "", {.scene = &out}, nullptr);
+    in.table("medium", [&](TableReader& r) { readMedium(r, read, out.medium, origin); });
+    in.table("simulation", [&](TableReader& r) { read.readTable(r, "simulation", {.simulation = &out.simulation}, nullptr); });
+    in.tables("light", out.lights, {1, 1},
+              [&](TableReader& r, Light& light) { read.readTable(r, "light", {.light = &light}, nullptr); });
+    in.tables("plane", out.planes, objects,
+              [&](TableReader& r, Plane& plane) { read.readTable(r, "plane", {.plane = &plane}, &origin); });
+    in.tables("box", out.boxes, objects, [&](TableReader& r, Box& box) { read.readTable(r, "box", {.box = &box}, &origin); });
+    in.tables("sphere", out.spheres, objects,
+              [&](TableReader& r, Sphere& sphere) { read.readTable(r, "sphere", {.sphere = &sphere}, &origin); });
+    in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
+    in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
+    in.table("render", [&](TableReader& r) { readRender(r, read, out.render); });
 }
 
 // A value that is not TOML is taken for text: render.method=isv.

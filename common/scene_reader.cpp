@@ -136,6 +136,18 @@ void TableReader::text(std::string_view key, std::string& out, size_t longest) {
     out = *value;
 }
 
+std::optional<size_t> TableReader::choice(std::string_view key, std::span<const std::string_view> names) {
+    const toml::node* node = find(key);
+    if (!node) return {};
+    const auto text = node->value_exact<std::string_view>();
+    std::string allowed;
+    for (size_t i = 0; i < names.size(); ++i) {
+        if (text && *text == names[i]) return i;
+        allowed += (allowed.empty() ? "\"" : ", \"") + std::string(names[i]) + '"';
+    }
+    fail(key, shown(*node), "one of " + allowed);
+}
+
 void TableReader::texts(std::string_view key, std::vector<std::string>& out) {
     const toml::node* node = find(key);
     if (!node) return;
@@ -161,6 +173,7 @@ void TableReader::finish() const {
         if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
         std::vector<std::string> names = known_;
         std::sort(names.begin(), names.end());
+        names.erase(std::unique(names.begin(), names.end()), names.end()); // a key may be read twice
         std::string allowed;
         for (const std::string& name : names) allowed += (allowed.empty() ? "" : ", ") + name;
         fail(key.str(), "unknown key", allowed);

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -37,22 +37,8 @@ public:
     void boolean(std::string_view key, bool& out);
     void text(std::string_view key, std::string& out, size_t longest); // not empty
     void texts(std::string_view key, std::vector<std::string>& out);   // ["a", "b"], at most 100, replaces `out`
-    // One of a few names.
-    template <class T>
-    void choice(std::string_view key, T& out, std::initializer_list<std::pair<std::string_view, T>> names) {
-        const toml::node* node = find(key);
-        if (!node) return;
-        const auto text = node->value_exact<std::string_view>();
-        std::string allowed;
-        for (const auto& [name, value] : names) {
-            if (text && *text == name) {
-                out = value;
-                return;
-            }
-            allowed += (allowed.empty() ? "\"" : ", \"") + std::string(name) + '"';
-        }
-        fail(key, shown(*node), "one of " + allowed);
-    }
+    // One of a few names: which of them; nothing when the key is absent.
+    std::optional<size_t> choice(std::string_view key, std::span<const std::string_view> names);
     // [key]: read(TableReader&) names the keys of the inner table.
     template <class Read>
     void table(std::string_view key, Read read) {

@@ -102,7 +102,7 @@ void FrameLoop::tick() {
     const Clock::time_point begin = Clock::now();
     simulation_.step(commands_);
     if (!commands_.empty()) changed_ = replan_ = true;
-    if (!commands_.empty() || !simulation_.now().paused) ++scene_version_;
+    if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
     planner_.setFrameBudget(frame_ms_);
     planner_.setCompiled(compiled_);

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/settings_page.h"
 #include "server/operate/config_file.h"
 #include "server/options/groups.h"
 #include "server/plan/plan.h"
@@ -66,6 +67,10 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     OptionGroup(table, nullptr)
         .flag("--print-config", print_config, "print all options as they stand as such a file, and end")
         .flagOnly();
+    bool print_settings = false;
+    OptionGroup(table, nullptr)
+        .flag("--print-settings", print_settings, "print all settings of a scene as a page, docs/scenes.md, and end")
+        .flagOnly();
     TokenRequest token;
     addTokenOptions(table, token);
     addSceneOptions(table, o);
@@ -89,6 +94,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         return {std::nullopt, 2, std::move(complaint), {}};
     }
     for (const auto& act : table.afterwards) act();
+    if (print_settings) return printed(settingsPage());
     if (print_config) return printed(writeConfig(app));
     try {
         if (o.replay.empty() && !o.explain) readTrust(o);

@@ -10,7 +10,7 @@ std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Pla
     report->tick = simulation.tick();
     report->state_hash = simulation.stateHash();
     report->particles = simulation.liveCount();
-    report->paused = scene.paused;
+    report->paused = scene.simulation.paused;
     report->light = scene.light;
     report->medium = scene.medium;
     report->render = scene.render;

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "common/scene_limits.h"
+#include "server/net/access.h"
 #include "server/net/convert.h"
 
 namespace brume::net {
@@ -15,16 +16,14 @@ namespace {
 // Reads fields one after another and keeps the first refusal.
 class Reader {
 public:
+    explicit Reader(const SceneFacts& facts) : facts_(facts) {}
+
     std::optional<Refusal> refusal;
 
     float number(const char* name, float value, Limits allowed) {
         if (!allowed.holds(value))
             refuse(wire::ErrorCode::out_of_range, fmt::format("{} must be {} ... {}", name, allowed.lo, allowed.hi));
         return value;
-    }
-    std::optional<float> number(const char* name, flatbuffers::Optional<float> value, Limits allowed) {
-        if (!value) return {};
-        return number(name, *value, allowed);
     }
     glm::vec3 vector(const char* name, const wire::Vec3& value, Limits allowed) {
         const glm::vec3 v = toGlm(value);
@@ -41,21 +40,46 @@ public:
         if (!(length > 1e-6f)) refuse(wire::ErrorCode::out_of_range, fmt::format("{} must not be zero", name));
         return v / length;
     }
-    std::optional<std::string> name(const char* what, const flatbuffers::String* value, const std::vector<std::string>& known) {
-        if (!value) return {};
-        std::string asked = value->str();
-        if (std::find(known.begin(), known.end(), asked) == known.end())
-            refuse(wire::ErrorCode::unknown_name, fmt::format("no such {}; there is {}", what, fmt::join(known, ", ")));
-        return asked;
+    // Adds a change where there is a value.
+    void change(Set& set, std::string_view path, const wire::Vec3* value) {
+        if (value) add(set, {path, toGlm(*value)});
+    }
+    void change(Set& set, std::string_view path, const flatbuffers::String* value) {
+        if (value) add(set, {path, value->str()});
+    }
+    template <class T>
+    void change(Set& set, std::string_view path, flatbuffers::Optional<T> value) {
+        if (value) add(set, {path, *value});
     }
 
 private:
+    void add(Set& set, Change change) {
+        const SceneSetting& setting = *change.setting;
+        const std::string key(setting.key());
+        if (auto* value = std::get_if<float>(&change.value)) number(key.c_str(), *value, setting.allowed);
+        if (auto* value = std::get_if<uint32_t>(&change.value)) number(key.c_str(), float(*value), setting.allowed);
+        if (auto* value = std::get_if<glm::vec3>(&change.value))
+            *value = setting.form == Form::direction ? direction(key.c_str(), toWire(*value))
+                                                     : vector(key.c_str(), toWire(*value), setting.allowed);
+        if (auto* value = std::get_if<std::string>(&change.value)) known(setting, *value);
+        set.changes.push_back(std::move(change));
+    }
+    // Methods and quadratures are those of this server; other names are those of the table.
+    void known(const SceneSetting& setting, const std::string& name) {
+        std::vector<std::string> names(setting.choices.begin(), setting.choices.end());
+        if (setting.path == "render.method") names = facts_.methods;
+        if (setting.path == "render.quadrature") names = facts_.quadratures;
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            refuse(wire::ErrorCode::unknown_name, fmt::format("no such {}; there is {}", setting.key(), fmt::join(names, ", ")));
+    }
     void refuse(wire::ErrorCode code, std::string text) {
         if (!refusal) refusal = Refusal{code, std::move(text)};
     }
+
+    const SceneFacts& facts_;
 };
 
-CommandBody readBody(const wire::Input& input, const SceneFacts& facts, Reader& in) {
+CommandBody readBody(const wire::Input& input, Reader& in) {
     switch (input.command_type()) {
     case wire::Command::Impulse: {
         const auto& c = *input.command_as_Impulse();
@@ -66,37 +90,38 @@ CommandBody readBody(const wire::Input& input, const SceneFacts& facts, Reader& 
     }
     case wire::Command::MoveVolume:
         return MoveVolume{in.vector("offset", *input.command_as_MoveVolume()->offset(), limits::kPlace)};
+    // The commands of settings before Set: one for each table, each field under its setting's name.
     case wire::Command::SetLight: {
         const auto& c = *input.command_as_SetLight();
-        SetLight light;
-        if (c.to_light()) light.to_light = in.direction("to_light", *c.to_light());
-        light.irradiance = in.vector("irradiance", c.irradiance(), limits::kRadiance);
-        light.rotate = in.number("rotate", c.rotate(), limits::kRotate);
-        return light;
+        Set set;
+        in.change(set, "light.to_light", c.to_light());
+        in.change(set, "light.irradiance", c.irradiance());
+        in.change(set, "light.rotate", c.rotate());
+        return set;
     }
     case wire::Command::SetMedium: {
         const auto& c = *input.command_as_SetMedium();
-        return SetMedium{.extinction = in.number("extinction", c.extinction(), limits::kExtinction),
-                         .falloff = in.number("falloff", c.falloff(), limits::kFalloff),
-                         .anisotropy = in.number("anisotropy", c.anisotropy(), limits::kAnisotropy),
-                         .asymmetry = in.number("asymmetry", c.asymmetry(), limits::kAsymmetry),
-                         .albedo = in.vector("albedo", c.albedo(), limits::kColour)};
+        Set set;
+        in.change(set, "medium.extinction", c.extinction());
+        in.change(set, "medium.falloff", c.falloff());
+        in.change(set, "medium.anisotropy", c.anisotropy());
+        in.change(set, "medium.asymmetry", c.asymmetry());
+        in.change(set, "medium.albedo", c.albedo());
+        return set;
     }
     case wire::Command::SetRender: {
         const auto& c = *input.command_as_SetRender();
-        SetRender render;
-        render.method = in.name("method", c.method(), facts.methods);
-        render.quadrature = in.name("quadrature", c.quadrature(), facts.quadratures);
-        if (c.steps()) {
-            in.number("steps", float(*c.steps()), limits::kSteps);
-            render.steps = *c.steps();
-        }
-        render.exposure = in.number("exposure", c.exposure(), limits::kExposure);
-        return render;
+        Set set;
+        in.change(set, "render.method", c.method());
+        in.change(set, "render.quadrature", c.quadrature());
+        in.change(set, "render.steps", c.steps());
+        in.change(set, "render.exposure", c.exposure());
+        return set;
     }
     case wire::Command::SetSimulation: {
-        const auto paused = input.command_as_SetSimulation()->paused();
-        return SetSimulation{paused ? std::optional<bool>(*paused) : std::nullopt};
+        Set set;
+        in.change(set, "simulation.paused", input.command_as_SetSimulation()->paused());
+        return set;
     }
     case wire::Command::Restart:
         return Restart{};
@@ -109,25 +134,19 @@ CommandBody readBody(const wire::Input& input, const SceneFacts& facts, Reader& 
 
 } // namespace
 
-wire::Role roleFor(wire::Command command) {
-    switch (command) {
-    case wire::Command::Impulse:
-    case wire::Command::MoveVolume:
-    case wire::Command::SetLight:
-    case wire::Command::SetMedium:
-    case wire::Command::SetSimulation:
-        return wire::Role::controller;
-    case wire::Command::SetRender: // what a frame costs everyone
-    case wire::Command::Restart:
-    case wire::Command::NONE:
-        break;
-    }
-    return wire::Role::operator_;
+wire::Role roleFor(const CommandBody& body) {
+    if (std::holds_alternative<Impulse>(body) || std::holds_alternative<MoveVolume>(body)) return wire::Role::controller;
+    const auto* set = std::get_if<Set>(&body);
+    const bool for_controllers = set && !set->changes.empty() &&
+                                 std::all_of(set->changes.begin(), set->changes.end(),
+                                             [](const Change& one) { return one.setting->changed_by == ChangedBy::controllers; });
+    return for_controllers ? wire::Role::controller : wire::Role::operator_; // what a frame costs everyone, and Restart
 }
 
-std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts) {
-    Reader in;
-    CommandBody body = readBody(input, facts, in);
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts, wire::Role role) {
+    Reader in(facts);
+    CommandBody body = readBody(input, in);
+    if (const wire::Role least = roleFor(body); role < least) return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};
     if (in.refusal) return *std::move(in.refusal);
     return body;
 }

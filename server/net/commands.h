@@ -16,10 +16,11 @@ struct Refusal {
     std::string text;
 };
 
-// The least role that may give the command.
-wire::Role roleFor(wire::Command command);
+// The least role that may give a command: of settings, what the table says (common/settings.h).
+wire::Role roleFor(const CommandBody& body);
 
 // Precondition: `input` comes from wire::parse. In the result directions have unit length and names are among `facts`.
-std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts);
+// A viewer whose role is too low is told that before anything else.
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts, wire::Role role);
 
 } // namespace brume::net

@@ -164,9 +164,7 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
         return refuse(wire::ErrorCode::too_fast, fmt::format("more than {:g} inputs a second", options_.input_rate), now, out,
                       seq);
 
-    if (const Role least = roleFor(input.command_type()); role_ < least)
-        return refuse(wire::ErrorCode::forbidden, forbidden(role_, least), now, out, seq);
-    auto command = readCommand(input, facts_);
+    auto command = readCommand(input, facts_, role_);
     if (auto* refusal = std::get_if<Refusal>(&command)) return refuse(refusal->code, std::move(refusal->text), now, out, seq);
     out.push_back(EnqueueCommand{seq, std::get<CommandBody>(std::move(command))});
 }

@@ -1,6 +1,8 @@
 #include "server/operate/command_json.h"
 
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -21,32 +23,15 @@ void eachField(MoveVolume& c, F&& f) {
     f("offset", offset);
 }
 template <class F>
-void eachField(SetLight& c, F&& f) {
-    auto& [to_light, irradiance, rotate] = c;
-    f("to_light", to_light), f("irradiance", irradiance), f("rotate", rotate);
-}
-template <class F>
-void eachField(SetMedium& c, F&& f) {
-    auto& [extinction, falloff, anisotropy, asymmetry, albedo] = c;
-    f("extinction", extinction), f("falloff", falloff), f("anisotropy", anisotropy), f("asymmetry", asymmetry),
-        f("albedo", albedo);
-}
-template <class F>
-void eachField(SetRender& c, F&& f) {
-    auto& [method, quadrature, steps, exposure] = c;
-    f("method", method), f("quadrature", quadrature), f("steps", steps), f("exposure", exposure);
-}
-template <class F>
-void eachField(SetSimulation& c, F&& f) {
-    auto& [paused] = c;
-    f("paused", paused);
-}
-template <class F>
 void eachField(Restart&, F&&) {}
 
 // In the order of CommandBody.
-constexpr const char* kNames[] = {"impulse", "move_volume", "set_light", "set_medium", "set_render", "set_simulation", "restart"};
+constexpr const char* kNames[] = {"impulse", "move_volume", "set", "restart"};
 static_assert(std::size(kNames) == std::variant_size_v<CommandBody>);
+
+// The commands of recordings of version 1, which had the settings of one table each.
+constexpr std::pair<std::string_view, std::string_view> kOldSets[] = {
+    {"set_light", "light."}, {"set_medium", "medium."}, {"set_render", "render."}, {"set_simulation", "simulation."}};
 
 template <class T>
 json valueOf(const T& value) {
@@ -69,10 +54,6 @@ struct Write {
     void operator()(const char* name, const T& value) {
         out[name] = valueOf(value);
     }
-    template <class T>
-    void operator()(const char* name, const std::optional<T>& value) {
-        if (value) out[name] = valueOf(*value);
-    }
 };
 
 struct Read {
@@ -83,24 +64,57 @@ struct Read {
         read(in.at(name), value);
         ++taken;
     }
-    template <class T>
-    void operator()(const char* name, std::optional<T>& value) {
-        if (!in.contains(name)) return;
-        read(in.at(name), value.emplace());
-        ++taken;
-    }
 };
+
+template <class Body>
+json fieldsOf(Body body) {
+    json fields = json::object();
+    eachField(body, Write{fields});
+    return fields;
+}
+// A list of [path, value], since their order counts.
+json fieldsOf(const Set& set) {
+    json changes = json::array();
+    for (const Change& change : set.changes)
+        changes.push_back({change.setting->path, std::visit([](const auto& value) { return valueOf(value); }, change.value)});
+    return changes;
+}
+
+Change changeOf(const std::string& path, const json& in) {
+    const SceneSetting* setting = liveSetting(path);
+    if (!setting) throw std::runtime_error("no live setting is called " + path);
+    SettingValue value = defaultOf(*setting);
+    std::visit([&](auto& to) { read(in, to); }, value);
+    return {path, std::move(value)};
+}
+
+template <class Body>
+void readFields(const std::string& name, const json& fields, Body& body) {
+    Read reader{fields};
+    eachField(body, reader);
+    if (reader.taken != fields.size()) throw std::runtime_error("a field that " + name + " does not have");
+}
+void readFields(const std::string&, const json& changes, Set& set) {
+    for (const json& change : changes) {
+        if (!change.is_array() || change.size() != 2) throw std::runtime_error("a change is [path, value]");
+        set.changes.push_back(changeOf(change.at(0).get<std::string>(), change.at(1)));
+    }
+}
 
 template <size_t I = 0>
 CommandBody bodyOf(const std::string& name, const json& fields) {
     if constexpr (I < std::variant_size_v<CommandBody>) {
         if (name != kNames[I]) return bodyOf<I + 1>(name, fields);
         std::variant_alternative_t<I, CommandBody> body;
-        Read reader{fields};
-        eachField(body, reader);
-        if (reader.taken != fields.size()) throw std::runtime_error("a field that " + name + " does not have");
+        readFields(name, fields, body);
         return body;
     } else {
+        for (const auto& [old, table] : kOldSets) {
+            if (name != old) continue;
+            Set set;
+            for (const auto& [key, value] : fields.items()) set.changes.push_back(changeOf(std::string(table) + key, value));
+            return set;
+        }
         throw std::runtime_error("no command is called " + name);
     }
 }
@@ -108,9 +122,7 @@ CommandBody bodyOf(const std::string& name, const json& fields) {
 } // namespace
 
 json toJson(const Command& command) {
-    json fields = json::object();
-    CommandBody body = command.body;
-    std::visit([&](auto& b) { eachField(b, Write{fields}); }, body);
+    json fields = std::visit([](const auto& body) { return fieldsOf(body); }, command.body);
     return {{"viewer", command.viewer}, {"seq", command.seq}, {kNames[command.body.index()], std::move(fields)}};
 }
 

@@ -7,9 +7,11 @@
 
 namespace brume {
 
-// {"viewer":1,"seq":2,"impulse":{"origin":[0,0,26],...}}; fields that are not set are left out. Finite numbers only.
+// {"viewer":1,"seq":2,"impulse":{"origin":[0,0,26],...}}; settings are {"set":[["medium.falloff",2],...]}.
+// Finite numbers only.
 nlohmann::json toJson(const Command& command);
-// Throws nlohmann::json::exception or std::runtime_error when it is not exactly what toJson() writes.
+// Reads what toJson() writes, and {"set_medium":{"falloff":2}} of recordings of version 1. Throws nlohmann::json::exception or
+// std::runtime_error for anything else.
 Command commandOf(const nlohmann::json& json);
 
 } // namespace brume

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <variant>
 #include <vector>
 
 #include <glm/glm.hpp>
+
+#include "common/settings.h"
 
 namespace brume {
 
@@ -20,25 +21,15 @@ struct Impulse {                              // pushes particles near the ray a
 struct MoveVolume {
     glm::vec3 offset{0}; // m, added to the volume's place
 };
-struct SetLight {
-    std::optional<glm::vec3> to_light, irradiance;
-    std::optional<float> rotate;
-};
-struct SetMedium {
-    std::optional<float> extinction, falloff, anisotropy, asymmetry;
-    std::optional<glm::vec3> albedo;
-};
-struct SetRender {
-    std::optional<std::string> method, quadrature;
-    std::optional<uint32_t> steps;
-    std::optional<float> exposure;
-};
-struct SetSimulation {
-    std::optional<bool> paused;
+struct Set { // gives live settings new values
+    Set() = default;
+    Set(std::initializer_list<Change> all) : changes(all) {}
+
+    std::vector<Change> changes; // made in this order
 };
 struct Restart {};
 
-using CommandBody = std::variant<Impulse, MoveVolume, SetLight, SetMedium, SetRender, SetSimulation, Restart>;
+using CommandBody = std::variant<Impulse, MoveVolume, Set, Restart>;
 
 struct Command {
     uint32_t viewer = 0; // who asked

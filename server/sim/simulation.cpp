@@ -19,21 +19,27 @@ namespace brume {
 namespace {
 
 constexpr float kDt = static_cast<float>(kTickSeconds);
-constexpr size_t kLongestName = 64; // of a method or quadrature; room for it is made at the start
 
 bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 glm::vec3 clamped(glm::vec3 v, Limits to) { return {to.clamp(v.x), to.clamp(v.y), to.clamp(v.z)}; }
 
-// A wish that is absent or not finite changes nothing; any other is brought into its limits.
-void take(const std::optional<float>& wish, float& value, Limits to) {
-    if (wish && std::isfinite(*wish)) value = to.clamp(*wish);
+void copy(const SceneSetting& setting, const SceneParts& from, const SceneParts& to) {
+    std::visit(
+        [&]<class M>(M member) {
+            if constexpr (std::is_pointer_v<M>) *std::get<M>(setting.member(to)) = *member;
+        },
+        setting.member(from));
 }
-void take(const std::optional<glm::vec3>& wish, glm::vec3& value, Limits to) {
-    if (wish && finite(*wish)) value = clamped(*wish, to);
-}
-void take(const std::optional<std::string>& wish, std::string& value) {
-    if (wish && !wish->empty() && wish->size() <= kLongestName) value = *wish;
+
+// All live settings of one type, in the order of the table.
+template <class T, class F>
+void eachLive(const SceneParts& parts, F&& f) {
+    for (const SceneSetting& setting : sceneSettings()) {
+        if (!setting.live()) continue;
+        const Member member = setting.member(parts);
+        if (T* const* value = std::get_if<T*>(&member)) f(**value);
+    }
 }
 
 // About +Y by a small angle; the series are exact in float32 for the at most 10/60 rad of a step.
@@ -50,19 +56,15 @@ struct Simulation::State {
 
     void apply(const Impulse& c);
     void apply(const MoveVolume& c);
-    void apply(const SetLight& c);
-    void apply(const SetMedium& c);
-    void apply(const SetRender& c);
-    void apply(const SetSimulation& c);
+    void apply(const Set& c);
     void apply(const Restart&);
 
     void advance(); // one step of the particles, the volume and the light
     void settle();  // what follows from the rest: sigma, bounds, hash
     glm::vec3 volume() const;
     std::array<Rows, 2> living() const { return plume ? plume->living() : std::array<Rows, 2>{Rows{0, rows}, Rows{}}; }
-    uint64_t hashed() const;
+    uint64_t hashed();
 
-    SimulationSettings settings;
     uint32_t rows = 0;
     bool own_sigma = false;         // sigma came with the points: no extinction applies
     std::vector<glm::vec3> albedos; // came with the points, or empty
@@ -81,12 +83,11 @@ struct Simulation::State {
     Bounds bounds;
 };
 
-Simulation::State::State(const Scene& scene) : settings(scene.simulation) {
-    now = {scene.medium, scene.lights.at(0), scene.render, scene.simulation.paused};
+Simulation::State::State(const Scene& scene) : now{scene.medium, scene.lights.at(0), scene.render, scene.simulation} {
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);
-        plume.emplace(scene.medium, settings.viscosity);
+        plume.emplace(scene.medium, now.simulation.viscosity);
         // A full column from the first picture on.
         first_step = static_cast<uint64_t>(std::ceil(static_cast<double>(scene.medium.emitter.life) / kTickSeconds)) + 1;
         while (steps < first_step) advance();
@@ -112,8 +113,7 @@ Simulation::State::State(const Scene& scene) : settings(scene.simulation) {
     for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c)
         for (const Rows run : living()) all.add(std::span((*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin));
     origin = all.value();
-    now.render.method.reserve(kLongestName);
-    now.render.quadrature.reserve(kLongestName);
+    eachLive<std::string>(partsOf(now), [](std::string& text) { text.reserve(kLongestName); });
     settle();
     first_columns = columns;
     first_plume = plume;
@@ -125,9 +125,10 @@ void Simulation::State::apply(const Impulse& c) {
     if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-3f && length < 1e3f)) return;
     if (impulses++ >= kMostImpulses) return; // of a recording: CommandQueue refuses them
     const float strength = limits::kStrength.clamp(c.strength);
-    Push p{.origin = clamped(c.origin, limits::kPlace), .direction = c.direction / length, .radius = settings.impulse_radius};
+    Push p{
+        .origin = clamped(c.origin, limits::kPlace), .direction = c.direction / length, .radius = now.simulation.impulse_radius};
     if (c.push == glm::vec3(0)) {
-        p.away = strength * settings.impulse_strength;
+        p.away = strength * now.simulation.impulse_strength;
         p.along = p.direction * (0.5f * p.away); // mostly outward, and away from who pushes
     } else {
         p.along = clamped(c.push, limits::kSpeed) * strength;
@@ -139,57 +140,26 @@ void Simulation::State::apply(const MoveVolume& c) {
     if (finite(c.offset)) moved = clamped(moved + clamped(c.offset, limits::kPlace), limits::kPlace);
 }
 
-void Simulation::State::apply(const SetLight& c) {
-    glm::vec3 to_light{0};
-    take(c.to_light, to_light, limits::kPlace);
-    if (const float length = glm::length(to_light); length > 1e-6f) now.light.to_light = to_light / length;
-    take(c.irradiance, now.light.irradiance, limits::kRadiance);
-    take(c.rotate, now.light.rotate, limits::kRotate);
+void Simulation::State::apply(const Set& c) {
+    for (const Change& change : c.changes) brume::apply(change, partsOf(now));
 }
 
-void Simulation::State::apply(const SetMedium& c) {
-    take(c.extinction, now.medium.extinction, limits::kExtinction);
-    take(c.falloff, now.medium.falloff, limits::kFalloff);
-    take(c.anisotropy, now.medium.anisotropy, limits::kAnisotropy);
-    take(c.asymmetry, now.medium.asymmetry, limits::kAsymmetry);
-    take(c.albedo, now.medium.albedo, limits::kColour);
-}
-
-void Simulation::State::apply(const SetRender& c) {
-    take(c.method, now.render.method);
-    take(c.quadrature, now.render.quadrature);
-    take(c.exposure, now.render.exposure, limits::kExposure);
-    const Limits steps_allowed = now.render.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps;
-    now.render.steps =
-        static_cast<uint32_t>(std::clamp<double>(c.steps.value_or(now.render.steps), steps_allowed.lo, steps_allowed.hi));
-}
-
-void Simulation::State::apply(const SetSimulation& c) {
-    if (c.paused) now.paused = *c.paused;
-}
-
-// Everything as after loading, only the tick goes on. Names one by one: copying a medium's path could allocate.
+// Everything as after loading, only the tick goes on.
 void Simulation::State::apply(const Restart&) {
     columns->copyFrom(*first_columns);
     plume = first_plume;
     steps = first_step;
     moved = glm::vec3(0);
-    apply(SetMedium{.extinction = first_now.medium.extinction,
-                    .falloff = first_now.medium.falloff,
-                    .anisotropy = first_now.medium.anisotropy,
-                    .asymmetry = first_now.medium.asymmetry,
-                    .albedo = first_now.medium.albedo});
-    now.light = first_now.light;
-    now.render = first_now.render;
-    now.paused = first_now.paused;
+    for (const SceneSetting& setting : sceneSettings())
+        if (setting.live()) copy(setting, partsOf(first_now), partsOf(now));
 }
 
 // Moved by commands, adrift and asway; a closed form of the number of steps, so that no rounding piles up.
 glm::vec3 Simulation::State::volume() const {
     const double seconds = (static_cast<double>(steps) - static_cast<double>(first_step)) * kTickSeconds;
-    const double turns = seconds / static_cast<double>(settings.volume_period);
-    const float sway = settings.volume_swing * sineOfTurns(static_cast<float>(turns - std::floor(turns)));
-    return clamped(moved + settings.volume_velocity * static_cast<float>(seconds) + glm::vec3(sway, 0, 0), limits::kPlace);
+    const double turns = seconds / static_cast<double>(now.simulation.volume_period);
+    const float sway = now.simulation.volume_swing * sineOfTurns(static_cast<float>(turns - std::floor(turns)));
+    return clamped(moved + now.simulation.volume_velocity * static_cast<float>(seconds) + glm::vec3(sway, 0, 0), limits::kPlace);
 }
 
 void Simulation::State::advance() {
@@ -198,7 +168,7 @@ void Simulation::State::advance() {
         plume->step(*columns, steps, volume());
     else
         springStep(*columns, {0, rows},
-                   {.dt = kDt, .spring = settings.spring, .viscosity = settings.viscosity, .volume = volume()});
+                   {.dt = kDt, .spring = now.simulation.spring, .viscosity = now.simulation.viscosity, .volume = volume()});
     if (now.light.rotate != 0) now.light.to_light = turned(now.light.to_light, now.light.rotate * kDt);
 }
 
@@ -216,20 +186,23 @@ void Simulation::State::settle() {
     hash = hashed();
 }
 
-// What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for.
-uint64_t Simulation::State::hashed() const {
+// What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for. Live settings come
+// type after type: in this order recordings of version 1 have them.
+uint64_t Simulation::State::hashed() {
     StateHash out;
     out.add(origin);
     for (const Rows run : living())
         for (const Column c : {Column::x, Column::y, Column::z, Column::vx, Column::vy, Column::vz})
             out.add(std::span((*columns)[c] + run.begin, run.end - run.begin));
-    for (const glm::vec3 v : {moved, now.light.to_light, now.light.irradiance, now.medium.albedo}) out.add(std::span(&v.x, 3));
-    out.add(std::array{now.light.rotate, now.medium.extinction, now.medium.falloff, now.medium.anisotropy, now.medium.asymmetry,
-                       now.render.exposure});
-    out.add(now.render.method);
-    out.add(now.render.quadrature);
-    for (const uint64_t word : {steps, plume ? plume->born() : 0, uint64_t{now.render.steps}, uint64_t{now.paused}})
-        out.add(word);
+    out.add(std::span(&moved.x, 3));
+    const SceneParts parts = partsOf(now);
+    eachLive<glm::vec3>(parts, [&](const glm::vec3& value) { out.add(std::span(&value.x, 3)); });
+    eachLive<float>(parts, [&](const float& value) { out.add(std::span(&value, 1)); });
+    eachLive<std::string>(parts, [&](const std::string& value) { out.add(std::string_view(value)); });
+    out.add(steps);
+    out.add(plume ? plume->born() : 0);
+    eachLive<uint32_t>(parts, [&](uint32_t value) { out.add(uint64_t{value}); });
+    eachLive<bool>(parts, [&](bool value) { out.add(uint64_t{value}); });
     return out.value();
 }
 
@@ -242,7 +215,7 @@ void Simulation::step(std::span<const Command> commands) {
     ++s.tick;
     s.impulses = 0;
     for (const Command& command : commands) std::visit([&](const auto& body) { s.apply(body); }, command.body);
-    if (!s.now.paused) s.advance();
+    if (!s.now.simulation.paused) s.advance();
     s.settle();
 }
 

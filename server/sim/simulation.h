@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/scene.h"
+#include "common/settings.h"
 #include "server/sim/command.h"
 #include "shaders/shared/types.h"
 
@@ -24,8 +25,12 @@ struct SceneNow {
     Medium medium;
     Light light;
     RenderSettings render;
-    bool paused = false; // True: particles do not move
+    SimulationSettings simulation;
 };
+// Where its settings lie.
+inline SceneParts partsOf(SceneNow& now) {
+    return {.medium = &now.medium, .simulation = &now.simulation, .light = &now.light, .render = &now.render};
+}
 
 class Simulation {
 public:

@@ -18,8 +18,6 @@ using std::chrono::microseconds;
 enum Kind : uint8_t { kBytes, kHello, kPose, kInput, kAck, kText, kTick, kUnknownFrame, kPing, kPong, kKinds };
 
 bool within(glm::vec3 v, Limits allowed) { return allowed.holds(v.x) && allowed.holds(v.y) && allowed.holds(v.z); }
-bool within(const std::optional<glm::vec3>& v, Limits allowed) { return !v || within(*v, allowed); }
-bool within(const std::optional<float>& v, Limits allowed) { return !v || allowed.holds(*v); }
 bool isDrawable(const Frustum& f) { // all zero: the symmetric one of fov_y
     if (f == Frustum{}) return true;
     for (const float tangent : {f.left, f.right, f.up, f.down})
@@ -83,27 +81,30 @@ public:
                 "an impulse within limits");
     }
     void operator()(const MoveVolume& c) { promise(within(c.offset, limits::kPlace), "a move within limits"); }
-    void operator()(const SetLight& c) {
-        promise((!c.to_light || isUnit(*c.to_light)) && within(c.irradiance, limits::kRadiance) &&
-                    within(c.rotate, limits::kRotate),
-                "light within limits");
-    }
-    void operator()(const SetMedium& c) {
-        promise(within(c.extinction, limits::kExtinction) && within(c.falloff, limits::kFalloff) &&
-                    within(c.anisotropy, limits::kAnisotropy) && within(c.asymmetry, limits::kAsymmetry) &&
-                    within(c.albedo, limits::kColour),
-                "a medium within limits");
-    }
-    void operator()(const SetRender& c) {
-        promise(!c.method || *c.method == facts_.methods[0], "a method that there is");
-        promise(!c.quadrature || *c.quadrature == facts_.quadratures[0], "a quadrature that there is");
-        promise((!c.steps || limits::kSteps.holds(*c.steps)) && within(c.exposure, limits::kExposure), "settings within limits");
+    void operator()(const Set& c) {
+        for (const Change& change : c.changes) {
+            promise(change.setting != nullptr && change.setting->live(), "a setting that is live");
+            std::visit([&](const auto& value) { allowed(*change.setting, value); }, change.value);
+        }
     }
     // What holds no more than a number or a name of its own.
     template <class Other>
     void operator()(const Other&) {}
 
 private:
+    void allowed(const SceneSetting&, bool) const {}
+    void allowed(const SceneSetting& setting, float value) const {
+        promise(setting.allowed.holds(value), "a number within limits");
+    }
+    void allowed(const SceneSetting& setting, uint32_t value) const {
+        promise(setting.allowed.holds(value), "a number within limits");
+    }
+    void allowed(const SceneSetting& setting, const glm::vec3& value) const {
+        promise(setting.form == Form::direction ? isUnit(value) : within(value, setting.allowed), "a vector within limits");
+    }
+    void allowed(const SceneSetting& setting, const std::string& value) const {
+        promise(value == (setting.path == "render.method" ? facts_.methods : facts_.quadratures).at(0), "a name that there is");
+    }
     void picture(const PoseRequest& request) const {
         promise(request.width >= net::kMinSide && request.height >= net::kMinSide && request.width <= options_.max_side &&
                     request.height <= options_.max_side,

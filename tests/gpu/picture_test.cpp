@@ -254,19 +254,19 @@ TEST_F(PictureTest, WhatRestsIsNotLitAgain) {
     EXPECT_EQ(passes("again"), "");
     simulation.step({});
     EXPECT_EQ(passes("a paused tick later"), "");
-    after(SetLight{.to_light = glm::vec3(0.5f, 1, 0.2f)});
+    after(Set{{"light.to_light", glm::vec3(0.5f, 1, 0.2f)}});
     EXPECT_EQ(passes("the light has turned"), "opaque shadow;shadow volume;");
-    after(SetLight{.irradiance = glm::vec3(3, 4, 5)});
+    after(Set{{"light.irradiance", glm::vec3(3, 4, 5)}});
     EXPECT_EQ(passes("it is brighter"), "");
-    after(SetMedium{.asymmetry = 0.3f});
+    after(Set{{"medium.asymmetry", 0.3f}});
     EXPECT_EQ(passes("the medium scatters otherwise"), "");
-    after(SetMedium{.falloff = 2});
+    after(Set{{"medium.falloff", 2.0f}});
     EXPECT_EQ(passes("particles are wider"), "shadow volume;");
-    after(SetMedium{.albedo = glm::vec3(0.2f)});
+    after(Set{{"medium.albedo", glm::vec3(0.2f)}});
     EXPECT_EQ(passes("they are darker"), "upload;shadow volume;");
-    after(SetRender{.exposure = 2.0f});
+    after(Set{{"render.exposure", 2.0f}});
     EXPECT_EQ(passes("exposure"), "");
-    after(SetSimulation{.paused = false});
+    after(Set{{"simulation.paused", false}});
     after(Impulse{.origin = {-5, 7, 27}, .direction = glm::normalize(glm::vec3(5, -2, -27))});
     EXPECT_EQ(passes("they move"), "upload;shadow volume;");
 }

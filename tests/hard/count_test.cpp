@@ -137,10 +137,9 @@ protected:
             done = way.method;
             const std::string name = "N = " + std::to_string(count) + ": transmittance";
             if (refused(name, way, scene)) continue; // tests/gpu/grid_test.cpp counts for it
-            SetRender wish;
-            wish.method = way.method;
-            if (!way.quadrature.empty()) wish.quadrature = way.quadrature;
-            if (way.steps > 0) wish.steps = way.steps;
+            Set wish{{"render.method", way.method}};
+            if (!way.quadrature.empty()) wish.changes.emplace_back("render.quadrature", way.quadrature);
+            if (way.steps > 0) wish.changes.emplace_back("render.steps", way.steps);
             Command command;
             command.body = wish;
             simulation.step({&command, 1});

@@ -58,8 +58,9 @@ private:
             if (paused) continue;
             audience_.commands().drain(taken);
             for (const Command& command : taken) {
-                if (const auto* simulation = std::get_if<SetSimulation>(&command.body))
-                    report.paused = simulation->paused.value_or(report.paused);
+                if (const auto* set = std::get_if<Set>(&command.body))
+                    for (const Change& change : set->changes)
+                        if (change.setting->path == "simulation.paused") report.paused = std::get<bool>(change.value);
                 const std::scoped_lock lock(mutex_);
                 commands_.push_back(command);
             }

@@ -45,28 +45,30 @@ TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
     EXPECT_EQ(impulse.push, glm::vec3(0, 5, 0));
     EXPECT_EQ(impulse.strength, 2);
 
-    const auto light =
-        std::get<SetLight>(only<EnqueueCommand>(input(2, [&](auto& b) { return wire::CreateSetLight(b, &push); })).body);
-    EXPECT_EQ(light.to_light, glm::vec3(0, 1, 0));
-    EXPECT_FALSE(light.irradiance);
-    EXPECT_FALSE(light.rotate);
+    const auto set = [&](uint32_t seq, auto&& build) { return std::get<Set>(only<EnqueueCommand>(input(seq, build)).body).changes; };
+    const auto light = set(2, [&](auto& b) { return wire::CreateSetLight(b, &push); });
+    ASSERT_EQ(light.size(), 1u) << "what is left out is not set";
+    EXPECT_EQ(light[0].setting->path, "light.to_light");
+    EXPECT_EQ(light[0].value, SettingValue(glm::vec3(0, 1, 0))) << "made a unit vector";
 
-    const auto medium =
-        std::get<SetMedium>(only<EnqueueCommand>(input(3, [](auto& b) { return wire::CreateSetMedium(b, 20.f); })).body);
-    EXPECT_EQ(medium.extinction, 20);
-    EXPECT_FALSE(medium.falloff);
-    EXPECT_FALSE(medium.albedo);
+    const auto medium = set(3, [](auto& b) { return wire::CreateSetMedium(b, 20.f); });
+    ASSERT_EQ(medium.size(), 1u);
+    EXPECT_EQ(medium[0].setting->path, "medium.extinction");
+    EXPECT_EQ(medium[0].value, SettingValue(20.f));
 
-    const auto render = std::get<SetRender>(
-        only<EnqueueCommand>(input(4, [](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "analytic", 3); })).body);
-    EXPECT_EQ(render.method, "isv");
-    EXPECT_EQ(render.quadrature, "analytic");
-    EXPECT_EQ(render.steps, 3u);
-    EXPECT_FALSE(render.exposure);
+    const auto render = set(4, [](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "analytic", 3); });
+    ASSERT_EQ(render.size(), 3u);
+    EXPECT_EQ(render[0].setting->path, "render.method");
+    EXPECT_EQ(render[0].value, SettingValue("isv"));
+    EXPECT_EQ(render[1].setting->path, "render.quadrature");
+    EXPECT_EQ(render[1].value, SettingValue("analytic"));
+    EXPECT_EQ(render[2].setting->path, "render.steps");
+    EXPECT_EQ(render[2].value, SettingValue(3u));
 
-    const auto paused =
-        std::get<SetSimulation>(only<EnqueueCommand>(input(5, [](auto& b) { return wire::CreateSetSimulation(b, true); })).body);
-    EXPECT_EQ(paused.paused, true);
+    const auto paused = set(5, [](auto& b) { return wire::CreateSetSimulation(b, true); });
+    ASSERT_EQ(paused.size(), 1u);
+    EXPECT_EQ(paused[0].setting->path, "simulation.paused");
+    EXPECT_EQ(paused[0].value, SettingValue(true));
     const auto moved =
         std::get<MoveVolume>(only<EnqueueCommand>(input(6, [&](auto& b) { return wire::CreateMoveVolume(b, &origin); })).body);
     EXPECT_EQ(moved.offset, glm::vec3(1, 2, 3));

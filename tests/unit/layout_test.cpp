@@ -77,7 +77,7 @@ TEST(Layouts, AFileBringsItsOwnParticles) {
     scene.medium.layout = Layout::file;
     scene.medium.file = file;
     scene.medium.centre = {10, 0, 0};
-    const SetMedium change{.extinction = 30.0f, .albedo = glm::vec3(0.5f)};
+    const Set change{{"medium.extinction", 30.0f}, {"medium.albedo", glm::vec3(0.5f)}};
     {
         Simulation simulation(scene);
         const auto before = particlesOf(simulation);

@@ -35,11 +35,11 @@ std::vector<uint64_t> hashesOf(Simulation& simulation) {
     const std::vector<std::pair<int, Command>> script{
         {3, command(Impulse{.origin = {0, 1, 20}})},
         {10, command(MoveVolume{.offset = {1, 2, -1}})},
-        {20, command(SetLight{.to_light = glm::vec3(1, 2, 3), .rotate = 0.7f})},
-        {30, command(SetMedium{.extinction = 40.0f, .falloff = 1.4f, .asymmetry = 0.3f})},
-        {40, command(SetRender{.method = "isv", .steps = 4u, .exposure = 1.5f})},
-        {50, command(SetSimulation{.paused = true})},
-        {55, command(SetSimulation{.paused = false})},
+        {20, command(Set{{"light.to_light", glm::vec3(1, 2, 3)}, {"light.rotate", 0.7f}})},
+        {30, command(Set{{"medium.extinction", 40.0f}, {"medium.falloff", 1.4f}, {"medium.asymmetry", 0.3f}})},
+        {40, command(Set{{"render.method", "isv"}, {"render.steps", 4u}, {"render.exposure", 1.5f}})},
+        {50, command(Set{{"simulation.paused", true}})},
+        {55, command(Set{{"simulation.paused", false}})},
         {60, command(Impulse{.origin = {0, 1, 20}, .push = {3, 0, 0}, .strength = -2})},
     };
     std::vector<uint64_t> hashes;
@@ -86,8 +86,8 @@ TEST(Hash, IsTheSameWithEveryCompiler) {
 }
 
 TEST(Hash, OrderOfCommandsMatters) {
-    const Command thin = command(SetMedium{.extinction = 5.0f});
-    const Command thick = command(SetMedium{.extinction = 50.0f});
+    const Command thin = command(Set{{"medium.extinction", 5.0f}});
+    const Command thick = command(Set{{"medium.extinction", 50.0f}});
     Simulation a(cubeScene()), b(cubeScene());
     give(a, {thin, thick});
     give(b, {thick, thin});
@@ -100,19 +100,19 @@ TEST(Hash, SeesEveryParameterThatACommandCanChange) {
     const std::vector<Command> changes{
         command(Impulse{.origin = {0, 0, 20}}),
         command(MoveVolume{.offset = {0.001f, 0, 0}}),
-        command(SetLight{.to_light = glm::vec3(0, 1, 0)}),
-        command(SetLight{.irradiance = glm::vec3(1)}),
-        command(SetLight{.rotate = 0.1f}),
-        command(SetMedium{.extinction = 1.0f}),
-        command(SetMedium{.falloff = 1.0f}),
-        command(SetMedium{.anisotropy = 0.1f}),
-        command(SetMedium{.asymmetry = 0.1f}),
-        command(SetMedium{.albedo = glm::vec3(0.1f)}),
-        command(SetRender{.method = "isv"}),
-        command(SetRender{.quadrature = "analytic"}),
-        command(SetRender{.steps = 5u}),
-        command(SetRender{.exposure = 2.0f}),
-        command(SetSimulation{.paused = true}),
+        command(Set{{"light.to_light", glm::vec3(0, 1, 0)}}),
+        command(Set{{"light.irradiance", glm::vec3(1)}}),
+        command(Set{{"light.rotate", 0.1f}}),
+        command(Set{{"medium.extinction", 1.0f}}),
+        command(Set{{"medium.falloff", 1.0f}}),
+        command(Set{{"medium.anisotropy", 0.1f}}),
+        command(Set{{"medium.asymmetry", 0.1f}}),
+        command(Set{{"medium.albedo", glm::vec3(0.1f)}}),
+        command(Set{{"render.method", "isv"}}),
+        command(Set{{"render.quadrature", "analytic"}}),
+        command(Set{{"render.steps", 5u}}),
+        command(Set{{"render.exposure", 2.0f}}),
+        command(Set{{"simulation.paused", true}}),
     };
     Simulation unchanged(cubeScene());
     unchanged.step({});
@@ -128,12 +128,17 @@ TEST_P(AnyLayout, StepAllocatesNothing) {
     const std::vector<Command> all{
         command(Impulse{.origin = {0, 0, 20}}),
         command(MoveVolume{.offset = {1, 0, 0}}),
-        command(SetLight{.to_light = glm::vec3(0, 1, 0), .irradiance = glm::vec3(3), .rotate = 1.0f}),
-        command(
-            SetMedium{.extinction = 10.0f, .falloff = 1.0f, .anisotropy = 0.5f, .asymmetry = 0.5f, .albedo = glm::vec3(0.5f)}),
-        command(SetRender{
-            .method = "a method with a name of some length", .quadrature = "transmittance", .steps = 3u, .exposure = 2.0f}),
-        command(SetSimulation{.paused = false}),
+        command(Set{{"light.to_light", glm::vec3(0, 1, 0)}, {"light.irradiance", glm::vec3(3)}, {"light.rotate", 1.0f}}),
+        command(Set{{"medium.extinction", 10.0f},
+                    {"medium.falloff", 1.0f},
+                    {"medium.anisotropy", 0.5f},
+                    {"medium.asymmetry", 0.5f},
+                    {"medium.albedo", glm::vec3(0.5f)}}),
+        command(Set{{"render.method", "a method with a name of some length"},
+                    {"render.quadrature", "transmittance"},
+                    {"render.steps", 3u},
+                    {"render.exposure", 2.0f}}),
+        command(Set{{"simulation.paused", false}}),
     };
     const std::vector<Command> restart{command(Restart{})};
     std::vector<gpu::Particle> out(simulation.capacity());
@@ -254,13 +259,13 @@ TEST(Volume, MovesAnEmittersSourceNotItsSmoke) {
 
 TEST_P(AnyLayout, PausedTakesCommandsButMovesNothing) {
     Simulation simulation(sceneOf(GetParam()));
-    give(simulation, {command(SetSimulation{.paused = true})});
+    give(simulation, {command(Set{{"simulation.paused", true}})});
     const auto before = particlesOf(simulation);
     const uint64_t hash = simulation.stateHash();
     run(simulation, 5);
     EXPECT_EQ(simulation.tick(), 6u);
     EXPECT_EQ(simulation.stateHash(), hash);
-    give(simulation, {command(SetMedium{.extinction = 30.0f})});
+    give(simulation, {command(Set{{"medium.extinction", 30.0f}})});
     const auto after = particlesOf(simulation);
     ASSERT_EQ(after.size(), before.size());
     for (size_t i = 0; i < after.size(); ++i) {
@@ -276,9 +281,9 @@ TEST_P(AnyLayout, RestartIsTheStartAtALaterTick) {
     simulation.step({});
     const uint64_t second = simulation.stateHash();
     hashesOf(simulation);
-    give(simulation, {command(Restart{}), command(SetSimulation{.paused = true})});
+    give(simulation, {command(Restart{}), command(Set{{"simulation.paused", true}})});
     EXPECT_EQ(simulation.tick(), 122u);
-    give(simulation, {command(SetSimulation{.paused = false}), command(Restart{})});
+    give(simulation, {command(Set{{"simulation.paused", false}}), command(Restart{})});
     EXPECT_EQ(simulation.stateHash(), second);
     EXPECT_NE(first, second);
     EXPECT_EQ(simulation.now().render.method, "sphere");
@@ -293,9 +298,14 @@ TEST_P(AnyLayout, NumbersThatAreNotFiniteChangeNothing) {
              {command(Impulse{.origin = v}), command(Impulse{.direction = v}),
               command(Impulse{.direction = {0, 0, -1}, .push = v}), command(Impulse{.direction = {0, 0, -1}, .strength = bad}),
               command(Impulse{.direction = {0, 0, 0}}), command(MoveVolume{.offset = v}),
-              command(SetLight{.to_light = v, .irradiance = v, .rotate = bad}), command(SetLight{.to_light = glm::vec3(0)}),
-              command(SetMedium{.extinction = bad, .falloff = bad, .anisotropy = bad, .asymmetry = bad, .albedo = v}),
-              command(SetRender{.method = "", .quadrature = std::string(1000, 'x'), .exposure = bad})});
+              command(Set{{"light.to_light", v}, {"light.irradiance", v}, {"light.rotate", bad}}),
+              command(Set{{"light.to_light", glm::vec3(0)}}),
+              command(Set{{"medium.extinction", bad},
+                          {"medium.falloff", bad},
+                          {"medium.anisotropy", bad},
+                          {"medium.asymmetry", bad},
+                          {"medium.albedo", v}}),
+              command(Set{{"render.method", ""}, {"render.quadrature", std::string(1000, 'x')}, {"render.exposure", bad}})});
         calm.step({});
     }
     EXPECT_EQ(disturbed.stateHash(), calm.stateHash());
@@ -305,11 +315,17 @@ TEST_P(AnyLayout, HugeNumbersAreClamped) {
     Simulation simulation(sceneOf(GetParam()));
     const glm::vec3 huge(3e38f, -3e38f, 3e38f);
     for (int i = 0; i < 200; ++i)
-        give(simulation,
-             {command(Impulse{.origin = {0, 0, 20}, .direction = {0, 0, -1}, .push = huge, .strength = 3e38f}),
-              command(MoveVolume{.offset = huge}), command(SetLight{.to_light = huge, .irradiance = huge, .rotate = 3e38f}),
-              command(SetMedium{.extinction = 3e38f, .falloff = -3e38f, .anisotropy = 9.0f, .asymmetry = 9.0f, .albedo = huge}),
-              command(SetRender{.quadrature = "transmittance", .steps = 4'000'000'000u, .exposure = -3.0f})});
+        give(
+            simulation,
+            {command(Impulse{.origin = {0, 0, 20}, .direction = {0, 0, -1}, .push = huge, .strength = 3e38f}),
+             command(MoveVolume{.offset = huge}),
+             command(Set{{"light.to_light", huge}, {"light.irradiance", huge}, {"light.rotate", 3e38f}}),
+             command(Set{{"medium.extinction", 3e38f},
+                         {"medium.falloff", -3e38f},
+                         {"medium.anisotropy", 9.0f},
+                         {"medium.asymmetry", 9.0f},
+                         {"medium.albedo", huge}}),
+             command(Set{{"render.quadrature", "transmittance"}, {"render.steps", 4'000'000'000u}, {"render.exposure", -3.0f}})});
     for (const gpu::Particle& p : particlesOf(simulation)) {
         ASSERT_TRUE(std::isfinite(p.centre.x + p.centre.y + p.centre.z));
         ASSERT_TRUE(std::isfinite(p.sigma_t) && p.sigma_t >= 0);

@@ -31,7 +31,8 @@ void readVariant(TableReader& in, Variant& out) {
 void readSeries(TableReader& in, Series& out) {
     in.text("name", out.name, 64);
     in.text("about", out.about, 400);
-    in.choice<std::string>("kind", out.kind, {{"cost", "cost"}, {"jpeg", "jpeg"}, {"light", "light"}, {"orbit", "orbit"}});
+    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "orbit"};
+    if (const auto kind = in.choice("kind", kKinds)) out.kind = kKinds[*kind];
     in.texts("scenes", out.scenes);
     in.texts("cameras", out.cameras);
     in.texts("sizes", out.sizes);

@@ -1,0 +1,247 @@
+#include "common/settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace brume {
+namespace {
+
+// The member that is found by going from a part of the scene through one struct after another.
+template <auto Part, auto... Members>
+Member at(const SceneParts& parts) {
+    return &((*(parts.*Part)).*....*Members);
+}
+Member nothing(const SceneParts&) { return {}; }
+
+using P = SceneParts;
+using S = SimulationSettings;
+using R = RenderSettings;
+
+constexpr Limits kNames{1, kLongestName}, kPaths{1, 4096}; // bytes
+constexpr Limits kNone{0, 0};                              // of what has no range: booleans and choices
+
+constexpr std::string_view kLayouts[]{"cube", "tubes", "cumulus", "emitter", "file"}; // in the order of Layout
+constexpr std::string_view kLights[]{"directional"};
+constexpr std::string_view kQuadratures[]{"simpson", "transmittance", "analytic", "cached", "hermite"};
+constexpr std::string_view kToneMaps[]{"filmic", "linear"};
+
+constexpr auto kControllers = ChangedBy::controllers, kOperators = ChangedBy::operators;
+constexpr auto kNobody = ChangedBy::nobody;
+
+constexpr SceneSetting kSettings[]{
+    {"name", at<&P::scene, &Scene::name>, "", kNames, "The scene's name; without it the file's"},
+    {"origin", at<&P::scene, &Scene::origin>, "m", limits::kOrigin,
+     "World coordinates of the point that the server counts places from; give it where the scene is far from zero"},
+
+    {"light.type", nothing, "", kNone, "Kind of light", kNobody, Form::plain, kLights},
+    {"light.to_light", at<&P::light, &Light::to_light>, "", limits::kPlace, "Direction to the light, of any length but zero",
+     kControllers, Form::direction},
+    {"light.irradiance", at<&P::light, &Light::irradiance>, "W/m²", limits::kRadiance,
+     "Irradiance of each channel on a surface that faces the light", kControllers},
+    {"light.rotate", at<&P::light, &Light::rotate>, "rad/s", limits::kRotate, "Turning of the light about the vertical",
+     kControllers},
+
+    {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody, Form::plain,
+     kLayouts},
+    {"medium.count", at<&P::medium, &Medium::count>, "", limits::kCount,
+     "Number of particles; of an emitter the most that live at a time; not allowed with layout `file`"},
+    {"medium.centre", at<&P::medium, &Medium::centre>, "m", limits::kPlace,
+     "Centre of the layout; with layout `file` what its points are moved by", kNobody, Form::place},
+    {"medium.extent", at<&P::medium, &Medium::extent>, "m", limits::kLength,
+     "Side of the cube, length of a tube, width of the cumulus"},
+    {"medium.scale", at<&P::medium, &Medium::scale>, "m", limits::kScale,
+     "Size of the particles, from the centre to a vertex of the tetrahedron; a range is uniform, or by the layout"},
+    {"medium.extinction", at<&P::medium, &Medium::extinction>, "", limits::kExtinction,
+     "Extinction at a particle's centre is extinction · multiplier · 1e-4 per metre", kControllers},
+    {"medium.falloff", at<&P::medium, &Medium::falloff>, "", limits::kFalloff,
+     "How softly a particle fades: its extinction is peak exp(-50 r² / u²) with u = scale · falloff", kControllers},
+    {"medium.multiplier", at<&P::medium, &Medium::multiplier>, "", limits::kMultiplier,
+     "Factor of each particle, uniform in this range"},
+    {"medium.albedo", at<&P::medium, &Medium::albedo>, "", limits::kColour, "Single-scattering albedo", kControllers},
+    {"medium.anisotropy", at<&P::medium, &Medium::anisotropy>, "", limits::kAnisotropy,
+     "Part a of the scattered light that prefers a direction: p = (1 − a) / 4π + a HG(g)", kControllers},
+    {"medium.asymmetry", at<&P::medium, &Medium::asymmetry>, "", limits::kAsymmetry,
+     "g of the Henyey-Greenstein function: backward (below 0) or forward scattering", kControllers},
+    {"medium.seed", at<&P::medium, &Medium::seed>, "", limits::kSeed, "Seed of all random numbers of the scene"},
+    {"medium.file", at<&P::medium, &Medium::file>, "", kPaths, "PLY file beside the scene; only with layout `file`"},
+
+    {"medium.emitter.position", at<&P::medium, &Medium::emitter, &Emitter::position>, "m", limits::kPlace,
+     "Middle of the disc that particles are born on", kNobody, Form::place},
+    {"medium.emitter.radius", at<&P::medium, &Medium::emitter, &Emitter::radius>, "m", limits::kLength, "Radius of that disc"},
+    {"medium.emitter.rate", at<&P::medium, &Medium::emitter, &Emitter::rate>, "1/s", limits::kRate, "Births per second"},
+    {"medium.emitter.life", at<&P::medium, &Medium::emitter, &Emitter::life>, "s", limits::kLife, "Life of a particle"},
+    {"medium.emitter.velocity", at<&P::medium, &Medium::emitter, &Emitter::velocity>, "m/s", limits::kSpeed, "Velocity at birth"},
+    {"medium.emitter.spread",
+     at<&P::medium, &Medium::emitter, &Emitter::spread>,
+     "m/s",
+     {0, limits::kSpeed.hi},
+     "Random part of the velocity at birth"},
+    {"medium.emitter.growth", at<&P::medium, &Medium::emitter, &Emitter::growth>, "m/s", limits::kGrowth,
+     "How fast the scale grows; the optical mass of a particle is conserved"},
+    {"medium.emitter.buoyancy", at<&P::medium, &Medium::emitter, &Emitter::buoyancy>, "m/s²", limits::kAcceleration,
+     "Upward acceleration, fading over the life"},
+    {"medium.emitter.wind", at<&P::medium, &Medium::emitter, &Emitter::wind>, "m/s", limits::kSpeed,
+     "Velocity that particles relax to"},
+    {"medium.emitter.turbulence", at<&P::medium, &Medium::emitter, &Emitter::turbulence>, "m/s", limits::kTurbulence,
+     "RMS of the divergence-free noise velocity"},
+    {"medium.emitter.eddy", at<&P::medium, &Medium::emitter, &Emitter::eddy>, "m", limits::kLength, "Size of the largest eddies"},
+
+    {"simulation.spring", at<&P::simulation, &S::spring>, "1/s²", limits::kSpring,
+     "Acceleration toward a particle's home per metre of distance"},
+    {"simulation.viscosity", at<&P::simulation, &S::viscosity>, "1/s", limits::kViscosity, "How fast velocities decay"},
+    {"simulation.impulse_radius", at<&P::simulation, &S::impulse_radius>, "m", limits::kLength, "Reach of a push around its ray"},
+    {"simulation.impulse_strength", at<&P::simulation, &S::impulse_strength>, "m/s", limits::kImpulseStrength,
+     "Speed that a push of strength 1 gives at its ray"},
+    {"simulation.volume_velocity", at<&P::simulation, &S::volume_velocity>, "m/s", limits::kSpeed, "Drift of the volume"},
+    {"simulation.volume_swing",
+     at<&P::simulation, &S::volume_swing>,
+     "m",
+     {0, limits::kLength.hi},
+     "Amplitude of a slow sway along x"},
+    {"simulation.volume_period", at<&P::simulation, &S::volume_period>, "s", limits::kPeriod, "Period of that sway"},
+    {"simulation.paused", at<&P::simulation, &S::paused>, "", kNone, "True: the particles and the light stand still",
+     kControllers},
+
+    {"plane.height", at<&P::plane, &Plane::height>, "m", limits::kPlace, "Height of the horizontal ground", kNobody,
+     Form::height},
+    {"plane.albedo", at<&P::plane, &Plane::albedo>, "", limits::kColour, "Diffuse albedo"},
+    {"box.centre", at<&P::box, &Box::centre>, "m", limits::kPlace, "Centre of the box", kNobody, Form::place},
+    {"box.size", at<&P::box, &Box::size>, "m", limits::kLength, "Full edge lengths"},
+    {"box.yaw", at<&P::box, &Box::yaw>, "rad", limits::kAngle, "Angle about the vertical"},
+    {"box.albedo", at<&P::box, &Box::albedo>, "", limits::kColour, "Diffuse albedo"},
+    {"sphere.centre", at<&P::sphere, &Sphere::centre>, "m", limits::kPlace, "Centre of the sphere", kNobody, Form::place},
+    {"sphere.radius", at<&P::sphere, &Sphere::radius>, "m", limits::kLength, "Radius"},
+    {"sphere.albedo", at<&P::sphere, &Sphere::albedo>, "", limits::kColour, "Diffuse albedo"},
+
+    {"sky.zenith", at<&P::sky, &Sky::zenith>, "W/(m² sr)", limits::kRadiance, "Radiance straight up; it blends to the horizon's"},
+    {"sky.horizon", at<&P::sky, &Sky::horizon>, "W/(m² sr)", limits::kRadiance, "Radiance at the horizon"},
+    {"sky.ambient", at<&P::sky, &Sky::ambient>, "W/(m² sr)", limits::kRadiance,
+     "Uniform radiance that the medium scatters without shadowing"},
+
+    {"camera.position", at<&P::camera, &SceneCamera::position>, "m", limits::kPlace, "Where a viewer's camera starts", kNobody,
+     Form::place},
+    {"camera.target", at<&P::camera, &SceneCamera::target>, "m", limits::kPlace, "What it looks at", kNobody, Form::place},
+    {"camera.fov_y", at<&P::camera, &SceneCamera::fov_y>, "rad", limits::kFovY, "Its full vertical angle of view"},
+
+    {"render.method", at<&P::render, &R::method>, "", kNames,
+     "How the medium is rendered: a method's name, or `auto` for the cheapest one within render.error and render.flip",
+     kOperators},
+    {"render.error", at<&P::render, &R::error>, "", limits::kError,
+     "For `auto`: the largest relative RMSE of a picture against the true medium"},
+    {"render.flip", at<&P::render, &R::flip>, "", limits::kFlip, "For `auto`: the largest mean FLIP error"},
+    {"render.quadrature", at<&P::render, &R::quadrature>, "", kNone,
+     "Of `isv`: `simpson`, `transmittance` or `analytic`; of `tiles`: `cached` or `hermite`", kOperators, Form::plain,
+     kQuadratures},
+    {"render.steps", at<&P::render, &R::steps>, "", limits::kSteps, "Steps of the quadrature; at most 3 for `transmittance`",
+     kOperators},
+    {"render.rate", at<&P::render, &R::rate>, "pixels", limits::kRayRate,
+     "Pixels between rays; 0: as the medium needs. Methods without rays draw every 2nd, 4th or 8th pixel; 0: every one"},
+    {"render.slabs", at<&P::render, &R::slabs>, "", limits::kSlabs,
+     "`slabs`, `grid`: slabs along every ray; 0: as the medium needs"},
+    {"render.shading", at<&P::render, &R::shading>, "pixels", limits::kShading,
+     "`slabs`, `grid`: pixels between shaded ones, 1, 2, 4 or 8; 0: as the distance of the rays allows"},
+    {"render.grid", at<&P::render, &R::grid>, "deviations", limits::kGridSpacing,
+     "`grid`: distance of its nodes; 0: 0.5. Below 0.25 sampling is cubic"},
+    {"render.merge", at<&P::render, &R::merge>, "pixels", limits::kMerge,
+     "Particles of a large medium that share a cell of at most this size become one; 0: none do"},
+    {"render.shared_order", at<&P::render, &R::shared_order>, "", kNone,
+     "True: `isv`, `sphere` and `tiles` sort once for the two eyes of a head"},
+    {"render.exposure", at<&P::render, &R::exposure>, "", limits::kExposure, "Factor before the tone map", kOperators},
+    {"render.tone_map", at<&P::render, &R::tone_map>, "", kNone, "Curve from radiance to the picture", kNobody, Form::plain,
+     kToneMaps},
+    {"render.shadow_size", at<&P::render, &R::shadow_size>, "texels", limits::kShadowSize,
+     "Side of the volumetric shadow map; 0: as the medium and render.shadow_error need", kNobody, Form::or_zero},
+    {"render.shadow_slices", at<&P::render, &R::shadow_slices>, "", limits::kShadowSlices,
+     "Planes of the volumetric shadow map; 0: as the medium and render.shadow_error need", kNobody, Form::or_zero},
+    {"render.shadow_error", at<&P::render, &R::shadow_error>, "", limits::kShadowError,
+     "Relative error of the light that a shadow map of automatic size may make"},
+    {"render.opaque_shadow_size", at<&P::render, &R::opaque_shadow_size>, "texels", limits::kOpaqueShadowSize,
+     "Side of the shadow map of objects"},
+    {"render.cutoff", at<&P::render, &R::cutoff>, "", limits::kCutoff,
+     "Bound on the optical depth that proxies leave out of any ray"},
+    {"render.light_tolerance", at<&P::render, &R::light_tolerance>, "", limits::kLightTolerance,
+     "`tiles` with `cached`: how far light may be from linear on a particle, as a part of 1"},
+    {"render.least_transmittance", at<&P::render, &R::least_transmittance>, "", limits::kLeastTransmittance,
+     "`tiles`: where a ray may end; what lies behind counts for no more than this"},
+};
+
+struct Read {
+    SettingValue operator()(bool* member) const { return *member; }
+    SettingValue operator()(float* member) const { return *member; }
+    SettingValue operator()(uint32_t* member) const { return *member; }
+    SettingValue operator()(glm::vec3* member) const { return *member; }
+    SettingValue operator()(std::string* member) const { return *member; }
+    template <class Other>
+    SettingValue operator()(Other) const {
+        throw std::logic_error("a live setting of a type that no command has");
+    }
+};
+
+// Gives a member a value of its type.
+struct Assign {
+    const SceneSetting& setting;
+
+    void operator()(bool* to, bool value) const { *to = value; }
+    void operator()(float* to, float value) const {
+        if (std::isfinite(value)) *to = setting.allowed.clamp(value);
+    }
+    void operator()(uint32_t* to, uint32_t value) const {
+        *to = static_cast<uint32_t>(std::clamp<double>(value, setting.allowed.lo, setting.allowed.hi));
+    }
+    void operator()(glm::vec3* to, glm::vec3 value) const {
+        for (int i = 0; i < 3; ++i) {
+            if (!std::isfinite(value[i])) return;
+            value[i] = setting.allowed.clamp(value[i]);
+        }
+        const float length = glm::length(value);
+        if (setting.form != Form::direction) *to = value;
+        if (setting.form == Form::direction && length > 1e-6f) *to = value / length;
+    }
+    void operator()(std::string* to, const std::string& value) const {
+        const auto& names = setting.choices;
+        const bool known = names.empty() || std::find(names.begin(), names.end(), value) != names.end();
+        if (known && !value.empty() && value.size() <= kLongestName) *to = value;
+    }
+    template <class Member, class Value>
+    void operator()(Member, const Value&) const {} // of another type
+};
+
+} // namespace
+
+std::span<const SceneSetting> sceneSettings() { return kSettings; }
+
+const SceneSetting* liveSetting(std::string_view path) {
+    for (const SceneSetting& setting : kSettings)
+        if (setting.path == path) return setting.live() ? &setting : nullptr;
+    return nullptr;
+}
+
+SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts) { return std::visit(Read{}, setting.member(parts)); }
+
+SettingValue defaultOf(const SceneSetting& setting) {
+    Medium medium;
+    SimulationSettings simulation;
+    Light light;
+    Sky sky;
+    RenderSettings render;
+    return valueOf(setting, {.medium = &medium, .simulation = &simulation, .light = &light, .sky = &sky, .render = &render});
+}
+
+Change::Change(std::string_view path, SettingValue to) : setting(liveSetting(path)), value(std::move(to)) {
+    if (!setting) throw std::invalid_argument(std::string(path) + " is not a live setting");
+    if (value.index() != defaultOf(*setting).index())
+        throw std::invalid_argument(std::string(path) + " has values of another type");
+}
+
+void apply(const Change& change, const SceneParts& parts) {
+    std::visit(Assign{*change.setting}, change.setting->member(parts), change.value);
+    if (parts.render) parts.render->steps = std::min(parts.render->steps, static_cast<uint32_t>(stepsAllowed(*parts.render).hi));
+}
+
+Limits stepsAllowed(const RenderSettings& render) {
+    return render.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps;
+}
+
+} // namespace brume

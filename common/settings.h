@@ -1,0 +1,92 @@
+// The table of everything that a scene file may set. It drives the loader, `--set`, the commands that change settings, the hash
+// of the state, recordings and docs/scenes.md.
+#pragma once
+
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "common/scene.h"
+#include "common/scene_limits.h"
+
+namespace brume {
+
+// The structs that settings lie in. A setting may be read only where its struct is there.
+struct SceneParts {
+    Scene* scene = nullptr; // for the keys at the file's top
+    Medium* medium = nullptr;
+    SimulationSettings* simulation = nullptr;
+    Light* light = nullptr;
+    Plane* plane = nullptr;
+    Box* box = nullptr;
+    Sphere* sphere = nullptr;
+    Sky* sky = nullptr;
+    SceneCamera* camera = nullptr;
+    RenderSettings* render = nullptr;
+};
+
+// A setting's member in its struct; nothing for a key that is only checked.
+using Member = std::variant<std::monostate, bool*, float*, uint32_t*, uint64_t*, glm::vec3*, glm::dvec3*, Range*, std::string*,
+                            Layout*, std::filesystem::path*>;
+
+enum class Form : uint8_t {
+    plain,
+    or_zero,   // a whole number, for which 0 is allowed besides its range
+    place,     // a vector in world coordinates: the file's value less the scene's origin
+    height,    // the same for y alone
+    direction, // a vector of any length, kept as a unit vector
+};
+
+// Who may change a setting while the server runs.
+enum class ChangedBy : uint8_t { nobody, controllers, operators };
+
+struct SceneSetting {
+    std::string_view path; // as for --set: "medium.extinction"; of a list of tables without an index: "box.size"
+    Member (*member)(const SceneParts&);
+    std::string_view unit; // empty: none
+    Limits allowed;        // of each of its numbers; of a text: its length in bytes
+    std::string_view help; // one line
+    ChangedBy changed_by = ChangedBy::nobody;
+    Form form = Form::plain;
+    std::span<const std::string_view> choices{}; // the names that are allowed; empty: any
+
+    bool live() const { return changed_by != ChangedBy::nobody; }
+    std::string_view table() const { return path.substr(0, path.find_last_of('.') == path.npos ? 0 : path.find_last_of('.')); }
+    std::string_view key() const { return path.substr(path.find_last_of('.') + 1); } // npos + 1 is 0
+};
+
+inline constexpr size_t kLongestName = 64; // bytes
+
+// The settings of one table stand together. The order of live settings is part of the state's hash.
+std::span<const SceneSetting> sceneSettings();
+
+// The range of render.steps depends on render.quadrature; the table has the widest one.
+Limits stepsAllowed(const RenderSettings& render);
+
+// The value of a live setting. Live settings have one of these types.
+using SettingValue = std::variant<bool, float, uint32_t, glm::vec3, std::string>;
+
+// Null if there is no setting of that path, or none that can be changed while the server runs.
+const SceneSetting* liveSetting(std::string_view path);
+// Of a live setting. Precondition: its struct is among `parts`.
+SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts);
+// That of a default-constructed struct.
+SettingValue defaultOf(const SceneSetting& setting);
+
+// A live setting of a scene and its new value.
+struct Change {
+    // Throws std::invalid_argument if there is no live setting of that path and type.
+    Change(std::string_view path, SettingValue to);
+
+    const SceneSetting* setting; // never null
+    SettingValue value;
+};
+
+// Precondition: the setting's struct is among `parts`. Numbers are brought into their range. A value that is not finite, a
+// direction without length, and an unknown or too long name change nothing. Allocates nothing where texts have room for
+// kLongestName bytes.
+void apply(const Change& change, const SceneParts& parts);
+
+} // namespace brume

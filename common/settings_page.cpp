@@ -1,0 +1,127 @@
+#include "common/settings_page.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/settings.h"
+
+namespace brume {
+namespace {
+
+constexpr std::string_view kIntroduction = R"(# Scenes
+
+A scene is a TOML file. The server opens one by name (`--scene plume`, from `server/scenes/`) or by path (`--scene ./mine.toml`). Every key may
+be left out. An unknown key, a wrong type or a value out of range ends the start in one line with file, line, key and what is allowed.
+
+`--set KEY=VALUE` replaces one setting: `--set medium.count=5000 --set render.method=isv`. Of a list of tables it replaces the setting in every
+element: `--set 'light.irradiance=[1, 1, 1]'`.
+
+Units are metres, seconds and radians; colours are linear Rec. 709. Places are world coordinates within 50 km of `origin`. *Live* says which
+role may change a setting while the server runs; others change with a restart.
+
+This page is printed by `brume-server --print-settings`; a test compares the two.
+)";
+
+struct Table {
+    std::string_view name, heading, about;
+};
+constexpr Table kTables[]{
+    {"", "At the top", "Before any table."},
+    {"medium", "`[medium]`", "The particles and what they are made of."},
+    {"medium.emitter", "`[medium.emitter]`",
+     "With layout `emitter` only. Births fall on a horizontal disc. Particles rise, grow, thin and die. `medium.count` must hold "
+     "all that "
+     "live at a time: at least rate · life."},
+    {"simulation", "`[simulation]`", "How the particles move."},
+    {"light", "`[[light]]`", "Exactly one."},
+    {"plane", "`[[plane]]`", "Horizontal ground, seen from above; up to 64."},
+    {"box", "`[[box]]`", "Up to 64."},
+    {"sphere", "`[[sphere]]`", "Up to 64."},
+    {"sky", "`[sky]`", "What is behind everything."},
+    {"camera", "`[camera]`", "Where viewers start; position and target differ by more than 1 mm."},
+    {"render", "`[render]`", "How the scene is drawn."},
+};
+
+std::string rangeOf(Limits allowed) { return fmt::format("{} to {}", allowed.lo, allowed.hi); }
+
+// What a setting may be, and its default.
+struct Cells {
+    const SceneSetting& setting;
+    std::string values{}, standard{};
+
+    void operator()(std::monostate) { values = names(), standard = code(setting.choices[0]); }
+    void operator()(bool* value) { values = "true or false", standard = fmt::format("{}", *value); }
+    void operator()(float* value) {
+        values = setting.form == Form::height ? "a number" : "a number, " + rangeOf(setting.allowed);
+        standard = fmt::format("{}", *value);
+    }
+    void operator()(uint32_t* value) {
+        const char* zero = setting.form == Form::or_zero ? "0, or a whole number, " : "a whole number, ";
+        values = zero + rangeOf(setting.allowed), standard = fmt::format("{}", *value);
+    }
+    void operator()(uint64_t* value) {
+        values = fmt::format("a whole number, {:.0f} to {:.0f}", setting.allowed.lo, setting.allowed.hi);
+        standard = fmt::format("{}", *value);
+    }
+    void operator()(glm::vec3* value) { vector(*value); }
+    void operator()(glm::dvec3* value) { vector(*value); }
+    void operator()(Range* value) {
+        values = "a number or [lowest, highest], " + rangeOf(setting.allowed);
+        standard = value->lo == value->hi ? fmt::format("{}", value->lo) : fmt::format("[{}, {}]", value->lo, value->hi);
+    }
+    void operator()(std::string* value) {
+        values = setting.choices.empty() ? fmt::format("text, {} bytes", rangeOf(setting.allowed)) : names();
+        standard = code(*value);
+    }
+    void operator()(Layout* value) { values = names(), standard = code(setting.choices[static_cast<size_t>(*value)]); }
+    void operator()(std::filesystem::path*) { values = fmt::format("text, {} bytes", rangeOf(setting.allowed)); }
+
+private:
+    template <class Vector>
+    void vector(const Vector& value) {
+        const bool free = setting.form == Form::place || setting.form == Form::direction;
+        values = free ? "[x, y, z]" : "[x, y, z], each " + rangeOf(setting.allowed);
+        standard = fmt::format("[{}, {}, {}]", value.x, value.y, value.z);
+    }
+    std::string names() const { return fmt::format("`{}`", fmt::join(setting.choices, "`, `")); }
+    static std::string code(std::string_view text) { return text.empty() ? "" : fmt::format("`{}`", text); }
+};
+
+std::string_view roleOf(ChangedBy who) {
+    switch (who) {
+    case ChangedBy::nobody:
+        break;
+    case ChangedBy::controllers:
+        return "controller";
+    case ChangedBy::operators:
+        return "operator";
+    }
+    return "";
+}
+
+} // namespace
+
+std::string settingsPage() {
+    Scene scene;
+    Light light;
+    Plane plane;
+    Box box;
+    Sphere sphere;
+    const SceneParts defaults{&scene, &scene.medium, &scene.simulation, &light,        &plane,
+                              &box,   &sphere,       &scene.sky,        &scene.camera, &scene.render};
+    std::string page(kIntroduction);
+    for (const Table& table : kTables) {
+        page += fmt::format("\n## {}\n\n{}\n\n| key | values | unit | default | live | what |\n|---|---|---|---|---|---|\n",
+                            table.heading, table.about);
+        for (const SceneSetting& setting : sceneSettings()) {
+            if (setting.table() != table.name) continue;
+            Cells cells{setting};
+            std::visit(cells, setting.member(defaults));
+            page += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", setting.key(), cells.values, setting.unit, cells.standard,
+                                roleOf(setting.changed_by), setting.help);
+        }
+    }
+    return page;
+}
+
+} // namespace brume

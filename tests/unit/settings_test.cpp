@@ -1,0 +1,55 @@
+// The table of settings: every key once, and the page made from it.
+#include "common/settings.h"
+
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "common/settings_page.h"
+#include "server/sim/command.h"
+
+namespace brume {
+namespace {
+
+TEST(Settings, StandInTheTableOnceWithTheirTablesTogether) {
+    std::set<std::string_view> paths, tables;
+    std::string_view table = "none yet";
+    for (const SceneSetting& setting : sceneSettings()) {
+        EXPECT_TRUE(paths.insert(setting.path).second) << setting.path << " is there twice";
+        if (setting.table() != table) {
+            EXPECT_TRUE(tables.insert(setting.table()).second) << setting.path << " is away from its table";
+        }
+        table = setting.table();
+        EXPECT_FALSE(setting.help.empty()) << setting.path;
+        EXPECT_EQ(setting.help.find_first_of("|\n"), std::string_view::npos) << setting.path;
+    }
+}
+
+TEST(Settings, TheDocumentationHasThemAll) {
+    std::ifstream in("docs/scenes.md"); // tests run in the source folder
+    const std::string documented{std::istreambuf_iterator<char>(in), {}}, page = settingsPage();
+    EXPECT_EQ(documented, page) << "brume-server --print-settings > docs/scenes.md";
+    size_t rows = 0;
+    for (size_t at = 0; (at = page.find("\n| `", at)) != page.npos; ++at) ++rows;
+    EXPECT_EQ(rows, sceneSettings().size()) << "a table without a heading in common/settings_page.cpp";
+}
+
+TEST(Settings, ALiveOneHasAValueThatACommandCanHave) {
+    size_t live = 0;
+    for (const SceneSetting& setting : sceneSettings()) {
+        EXPECT_EQ(liveSetting(setting.path), setting.live() ? &setting : nullptr);
+        if (!setting.live()) continue;
+        ++live;
+        EXPECT_NO_THROW(defaultOf(setting)) << setting.path;
+        EXPECT_NO_THROW(Change(setting.path, defaultOf(setting))) << setting.path;
+    }
+    EXPECT_GE(live, 13u);
+    EXPECT_EQ(liveSetting("medium.cuont"), nullptr);
+    EXPECT_THROW(Change("medium.count", 3u), std::invalid_argument) << "not live";
+    EXPECT_THROW(Change("render.steps", 3.0f), std::invalid_argument) << "a whole number";
+}
+
+} // namespace
+} // namespace brume
