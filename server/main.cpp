@@ -7,7 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "common/net/address.h"
+#include "protocol/net/address.h"
 #include "common/scene_text.h"
 #include "server/ahead.h"
 #include "server/net/server.h"

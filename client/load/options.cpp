@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <wordexp.h>
 
-#include "common/net/address.h"
+#include "protocol/net/address.h"
 
 namespace brume::load {
 namespace {

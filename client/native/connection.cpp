@@ -10,7 +10,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "client/native/tls.h"
-#include "common/net/byte_stream.h"
+#include "protocol/net/byte_stream.h"
 #include "protocol/message.h"
 
 namespace brume::client {

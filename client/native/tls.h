@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "common/net/byte_stream.h"
+#include "protocol/net/byte_stream.h"
 
 namespace brume::client {
 

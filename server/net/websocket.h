@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "common/net/byte_stream.h"
+#include "protocol/net/byte_stream.h"
 #include "server/net/access.h"
 #include "server/net/context.h"
 #include "server/net/request_check.h"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "common/net/address.h"
+#include "protocol/net/address.h"
 #include "server/net/token.h"
 #include "server/net/token_key.h"
 #include "server/options/groups.h"

@@ -1,4 +1,4 @@
-#include "common/net/byte_stream.h"
+#include "protocol/net/byte_stream.h"
 
 namespace brume {
 
