@@ -1,9 +1,9 @@
-// A lane is a ray and goes through its slabs from near to far, the light depth linear within each; what it finds goes into `field`, as
-// lib/slab_field.glsl says. Shadows of opaque objects are not band-limited: they are left to the pixels. Include after the tick, the
-// view (lib/view.glsl), `field`, `view_depth`, the images of lib/light.glsl, kHasOpaque, kSources, and
+// Integrates rays through their slabs from near to far and writes the result into `field` (lib/slab_field.glsl). A
+// lane is a ray. Light depth is linear within a slab. Shadows of opaque objects are left to the pixels, since they
+// are not band-limited. Include after the tick, the view (lib/view.glsl), `field`, `view_depth`, the images of
+// lib/light.glsl, kHasOpaque, kSources, and these functions:
 //   startRay(uvec2 tile, uint ray, vec2 pixel)
-//   vec4 mediumAt(uint s): at the middle of slab s of that ray, 1/m: extinction; with several kSources, what scatters red, green, blue
-// are declared.
+//   vec4 mediumAt(uint s): extinction (1/m) at the middle of slab s; with several kSources, also scattering in R, G, B
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
@@ -23,9 +23,9 @@ void march() {
     for (uint c = 0; c < kSources; ++c) scattered[c] = 0;
     if (kHasOpaque && inside)
         for (uint c = 0; c <= kSources; ++c) field[c * set + mine] = 0;
-    bool known = false; // the light depth at the slab's near face
+    bool known = false; // True: the light depth at the slab's near face is known
     startRay(gl_WorkGroupID.xy, ray, at);
-    // At the middles of the slab before, this one and the next two.
+    // Values at the middles of the previous slab, this one and the next two.
     float before;
     vec4 here = vec4(0), next = vec4(0), then = vec4(0);
     for (uint ahead = 0; ahead < grid.slabs + 2; ++ahead) {
@@ -35,9 +35,9 @@ void march() {
         then = ahead < grid.slabs ? mediumAt(ahead) : vec4(0);
         if (ahead < 2) continue;
         const uint s = ahead - 2;
-        if (s == 0) before = 3 * here.x - 3 * next.x + then.x; // the first slab curves as the second
-        // Integral over the slab of the parabola through three middles: one sample alone would err where the near plane or a wall
-        // cuts the medium.
+        if (s == 0) before = 3 * here.x - 3 * next.x + then.x; // extrapolated with the second slab's curvature
+        // Integral over the slab of the parabola through three middles. A single sample would err where the near
+        // plane or an object cuts the medium.
         const float slab = max(here.x + (before - 2 * here.x + next.x) / 24, 0) * length_of_slab;
         if (slab > 0) {
             const float face = grid.depth + float(s) * grid.thickness;
@@ -63,7 +63,7 @@ void march() {
     }
     if (!inside) return;
     uint whole = mine;
-    if (kHasOpaque) { // up to what the ray hits
+    if (kHasOpaque) { // the part up to the surface that the ray hits
         const float z = texelFetch(view_depth, ivec2(clamp(at, vec2(0), vec2(eye.size) - 1)), 0).r;
         const float end = clamp((z - grid.depth) / grid.thickness, 0, float(grid.slabs));
         const float face = min(floor(end), float(grid.slabs - 1));
