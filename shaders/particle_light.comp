@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Light cached on particles, once per tick: a fit T_L = T + G . r + C k^2 r^2 to the light's transmittance, r = point
-// - centre. It uses the centre and six points at sqrt(3) standard deviations around it; mean and first moments over
-// the particle's Gaussian are kept. kLookUp is written where the fit is not enough, and methods then look the light
+// Light cached on particles, once per tick: a fit T_L = T + G . r + C k^2 r^2 to the light's transmittance,
+// r from the centre. It uses the centre and six points at sqrt(3) standard deviations around it; mean and first
+// moments over the particle's Gaussian are kept. kLookUp is written where the fit is not enough, and methods then look the light
 // up at every point. That is the case if
 // - the points differ from the fit by more than a tolerance (after seed 001's test: samples against interpolation),
 // - the particle shadows itself, or
