@@ -40,8 +40,7 @@ void main() {
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
     const uvec2 first = gl_WorkGroupID.xy * kSlabTile;
     const vec2 corner = pictureCorner() + ((vec2(first) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5) * pixel;
-    // View depth of the middle of the lane's slab.
-    const float z = grid.depth + (float(sheet * kLanes + lane) + 0.5) * grid.thickness;
+    const float z = grid.depth + (float(sheet * kLanes + lane) + 0.5) * grid.thickness; // of the lane's slab
     const vec2 at = z * corner;
     const float spacing = z * pixel * float(grid.rate);
 

@@ -35,9 +35,9 @@ void march() {
         then = ahead < grid.slabs ? mediumAt(ahead) : vec4(0);
         if (ahead < 2) continue;
         const uint s = ahead - 2;
-        if (s == 0) before = 3 * here.x - 3 * next.x + then.x; // extrapolated with the second slab's curvature
-        // Integral over the slab of the parabola through three middles. A single sample would err where the near
-        // plane or an object cuts the medium.
+        if (s == 0) before = 3 * here.x - 3 * next.x + then.x; // the first slab curves as the second
+        // Integral over the slab of the parabola through three middles: one sample alone would err where the near plane or a wall
+        // cuts the medium.
         const float slab = max(here.x + (before - 2 * here.x + next.x) / 24, 0) * length_of_slab;
         if (slab > 0) {
             const float face = grid.depth + float(s) * grid.thickness;
@@ -63,7 +63,7 @@ void march() {
     }
     if (!inside) return;
     uint whole = mine;
-    if (kHasOpaque) { // the part up to the surface that the ray hits
+    if (kHasOpaque) { // up to what the ray hits
         const float z = texelFetch(view_depth, ivec2(clamp(at, vec2(0), vec2(eye.size) - 1)), 0).r;
         const float end = clamp((z - grid.depth) / grid.thickness, 0, float(grid.slabs));
         const float face = min(floor(end), float(grid.slabs - 1));
