@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Per viewer: what is behind the medium.
+// Background, per eye: sky and opaque objects behind the medium.
 #include "shaders/shared/types.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Per viewer: what is behind the medium, as a draw over the whole picture: CPU drivers store to targets several times faster than to
-// storage images. background.comp is the same for GPUs.
+// Background, per eye, as a draw over the whole picture: sky and opaque objects behind the medium. CPU drivers write
+// to targets several times faster than to storage images; GPUs use background.comp, which gives the same picture.
 #include "shaders/shared/types.h"
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };

@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// Of one view: background and medium where they are not drawn yet, exposure, tone map, sRGB, then full-range BT.601 Y, Cb, Cr planes
-// with 4:2:0 chroma, as JPEG (JFIF) has them. A lane makes 8x2 pixels, whole words of every plane, or 24x2: whole cells of the field, too.
+// Compose, per eye: background and medium if they are not drawn yet, exposure, tone map, sRGB, then full-range BT.601
+// Y, Cb, Cr planes with 4:2:0 chroma, the input of JPEG (JFIF). A lane makes 8x2 pixels, which are complete words of
+// every plane, or 24x2 pixels, which are complete cells of the field, too.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
@@ -34,7 +35,7 @@ layout(binding = 8) uniform sampler2D view_depth;
 #include "shaders/lib/medium_run.glsl"
 #include "shaders/lib/medium_cut.glsl"
 
-// What the display shows of a pixel; beyond the right edge `before`, what it shows of the one before.
+// Displayed colour of a pixel. Beyond the right edge it is `before`, the colour of the previous pixel.
 vec3 pixelOf(MediumRun run, inout MediumCut cut, uvec2 at, vec3 before) {
     const vec3 dir = rayDirection(vec2(at) + 0.5);
     vec4 here;
@@ -52,7 +53,7 @@ vec3 pixelOf(MediumRun run, inout MediumCut cut, uvec2 at, vec3 before) {
 
 const uint kMostBlocks = 3;
 const uint kRunOfBlocks = kBlocks == 1 ? kRun : kRate;
-const uint kMostWords = 2 * kMostBlocks; // of a row in a plane
+const uint kMostWords = 2 * kMostBlocks; // words of a lane's row in a plane
 
 uint full[6 * kMostWords]; // with kFull: words of R, G, B of the upper row, then of the lower one
 void keepFull(vec3 rgb, uint row, uint n) {
@@ -73,7 +74,7 @@ void main() {
     [[unroll]] for (uint i = 0; i < 4 * kMostBlocks; ++i) chroma[i] = vec3(0);
     [[unroll]] for (uint i = 0; i < 2 * kMostWords; ++i) luma[i] = 0;
     [[unroll]] for (uint i = 0; i < 6 * kMostWords; ++i) full[i] = 0;
-    if (!kDrawn && !kHasOpaque && kRate % 2 == 0) { // both rows at once: they share what they look up
+    if (!kDrawn && !kHasOpaque && kRate % 2 == 0) { // both rows together: they share their look-ups
         MediumRun run, next;
         MediumCut none;
         vec3 above = vec3(0), below = vec3(0);
@@ -96,7 +97,7 @@ void main() {
                 if (kFull) keepFull(rgb, row, i);
                 chroma[i / 2] += rgb;
             }
-    } else { // so much code that it is there only once
+    } else { // a loop, since the code is too large to exist twice
         for (uint row = 0; row < 2; ++row) {
             if (row == 1 && odd) {
                 for (uint pair = 0; pair < 4 * kBlocks; ++pair) chroma[pair] *= 2;

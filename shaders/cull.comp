@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Per viewer: which particles can be seen, and the key that sorts them far to near by the distance of their centres from the
-// eye, or from the middle between a head's two eyes.
+// Culling, per eye: lists the particles that are in the picture, with keys that sort them far to near. The key is the
+// distance of a particle's centre from the eye, or from the middle between both eyes of a stereo viewer.
 #include "shaders/shared/types.h"
 #include "shaders/shared/sort_key.h"
 #include "shaders/shared/support.h"
@@ -16,7 +16,7 @@ layout(scalar, binding = 3) writeonly buffer Keys { uint keys[]; };
 layout(scalar, binding = 4) writeonly buffer Values { uint values[]; };
 layout(scalar, binding = 5) buffer Arguments { DrawArguments arguments; };
 
-layout(scalar, binding = 6) uniform OtherBlock { Eye other; }; // of the same head, or the same eye
+layout(scalar, binding = 6) uniform OtherBlock { Eye other; }; // the other eye of a stereo viewer, otherwise this eye
 
 layout(push_constant, scalar) uniform Push {
     uint full_support; // 1: proxies are spheres around the full Gaussian, 0: tetrahedra

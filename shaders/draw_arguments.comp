@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// The indirect arguments from the number of visible particles.
+// Writes the arguments of indirect draws from the number of visible particles.
 #include "shaders/shared/types.h"
 
 layout(local_size_x = 1) in;
@@ -9,8 +9,8 @@ layout(local_size_x = 1) in;
 layout(scalar, binding = 5) buffer Arguments { DrawArguments arguments; };
 
 layout(push_constant, scalar) uniform Push {
-    uint vertices;            // per particle, of the vertex-pulling draw
-    uint particles_per_group; // of the mesh draw
+    uint vertices;            // per particle, for the draw without mesh shaders
+    uint particles_per_group; // for the mesh draw
 } push;
 
 void main() {

@@ -2,26 +2,29 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// Per eye: the medium that was drawn at every kStep-th pixel, put over the pixels between where a cubic can tell it. A lane is a cell of
-// kStep x kStep pixels; workgroups look their nodes up together.
+// Interpolates the medium, which was drawn at every kStep-th pixel (node), to the pixels between, per eye. Cells that
+// an object's edge or shadow crosses are left out. A lane is a cell of kStep x kStep pixels; the lanes of a workgroup
+// load their nodes together.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-const uint kNodes = 8 + 3; // of a workgroup, a side
+const uint kNodes = 8 + 3; // nodes along a side of a workgroup
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(rgba32f, binding = 2) uniform image2D radiance;
-layout(r32f, binding = 3) uniform image2D view_depth; // becomes 0 where the medium is finished: every ray ends before it begins
-layout(binding = 4) uniform sampler2D node_medium;    // a pixel for every node, the first one step up and left of the picture's
+// view_depth: set to 0 where the pixel is finished, so that the later draw skips it.
+layout(r32f, binding = 3) uniform image2D view_depth;
+// node_medium: one pixel per node; the first node is a step up and left of the picture.
+layout(binding = 4) uniform sampler2D node_medium;
 layout(binding = 5) uniform sampler2D node_depth;
 layout(scalar, binding = 6) uniform Objects { Opaque objects[kMostObjects]; };
 
 layout(push_constant, scalar) uniform Push {
-    float near, far;    // m, view depths between which the medium lies
-    float same;         // m: cubics that err by less tell the medium
-    uint first_caster;  // of the objects
+    float near, far;    // m, view depths of the medium
+    float same;         // m, largest error of a cubic that is accepted
+    uint first_caster;  // index of the first object that is no plane
 } push;
 
 layout(constant_id = kIdStep) const uint kStep = 4;
@@ -34,8 +37,9 @@ layout(constant_id = kIdStep) const uint kStep = 4;
 shared vec4 medium[kNodes * kNodes];
 shared vec2 lengths[kNodes * kNodes];
 
-// What makes the medium on a ray change sharply: how much of it lies in front of the opaque surface, and of that in shadow, m in depth. Where
-// a cubic tells these two it tells the medium, which errs in proportion.
+// The two depths (m) that make the medium on a ray change sharply: how much of it is in front of the opaque surface,
+// and how much of that is in shadow. Where a cubic interpolates both well, it interpolates the medium well: its error
+// is proportional.
 vec2 sharpLengths(vec2 pixel, float depth) {
     const float end = clamp(depth, push.near, push.far);
     const vec3 dir = rayDirection(pixel);
@@ -57,7 +61,7 @@ void main() {
     barrier();
     const uint first = gl_LocalInvocationID.y * kNodes + gl_LocalInvocationID.x;
     for (uint y = 0; y < kStep; ++y) {
-        vec4 column[4]; // of this row of pixels
+        vec4 column[4]; // the four columns of nodes at this row of pixels
         vec2 column_lengths[4];
         const vec4 down = cubic(float(y) / float(kStep));
         [[unroll]] for (uint i = 0; i < 4; ++i) {

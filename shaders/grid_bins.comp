@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// The medium's grid, first pass, once per tick: every particle as the nodes add it, which columns, rows and sheets of bricks it reaches,
-// and which bricks have any of the medium. One workgroup per 32 particles.
+// Method `grid`, first pass, once per tick. Converts every particle to the form that grid_fill.comp adds to nodes,
+// marks the columns, rows and sheets of bricks that it reaches, and marks the bricks that contain medium. One
+// workgroup per 32 particles.
 #include "shaders/shared/types.h"
 #include "shaders/shared/support.h"
 
@@ -11,14 +12,15 @@ layout(local_size_x = 32) in;
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
-layout(scalar, binding = 4) buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles], then pages; all 0 before
-layout(scalar, binding = 5) buffer Marks { uint marks[]; };         // as in lib/grid_marks.glsl; all 0 before
+// [columns, rows, sheets][32 particles], then pages; all 0 before.
+layout(scalar, binding = 4) buffer Bins { uint bins[]; };
+layout(scalar, binding = 5) buffer Marks { uint marks[]; };         // lib/grid_marks.glsl; all 0 before
 
 layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 
 const float kLog2e = 1.4426950408889634;
-// Variance of a Gaussian that nodes can hold, spacings^2: narrower ones are widened, their optical mass kept. Its sum over the nodes
-// changes by 2 exp(-2 pi^2 0.36) = 0.2 % with its place, at most.
+// Least variance of a Gaussian on the nodes, spacings^2. Narrower particles are widened, with the same optical mass.
+// Their sum over the nodes then varies with the position by at most 2 exp(-2 pi^2 0.36) = 0.2 %.
 const float kLeastVariance = 0.36;
 
 #include "shaders/lib/line_bins_write.glsl"
@@ -53,8 +55,9 @@ void main() {
         if (radius > 0) {
             const vec3 first = (m.centre - radius) / float(kSlabTile) - 1e-3, last = (m.centre + radius) / float(kSlabTile) + 1e-3;
             for (uint axis = 0; axis < 3; ++axis) reach[axis] = span(first[axis], last[axis], medium.bricks[axis]);
-            // A sample in cell c reads nodes c - 1 ... c + 2: what it finds is a particle's from two cells before to one behind it,
-            // and all cells of a marked brick together read one node before it and two behind.
+            // A sample in cell c reads nodes c - 1 ... c + 2. So a particle is seen from two cells before it to one
+            // cell behind it, and the cells of a marked brick read from one node before the brick to two nodes behind
+            // it.
             const ivec3 from = ivec3(floor((m.centre - radius - 2) / float(kSlabTile))), to = ivec3(floor((m.centre + radius + 1) / float(kSlabTile)));
             mark(kSampled, from, to);
             mark(kRead, from - 1, to + 1);

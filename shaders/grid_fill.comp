@@ -4,18 +4,19 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
-// The medium's grid, second pass, once per tick: what all particles together hold at each node. One workgroup per brick, a lane is a
-// plane of it. Bricks that nobody reads keep what they had.
+// Method `grid`, second pass, once per tick: the sum of all particles at each node. One workgroup per brick; a lane
+// is a plane of nodes. Bricks that no sample reads keep their old content.
 #include "shaders/shared/types.h"
 
 layout(local_size_x = 8) in; // kSlabTile
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
-// [what][plane][row][node / 4], 1/m: extinction; where albedos differ also that which scatters red, green and blue
+// [quantity][plane][row][node / 4], 1/m. Quantities: extinction; if albedos differ, also scattering in red, green and
+// blue.
 layout(scalar, binding = 3) writeonly buffer Nodes { vec4 nodes[]; };
-layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };   // as in grid_bins.comp
-layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; }; // as in lib/grid_marks.glsl
+layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };   // written by grid_bins.comp
+layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; }; // lib/grid_marks.glsl
 
 layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// The medium's grid, per eye: rays through it.
+// Method `grid`, last pass, per eye: traces rays through the nodes.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
@@ -14,9 +14,9 @@ layout(constant_id = kIdSources) const uint kSources = 1;
 layout(constant_id = kIdCubic) const bool kCubic = true;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // as in grid_fill.comp
-layout(scalar, binding = 3) buffer Field { float field[]; };          // as in lib/slab_field.glsl
-layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };  // as in lib/grid_marks.glsl
+layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
+layout(scalar, binding = 3) buffer Field { float field[]; };          // lib/slab_field.glsl
+layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };  // lib/grid_marks.glsl
 layout(binding = 6) uniform sampler2DArray shadow_volume;
 layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 8) uniform sampler2D view_depth;
@@ -35,7 +35,7 @@ void startRay(uvec2 tile, uint ray, vec2 pixel) {
 #include "shaders/lib/spline.glsl"
 #include "shaders/lib/whole.glsl"
 
-// Sampled at place `t` of the cell whose nodes begin at `first`.
+// The quantities at position `t` (0 ... 1) in the cell whose nodes begin at `first`.
 float linear(uint first, uint row, uint sheet, vec3 t) {
     const vec4 below = vec4(nodes[first], nodes[first + 1], nodes[first + row], nodes[first + row + 1]);
     const vec4 above = vec4(nodes[first + sheet], nodes[first + sheet + 1], nodes[first + sheet + row], nodes[first + sheet + row + 1]);

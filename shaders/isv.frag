@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Interval shading: the interval from the two interpolated depths, the light depth linear between its ends (seed 000 eq. 8).
+// Interval shading: the interval comes from two interpolated depths; light depth is linear between its ends (seed 000
+// eq. 8).
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 
@@ -10,7 +11,8 @@ layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
 
 layout(location = 0) flat in vec4 centre_scale;
 layout(location = 1) flat in vec4 albedo_sigma;
-layout(location = 2) in vec2 inverse_depth; // linear in the picture, since w is 1 at every vertex; Mesa 25 clips noperspective wrong
+// Linear in the picture, since w is 1 at every vertex. (Mesa 25 clips noperspective inputs wrong.)
+layout(location = 2) in vec2 inverse_depth;
 layout(location = 3) flat in uint clipped;
 
 layout(location = 0) out vec4 radiance_transmittance;
@@ -66,7 +68,8 @@ void drawParticle() {
                 if (kHasCasters) light *= visibilityAt(ray, interval.x + node.z);
                 scattered += node.weight * light;
             }
-            scattered = min(scattered, opacity(segment.depth)); // all that can be; nodes too far apart would make more
+            // Upper bound; nodes that are too far apart would exceed it.
+            scattered = min(scattered, opacity(segment.depth));
         }
     }
     radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, segment.depth);
@@ -74,5 +77,5 @@ void drawParticle() {
 
 void main() {
     if (isFinished()) discard;
-    else drawParticle(); // CPU drivers skip it; code after a discard they do not
+    else drawParticle(); // CPU drivers skip this branch, but not code after a discard
 }

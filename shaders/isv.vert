@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Interval shading for devices without mesh shaders: an instance is a particle, its 12 vertices are 4 triangles of the fan.
+// Interval shading for devices without mesh shaders: an instance is a particle, its 12 vertices are 4 triangles of
+// the fan.
 #include "shaders/shared/types.h"
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };

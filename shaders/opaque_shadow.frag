@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Opaque shadow map: the height along to_light of a box's or sphere's top; blending keeps the largest.
+// Opaque shadow map: height along to_light of the top of a box or sphere. Blending keeps the largest.
 #include "shaders/shared/types.h"
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };

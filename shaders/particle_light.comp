@@ -1,11 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Once per tick: the light that reaches every particle, T_L = T + G . r + C k^2 r^2, r = place - centre, from the centre and six points
-// at sqrt(3) standard deviations around it: it has their mean and first moments, those of T_L over the particle's Gaussian. Where that
-// is not enough, kLookUp is written and methods look the light up point by point: where the points disagree with the fit (after seed
-// 001's test: what samples and interpolation differ by), where the particle shadows itself, and where the edge of an opaque shadow
-// may cut it.
+// Light cached on particles, once per tick: a fit T_L = T + G . r + C k^2 r^2 to the light's transmittance,
+// r from the centre. It uses the centre and six points at sqrt(3) standard deviations around it; mean and first
+// moments over the particle's Gaussian are kept. kLookUp is written where the fit is not enough, and methods then look the light
+// up at every point. That is the case if
+// - the points differ from the fit by more than a tolerance (after seed 001's test: samples against interpolation),
+// - the particle shadows itself, or
+// - the edge of an opaque shadow may cross the particle.
 #include "shaders/shared/types.h"
 #include "shaders/shared/splat.h"
 #include "shaders/shared/support.h"
@@ -17,22 +19,24 @@ layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) readonly buffer Objects { Opaque objects[]; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(binding = 3) uniform sampler2DArray shadow_volume;
-layout(binding = 4) uniform sampler2D opaque_shadow; // for light.glsl alone
+layout(binding = 4) uniform sampler2D opaque_shadow; // read by light.glsl only
 layout(scalar, binding = 5) writeonly buffer Lights { ParticleLight lights[]; };
 
 layout(push_constant, scalar) uniform Push {
-    float tolerance; // of T_L
+    float tolerance; // of T_L, 0 ... 1
 } push;
 
 #include "shaders/lib/light.glsl"
 
-// Optical depth of a particle beyond which its own shadow is no such polynomial: by 5 % of what it scatters.
+// Optical depth of a particle above which its own shadow does not fit the polynomial. The error there is 5 % of the
+// scattered light.
 const float kOwnShadow = 0.55;
 
 const int kLit = 0, kDark = 1, kPartly = 2;
 
-// Of an object seen from the light: how far `at`, in light space and relative to the centre, lies outside of its outline (negative
-// inside, never more than the true distance outside), and how far it reaches up and down. A box's outline is where three strips meet.
+// An object seen from the light. Returns the distance of `at` (light space, relative to the centre) from its outline,
+// and how far the object reaches up and down. The distance is negative inside, and never larger than the true one
+// outside. A box's outline is the intersection of three strips.
 void outline(Opaque o, vec2 at, out float outside, out float height) {
     outside = length(at) - o.half_size.x;
     height = o.half_size.x;
@@ -49,12 +53,12 @@ void outline(Opaque o, vec2 at, out float outside, out float height) {
     }
 }
 
-// What the opaque objects leave of the light within `radius` of a point in light space.
+// The part of the light that opaque objects let through, within `radius` (m) of a point in light space.
 int shade(vec3 at, float radius) {
     int result = kLit;
     for (uint i = 0; i < tick.opaque_count; ++i) {
         const Opaque o = objects[i];
-        if (o.kind == kPlane) continue; // nothing lies below it
+        if (o.kind == kPlane) continue; // there is nothing below a plane
         const vec3 from = at - toLightSpace(o.centre);
         float outside, height;
         outline(o, from.xy, outside, height);
@@ -70,12 +74,13 @@ void main() {
     if (i >= tick.particle_count) return;
     const Particle p = particles[i];
     const float u = p.scale * tick.falloff;
-    const vec2 texel = (tick.map.opaque_hi - tick.map.opaque_lo) / float(tick.map.opaque_size); // as coarse is the map that points look up
+    // Texels of the opaque shadow map, which methods look up, too (m).
+    const vec2 texel = (tick.map.opaque_hi - tick.map.opaque_lo) / float(tick.map.opaque_size);
     const int shadow = shade(toLightSpace(p.centre), max(supportRadius(p.sigma_t, u, tick.cut), 0) + length(texel));
 
     const float reach = 0.173205081 * u; // k reach = sqrt(3/2)
     const float centre = exp(-lightDepth(toShadowVolume(p.centre)));
-    vec3 gradient, bend; // bend: how far above the centre the mean of two opposite points is
+    vec3 gradient, bend; // bend: mean of two opposite points minus the centre
     for (int j = 0; j < 3; ++j) {
         vec3 step = vec3(0);
         step[j] = reach;

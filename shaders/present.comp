@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// Of each view whose picture is band-limited: all its pixels, by the cubic through the nodes of shade.comp. A lane makes 16x8 pixels:
-// what it reads and writes costs more than what it computes.
+// Present, for views with band-limited pictures: interpolates all pixels by the cubic through the nodes of
+// shade.comp. A lane makes 16x8 pixels, since its memory accesses cost more than its arithmetic.
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
@@ -17,7 +17,7 @@ layout(scalar, binding = 4) readonly buffer Shaded { uint shaded[]; };  // lib/s
 #include "shaders/lib/shaded.glsl"
 
 const uint kWide = 16, kHigh = 8;
-const uint kColumns = kWide / kStep + 3; // nodes of a lane's row
+const uint kColumns = kWide / kStep + 3; // nodes along a lane's row
 const uint kMostColumns = kWide / 2 + 3;
 
 float along(float columns[kMostColumns], float x) { // x: pixels from the lane's first
@@ -32,10 +32,11 @@ void main() {
     const uint block = gl_GlobalInvocationID.x * (kWide / 8), top = gl_GlobalInvocationID.y * kHigh, rows = view.end - view.first;
     if (block * 8 >= eye.size.x || top >= rows) return;
     const uvec2 nodes = shadedNodes(rows);
-    const bool second = (block + 1) * 8 < eye.size.x; // of the two blocks of 8 pixels
+    // True: the second of the two blocks of 8 pixels is in the picture.
+    const bool second = (block + 1) * 8 < eye.size.x;
     for (uint y = 0; y < kHigh; y += kStep) {
         if (top + y >= rows) break;
-        vec4 luma[kMostColumns], cb[kMostColumns], cr[kMostColumns]; // of four rows of nodes
+        vec4 luma[kMostColumns], cb[kMostColumns], cr[kMostColumns]; // interpolated from four rows of nodes
         [[unroll]] for (uint i = 0; i < kColumns; ++i)
             [[unroll]] for (uint j = 0; j < 4; ++j) {
                 const uint at = view.shaded + ((top + y) / kStep + j) * nodes.x + min(block * 8 / kStep + i, nodes.x - 1);

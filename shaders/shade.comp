@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// Of each view whose picture is band-limited: what the display shows of every kStep-th pixel, for present.comp. A lane is a node.
+// Shade, for views with band-limited pictures: the displayed colour of every kStep-th pixel, input of present.comp. A
+// lane is a node.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"

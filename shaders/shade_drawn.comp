@@ -1,13 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Of a picture that was drawn at every kStep-th pixel: what the display shows of those, for present.comp. A lane is a node.
+// Shade for a picture that was drawn at every kStep-th pixel: the displayed colour of these pixels, input of
+// present.comp. A lane is a node.
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(rgba32f, binding = 2) readonly uniform image2D radiance;         // a pixel for every node
+layout(rgba32f, binding = 2) readonly uniform image2D radiance;         // one pixel per node
 layout(scalar, binding = 3) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl
 
 #include "shaders/lib/display.glsl"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Volumetric shadow map, first pass: every particle in the map's cells, and the tiles that it reaches.
+// Volumetric shadow map, first pass: converts every particle to the map's cells and marks the tiles that it reaches.
 #include "shaders/shared/types.h"
 #include "shaders/shared/transmittance.h"
 #include "shaders/shared/sharpen.h"
@@ -16,7 +16,7 @@ layout(scalar, binding = 4) buffer Bits { uint bits[]; };
 
 layout(push_constant, scalar) uniform Push {
     uvec3 tiles; // columns, rows, groups of planes
-    uint words;  // of a line
+    uint words;  // words of a line
 } push;
 
 #include "shaders/lib/shadow_bins.glsl"
@@ -35,11 +35,13 @@ void main() {
     const float column = lineDepth(p.sigma_t, k, 1.0) * sqrt(variance.x / stored.x * (variance.y / stored.y));
     light_particles[i] = LightParticle(vec4(at, 0.5 * column), inversesqrt(2 * stored));
 
-    const float radius = supportRadius(p.sigma_t, u, 0.75 * tick.cut); // sharpened, a column is up to 4/3 of itself
+    // Sharpening makes a column depth up to 4/3 as large.
+    const float radius = supportRadius(p.sigma_t, u, 0.75 * tick.cut);
     if (radius <= 0) return;
     const vec3 reach = radius / cell, size = vec3(kLanes, kRows, kGroup);
     const ivec3 last = ivec3(push.tiles) - 1;
-    // Group g is what is added between its planes kGroup g and kGroup (g + 1): a particle that ends between two planes counts at the lower.
+    // Group g holds particles that add depth between planes kGroup g and kGroup (g + 1). One that ends between two
+    // planes counts at the lower one.
     const ivec3 from = clamp(ivec3(floor((at - reach - vec3(0, 0, 1)) / size)), ivec3(0), last);
     const ivec3 to = clamp(ivec3(floor((at + reach) / size)), ivec3(0), last);
     const uint word = wordOf(i), bit = 1u << bitOf(i);

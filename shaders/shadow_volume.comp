@@ -3,10 +3,11 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-// Volumetric shadow map, second pass: the light's optical depth at every texel of every plane. The light is parallel, so
-// tau_L(x) = [sigma sqrt(pi)/(2k) erfc(k s)] exp(-k^2 b^2) (physics: light depth) is a factor per axis: each of kLanes lanes takes a
-// particle and computes its rows and planes, then all add each other's particles to their own column of texels.
-// Planes are added up from the light: a particle costs something only where its depth changes.
+// Volumetric shadow map, second pass: the light's optical depth at every texel of every plane. For parallel light,
+// tau_L(x) = [sigma sqrt(pi)/(2k) erfc(k s)] exp(-k^2 b^2) is a product of one factor per axis. Each of kLanes lanes
+// takes a particle and computes its factors for rows and planes. Then every lane adds all these particles to its own
+// column of texels. Planes are summed from the light on, so that a particle costs time only at planes where its depth
+// changes.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/erf.h"
@@ -20,9 +21,9 @@ layout(scalar, binding = 5) writeonly buffer Texels { vec4 texels[]; }; // [laye
 
 layout(push_constant, scalar) uniform Push {
     uvec3 tiles;     // columns, rows, groups of planes
-    uint words;      // of a line
-    uint first_row;  // of tiles, of this band of the map
-    uint rows;       // and how many
+    uint words;      // words of a line
+    uint first_row;  // first row of tiles of this band of the map
+    uint rows;       // rows of tiles in the band
 } push;
 
 #include "shaders/lib/shadow_bins.glsl"
@@ -30,15 +31,15 @@ layout(push_constant, scalar) uniform Push {
 float of(uint lane, float value) { return subgroupShuffle(value, gl_SubgroupInvocationID / kLanes * kLanes + lane); }
 uint of(uint lane, uint value) { return subgroupShuffle(value, gl_SubgroupInvocationID / kLanes * kLanes + lane); }
 
-// The particles of a tile and group, in order: windows of a word a lane.
+// Iterates over the particles of a tile and group, in order. A window is one word of bits per lane.
 struct Walk {
-    uint next;        // window
+    uint next;        // next window
     uint bits;        // this lane's word of the present window
     uint upto;        // set bits of this lane's and all lower lanes' words
-    uint total, used; // set bits of the window, and how many of them have had their turn
+    uint total, used; // set bits of the window; those already handed out
 };
 
-// Place of the n-th set bit, n from 0.
+// Index of the n-th set bit, n from 0.
 uint nthBit(uint bits, uint n) {
     uint place = 0;
     for (uint part = 16; part > 0; part /= 2) {
@@ -51,7 +52,7 @@ uint nthBit(uint bits, uint n) {
     return place;
 }
 
-// Gives every lane the next particle of its own, as long as there are some: how many lanes have one. The others get particle 0.
+// Gives each lane one of the next particles. Returns the number of lanes that got one; the others get particle 0.
 uint nextParticles(inout Walk walk, uvec2 tile, uint group, uint lane, out uint particle) {
     particle = 0;
     uint filled = 0;
@@ -70,7 +71,7 @@ uint nextParticles(inout Walk walk, uvec2 tile, uint group, uint lane, out uint 
             walk.next += kLanes;
         }
         const uint take = min(walk.total - walk.used, kLanes - filled), rank = walk.used + lane - filled;
-        uint from = 0; // the lane whose word has it
+        uint from = 0; // the lane whose word holds this bit
         for (uint step = kLanes / 2; step > 0; step /= 2)
             if (of(from + step - 1, walk.upto) <= rank) from += step;
         const uint word = of(from, walk.bits), before = of(from, walk.upto) - bitCount(word);
@@ -85,13 +86,14 @@ void main() {
     const uint lane = gl_SubgroupInvocationID % kLanes;
     const uint slot = gl_SubgroupID * (gl_SubgroupSize / kLanes) + gl_SubgroupInvocationID / kLanes;
     const uint id = gl_WorkGroupID.x * (gl_WorkGroupSize.x / kLanes) + slot;
-    // Neighbouring groups are far apart: a CPU driver gives every core a run of groups, and a medium is denser in some places.
+    // Neighbouring workgroups get distant tiles. A CPU driver gives each core a run of workgroups, and some parts of
+    // a medium are denser.
     const uint count = push.tiles.x * push.rows, index = id % 8 * ((count + 7) / 8) + id / 8;
     if (index >= count) return;
     const uvec2 tile = uvec2(index % push.tiles.x, push.first_row + index / push.tiles.x), first = tile * uvec2(kLanes, kRows);
     const uvec3 size = uvec3(tick.map.texels.x, min(tick.map.texels.y - push.first_row * kRows, push.rows * kRows), (tick.map.slices + 1) / 3);
 
-    float depth[kRows]; // at the last plane so far
+    float depth[kRows]; // at the last finished plane
     for (uint r = 0; r < kRows; ++r) depth[r] = 0;
     for (uint group = 0; group < push.tiles.z; ++group) {
         float added[kRows][kGroup];
@@ -104,7 +106,7 @@ void main() {
             const uint some = nextParticles(walk, tile, group, lane, particle);
             if (some == 0) break;
             const LightParticle p = light_particles[particle];
-            const float half_column = lane < some ? p.at.w : 0; // 0: this lane has none
+            const float half_column = lane < some ? p.at.w : 0; // 0: that lane has no particle
             const float above = p.at.z - float(group * kGroup);
             float plane[kGroup], row[kRows];
             float before = group == 0 ? 0 : half_column * erfc(p.k.z * above);
@@ -132,7 +134,7 @@ void main() {
                 }
         }
 
-        // A layer is four planes, the first of them the last of the layer before.
+        // A layer is four planes; its first is also the last of the previous layer.
         for (uint r = 0; r < kRows; ++r)
             for (uint g = 0; g < kGroup; g += 3) {
                 vec4 planes = vec4(depth[r], 0, 0, 0);

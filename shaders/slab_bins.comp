@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Slabs, first pass, per eye: every particle as the slabs add it, and which columns of tiles, rows of tiles and sheets of slabs it
-// may reach. One bit for a particle and a line: no lists, no order to keep. One workgroup per 32 particles.
+// Method `slabs`, first pass, per eye. Converts every particle to the form that slabs.comp adds, and marks the
+// columns of tiles, rows of tiles and sheets of slabs that it may reach, one bit per particle and line. One workgroup
+// per 32 particles.
 #include "shaders/shared/types.h"
 #include "shaders/shared/support.h"
 #include "shaders/lib/view.glsl"
@@ -12,11 +13,12 @@ layout(local_size_x = 32) in;
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
-layout(scalar, binding = 4) buffer Bins { uint bins[]; }; // [columns, rows, sheets][32 particles], then pages; all 0 before
+// [columns, rows, sheets][32 particles], then pages; all 0 before.
+layout(scalar, binding = 4) buffer Bins { uint bins[]; };
 
 const float kLog2e = 1.4426950408889634;
-// Standard deviation of a particle that rays and slabs can carry, in their spacings: narrower ones are widened, their optical mass
-// kept. Where every pixel has its ray nothing is widened: a pixel is then a point, as with every method.
+// Least standard deviation of a particle, in spacings of rays and slabs. Narrower particles are widened, with the
+// same optical mass. With one ray per pixel nothing is widened: a pixel is then a point, as with every method.
 const float kLeastAcross = 0.7, kLeastAlong = 0.7;
 
 #include "shaders/lib/frustum.glsl"
@@ -46,7 +48,7 @@ void main() {
         const float end = farDepth();
         const float near = max(m.centre.z - deep, grid.depth), far = min(m.centre.z + deep, end);
         if (radius > 0 && far > near) {
-            // Where the box around it is seen, in tiles from node (0, 0).
+            // The box around the particle in the picture, in tiles from node (0, 0).
             const vec2 lo = m.centre.xy - wide, hi = m.centre.xy + wide;
             const vec2 origin = pictureCorner() + (0.5 + (vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate)) * pixel;
             const vec2 first = (min(lo / near, lo / far) - origin) / tile - 1e-3, last = (max(hi / near, hi / far) - origin) / tile + 1e-3;

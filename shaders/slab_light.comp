@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Slabs, third pass: rays through what the second one has added to their slabs.
+// Method `slabs`, third pass, per eye: traces rays through the slabs that slabs.comp has filled.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
@@ -12,13 +12,13 @@ layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdSources) const uint kSources = 1;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Added { float added[]; }; // as in slabs.comp
-layout(scalar, binding = 3) buffer Field { float field[]; };          // as in lib/slab_field.glsl
+layout(scalar, binding = 2) readonly buffer Added { float added[]; }; // written by slabs.comp
+layout(scalar, binding = 3) buffer Field { float field[]; };          // lib/slab_field.glsl
 layout(binding = 6) uniform sampler2DArray shadow_volume;
 layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 8) uniform sampler2D view_depth;
 
-uint from, apart; // in `added`: the ray's first slab, and how far apart are what lies there
+uint from, apart; // in `added`: index of the ray's first slab; distance between quantities
 
 void startRay(uvec2 tile, uint ray, vec2 pixel) {
     const uint tiles = grid.lines.x * grid.lines.y, rays = gl_WorkGroupSize.x;

@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// Slabs, last pass: what whole rays see becomes the coefficients of a cubic B-spline through it, whose error is a fourth of that of
-// Catmull-Rom's where rays are 0.8 standard deviations apart. A lane is a node.
+// Methods `slabs` and `grid`, last pass, per eye: turns the values of whole rays into the coefficients of a cubic
+// B-spline through them. With rays 0.8 standard deviations apart, its error is a fourth of Catmull-Rom's. A lane is a
+// node.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
@@ -18,10 +19,10 @@ layout(scalar, binding = 2) buffer Field { float field[]; };
 
 #include "shaders/lib/slab_field.glsl"
 
-// The inverse of the B-spline's samples (1, 4, 1) / 6 but for a fifth tap's rest: exact for cubics.
+// Approximate inverse of the B-spline's samples (1, 4, 1) / 6, cut to five taps; exact for cubics.
 const float kInverse[5] = {0.05, -0.36666667, 1.63333333, -0.36666667, 0.05};
 
-// The 5x5 nodes around one, row by row, those of the border repeated.
+// The 5x5 nodes around a node, row by row; nodes at the border are repeated.
 void valuesAround(uvec2 node, uint plane, out float values[25]) {
     [[unroll]] for (int n = 0; n < 25; ++n) {
         const uvec2 at = uvec2(clamp(ivec2(node) + ivec2(n % 5, n / 5) - 2, ivec2(0), ivec2(grid.nodes) - 1));
@@ -29,8 +30,8 @@ void valuesAround(uvec2 node, uint plane, out float values[25]) {
     }
 }
 
-// Rays that meet no medium scatter nothing, but what lies between them and others does: for `known` nodes only, others are as
-// the known ones around the middle.
+// A ray without medium has no value of scattered light, but pixels beside it need one. Nodes that are not `known` get
+// the value of the known ones around the middle.
 float coefficient(float values[25], uint known) {
     float sum = 0, unknown = 0, around = 0, weights = 0;
     [[unroll]] for (int n = 0; n < 25; ++n) {

@@ -4,9 +4,10 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
-// Slabs, second pass: the optical depth that all particles together add to each slab of each ray, sampled at the slab's middle.
-// One workgroup per tile of 8x8 rays and sheet of slabs; a lane is a slab. On its plane the rays' points are equally spaced, so
-// that a Gaussian is a product of two recurrences, and adding a particle to 64 rays costs little more than 64 multiply-adds.
+// Method `slabs`, second pass, per eye: the extinction of all particles in each slab of each ray, sampled at the
+// slab's middle. One workgroup per tile of 8x8 rays and sheet of slabs; a lane is a slab. The rays' points on its
+// plane are equally spaced. A Gaussian is then a product of two recurrences, and adding a particle to 64 rays costs
+// little more than 64 multiply-adds.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
@@ -15,12 +16,12 @@ layout(local_size_x_id = kIdSheet) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
-// [what][tile][slab][ray / 4], per m: extinction; with kColours also that which scatters red, green and blue
+// [quantity][tile][slab][ray / 4], 1/m. Quantities: extinction; with kColours also scattering in red, green and blue.
 layout(scalar, binding = 3) writeonly buffer Added { vec4 added[]; };
-layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };    // as in slab_bins.comp
+layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };    // written by slab_bins.comp
 
 layout(push_constant, scalar) uniform Push {
-    uint sheets; // z of workgroups: views, then what is added, then sheets, of which a view may have fewer
+    uint sheets; // z of workgroups: views, then quantities, then sheets; a view may have fewer sheets
     uint whats;
 } push;
 
@@ -33,7 +34,7 @@ void main() {
     const uint view = gl_WorkGroupID.z / (push.sheets * push.whats);
     const uint sheet = gl_WorkGroupID.z % push.sheets, what = gl_WorkGroupID.z / push.sheets % push.whats;
     enterView(view);
-    if (any(greaterThanEqual(uvec3(gl_WorkGroupID.xy, sheet), grid.lines))) return; // all of the workgroup
+    if (any(greaterThanEqual(uvec3(gl_WorkGroupID.xy, sheet), grid.lines))) return; // true for the whole workgroup
     const uint bits = views[view].bins, first_member = views[view].members;
     const uint lane = gl_LocalInvocationIndex;
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
@@ -51,12 +52,13 @@ void main() {
     for (uint chunk = 0; chunk < words; chunk += kChunk) {
         if (!hasMembers(bits, chunk / kPage, line, grid.lines.x + grid.lines.y + grid.lines.z, words)) continue;
         const uint count = listMembers(bits, chunk, line, words);
-        // A lane of the subgroup loads a member, all add it: uniform loads inside loops are as slow as scattered ones on CPU drivers.
+        // Each lane of the subgroup loads one member, then all lanes add it. On CPU drivers, uniform loads inside
+        // loops are as slow as scattered ones.
         for (uint base = 0; base < count; base += held()) {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
             if (base + gl_SubgroupInvocationID < count) mine = members[first_member + list[base + gl_SubgroupInvocationID]];
             if (what > 0) mine.sigma *= mine.albedo[what - 1];
-            // Across a tile, on the farthest of its planes that the member reaches.
+            // Width of a tile on the farthest of its planes that the member reaches.
             const float widest = max(mine.centre.z, 0) * pixel * float(grid.rate) * float(kSlabTile);
             addMembers(sum, mine, min(held(), count - base), vec3(at, z), spacing, widest);
         }

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Exclusive prefix sum of the histogram, in one workgroup: every thread sums a run, the runs are scanned, the runs are written.
+// Exclusive prefix sum of the histogram, in one workgroup: each thread sums a run, the sums are scanned, each thread
+// writes its run.
 
 layout(local_size_x = 256) in;
 

@@ -14,7 +14,7 @@ void main() {
     const uint first = gl_WorkGroupID.x * kBlock + thread * kKeysPerThread;
     countDigits(thread, first);
     barrier();
-    if (thread < kDigits) { // where each thread's first key of this digit goes
+    if (thread < kDigits) { // position of each thread's first key with this digit
         uint offset = histogram[thread * push.blocks + gl_WorkGroupID.x];
         for (uint t = 0; t < kThreads; ++t) {
             const uint here = counts[thread * kThreads + t];

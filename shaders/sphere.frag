@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Sphere proxies: the whole Gaussian by 2-point Gauss-Hermite; where the near plane or a wall may cut it, two points on what is left,
-// at its mean -+ standard deviation. The light depth is looked up at the nodes.
+// Sphere proxies: the whole Gaussian by 2-point Gauss-Hermite quadrature. If the near plane or an object may cut it:
+// two points at mean -+ standard deviation of the rest. The light depth is looked up at both points.
 #include "shaders/shared/types.h"
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
@@ -20,7 +20,7 @@ void drawParticle() {
     const RayParticle ray = rayParticle(centre_radius.xyz);
     const float half2 = centre_radius.w * centre_radius.w - ray.b2;
     if (half2 <= 0) discard;
-    if (!kMayBeCut && ray.closest < 0) discard; // the eye is outside: the sphere lies all in front or all behind
+    if (!kMayBeCut && ray.closest < 0) discard; // the eye is outside: the sphere is completely in front or behind
     float depth;
     ScatterNode near, far;
     if (kMayBeCut) {
@@ -46,5 +46,5 @@ void drawParticle() {
 
 void main() {
     if (isFinished()) discard;
-    else drawParticle(); // CPU drivers skip it; code after a discard they do not
+    else drawParticle(); // CPU drivers skip this branch, but not code after a discard
 }

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Sphere proxies (seed 000 section 6.2): an instance is a particle, drawn as the octagon around the silhouette of the sphere
-// beyond which the Gaussian's column depth is below the cut. Where that would reach behind the eye: the sphere's bounding rectangle.
+// Sphere proxies (seed 000 section 6.2): an instance is a particle. It is drawn as the octagon around the silhouette
+// of a sphere; on lines outside the sphere, the Gaussian's optical depth is below the cut. If the octagon would reach
+// behind the eye, the sphere's bounding rectangle is drawn.
 #include "shaders/shared/types.h"
 #include "shaders/shared/support.h"
 
@@ -17,14 +18,15 @@ layout(location = 2) flat out float k;
 
 #include "shaders/lib/frustum.glsl"
 
-// Octagon of inradius 1 as a strip, and a rectangle in its place.
+// Octagon of inradius 1 as a strip; a rectangle as a strip.
 const float kOut = 1.0, kIn = 0.414213562;
 const vec2 kOctagon[8] = vec2[](vec2(kOut, kIn), vec2(kOut, -kIn), vec2(kIn, kOut), vec2(kIn, -kOut), vec2(-kIn, kOut), vec2(-kIn, -kOut),
                                 vec2(-kOut, kIn), vec2(-kOut, -kIn));
 const vec2 kRectangle[8] = vec2[](vec2(1, 1), vec2(1, 0), vec2(0, 1), vec2(0, 0), vec2(0, 0), vec2(0, 0), vec2(0, 0), vec2(0, 0));
 
-// Slopes (across / depth) between which a sphere in front of the near plane is seen, in the plane of `across` and depth: those of
-// the tangents from the eye, or where the near plane cuts the sphere if a tangent touches it behind that plane.
+// Range of slopes (across / depth) of the part of a sphere in front of the near plane, in the plane of `across` and
+// depth. An end is the tangent from the eye, or the sphere's cut with the near plane if the tangent touches it behind
+// that plane.
 vec2 slopes(float across, float depth, float radius) {
     const float d2 = across * across + depth * depth, tangent2 = d2 - radius * radius;
     const float cut = sqrt(max(radius * radius - (eye.near_depth - depth) * (eye.near_depth - depth), 0));

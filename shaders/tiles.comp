@@ -5,9 +5,10 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_vote : require
-// Method `tiles`, per eye: the splats of a tile over its pixels, near to far. A workgroup is a tile, a lane owns a run of pixels of a
-// row, so that what it knows of a splat serves all of them. Splats go round a subgroup, whatever its size: each lane loads one, all
-// add it. (A load that all lanes share is as slow as one for each on CPU drivers.)
+// Method `tiles`, last pass, per eye: adds the splats of a tile to its pixels, near to far. A workgroup is a tile. A
+// lane owns a run of pixels in a row, so that the values of a splat are computed once for the run. Each lane of a
+// subgroup, of any size, loads one splat, then all lanes add it. (On CPU drivers, a load shared by all lanes is as
+// slow as one load per lane.)
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/phase.h"
@@ -28,7 +29,7 @@ layout(scalar, binding = 9) readonly buffer Masks { uint masks[]; }; // [word][b
 
 layout(push_constant, scalar) uniform Push { SplatGrid grid; } push;
 
-// What a scene does not have is compiled out.
+// Code for features that a scene lacks is compiled out.
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
@@ -42,16 +43,16 @@ layout(constant_id = kIdPixelsPerLane) const uint kPixels = 16;
 #include "shaders/lib/tiles.glsl"
 #include "shaders/lib/frustum.glsl"
 
-const uint kAny = 1, kCutNear = 2, kCutFar = 4, kLookedUp = 8; // what adding a splat to this tile takes
+const uint kAny = 1, kCutNear = 2, kCutFar = 4, kLookedUp = 8; // what this tile needs to add a splat
 
-// The next splats of a block, near to far: one for each lane.
+// Iterates over the splats of a block, near to far: one for each lane.
 struct Candidates {
-    uint words, word; // in the masks; the next one
-    uint first, mine; // of the words that the lanes hold; this lane's
-    uint bits;        // of the last word, what is left
+    uint words, word; // words in the masks; the next word
+    uint first, mine; // first of the words that the lanes hold; this lane's word
+    uint bits;        // bits left of the last word
 };
 
-// How many lanes got one.
+// Gives each lane one of the next splats. Returns the number of lanes that got one.
 uint take(inout Candidates from, uint block, uint lane, uint lanes, out uint splat) {
     uint taken = 0;
     splat = 0;
@@ -74,7 +75,7 @@ uint take(inout Candidates from, uint block, uint lane, uint lanes, out uint spl
     return taken;
 }
 
-// A function that is affine in the pixel, on the lane's pixels.
+// Values of a function that is affine in the pixel, at the lane's pixels.
 vec2 onRun(float value, float right, float down) { return vec2(value + first.x * right + first.y * down, right); }
 
 void main() {
@@ -97,7 +98,7 @@ void main() {
             farthest_end = max(farthest_end, end[p]);
             if (end[p] > 0) {
                 nearest_end = min(nearest_end, end[p]);
-            } else { // finished: nothing reaches the cut there, and it is not waited for
+            } else { // finished pixel: no splat reaches the cut there, and the tile does not wait for it
                 inverse_square[p] = 1e6;
                 transmittance[p] = 0;
             }
@@ -131,7 +132,7 @@ void main() {
         if (meets) {
             mine = splats[candidate];
             if (kMayBeCut) {
-                // By the near plane; or part of it lies behind the eye.
+                // Cut by the near plane, or partly behind the eye.
                 if (mine.nearest < last_begin || mine.chord + 2 * cone.chord > 1.4) kind |= kCutNear;
                 if (kHasOpaque && mine.nearest + 2 * mine.radius > nearest_end) kind |= kCutFar;
                 if (kHasOpaque && mine.nearest > farthest_end) meets = false;
@@ -172,7 +173,8 @@ void main() {
     [[unroll]] for (uint p = 0; p < kPixels; ++p) {
         const ivec2 at = ivec2(pixel) + ivec2(p, 0);
         const bool finished = kHasOpaque && end[p] == 0;
-        const bool changed = !finished && (transmittance[p] < 1 || scattered[p] != vec3(0)); // many thin splats may leave T at 1
+        // Many thin splats may leave T at 1.
+        const bool changed = !finished && (transmittance[p] < 1 || scattered[p] != vec3(0));
         if (changed && all(lessThan(at, ivec2(eye.size)))) {
             float phase = 0.07957747154594767;
             if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);

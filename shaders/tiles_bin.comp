@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-// Method `tiles`, per eye: which splats may be seen in which block of tiles, as bit masks of 32 splats, near to far. A lane is a block.
+// Method `tiles`, second pass, per eye: bit masks of the splats that each block of tiles may see, near to far. A lane
+// is a block.
 #include "shaders/shared/types.h"
 #include "shaders/shared/splat.h"
 
@@ -23,12 +24,12 @@ void main() {
     if (word * 32 >= visible) return;
     const uvec2 at = uvec2(block % push.grid.blocks.x, block / push.grid.blocks.x) * push.grid.block;
     const PixelCone cone = pixelCone(at, at + push.grid.block);
-    // A lane loads a splat, all compare with it.
-    const uint size = min(gl_SubgroupSize, 32); // divides the workgroup or holds it
+    // Each lane loads a splat, then all lanes test it against their blocks.
+    const uint size = min(gl_SubgroupSize, 32); // divides the workgroup, or is larger
     uint mask = 0;
     for (uint bit = 0; bit < 32; bit += size) {
         const uint mine = word * 32 + bit + gl_SubgroupInvocationID;
-        SplatCone loaded = SplatCone(vec3(0), -4); // meets nothing
+        SplatCone loaded = SplatCone(vec3(0), -4); // a cone that meets nothing
         if (gl_SubgroupInvocationID < size && mine < visible) loaded = cones[mine];
         for (uint j = 0; j < size; ++j) {
             const vec3 direction = vec3(subgroupShuffle(loaded.direction.x, j), subgroupShuffle(loaded.direction.y, j),

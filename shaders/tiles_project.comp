@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Method `tiles`, per eye: the particles that can be seen, near to far, as functions of the pixel.
+// Method `tiles`, first pass, per eye: turns the visible particles into splats, functions of the pixel, near to far.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/splat.h"
@@ -21,7 +21,7 @@ layout(scalar, binding = 8) writeonly buffer Splats { Splat splats[]; };
 
 layout(constant_id = kIdCached) const bool kCached = true;
 
-// v . d as a function of the pixel.
+// v . d as a function of the pixel; d: ray direction of unit view depth.
 vec3 affine(vec3 v) { return vec3(dot(v, eye.ray), dot(v, eye.ray_right), dot(v, eye.ray_down)); }
 
 void main() {
@@ -32,7 +32,7 @@ void main() {
     const vec3 c = p.centre - eye.position;
     const float u = p.scale * tick.falloff, distance = length(c);
     const vec3 axis = distance > 0 ? c / distance : -eye.back;
-    // Across the line of sight: up the picture, so that it does not change along a row, and sideways.
+    // Two axes across the line of sight: upward in the picture, so that it is constant along a row, and sideways.
     const vec3 over = cross(eye.right, axis);
     const vec3 up = dot(over, over) > 1e-6 ? normalize(over) : eye.up;
 
@@ -55,7 +55,7 @@ void main() {
         if (light.transmittance != kLookUp) splat.light = light.transmittance + 0.5 * light.curvature - dot(light.gradient, c);
     }
     const float sine = min(splat.radius / max(distance, 1e-30), 1.0), cosine = sqrt(max(1 - sine * sine, 0));
-    splat.chord = splat.nearest > 0 ? sine * sqrt(2 / (1 + cosine)) + 1e-6 : 2; // and what directions round by
+    splat.chord = splat.nearest > 0 ? sine * sqrt(2 / (1 + cosine)) + 1e-6 : 2; // 1e-6: rounding of directions
     splats[j] = splat;
     cones[j] = SplatCone(axis, splat.chord);
 }

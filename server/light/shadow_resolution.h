@@ -20,9 +20,9 @@ public:
     // Relative RMS error of the light in the medium by linear interpolation between texels (planes) `spacing` (m)
     // apart. It estimates two causes:
     // - each particle: interpolation errs by its curvature, independently of other particles;
-    // - the body that they fill, if it were smooth: its outline is as soft as one particle. For texels, only
-    //   particles within one optical depth of the lit side count. The part of the error that a line of sight averages
-    //   away is subtracted (measured on the shipped scenes).
+    // - the body that they fill, if it were smooth: its outline is as soft as one particle.
+    // For texels, only particles within one optical depth of the lit side count. The part of the error that a line of
+    // sight averages away is subtracted (measured on the shipped scenes).
     double texelError(double spacing) const;
     double planeError(double spacing) const;
 

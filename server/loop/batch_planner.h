@@ -61,7 +61,7 @@ private:
     void add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due, BatchContents& out) const;
 
     Schedule schedule_;
-    std::vector<std::shared_ptr<Viewer>> due_; // whose requests and wishes the next two lists hold
+    std::vector<std::shared_ptr<Viewer>> due_; // viewers of the requests in the next two lists
     std::vector<PoseRequest> requests_;
     std::vector<Schedule::DrawRequest> draw_requests_;
 };

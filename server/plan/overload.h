@@ -21,8 +21,8 @@ public:
     // Returns true if the level changed, by one.
     // - Up: all frames of a second exceeded the budget.
     // - Down: for five seconds, the median of eleven frames, multiplied by `restored`, was below 4/5 of the budget.
-    //   The median ignores frames that other programs made longer. More than a second between two frames starts both
-    //   times anew.
+    //   The median ignores frames that other programs made longer.
+    // More than a second between two frames starts both times anew.
     bool took(double ms, double restored, Time now);
     // Takes the last step up back: the caller found no accuracy left to give up.
     void stepBack() { level_ -= level_ > 0; }

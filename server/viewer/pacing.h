@@ -22,11 +22,11 @@ struct PacingOptions {
 
 // Two windows bound what is in flight.
 // - Frames: enough for the time from handing a frame out to its acknowledgement without queues (round trip + stages),
-//   and one
-//   more. Where that many would not make 60 Hz, frames are spaced evenly instead of coming in bursts.
+//   and one more. Where that many would not make 60 Hz, frames are spaced evenly instead of coming in bursts.
 // - Bytes: follows the queueing delay, one frame's size at a time. Over a link that is too slow, frames get fewer,
-//   not older. Round trips are measured by pings, which pass through the same queues as frames. Acknowledgements are
-//   not used for it: they wait for the viewer's display.
+//   not older.
+// Pings measure round trips, since they pass through the same queues as frames. Acknowledgements do not, since they
+// wait for the viewer's display.
 class Pacing {
 public:
     explicit Pacing(const PacingOptions& options) : options_(options), frames_(options.least_frames) {

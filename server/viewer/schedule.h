@@ -58,7 +58,7 @@ public:
     uint32_t active() const { return active_; }
 
 private:
-    // What is remembered of a viewer.
+    // State of one viewer between batches.
     struct Turn {
         double ms_per_pixel = 0; // smoothed; 0: not measured
         double pixels = 0;       // of its last request

@@ -1,12 +1,12 @@
-// The sky and the opaque objects behind the medium, lit by the light through the medium. Declares the bindings that it reads; include
-// after the tick's and the eye's blocks.
+// Background: the sky, and opaque objects lit through the medium. Declares the bindings that it reads. Include after
+// the tick's and the eye's blocks.
 #include "shaders/shared/constants.h"
 
 layout(scalar, binding = 2) uniform Objects { Opaque objects[kMostObjects]; };
 layout(binding = 3) uniform sampler2DArray shadow_volume;
 layout(binding = 4) uniform sampler2D opaque_shadow;
 
-// How many there are of each kind, which stand in this order: loops over a few are unrolled, and nothing is left of none.
+// Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
 layout(constant_id = kIdPlanes) const uint kPlanes = 1;
 layout(constant_id = kIdBoxes) const uint kBoxes = 1;
 layout(constant_id = kIdSpheres) const uint kSpheres = 1;
@@ -18,16 +18,18 @@ layout(constant_id = kIdSpheres) const uint kSpheres = 1;
 
 const uint kNone = ~0u;
 
-// What a ray meets first.
+// The first object that a ray hits.
 struct Hit {
-    float depth; // view depth; kMiss when there is none
+    float depth; // view depth; kMiss if there is none
     uint object; // kNone
     vec3 normal, albedo;
 };
 
-// Boxes and spheres, by their number from 0, that a ray through any place of the pixel may hit; from the 32nd on all of them.
+// Bits of boxes and spheres, counted from 0, that a ray through any point of the pixel may hit. From the 32nd on all
+// count as hit.
 uint mayHit(vec3 middle) {
-    const float pixel = 0.6 * (length(eye.ray_right) + length(eye.ray_down)); // samples are at most 3/8 pixels off each way
+    // Samples are at most 3/8 pixels from the centre in x and y.
+    const float pixel = 0.6 * (length(eye.ray_right) + length(eye.ray_down));
     uint may = 0;
     for (uint i = 0; i < min(kBoxes + kSpheres, 32); ++i) {
         const Opaque o = objects[kPlanes + i];
@@ -56,7 +58,7 @@ Hit nearest(vec3 dir, uint may) {
     return hit;
 }
 
-// Lambert's law under the light, past objects and medium, and under the sky, whose mean radiance stands for its irradiance.
+// Radiance of a surface by Lambert's law: of the light, past objects and medium, and of the sky by its mean radiance.
 vec3 lit(Hit hit, vec3 x) {
     const vec3 n = hit.normal;
     const float cosine = dot(n, tick.sun.to_light);
@@ -68,7 +70,7 @@ vec3 lit(Hit hit, vec3 x) {
             const float slope = texel * 2 * sqrt(max(1 - cosine * cosine, 0)) / max(cosine, 0.1);
             direct *= visibilityFiltered(toLightSpace(x + n * 2 * texel), slope);
         }
-    const vec3 at = toShadowVolume(x); // outside of the map and above it there is nothing
+    const vec3 at = toShadowVolume(x); // there is no medium beside and above the map
     if (direct > 0 && at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5)))) direct *= exp(-lightDepth(at));
     return hit.albedo * (sky + tick.sun.irradiance * direct);
 }
@@ -79,8 +81,8 @@ vec3 shade(vec3 dir, Hit hit) {
     return colour;
 }
 
-// Radiance of a pixel, and the view depth of what its centre hits. Edges are smoothed with four rays where they do not all hit the
-// centre's object.
+// Radiance of a pixel, and the view depth of the object at its centre. Edges are smoothed: four rays are averaged if
+// they do not all hit the centre's object.
 vec3 background(vec2 centre, out float view_depth) {
     const vec2 offsets[4] = vec2[](vec2(-0.375, -0.125), vec2(0.125, -0.375), vec2(0.375, 0.125), vec2(-0.125, 0.375));
     const vec3 middle = rayDirection(centre);

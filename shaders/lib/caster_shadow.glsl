@@ -1,18 +1,18 @@
-// Where a ray is in the shadow of an opaque object: a convex object under a parallel light throws a convex shadow, so that it is one
-// interval. Include after the tick and lib/objects.glsl.
+// The interval of a ray in the shadow of an opaque object. A convex object under parallel light has a convex shadow,
+// so that there is one interval. Include after the tick and lib/objects.glsl.
 
-// Keeps of the range of z where c + z m <= 0.
+// Restricts the range of z to c + z m <= 0.
 void bound(inout vec2 range, float c, float m) {
     if (abs(m) < 1e-12) range.y = c > 0 ? -1e30 : range.y;
     else if (m > 0) range.y = min(range.y, -c / m);
     else range.x = max(range.x, -c / m);
 }
 
-// The part of origin + z dir, in units of dir, from which the light is hidden by `o` (x > y: none).
+// The range of z in which `o` hides the light from origin + z dir (x > y: none).
 vec2 shadowOf(Opaque o, vec3 origin, vec3 dir) {
-    if (o.kind == kPlane) return vec2(1, 0); // seen and lit from above only
+    if (o.kind == kPlane) return vec2(1, 0); // a plane is seen and lit from above only
     const vec3 p = origin - o.centre, l = tick.sun.to_light;
-    if (o.kind == kSphere) { // the sphere, and the half cylinder behind it
+    if (o.kind == kSphere) { // the shadow is the sphere and the half cylinder behind it
         const float r2 = o.half_size.x * o.half_size.x;
         const vec3 d_across = dir - dot(dir, l) * l, p_across = p - dot(p, l) * l;
         const float a = max(dot(d_across, d_across), 1e-12), b = dot(d_across, p_across);
@@ -31,7 +31,8 @@ vec2 shadowOf(Opaque o, vec3 origin, vec3 dir) {
         const vec2 ball = -db / da + sqrt(half2) * vec2(-1, 1);
         return cylinder.x < cylinder.y ? vec2(min(cylinder.x, ball.x), max(cylinder.y, ball.y)) : ball;
     }
-    // A point x is in the box's shadow when x + s l is in the box for some s >= 0. In the box's axes, mirrored so that l >= 0:
+    // A point x is in the box's shadow if x + s l is in the box for some s >= 0. In the box's axes, mirrored so that
+    // l >= 0:
     // -half <= x_i + s l_i <= half. Eliminating s leaves one line for every pair of a lower and an upper bound.
     vec3 d = toObject(o, dir), x = toObject(o, p), w = toObject(o, l);
     const vec3 mirror = mix(vec3(1), vec3(-1), lessThan(w, vec3(0)));
@@ -48,7 +49,7 @@ vec2 shadowOf(Opaque o, vec3 origin, vec3 dir) {
             const float m = j < 0 ? d[i] : d[i] * wj - d[j] * w[i];
             bound(range, c, m);
         }
-        if (w[i] < 1e-6) bound(range, -x[i] - o.half_size[i], -d[i]); // no s helps: -half <= x_i
+        if (w[i] < 1e-6) bound(range, -x[i] - o.half_size[i], -d[i]); // l_i is 0: -half <= x_i
     }
     return range;
 }

@@ -1,9 +1,10 @@
-// Where one eye's picture lies at unit view depth, right and down from the view axis; include after `eye` is declared.
-vec2 pictureCorner(Eye e) { return vec2(dot(e.right, e.ray), -dot(e.up, e.ray)); } // the upper left one
+// The rectangle of one eye's picture at unit view depth, right and down from the view axis. Include after `eye` is
+// declared.
+vec2 pictureCorner(Eye e) { return vec2(dot(e.right, e.ray), -dot(e.up, e.ray)); } // upper left corner
 vec2 pictureHalf(Eye e) { return vec2(e.tan_x, e.tan_y); }
 vec2 pictureCorner() { return pictureCorner(eye); }
 vec2 pictureHalf() { return pictureHalf(eye); }
 vec2 pictureMiddle() { return pictureCorner() + pictureHalf(); }
 
-// From a place at unit view depth to normalized device coordinates.
+// Converts a point at unit view depth to normalized device coordinates.
 vec2 toDevice(vec2 at) { return (at - pictureMiddle()) / pictureHalf(); }

@@ -1,5 +1,5 @@
-// Which bricks of the medium's grid matter, a bit each: those in whose cells there is any medium, and those whose nodes are read by
-// samples there. Include after `push.medium`.
+// Two bit sets of bricks of the medium's grid: bricks whose cells contain medium, and bricks whose nodes are read by
+// samples in those cells. Include after `push.medium`.
 
 const uint kSampled = 0, kRead = 1;
 

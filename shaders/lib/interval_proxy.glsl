@@ -1,12 +1,13 @@
-// Interval shading (seed 000 section 2.3, after Tricard 2024): a tetrahedron as a fan of 3 or 4 screen triangles around one
-// inner point, whose vertices carry the inverse view depths of the near and the far side. Inverse view depth (1/w) is linear in
-// screen space, where the seed's w/z is not a view depth. Include after `eye` is declared.
+// Interval shading (seed 000 section 2.3, after Tricard 2024): a tetrahedron as a fan of 3 or 4 screen triangles
+// around one inner point. Vertices carry the inverse view depths of the near and the far side. Inverse view depth
+// (1/w) is linear in screen space; the seed's w/z is no view depth. Include after `eye` is declared.
 
 struct IntervalProxy {
     vec2 ndc[5];           // 0: the inner point, 1 ... ring: around it
     vec2 inverse_depth[5]; // near side (the larger), far side
     uint ring;             // 3 or 4 triangles; 0: nothing to draw (edge-on, zero volume, behind the near plane)
-    bool clipped;          // crosses the near plane: the fan is a bounding rectangle, the interval comes from the face planes
+    // True: crosses the near plane. The fan is a bounding rectangle, the interval comes from the face planes.
+    bool clipped;
 };
 
 // Vertices of the particle's regular tetrahedron relative to its centre, for scale 1.
@@ -22,7 +23,7 @@ vec3 toView(vec3 c) { // clip x, y, w
 
 float twiceArea(vec2 a, vec2 b, vec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
-// What of a tetrahedron lies in front of the near plane, bounded by a rectangle.
+// A rectangle around the part of a tetrahedron in front of the near plane.
 IntervalProxy clippedProxy(vec3 v[4]) {
     IntervalProxy proxy;
     proxy.clipped = true;
@@ -67,8 +68,9 @@ IntervalProxy intervalProxy(vec3 c, float scale) {
         inverse[i] = 1 / v[i].z;
         p[i] = v[i].xy * inverse[i];
     }
-    // Four points of a plane have one affine dependency; those of one sign and those of the other span sets that meet in one
-    // point (Radon): a vertex inside the triangle of the others, or the crossing of the quadrilateral's diagonals.
+    // Four points of a plane have one affine dependency. The points with positive and those with negative
+    // coefficients span two sets that meet in one point (Radon): a vertex inside the triangle of the others, or the
+    // crossing of a quadrilateral's diagonals.
     const float weight[4] = float[](twiceArea(p[1], p[2], p[3]), -twiceArea(p[0], p[2], p[3]), twiceArea(p[0], p[1], p[3]), -twiceArea(p[0], p[1], p[2]));
     uint above[4], below[4];
     uint aboves = 0, belows = 0;
@@ -112,5 +114,5 @@ IntervalProxy intervalProxy(vec3 c, float scale) {
     return proxy;
 }
 
-// Which vertex of the fan is corner 0 ... 2 of triangle `triangle`.
+// Index in the fan of corner 0 ... 2 of triangle `triangle`.
 uint fanVertex(uint triangle, uint corner, uint ring) { return corner == 0 ? 0 : 1 + (triangle + corner - 1) % ring; }

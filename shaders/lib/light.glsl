@@ -1,14 +1,15 @@
-// What arrives from the light at a point; include after the tick, `shadow_volume` and `opaque_shadow` are declared.
+// Light at a point. Include after the tick, `shadow_volume` and `opaque_shadow` are declared.
 
 vec3 toLightSpace(vec3 x) { return vec3(dot(tick.map.x, x), dot(tick.map.y, x), dot(tick.sun.to_light, x)); }
 
-// Where a world point lies in the volumetric shadow map: texture coordinates, slice plane.
+// Position of a world point in the volumetric shadow map: texture coordinates, slice plane.
 vec3 toShadowVolume(vec3 x) {
     return vec3(dot(tick.map.u, vec4(x, 1)), dot(tick.map.v, vec4(x, 1)), dot(tick.map.plane, vec4(x, 1)));
 }
 
-// Optical depth of the medium between that place and the light: linear between texels and between planes. A layer holds four planes
-// and shares its last with the next one's first, so that one filtered fetch has both neighbours of any place.
+// Optical depth of the medium between such a position and the light, linear between texels and between planes. A
+// layer holds four planes; its last is also the first of the next layer. So one filtered fetch has both neighbouring
+// planes of any position.
 float lightDepth(vec3 in_volume) {
     const float plane = clamp(in_volume.z, 0, float(tick.map.slices - 1));
     const float layer = min(floor(plane * 0.333333343), float((tick.map.slices - 2) / 3));
@@ -17,14 +18,14 @@ float lightDepth(vec3 in_volume) {
     return depth.x + dot(part, depth.yzw - depth.xyz);
 }
 
-// 1 where the light-space point sees the light past the opaque objects, 0 where not: one texel, no filter.
+// Visibility of the light past opaque objects from a light-space point: 1 or 0, from one texel without filter.
 float visibility(vec3 at) {
     const vec2 texel = (at.xy - tick.map.opaque_lo) / (tick.map.opaque_hi - tick.map.opaque_lo) * float(tick.map.opaque_size);
     if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.map.opaque_size)))) return 1;
     return at.z >= texelFetch(opaque_shadow, ivec2(texel), 0).r ? 1 : 0;
 }
 
-// The same, filtered over the four nearest texels, for surfaces; `bias` (m) lifts the point toward the light.
+// Visibility for surfaces: filtered over the four nearest texels; `bias` (m) moves the point toward the light.
 float visibilityFiltered(vec3 at, float bias) {
     const vec2 texel = (at.xy - tick.map.opaque_lo) / (tick.map.opaque_hi - tick.map.opaque_lo) * float(tick.map.opaque_size) - 0.5;
     if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.map.opaque_size - 1)))) return 1;

@@ -1,21 +1,23 @@
-// Where a pixel's opaque surface is not what the rays around it hit, and where shadows of objects begin and end in the medium, the
-// field is looked up at the pixel's own depths. Include after lib/medium_run.glsl, kHasCasters, `objects` and `view_depth`.
+// Looks the field up at a pixel's own depths, at the edges of objects and shadows: where the pixel's opaque surface
+// differs from that of the rays around it, and where shadows of objects begin and end. Include after
+// lib/medium_run.glsl, kHasCasters, `objects` and `view_depth`.
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/caster_shadow.glsl"
 
-const float kSameFace = 0.1;              // of a slab: how far apart the pixel's surface and that of the rays around it may be
-const uint kFurther = 1u << 31;           // in castersMet(): all casters behind the first 31
-const uint kLit = kSources == 1 ? 1 : 3; // sources of what is scattered from the light; the others are ambient light's
+const float kSameFace = 0.1;              // of a slab: most distance of the pixel's surface from that of its rays
+const uint kFurther = 1u << 31;           // bit of castersMet() for all casters after the first 31
+const uint kLit = kSources == 1 ? 1 : 3; // sources scattered from the light; the others are of ambient light
 
-// What a run has looked up for it.
+// Values that a run of pixels shares.
 struct MediumCut {
-    vec4 ends;    // the face of what whole rays hit
-    uint casters; // bits: those whose shadow the run may meet, the last bit for all others
+    vec4 ends;    // the face at which whole rays end
+    uint casters; // bits of casters whose shadow the run may meet; see kFurther
     FieldFaces ended[kMostSources + 1], shadow_begin[3], shadow_end[3];
 };
 
-// Bits of casters whose shadow a ray of the `pixels` that begin there may meet. The sphere around a caster throws a cylinder; rays pass
-// within `spread` m of the middle one per m of view depth. Across the light this is a cone from q along d, and a circle around 0.
+// Bits of casters whose shadow a ray of the `pixels` may meet, from `pixel` on. The sphere around a caster has a
+// cylinder as shadow. All rays are within `spread` m of the middle one per m of view depth. Seen along the light,
+// this is a cone from q along d and a circle around 0.
 uint castersMet(ivec2 pixel, uint pixels) {
     const vec3 middle = rayDirection(vec2(pixel) + 0.5 * vec2(pixels, 1)), l = tick.sun.to_light;
     const float spread = float(pixels) * eye.tan_y / float(eye.size.y);
@@ -33,7 +35,7 @@ uint castersMet(ivec2 pixel, uint pixels) {
     return met;
 }
 
-// Of `pixels` from `pixel` on.
+// The shared values of `pixels` pixels from `pixel` on.
 MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
     MediumCut cut;
     cut.casters = kHasCasters ? castersMet(pixel, pixels) : 0;
@@ -43,14 +45,14 @@ MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
     return cut;
 }
 
-// Takes away what objects' shadows leave out of the light scattered before `end` (face); nearest first, so that overlaps count once:
-// the nearest two, then those that begin behind them.
+// Subtracts the light that objects' shadows remove before `end` (face). Shadows are visited nearest first, so that
+// overlaps count once: the nearest two, then those that begin behind them.
 void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, MediumRun run, vec3 dir, float end, float part) {
     const vec2 none = vec2(1e30, 0);
     vec2 first = none, second = none;
     float from = 0;
     bool more = true;
-    while (true) { // that everything is there only once: the compiler takes long enough
+    while (true) { // a loop, so that the code exists once: it takes long to compile
         if (!(first.x < first.y)) {
             if (!more) break;
             uint found = 0;
@@ -77,7 +79,8 @@ void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, M
     }
 }
 
-// Makes of a whole ray (wholeRay()) the pixel's own. `dir`: of unit view depth.
+// Changes the values of a whole ray (wholeRay()) to those of the pixel's own ray. `dir`: ray direction of unit view
+// depth.
 void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 across, inout float depth, inout float scattered[kMostSources]) {
     const float part = fieldPart(pixel.x), z = texelFetch(view_depth, pixel, 0).r;
     const float end = clamp(faceAt(z), 0, float(grid.slabs));

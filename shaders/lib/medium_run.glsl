@@ -1,10 +1,11 @@
-// What the medium makes of the background in a run of pixels, from a field of coarse rays. Include after the tick, lib/view.glsl,
-// `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate and kSources are declared.
+// Puts the medium in front of the background in a run of pixels, from a field of coarse rays. Include after the tick,
+// lib/view.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate and kSources are declared.
 #include "shaders/shared/phase.h"
 #include "shaders/shared/transmittance.h"
 #include "shaders/lib/slab_field.glsl"
 
-// A run with the columns of whole rays, up to what they hit: optical depth, then scattered light over opacity.
+// A run with the node columns of whole rays, which end at the surface that they hit: optical depth, then scattered
+// light / opacity.
 struct MediumRun {
     FieldRun at;
     vec4 whole[kMostSources + 1];
@@ -19,7 +20,7 @@ MediumRun mediumRun(ivec2 pixel) {
     return run;
 }
 
-// The runs of this row of pixels and of the next one of the same cells, without opaque objects.
+// The runs of this row of pixels and of the next one in the same cells, without opaque objects.
 void mediumRuns(ivec2 pixel, out MediumRun run, out MediumRun next) {
     run.at = fieldRun(pixel);
     next.at = fieldRun(pixel + ivec2(0, 1));
@@ -30,13 +31,13 @@ void mediumRuns(ivec2 pixel, out MediumRun run, out MediumRun next) {
     }
 }
 
-// Optical depth of a pixel's whole ray and what it scatters, of each source.
+// Optical depth of a pixel's whole ray, and its scattered light from each source.
 void wholeRay(MediumRun run, vec4 across, out float depth, out float scattered[kMostSources]) {
     depth = max(dot(across, run.whole[0]), 0);
     for (uint c = 0; c < kSources; ++c) scattered[c] = max(dot(across, run.whole[c + 1]), 0) * opacity(depth);
 }
 
-// Radiance and transmittance of that medium before `behind`, along `dir`.
+// Radiance of the medium in front of `behind` and its transmittance, along `dir`.
 vec4 mediumOver(vec4 behind, vec3 dir, float depth, float scattered[kMostSources]) {
     float phase = 0.07957747154594767;
     if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -normalize(dir), tick.anisotropy, tick.asymmetry);

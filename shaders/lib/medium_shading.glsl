@@ -1,5 +1,5 @@
-// What one particle's interval adds to a pixel: shared by every raster method. Declares the bindings of the light, the opaque depth
-// and the target; include after the tick's and the eye's blocks.
+// Shading of one particle's interval on a pixel's ray, shared by all raster methods. Declares the bindings of the
+// light, the opaque depth and the target. Include after the tick's and the eye's blocks.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/scatter.h"
@@ -9,7 +9,7 @@ layout(binding = 6) uniform sampler2DArray shadow_volume;
 layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 8) uniform sampler2D view_depth;
 
-// What a scene does not have is compiled out.
+// Code for features that a scene lacks is compiled out.
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
@@ -18,16 +18,16 @@ layout(constant_id = kIdMayBeCut) const bool kMayBeCut = true;
 
 #include "shaders/lib/light.glsl"
 
-// Whether the medium is in this pixel already (drawn_cells.comp).
+// True if the medium is in this pixel already (drawn_cells.comp).
 bool isFinished() { return kHasOpaque && texelFetch(view_depth, ivec2(gl_FragCoord.xy), 0).r == 0; }
 
-// A particle as the pixel's ray sees it.
+// The pixel's ray relative to a particle.
 struct RayParticle {
     vec3 w;          // unit direction of the ray
     float closest;   // m along the ray, of the closest approach to the centre
     float b2;        // m^2, squared distance there
     float begin, end; // m along the ray: near plane and opaque surface
-    vec3 volume_per_m; // what a metre of the ray moves in the volumetric shadow map
+    vec3 volume_per_m; // change of position in the volumetric shadow map per metre of the ray
 };
 
 RayParticle rayParticle(vec3 centre) {
@@ -56,7 +56,8 @@ float lightArriving(RayParticle ray, float t) {
     return light;
 }
 
-// The pixel's premultiplied radiance and transmittance: `scattered` = integral of T_L T_V Vis sigma dz, `depth` = optical depth.
+// The pixel's premultiplied radiance and transmittance: `scattered` = integral of T_L T_V Vis sigma dz, `depth` =
+// optical depth.
 vec4 composed(RayParticle ray, vec3 albedo, float scattered, float depth) {
     const float opaque_part = opacity(depth);
     float phase = 0.07957747154594767;

@@ -1,12 +1,13 @@
-// Rays against the opaque objects; include after a buffer `Opaque objects[]` and the tick are declared.
+// Intersections of rays with opaque objects. Include after a buffer `Opaque objects[]` and the tick are declared.
 
-// Into an object's own axes (yaw about +Y).
+// Rotates a vector into an object's own axes (yaw about +Y).
 vec3 toObject(Opaque o, vec3 v) { return vec3(o.yaw_cos * v.x - o.yaw_sin * v.z, v.y, o.yaw_sin * v.x + o.yaw_cos * v.z); }
 vec3 fromObject(Opaque o, vec3 v) { return vec3(o.yaw_cos * v.x + o.yaw_sin * v.z, v.y, -o.yaw_sin * v.x + o.yaw_cos * v.z); }
 
 const float kMiss = 1e30; // also the view depth of the sky
 
-// Distance along the ray origin + t dir (in units of dir) to object `o`, kMiss when it is not hit at t > 0; `n`: unit normal there.
+// Distance along the ray origin + t dir (in units of dir) to object `o`; kMiss if it is not hit at t > 0; `n`: unit
+// normal there.
 float hitObject(Opaque o, vec3 origin, vec3 dir, out vec3 n) {
     n = vec3(0, 1, 0);
     if (o.kind == kPlane) {

@@ -1,14 +1,26 @@
-// The medium between the eye and any place of the picture, from a coarse grid of rays. Include after lib/view.glsl, `field`,
-// kHasOpaque, kSources and kRate are declared. `field` holds sets of planes of nodes: a set of optical depths, then kSources sets of
-// scattered light (rho p E = 1): one where all particles have one albedo; else what red, green and blue of it the albedos leave, and
-// then the same of ambient light. A set is one plane without opaque objects: the whole ray. With them slabs + 1, one per face from
-// near to far, then that of the ray up to the surface that it hits; and behind all sets a plane says at which face that is. What a
-// whole ray scatters is divided by its opacity: both are then smooth where the medium is band-limited, however dense it is.
-// Last, where rays are more than a pixel apart, the planes of whole rays once more, as coefficients of a cubic B-spline.
+// The field: the medium between the eye and points of the picture, from a coarse grid of rays, one per node. Include
+// after lib/view.glsl, `field`, kHasOpaque, kSources and kRate are declared. `field` holds planes; a plane has a
+// float for each node.
+//
+//   field_at                                               with opaque objects   with kRate > 1
+//   |                                                      |                     |
+//   +---------------+------------------+-----+-------------+---------------------+---------------------------+
+//   | optical depth | scattered light, | ... | source      | the face at which   | whole rays of all sets as |
+//   |               | source 1         |     | kSources    | each whole ray ends | coefficients of B-splines |
+//   +---------------+------------------+-----+-------------+---------------------+---------------------------+
+//         set 0             set 1              set kSources         1 plane            kSources + 1 planes
+//
+//   a set with opaque objects:     | face 0 (near) | face 1 | ... | face `slabs` (far) | whole ray |
+//   a set without opaque objects:  | whole ray |
+//
+// A whole ray ends at the surface that it hits. Its scattered light is stored divided by its opacity: both are then
+// smooth where the medium is band-limited, however dense it is. Scattered light is for rho p E = 1. Sources: one if
+// all particles have the same albedo; otherwise red, green and blue, with the albedos, of the light, then the same of
+// ambient light.
 
 uint fieldNodes() { return grid.nodes.x * grid.nodes.y; }
 uint fieldSet() { return (kHasOpaque ? grid.slabs + 2 : 1) * fieldNodes(); }
-// Where the planes begin: of the faces, of whole rays, of the faces at which they end, of the spline's coefficients of the same, in this order.
+// Index of the first plane of set `c`, of its whole rays, of the faces at which they end, and of its B-spline.
 uint fieldSetOf(uint c) { return field_at + c * fieldSet(); }
 uint fieldWhole(uint c) { return fieldSetOf(c) + (kHasOpaque ? (grid.slabs + 1) * fieldNodes() : 0); }
 uint fieldEnds() { return fieldSetOf(kSources + 1); }
@@ -17,25 +29,26 @@ uint fieldSpline(uint c) { return fieldEnds() + (c + (kHasOpaque ? 1 : 0)) * fie
 #include "shaders/lib/spline.glsl"
 #include "shaders/lib/whole.glsl"
 
-// Catmull-Rom's weights of the values at -1, 0, 1, 2.
+// Catmull-Rom: weights of the values at -1, 0, 1, 2.
 vec4 through(float t) {
     return 0.5 * vec4(((2 - t) * t - 1) * t, (3 * t - 5) * t * t + 2, ((4 - 3 * t) * t + 1) * t, (t - 1) * t * t);
 }
 
-// Pixels side by side in one cell that are made together: the largest power of two that divides the rate, 8 at most.
+// Neighbouring pixels in one cell that are computed together: the largest power of two that divides the rate, at most
+// 8.
 const uint kRun = (kRate & 7u) == 0u ? 8u : kRate & (~kRate + 1u);
-const uint kMostSources = 6;      // arrays have this size: GLSL does not copy those of specialised sizes
+const uint kMostSources = 6;      // size of arrays, since GLSL does not copy arrays of specialised sizes
 
-// Where a row of pixels in a cell lies among the nodes.
+// Position of a row of pixels in a cell among the nodes.
 struct FieldRun {
-    uint first; // node: up and left; at rate 1, where there is nothing to interpolate, the pixel's own
-    float down; // part of the cell above it
+    uint first; // upper left node of the 4x4; at rate 1, without interpolation, the pixel's own
+    float down; // part of the cell above the row, 0 ... 1
 };
 
-// A pixel up or left of the picture by no more than a cell is allowed, too.
+// The pixel's position in its cell, 0 ... 1. A pixel may be up or left of the picture by at most a cell.
 float fieldPart(int pixel) { return float(uint(pixel + int(kRate)) % kRate) / float(kRate); }
 
-// Weights of a pixel's column among the four that its run has.
+// Weights of the run's four columns for a pixel.
 vec4 fieldAcross(int pixel) { return kRate == 1 ? vec4(1, 0, 0, 0) : spline(fieldPart(pixel)); }
 
 FieldRun fieldRun(ivec2 pixel) {
@@ -43,7 +56,7 @@ FieldRun fieldRun(ivec2 pixel) {
     return FieldRun(cell.y * grid.nodes.x + cell.x, fieldPart(pixel.y));
 }
 
-// The nodes' four columns at the run's height. `plane`: where it begins.
+// The values of four columns of nodes, interpolated to the run's height. `plane`: index of its first node.
 vec4 fieldColumns(uint plane, FieldRun run, vec4 down) {
     const uint at = plane + run.first;
     if (kRate == 1) return vec4(field[at]);
@@ -55,7 +68,7 @@ vec4 fieldColumns(uint plane, FieldRun run, vec4 down) {
     return columns;
 }
 
-// The same of a spline for this row of pixels and the next one of the cell: .x and .y of every column.
+// The columns of a B-spline for this row of pixels (.x) and the next one of the cell (.y).
 mat4x2 fieldColumnsOfTwo(uint plane, FieldRun run, FieldRun next) {
     const uint at = plane + run.first;
     const vec4 here = spline(run.down), there = spline(next.down);
@@ -67,13 +80,13 @@ mat4x2 fieldColumnsOfTwo(uint plane, FieldRun run, FieldRun next) {
     return columns;
 }
 
-// The columns of two neighbouring faces, kept while a run's pixels need the same ones.
+// The columns of two neighbouring faces, kept while the pixels of a run need the same faces.
 struct FieldFaces {
-    float below; // the nearer face; < 0: none yet
+    float below; // index of the nearer face; < 0: none yet
     vec4 near, far;
 };
 
-// Up to a face and parts of one, at a part of the cell's width. `set`: where its planes begin.
+// Value of a set up to `face`, a fractional index, at `part` of the cell's width. `set`: index of its first plane.
 float fieldAt(inout FieldFaces faces, uint set, FieldRun run, float face, float part) {
     const float below = min(floor(face), float(grid.slabs - 1));
     if (below != faces.below) {

@@ -1,9 +1,9 @@
-// A lane is a ray and goes through its slabs from near to far, the light depth linear within each; what it finds goes into `field`, as
-// lib/slab_field.glsl says. Shadows of opaque objects are not band-limited: they are left to the pixels. Include after the tick, the
-// view (lib/view.glsl), `field`, `view_depth`, the images of lib/light.glsl, kHasOpaque, kSources, and
+// Integrates rays through their slabs from near to far and writes the result into `field` (lib/slab_field.glsl). A
+// lane is a ray. Light depth is linear within a slab. Shadows of opaque objects are left to the pixels, since they
+// are not band-limited. Include after the tick, the view (lib/view.glsl), `field`, `view_depth`, the images of
+// lib/light.glsl, kHasOpaque, kSources, and these functions:
 //   startRay(uvec2 tile, uint ray, vec2 pixel)
-//   vec4 mediumAt(uint s): at the middle of slab s of that ray, 1/m: extinction; with several kSources, what scatters red, green, blue
-// are declared.
+//   vec4 mediumAt(uint s): extinction (1/m) at the middle of slab s; with several kSources, also scattering in R, G, B
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
@@ -23,9 +23,9 @@ void march() {
     for (uint c = 0; c < kSources; ++c) scattered[c] = 0;
     if (kHasOpaque && inside)
         for (uint c = 0; c <= kSources; ++c) field[c * set + mine] = 0;
-    bool known = false; // the light depth at the slab's near face
+    bool known = false; // True: the light depth at the slab's near face is known
     startRay(gl_WorkGroupID.xy, ray, at);
-    // At the middles of the slab before, this one and the next two.
+    // Values at the middles of the previous slab, this one and the next two.
     float before;
     vec4 here = vec4(0), next = vec4(0), then = vec4(0);
     for (uint ahead = 0; ahead < grid.slabs + 2; ++ahead) {

@@ -1,5 +1,5 @@
-// One pass of a stable least-significant-digit radix sort (after Harada and Howes, 2011), 4 bits a pass.
-// Every thread owns a run of consecutive keys and its own counters, so the order is stable and no subgroup size is assumed.
+// One pass of a stable least-significant-digit radix sort (after Harada and Howes, 2011), 4 bits a pass. Every thread
+// owns a run of consecutive keys and its own counters, so the order is stable and no subgroup size is assumed.
 
 layout(local_size_x = 64) in;
 
@@ -10,7 +10,7 @@ const uint kDigits = 16;
 
 layout(push_constant, scalar) uniform Push {
     uint count;  // keys
-    uint shift;  // of this pass's digit
+    uint shift;  // lowest bit of this pass's digit
     uint blocks; // ceil(count / kBlock)
 } push;
 

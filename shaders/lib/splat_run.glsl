@@ -1,27 +1,27 @@
-// A splat added to the pixels of one lane: kPixels neighbours of a row. Include after the tick, the eye, the images of light.glsl, what
-// a scene may lack (kHas..., kMayBeCut, kOneAlbedo), kCached and kPixels are declared.
+// Adds a splat to the pixels of one lane: kPixels neighbours in a row. Include after the tick, the eye, the images of
+// light.glsl, the scene's features (kHas..., kMayBeCut, kOneAlbedo), kCached and kPixels are declared.
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/eye.glsl"
 
-const uint kGroup = 4;             // pixels that a splat is tried on before it is evaluated
-const float kThin = -2;            // log2 of the depth of a splat's middle up to which thinOpacity() holds
-const float kShift = 0.19947114;   // scatterShift() of small depths
+const uint kGroup = 4;             // pixels that are tested together before a splat is evaluated
+const float kThin = -2;            // log2 of the largest optical depth for thinOpacity()
+const float kShift = 0.19947114;   // scatterShift() for small depths
 const float kLog2e = 1.4426950408889634;
 
-// Of the lane's pixels.
-vec2 first;                                            // place of the first
+// State of the lane's pixels.
+vec2 first;                                            // position of the first pixel
 float inverse_length[kPixels], inverse_square[kPixels]; // 1 / |d|, 1 / d^2; d: the ray's direction of unit view depth
 float begin[kPixels], end[kPixels];                    // m along the ray: near plane and opaque surface
 float transmittance[kPixels];
-vec3 scattered[kPixels]; // sum of albedo T_V T_L (1 - T) over the splats, without the albedo where there is but one
+vec3 scattered[kPixels]; // sum of albedo T_V T_L (1 - T) over splats; without the albedo if all have the same
 vec3 hidden[kPixels];    // sum of albedo T_V (1 - T), for ambient light
 float log_cut;           // log2 of Tick::cut
 
 // A splat on these pixels: affine functions as the value at the first pixel and the step to the next.
 struct Run {
     vec2 x;
-    float y2; // of both across the line of sight, see Splat
+    float y2; // second coordinate across the line of sight, see Splat
     vec2 along, slope;
     float log_line, light, curvature, k; // curvature: times log_e 2
     vec3 albedo;
@@ -29,7 +29,7 @@ struct Run {
 
 vec3 rayAt(uint p) { return rayDirection(first + vec2(p, 0)); }
 
-// log2 of the optical depths of the whole lines through kGroup pixels from p0; false when none reaches the cut.
+// log2 of the optical depths of the whole lines through kGroup pixels from p0. False if none reaches the cut.
 bool lines(Run s, uint p0, out float e[kGroup]) {
     const float x0 = s.x.x + float(p0) * s.x.y;
     float most = -1e30;
@@ -41,7 +41,7 @@ bool lines(Run s, uint p0, out float e[kGroup]) {
     return most >= log_cut;
 }
 
-// Behind all splats so far. lit: the part of the opacity that light reaches.
+// Adds a splat behind all previous ones. `lit`: opacity times the light's transmittance.
 void add(uint p, vec3 albedo, float opacity, float lit) {
     const float in_front = transmittance[p];
     scattered[p] += kOneAlbedo ? vec3(in_front * lit, 0, 0) : in_front * lit * albedo;
@@ -52,7 +52,7 @@ void add(uint p, vec3 albedo, float opacity, float lit) {
 // (1 - e^-x) / x for 0 <= x <= 1/4, relative error 2.6e-7.
 float thinOpacity(float x) { return 0.99999977 - x * (0.49996999 - x * (0.16606225 - x * 0.03772897)); }
 
-// Thin, whole, its light cached. Of light's linear part counts where it is scattered on average.
+// Adds a thin, uncut splat with cached light. The linear part of the light is taken at the mean point of scattering.
 void addThin(Run s) {
     const float shift = kShift / s.k;
     [[unroll]] for (uint p0 = 0; p0 < kPixels; p0 += kGroup) {
@@ -71,7 +71,8 @@ void addThin(Run s) {
     }
 }
 
-// The same, cut on one side of each line: at the near plane (side 1) or at the opaque surface (side -1).
+// Adds a thin splat that is cut on one side of each line: at the near plane (side 1) or at the opaque surface (side
+// -1).
 void addCut(Run s, float side) {
     const float inverse_k = 1 / s.k;
     [[unroll]] for (uint p0 = 0; p0 < kPixels; p0 += kGroup) {
@@ -82,7 +83,7 @@ void addCut(Run s, float side) {
                 const uint p = p0 + r;
                 const float closest = (along0 + float(r) * s.along.y) * inverse_length[p];
                 const float bound = !kHasOpaque || side > 0 ? begin[p] : end[p];
-                const float y = side * s.k * (bound - closest); // what lies above y of exp(-q^2) is left
+                const float y = side * s.k * (bound - closest); // the part of exp(-q^2) above y remains
                 // erfc(|y|) by Abramowitz and Stegun 7.1.26, error 1.5e-7
                 const float gaussian = exp2(-kLog2e * y * y);
                 const float t = 1 / (1 + 0.3275911 * abs(y));
@@ -91,8 +92,9 @@ void addCut(Run s, float side) {
                 const float left = y < 0 ? 2 - tail : tail;
                 const float half_line = e[r] >= log_cut ? 0.5 * exp2(e[r]) : 0;
                 const float depth = half_line * left, part = thinOpacity(depth), opacity = depth * part;
-                const float moment = 0.5641895835477563 * half_line * part * gaussian; // opacity * mean of |q|; of q^2 - 1/2: times y
-                // What the nearer part hides: as of a whole line, with left / 2 for the variance.
+                // Opacity * mean of |q|; times y: opacity * mean of q^2 - 1/2.
+                const float moment = 0.5641895835477563 * half_line * part * gaussian;
+                // Light hidden by the nearer part: as on a whole line, with left / 2 as variance.
                 const float mean = side * moment - 0.5 * kShift * opacity * depth * left;
                 const float slope = (slope0 + float(r) * s.slope.y) * inverse_length[p];
                 const float lit = opacity * (s.light + s.curvature * (s.log_line - e[r]) + slope * closest) + slope * inverse_k * mean +
@@ -112,7 +114,7 @@ float lightArriving(uint p, float t) {
     return light;
 }
 
-// Any splat: of any depth, cut or not, its light cached or looked up at the two points of Gauss and Hermite.
+// Adds any splat: of any depth, cut or not, with light cached or looked up at the two Gauss-Hermite points.
 void addAny(Run s, bool cut, bool look_up) {
     [[unroll]] for (uint p0 = 0; p0 < kPixels; p0 += kGroup) {
         float e[kGroup];
@@ -124,7 +126,7 @@ void addAny(Run s, bool cut, bool look_up) {
                 float depth = line, a = -1e9, c = 1e9; // the segment, in units of 1/k from the closest approach
                 SegmentMoments moments = SegmentMoments(0, 0.7071067811865476);
                 if (kMayBeCut && cut) {
-                    const float half_length = sqrt(max(e[r] - log_cut, 0) / kLog2e); // in the support
+                    const float half_length = sqrt(max(e[r] - log_cut, 0) / kLog2e); // within the support
                     a = max(-half_length, s.k * (begin[p] - closest));
                     c = kHasOpaque ? min(half_length, s.k * (end[p] - closest)) : half_length;
                     const GaussianSegment segment = segmentOfLine(line, s.k, a, c - a);
@@ -133,7 +135,7 @@ void addAny(Run s, bool cut, bool look_up) {
                 }
                 float light;
                 if (look_up) {
-                    const float ratio = exp(-0.6826894921370859 * depth); // of T_V at the points: erf(1/sqrt 2)
+                    const float ratio = exp(-0.6826894921370859 * depth); // ratio of T_V at the points; erf(1/sqrt 2)
                     const float near = clamp(moments.mean - moments.deviation, a, c), far = clamp(moments.mean + moments.deviation, a, c);
                     light = (lightArriving(p, closest + near / s.k) + ratio * lightArriving(p, closest + far / s.k)) / (1 + ratio);
                 } else {

@@ -1,28 +1,31 @@
-// The particles of a tile, from the bits that lib/line_bins_write.glsl wrote, and what they add to its 8x8 points on the plane of a
-// lane. Points are equally spaced there, so that a Gaussian is a product of two recurrences, and adding a particle to 64 points costs
-// little more than 64 multiply-adds. Include after `readonly buffer Bins { uint bins[]; }` and kLanes, the lanes of the workgroup.
+// Lists the particles (members) of a tile from the bits of lib/line_bins_write.glsl, and adds them to the 8x8 points
+// of the tile on a lane's plane. These points are equally spaced. A Gaussian is then a product of two recurrences,
+// and adding a particle to 64 points costs little more than 64 multiply-adds. Include after `readonly buffer Bins {
+// uint bins[]; }` and kLanes, the lanes of the workgroup.
 
 #include "shaders/lib/line_pages.glsl"
 
 const uint kPoints = kSlabTile * kSlabTile;
-const uint kWords = kPage / kLanes; // of 32 particles, looked at by a lane at a time
+const uint kWords = kPage / kLanes; // words of 32 particles that a lane reads at a time
 const uint kChunk = kLanes * kWords;
-// Members that the lanes of a subgroup hold, one each; a subgroup may be larger than the workgroup.
+// Number of members that a subgroup holds, one per lane. A subgroup may be larger than the workgroup.
 uint held() { return min(gl_SubgroupSize, kLanes); }
-const float kMostSpread = 80; // log2 of a Gaussian across a tile, at most, for the recurrences: 2^-80 twice is still a float32
+// Most -log2 of a Gaussian across a tile, for recurrences: 2^-80 squared is still a float32.
+const float kMostSpread = 80;
 
 shared uint list[kChunk * 32];
 shared uint found[kLanes];
 
-// Whether particles of that page are on all three lines, of `lines`, as far as pages tell; bits begin at bins[from].
+// True if, by the pages, particles of a page may be on all three lines. Bits begin at bins[from]. `lines`: number of
+// lines.
 bool hasMembers(uint from, uint page, uvec3 line, uint lines, uint words) {
     const uint part = page / 32;
     return ((bins[from + pageWord(line.x, part, lines, words)] & bins[from + pageWord(line.y, part, lines, words)] &
              bins[from + pageWord(line.z, part, lines, words)]) >> (page % 32) & 1) != 0;
 }
 
-// Puts into `list` what of the words chunk ... chunk + kChunk is set on all three lines, in order: how many. To be followed by a
-// barrier before the next call.
+// Writes to `list`, in order, the particles of words chunk ... chunk + kChunk that are on all three lines. Returns
+// their number. A barrier must follow before the next call.
 uint listMembers(uint from, uint chunk, uvec3 line, uint words) {
     const uint lane = gl_LocalInvocationIndex;
     uint bits[kWords];
@@ -46,13 +49,14 @@ uint listMembers(uint from, uint chunk, uvec3 line, uint words) {
     return count;
 }
 
-// exp(-k^2 |d|^2) of a member on the lane's plane, where d steps equally along columns and rows.
+// exp(-k^2 |d|^2) of a member on the lane's plane; d has equal steps along columns and rows.
 struct Splat {
-    float columns[kSlabTile];   // of the first row, with the extinction
-    float row, row_step, ratio; // rows' factor: row, then row * row_step, whose step goes by ratio each time
+    float columns[kSlabTile];   // values of the first row, times the extinction
+    float row, row_step, ratio; // factor of the next row; its ratio to the last one; the ratio of that
 };
 
-// The member that lane `j` of the subgroup holds; `at`: the tile's first point on the lane's plane, as SlabMember::centre.
+// The member that lane `j` of the subgroup holds. `at`: the tile's first point on the lane's plane, in the units of
+// SlabMember::centre.
 Splat splat(SlabMember mine, uint j, vec3 at, float spacing) {
     const vec3 d = at - vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j), subgroupBroadcast(mine.centre.z, j));
     const float across = subgroupBroadcast(mine.across, j), along = subgroupBroadcast(mine.along, j), sigma = subgroupBroadcast(mine.sigma, j);
@@ -72,7 +76,7 @@ Splat splat(SlabMember mine, uint j, vec3 at, float spacing) {
     return s;
 }
 
-// The same without recurrences, which would start from nothing where a particle is much smaller than the tile.
+// Adds a member without recurrences, which would start from 0 if a particle is much smaller than the tile.
 void addSmall(inout float sum[kPoints], SlabMember mine, uint j, vec3 at, float spacing) {
     const vec3 d = at - vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j), subgroupBroadcast(mine.centre.z, j));
     const float across = subgroupBroadcast(mine.across, j);
@@ -85,8 +89,8 @@ void addSmall(inout float sum[kPoints], SlabMember mine, uint j, vec3 at, float 
     }
 }
 
-// Adds the first `end` members of the subgroup to the points, two at a time; `widest`: the largest tile that this lane's own member
-// is added to, as SlabMember::centre.
+// Adds the first `end` members of the subgroup to the points, two at a time. `widest`: size of the largest tile that
+// this lane's own member is added to, in the units of SlabMember::centre.
 void addMembers(inout float sum[kPoints], SlabMember mine, uint end, vec3 at, float spacing, float widest) {
     if (subgroupAny(mine.across * widest * widest > kMostSpread)) {
         for (uint j = 0; j < end; ++j) addSmall(sum, mine, j, at, spacing);

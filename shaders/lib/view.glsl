@@ -1,11 +1,12 @@
-// Pictures whose passes run together: z of a workgroup says whose it is. Include after shared/types.h; main() begins with enterView().
-// What every pixel pays for runs for one view at a time: CPU drivers load by lane what a constant does not address.
+// Views whose passes run together: z of a workgroup is the index of its view. Include after shared/types.h; main()
+// calls enterView() first. Passes with much work per pixel run for one view at a time: CPU drivers load lane by lane
+// if an address is no constant.
 layout(scalar, binding = 1) readonly buffer Views { View views[]; };
 
 Eye eye;
 MapRays map_rays;
 SlabGrid grid;
-uint field_at; // where its field begins
+uint field_at; // index at which its field begins
 
 void enterView(uint view) {
     eye = views[view].eye;

@@ -1,5 +1,5 @@
-// The error function and what Gaussians on rays need of it, safe in float: finite for every finite or infinite argument.
-// Branches are selects over cheap expressions, because SIMD lanes pay for both sides anyway.
+// The error function and its relatives for Gaussians on rays, safe in float: finite for every finite or infinite
+// argument. Branches are selects over cheap expressions, because SIMD lanes pay for both sides anyway.
 #ifndef BRUME_SHARED_ERF_H
 #define BRUME_SHARED_ERF_H
 
@@ -42,15 +42,15 @@ BRUME_FN real erf(real x) {
     return y < real(0.25) ? real(1.1283791670955126) * x * series : (x < real(0) ? -tail : tail);
 }
 
-// erf(c) - erf(a) for a <= c from their tails erfcAbs(a), erfcAbs(c): never the difference of two erf of like sign. The error is
-// relative to the larger tail, so where c - a is small use erfDifference.
+// erf(c) - erf(a) for a <= c from their tails erfcAbs(a), erfcAbs(c): never the difference of two erf of like sign.
+// The error is relative to the larger tail: for small c - a use erfDifference.
 BRUME_FN real erfBetween(real a, real tail_a, real c, real tail_c) {
     const real straddle = real(2) - tail_a - tail_c;
     return max(a < real(0) && c > real(0) ? straddle : abs(tail_a - tail_c), real(0));
 }
 
-// The same for any h = c - a >= 0; m = a + h/2. Where h and m h are small: Taylor series about the middle, whose terms in
-// s = (m h)^2 and h^2 stay finite for any m.
+// erf(a + h) - erf(a) for any h >= 0; m = a + h/2. If h and m h are small: Taylor series about the middle, whose
+// terms in s = (m h)^2 and h^2 stay finite for any m.
 BRUME_FN real erfDifference(real a, real h, real tail_a, real tail_c) {
     const real m = a + real(0.5) * h;
     const real s = (m * h) * (m * h);

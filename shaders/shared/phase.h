@@ -1,4 +1,4 @@
-// Phase functions, 1/sr. Directions are unit and point along the photon's travel: `travel_in` before, `travel_out` after.
+// Phase functions, 1/sr. Directions are unit and along the photon's travel: `travel_in` before, `travel_out` after.
 #ifndef BRUME_SHARED_PHASE_H
 #define BRUME_SHARED_PHASE_H
 
@@ -14,7 +14,7 @@ BRUME_FN real phaseHenyeyGreenstein(BRUME_VEC3 travel_in, BRUME_VEC3 travel_out,
     return real(0.07957747154594767) * (real(1) - size) * (real(1) + size) / (d * sqrt(d));
 }
 
-// The medium's: (1 - a) / 4 pi + a HG(g), anisotropy a in [0, 1].
+// The medium's phase function: (1 - a) / 4 pi + a HG(g), anisotropy a in [0, 1].
 BRUME_FN real phaseMixture(BRUME_VEC3 travel_in, BRUME_VEC3 travel_out, real anisotropy, real g) {
     return (real(1) - anisotropy) * real(0.07957747154594767) + anisotropy * phaseHenyeyGreenstein(travel_in, travel_out, g);
 }

@@ -1,5 +1,5 @@
-// Lets the closed forms of this folder compile as C++ (templates over float and double, namespace brume::physics) and as
-// GLSL (float) from one text. Approximations and thresholds are made for float; the double versions have the same
+// Lets the closed forms of this folder compile as C++ (templates over float and double, namespace brume::physics) and
+// as GLSL (float) from one text. Approximations and thresholds are made for float; the double versions have the same
 // approximation error without the rounding, which is how the tests tell the two apart.
 #ifndef BRUME_SHARED_REAL_H
 #define BRUME_SHARED_REAL_H

@@ -1,6 +1,6 @@
-// Light scattered toward the eye by one particle on one interval: C = rho p E * integral of S T_V sigma dz, where S = T_L *
-// visibility is the caller's. Each quadrature is a sum over nodes, C = rho p E * sum of node.weight * S(node.z), with finite
-// weights for all inputs.
+// Light scattered toward the eye by one particle on one interval: C = rho p E * integral of S T_V sigma dz. The caller
+// provides S = T_L * visibility. A quadrature is a sum over nodes, C = rho p E * sum of node.weight * S(node.z), with
+// finite weights for all inputs.
 #ifndef BRUME_SHARED_SCATTER_H
 #define BRUME_SHARED_SCATTER_H
 
@@ -8,7 +8,7 @@
 
 BRUME_PHYSICS_BEGIN
 
-// C / (rho p E) where light depth is linear in view depth; depth = that of the interval, light_in and light_out = light depth at
+// C / (rho p E) if light depth is linear in view depth. depth: of the interval; light_in, light_out: light depth at
 // its entry and exit. Exact for a homogeneous interval.
 BRUME_FN real scatterAnalytic(real depth, real light_in, real light_out) {
     const real t = min(depth, real(1e18));
@@ -49,14 +49,14 @@ BRUME_FN real legendreWeight(int i, int n) {
     return n <= 1 ? real(1) : (n == 2 ? real(0.5) : three);
 }
 
-// Part of an interval's optical depth at which its opacity reaches the part xi of the whole: in [0, 1] for xi in (0, 1).
+// The part of an interval's optical depth at which a part xi of its opacity is reached; in [0, 1] for xi in (0, 1).
 BRUME_FN real depthPart(real depth, real xi) {
     const real series = xi * (real(1) - depth * (real(1) - xi) * (real(0.5) - depth * (real(1) - real(2) * xi) / real(6)));
     const real full = -log(max((real(1) - xi) + xi * exp(-depth), real(1e-37))) / max(depth, real(0.05));
     return depth < real(0.05) ? series : full;
 }
 
-// Where along the segment the part s of its optical depth is reached: q in [a, a + h], units of 1/k.
+// Position q in [a, a + h], units of 1/k, at which the part s of the segment's optical depth is reached.
 BRUME_FN real segmentQuantile(BRUME_OF(GaussianSegment) segment, real s) {
     const real c = segment.a + segment.h;
     const real above_a = segment.a < real(0) ? real(2) - segment.tail_a : segment.tail_a;
@@ -70,8 +70,8 @@ BRUME_FN real segmentQuantile(BRUME_OF(GaussianSegment) segment, real s) {
     return clamp(above < below ? q : -q, segment.a, c);
 }
 
-// Transmittance space: node i of n in 1 ... 3, where the light that reaches the eye is scattered. The weights sum to 1 - T
-// exactly.
+// Transmittance space: node i of n in 1 ... 3, placed where light that reaches the eye is scattered. The weights sum
+// to 1 - T exactly.
 BRUME_FN BRUME_OF(ScatterNode) transmittanceNode(BRUME_OF(GaussianSegment) segment, int i, int n) {
     const real s = depthPart(segment.depth, BRUME_OF(legendreNode)(i, n));
     BRUME_OF(ScatterNode) node;
@@ -91,8 +91,8 @@ BRUME_FN BRUME_OF(ScatterNode) hermiteNode(real line, real k, int i) {
     return node;
 }
 
-// Mean and standard deviation of the Gaussian on a segment, units of 1/k from the closest approach: 0 and sqrt(1/2) of a whole
-// line. Far out in the tail the mean is only known to lie beyond the nearer end.
+// Mean and standard deviation of the Gaussian on a segment, units of 1/k from the closest approach: 0 and sqrt(1/2)
+// of a whole line. Far out in the tail the mean is only known to lie beyond the nearer end.
 BRUME_STRUCT SegmentMoments { real mean, deviation; };
 BRUME_FN BRUME_OF(SegmentMoments) segmentMoments(BRUME_OF(GaussianSegment) segment) {
     const real a = segment.a;
@@ -109,9 +109,9 @@ BRUME_FN BRUME_OF(SegmentMoments) segmentMoments(BRUME_OF(GaussianSegment) segme
     return moments;
 }
 
-// The same for a segment that the near plane or a wall cuts: nodes at mean -+ standard deviation of the truncated Gaussian, which
-// are Hermite's for the whole line; z counts from the segment's entry. The weights sum to 1 - T exactly. Cheaper than
-// transmittanceNode, which inverts erf.
+// Two nodes for a segment that the near plane or an object cuts: mean -+ standard deviation of the truncated
+// Gaussian, which are Hermite's for the whole line; z counts from the segment's entry. The weights sum to 1 - T
+// exactly. Cheaper than transmittanceNode, which inverts erf.
 BRUME_FN BRUME_OF(ScatterNode) truncatedHermiteNode(BRUME_OF(GaussianSegment) segment, int i) {
     const BRUME_OF(SegmentMoments) moments = segmentMoments(segment);
     const real ratio = exp(real(-0.6826894921370859) * segment.depth);
@@ -122,8 +122,8 @@ BRUME_FN BRUME_OF(ScatterNode) truncatedHermiteNode(BRUME_OF(GaussianSegment) se
     return node;
 }
 
-// How far in front of the Gaussian's mean on a segment light is scattered on average, in sqrt(2) standard deviations: the nearer
-// half hides the farther. Exact for thin segments; of whole lines, error below 1e-3 up to a depth of 2.5, 0.05 up to 10.
+// Distance, in sqrt(2) standard deviations, of the mean point of scattering before the Gaussian's mean on a segment.
+// Exact for thin segments; on whole lines the error is below 1e-3 up to a depth of 2.5, and 0.05 up to 10.
 BRUME_FN real scatterShift(real depth) { return real(0.19947114020071635) * depth / sqrt(real(1) + real(0.029) * depth * depth); }
 
 BRUME_PHYSICS_END

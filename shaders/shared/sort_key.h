@@ -13,7 +13,7 @@ inline uint floatBitsToUint(float x) { return std::bit_cast<uint>(x); }
 #define BRUME_INLINE
 #endif
 
-// The key of what is not drawn: after every other key.
+// Key of a particle that is not drawn: after all other keys.
 const uint kDropped = 0xFFFFFFFFu;
 
 // Farther depths get smaller keys; equal depths (and -0, +0) get equal keys; NaN gets kDropped.

@@ -1,5 +1,5 @@
-// Optical depth of one Gaussian particle, and exponentials that do not cancel. Metres; extinction in 1/m.
-// A particle of peak extinction sigma_t has sigma(x) = sigma_t exp(-k^2 |x - c|^2), k = sqrt(50) / u, u = scale * falloff.
+// Optical depth of one Gaussian particle, and exponentials without cancellation. Metres; extinction in 1/m.
+// The extinction is sigma(x) = sigma_t exp(-k^2 |x - c|^2), k = sqrt(50) / u, u = scale * falloff; sigma_t: its peak.
 #ifndef BRUME_SHARED_TRANSMITTANCE_H
 #define BRUME_SHARED_TRANSMITTANCE_H
 
@@ -7,7 +7,7 @@
 
 BRUME_PHYSICS_BEGIN
 
-// Taylor series of (1 - e^-x) / x; relative error 5e-8 at |x| = 1/4, where its users switch to the plain form.
+// Taylor series of (1 - e^-x) / x; relative error 5e-8 at |x| = 1/4, where callers switch to the plain form.
 BRUME_FN real phiSeries(real x) {
     return real(1) - x * (real(1.0 / 2.0) -
                           x * (real(1.0 / 6.0) - x * (real(1.0 / 24.0) - x * (real(1.0 / 120.0) - x * real(1.0 / 720.0)))));
@@ -37,7 +37,7 @@ BRUME_FN real depthOfOpacity(real y) {
 // The constant of the particle: k = sqrt(50) / (scale * falloff), 1/m.
 BRUME_FN real gaussianK(real scale, real falloff) { return real(7.0710678118654755) / max(scale * falloff, real(1e-18)); }
 
-// exp(-k^2 b^2): what is left of the peak on a line that passes the centre at distance b (b2 = b^2, m^2).
+// exp(-k^2 b^2): the part of the peak on a line that passes the centre at distance b (b2 = b^2, m^2).
 BRUME_FN real gaussianAcross(real k, real b2) { return exp(-(k * b2) * k); }
 
 // Optical depth of the whole line; across = gaussianAcross(k, b2).
@@ -45,8 +45,8 @@ BRUME_FN real lineDepth(real sigma_t, real k, real across) {
     return min(real(1.7724538509055159) * (min(sigma_t, real(1e30)) * across) / max(k, real(1e-20)), real(1e30));
 }
 
-// Optical depth on the half line from a point toward the light; ks = k * (coordinate of the point along to_light, relative to the
-// centre, m), positive where the point is nearer to the light than the centre.
+// Optical depth on the half line from a point toward the light; ks = k * (coordinate of the point along to_light,
+// relative to the centre, m), positive if the point is nearer to the light than the centre.
 BRUME_FN real lightDepth(real sigma_t, real k, real across, real ks) {
     return real(0.5) * lineDepth(sigma_t, k, across) * erfc(ks);
 }
@@ -62,7 +62,7 @@ BRUME_STRUCT GaussianSegment {
     real depth;          // optical depth of the segment
 };
 
-// The same from the optical depth of the whole line.
+// A segment from the optical depth of its whole line.
 BRUME_FN BRUME_OF(GaussianSegment) segmentOfLine(real line, real k, real a, real h) {
     BRUME_OF(GaussianSegment) segment;
     segment.k = max(k, real(1e-20));

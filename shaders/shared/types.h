@@ -1,4 +1,4 @@
-// Structs that the CPU writes and shaders read: one text, compiled as C++ and as GLSL (scalar layout).
+// Structs that C++ writes and shaders read: one text, compiled as C++ and as GLSL (scalar layout).
 // Metres, world space unless a name says otherwise. "Light space" of a point p: (map.x . p, map.y . p, to_light . p).
 #ifndef BRUME_SHARED_TYPES_H
 #define BRUME_SHARED_TYPES_H
@@ -29,43 +29,43 @@ struct Light {
     vec3 irradiance; // E, W/m^2 per channel, perpendicular to the light
 };
 
-// Where the maps of a directional light lie: the volumetric shadow map and that of opaque objects. Light space has its axes.
+// Geometry of the volumetric and the opaque shadow map of a directional light. x, y, to_light: axes of light space.
 struct LightMap {
     vec3 x; // with y and to_light a right-handed orthonormal basis
     vec3 y;
     vec3 lo;     // light space bounds of the volumetric shadow map
-    uint slices; // its planes; the first at hi.z, the last at lo.z
+    uint slices; // number of its planes; the first at hi.z, the last at lo.z
     vec3 hi;
     uint opaque_size; // texels a side of the opaque shadow map
-    vec2 opaque_lo;   // and its light space bounds
+    vec2 opaque_lo;   // light space bounds of the opaque shadow map
     vec2 opaque_hi;
     uvec2 texels; // of a plane of the volumetric shadow map
-    vec4 u;       // a world point p has the texture coordinate dot(u, (p, 1)) there,
+    vec4 u;       // a world point p has the texture coordinate dot(u, (p, 1)),
     vec4 v;       // down the texture dot(v, (p, 1)),
     vec4 plane;   // and the slice plane dot(plane, (p, 1)), 0 ... slices - 1
 };
 
-// What all viewers share in one tick.
+// Values that all viewers share in one tick.
 struct Tick {
-    Light sun;    // the first directional light: the one that has maps
-    LightMap map; // of the sun
+    Light sun;        // the first directional light; only it has maps
+    LightMap map;     // of the sun
     float falloff;    // f
     float anisotropy; // a
     float asymmetry;  // g
-    float cut;        // optical depth that one particle's proxy may leave out: the setting's total / particle_count
+    float cut;        // optical depth that one particle may leave out: total of the setting / particle_count
     vec3 ambient;     // uniform radiance scattered in without shadowing
     uint particle_count;
-    uint opaque_count; // objects
+    uint opaque_count; // number of objects
     vec3 sky_zenith;
     vec3 sky_horizon;
 };
 
-// One eye of one viewer. What is affine in the pixel is given by its value at pixel (0, 0) and its steps to the right and down.
+// One eye of one viewer. Affine functions of the pixel: value at pixel (0, 0), and steps to the right and down.
 struct Eye {
     vec3 position;
-    float near_depth; // view depth in front of which nothing is drawn
+    float near_depth; // view depth of the near plane; nothing in front of it is drawn
     vec3 right;
-    float tan_x; // half the picture's width at unit view depth; where it lies: lib/frustum.glsl
+    float tan_x; // half the picture's width at unit view depth; its position: lib/frustum.glsl
     vec3 up;
     float tan_y;
     vec3 back;
@@ -77,12 +77,12 @@ struct Eye {
     vec3 ray_down;
 };
 
-// How an eye's rays run through the sun's volumetric shadow map: texture coordinates and slice plane, affine in pixel and depth.
+// An eye's rays in the sun's volumetric shadow map: texture coordinates and slice plane, affine in pixel and depth.
 struct MapRays {
-    vec3 eye;   // where the eye is
-    vec3 ray;   // what Eye::ray moves there,
-    vec3 right; // Eye::ray_right,
-    vec3 down;  // and Eye::ray_down
+    vec3 eye;   // position of the eye
+    vec3 ray;   // step of Eye::ray,
+    vec3 right; // of Eye::ray_right,
+    vec3 down;  // and of Eye::ray_down
 };
 
 const uint kPlane = 0u;
@@ -100,42 +100,42 @@ struct Opaque {
     float yaw_sin;
 };
 
-// A particle in the cells of the volumetric shadow map, sharpened (shared/sharpen.h).
+// A particle in cells of the volumetric shadow map, sharpened (shared/sharpen.h).
 struct LightParticle {
-    vec4 at; // its centre in columns, rows and planes, 0 where the first texel's centre is; half its optical depth
-    vec3 k;  // 1 / (sqrt(2) standard deviations), along the same
+    vec4 at; // centre in columns, rows and planes, 0: centre of the first texel; half its optical depth
+    vec3 k;  // 1 / (sqrt(2) standard deviations) along columns, rows and planes
 };
 
-// A particle as the slabs of one eye add it: an ellipsoidal Gaussian, as wide as rays and slabs can carry. Or as the medium's
-// grid does, in nodes instead of metres and eye space.
+// A particle as an ellipsoidal Gaussian for the slabs of one eye, at least as wide as the spacings need. Also used for
+// the medium's grid, with nodes in place of metres in eye space.
 struct SlabMember {
     vec3 centre;  // right, down and view depth from the eye, m
     float across; // log2(e) / (2 s^2), s = standard deviation across the view
-    float along;  // and along it
+    float along;  // along the view
     float sigma;  // 1/m, extinction at the centre
     vec3 albedo;
 };
 
-const uint kSlabTile = 8u; // rays of a tile's side
+const uint kSlabTile = 8u; // rays along a side of a tile
 
-// The grid of rays and slabs of one eye, or of a band of its rows. Its node (0, 0) is `margin` spacings up and left of the
+// Grid of rays and slabs of one eye, or of a band of its rows. Node (0, 0) is `margin` spacings up and left of the
 // picture's first pixel.
 struct SlabGrid {
     uvec2 nodes;
-    uint margin;     // nodes before the first pixel's, in rows and columns
-    uint first_row;  // of the picture's nodes: the band's first
+    uint margin;     // nodes before that of the first pixel, in rows and columns
+    uint first_row;  // first row of the picture's nodes in the band
     uint rate;       // pixels between neighbouring rays
     float depth;     // m, view depth of the first slab's near face
     float thickness; // m, of a slab
     uint slabs;
-    uint sheet;        // slabs that are worked on together; divides slabs
+    uint sheet;        // slabs that a workgroup computes together; divides slabs
     uvec3 lines;       // columns of tiles, rows of tiles, sheets
-    uint first_caster; // of the objects: planes come first
+    uint first_caster; // index of the first object that is no plane
     vec3 albedo;       // of all particles
 };
 
-// One picture, or a band of its rows, among those whose passes run together, and where what it has begins in their common
-// buffers, in elements.
+// One picture, or a band of its rows, whose passes run together with others. Its data begins at these indices, in
+// elements, of their common buffers.
 struct View {
     Eye eye;
     MapRays map_rays;
@@ -149,13 +149,13 @@ struct View {
     uint shaded;
 };
 
-// Where the medium's grid lies (server/methods/grid/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of
+// The medium's grid (server/methods/grid/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of
 // kSlabTile a side.
 struct MediumGrid {
     vec3 origin;   // m
     float spacing; // m
     uvec3 bricks;
-    float variance; // spacings^2, that sampling adds to what the nodes hold
+    float variance; // spacings^2, added to the nodes by interpolation
 };
 
 // Indirect arguments, written by the cull pass: of vkCmdDraw and of vkCmdDrawMeshTasksEXT.

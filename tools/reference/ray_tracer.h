@@ -66,8 +66,8 @@ private:
         Values<double> depth;          // from the ray's begin
         Values<glm::dvec3> scattering; // sum of albedo * extinction
         Values<glm::dvec3> source;     // sum of E p T_L Vis
-        glm::dvec3 light, ambient;     // what the panel adds to the ray's radiance
-        double size, error;            // of that, channels summed; the error is an upper estimate
+        glm::dvec3 light, ambient;     // the panel's part of the ray's radiance
+        double size, error;            // of light + ambient, channels summed; error: an upper estimate
         double at(int i) const { return (t0 + t1) / 2 + (t1 - t0) / 2 * rule->node(i); }
     };
 
