@@ -8,13 +8,14 @@
 namespace brume {
 
 gpu::Eye eyeBlock(const EyeRequest& request, const RenderSettings& settings);
-// How its rays run through the sun's volumetric shadow map.
+// Coefficients of the eye's rays in coordinates of the volumetric shadow map.
 gpu::MapRays mapRays(const gpu::Eye& eye, const gpu::LightMap& map);
 
-// The same view drawn at every `step`-th of its pixels, from a step before its first on (shaders/lib/shaded.glsl).
+// The request for every `step`-th pixel of `eye`, with one more row above and one more column to the left
+// (shaders/lib/shaded.glsl).
 EyeRequest everyStep(const EyeRequest& eye, uint32_t step);
 
-// False if the eye is so far from the medium's bounds that its near plane meets no particle.
+// True if the eye's near plane may cut a particle: the eye is inside the medium's bounds or close to them.
 bool nearPlaneCuts(const gpu::Tick& tick, const EyeRequest& eye);
 
 } // namespace brume

@@ -14,6 +14,8 @@ struct RenderTarget {
     gpu::Image view_depth; // R32F: m, of the nearest opaque surface
 };
 
+// EyeInputs describes two pictures of one eye. size, step, pose and eye are of the drawn pixels; block and view_block are
+// of the finished picture, with step x step pixels for each drawn one.
 struct EyeInputs {
     const TickInputs* shared = nullptr;
     const MediumView* medium = nullptr;
@@ -21,12 +23,14 @@ struct EyeInputs {
     uint32_t view = 0; // the eye's number in the submission, for the names of passes
     VkExtent2D size{}; // pixels that are drawn
     uint32_t step = 1; // one pixel is drawn for step x step pixels of the finished picture
-    uint32_t rate = 0; // pixels between rays, for methods that have rays; 0: as the medium's band limit allows
+    uint32_t rate = 0; // pixels between rays, for methods that have rays. It is EyeRequest::rate, or where that is 0
+                       // RenderSettings::rate; where both are 0, the medium's band limit decides
     Pose pose;
     gpu::Resource eye;                // gpu::Eye of the drawn pixels: uniform block, binding 1
-    gpu::Resource stereo_partner;     // gpu::Eye of this head's other eye, binding 6; this eye's own in mono
+    gpu::Resource stereo_partner;     // gpu::Eye of this head's other eye, binding 6. This eye's own in mono,
+                                      // without shared_order, or if the two eyes see different levels of detail
     const gpu::View* block = nullptr; // the finished picture: its eye, its rows and where its bytes go; on the CPU
-    gpu::Resource view_block;         // the same on the device: storage buffer, binding 1
+    gpu::Resource view_block;         // *block in device memory: storage buffer, binding 1. A pass binds this or `eye`
     bool near_plane_cuts = true;      // True: the near plane may cut particles
     bool order_ready = false;         // True: DepthOrder holds this eye's order already, no sort is needed
 };

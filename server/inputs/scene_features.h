@@ -1,4 +1,4 @@
-// What a scene has of the things that shaders are compiled for: a scene without one of them does not pay for it.
+// SceneFeatures: features that shaders are compiled for. Code for absent ones is left out, so they cost nothing.
 #pragma once
 
 #include "common/scene.h"

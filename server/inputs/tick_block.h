@@ -1,5 +1,5 @@
-// gpu::Tick: what all viewers share in one tick, as the shaders want it. The light's axes, and the bounds of both shadow maps
-// fitted to the scene.
+// makeTick(): fills gpu::Tick, the uniform block that all viewers of a tick share. It has the light's axes and the bounds of
+// both shadow maps, fitted to the scene.
 #pragma once
 
 #include <span>

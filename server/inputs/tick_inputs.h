@@ -17,8 +17,7 @@ struct TickInputs {
     const gpu::Sampler* nearest = nullptr;
     float asymmetry = 0;      // g of the phase function's lobe
     bool lobe = true;         // True: shaders are compiled with the lobe
-    bool uses_target = false; // True: every pixel passes through RenderTarget, one picture after the other. So it is with
-                              // opaque objects, and when the radiance is read afterwards
+    bool uses_target = false; // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one
 };
 
 } // namespace brume

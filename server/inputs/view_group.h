@@ -11,13 +11,14 @@
 namespace brume {
 
 struct ViewGroup {
-    const EyeInputs* any = nullptr;     // one of them, for what all have in common
+    const EyeInputs* any = nullptr;     // an eye of the group. Settings and medium are equal in all; the rest is this eye's alone
     std::span<const gpu::View> views;   // on the CPU: whole pictures, or bands of their rows
     gpu::Resource block;                // the same on the device: storage buffer, binding 1
     uint32_t rate = 1, sources = 1;     // of their fields (shaders/lib/slab_field.glsl)
     uint32_t step = 1;                  // pixels between those that are shaded
-    VkDeviceSize bins = 0;              // words of bits that all of them need together
-    const gpu::Buffer* field = nullptr; // where the method leaves the medium of these views; null: in RenderTarget::radiance
+    VkDeviceSize bins = 0;              // 32-bit words of bin bits for all views together
+    const gpu::Buffer* field = nullptr; // rays of these views (shaders/lib/slab_field.glsl), written by the method; null: it
+                                        // draws into RenderTarget::radiance
 
     // View `i` alone on the device.
     gpu::Resource blockOf(uint32_t i) const {
@@ -27,7 +28,7 @@ struct ViewGroup {
         return one;
     }
     uint32_t count() const { return uint32_t(views.size()); }
-    // What the times of this group's passes count for: one view, or each of several.
+    // PassSample::view of this group's passes: the view, or kEach for several.
     uint32_t view() const { return count() == 1 ? any->view : gpu::kEach; }
     // The largest of a number that each view has.
     template <class Of>

@@ -76,7 +76,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.submitted();
 }
 
-// The one that is compiled for these settings. Two are kept: switching between two costs nothing, and memory stays bounded.
+// The method compiled for these settings. The two last used are kept: switching between two costs nothing, and memory is
+// bounded.
 Method& Renderer::methodFor(const RenderSettings& settings) {
     const MethodPlan* plan = planOf(settings.method);
     const uint32_t variant = plan ? plan->variant(settings) : 0;
@@ -98,7 +99,7 @@ size_t Renderer::methodsKept() const {
     return size_t(std::count_if(methods_.begin(), methods_.end(), [](const Made& made) { return made.method != nullptr; }));
 }
 
-// A power of two: what present.comp knows.
+// Pixels between those that are drawn: 1, 2, 4 or 8, the steps that present.comp is written for.
 uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
     const uint32_t rate = now_.render.rate;
     if (!needs.draws || rate < 2) return 1;
@@ -148,7 +149,7 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
                      medium.count, now_.render.light_tolerance);
         medium.light = &light.buffer();
     };
-    bool seen = false; // True: some eye sees the particles as they are
+    bool seen = false; // True: some eye sees the full list, not a level of detail
     for (size_t i = 0; i < s.pictures_.size(); ++i) seen = seen || &upload_.of(i) == &all;
     if (seen) record(particle_light_, all);
     for (MergedMedia::Medium* level : upload_.levels()) {
@@ -194,7 +195,7 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
         in.stereo_partner.binding = 6;
         if (!eyes[i].second || !now_.render.shared_order || i == 0 || inputs_[i - 1].medium != in.medium) continue;
         std::swap(inputs_[i - 1].stereo_partner, in.stereo_partner);
-        in.order_ready = true; // with the left eye's
+        in.order_ready = true; // the left eye's sort covers both eyes
     }
     last_size_ = {eyes.back().width, eyes.back().height};
     if (!drawsCoarsely()) return;
@@ -204,7 +205,7 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
         inputs_[i].size = {eyes[i].width, eyes[i].height};
         inputs_[i].step = 1;
         inputs_[i].eye = blocks.pictureEye(i);
-        inputs_[i].order_ready = true; // with the coarse picture's
+        inputs_[i].order_ready = true; // the coarse picture's sort is used again
     }
 }
 

@@ -1,4 +1,5 @@
-// One submission: the light of a tick once, then every eye's picture. Owns the passes and the images that eyes share.
+// Renderer: records and submits all passes of one submission. Particles are uploaded and lit once; then every eye's
+// picture is drawn. It owns the passes and the images that eyes share.
 #pragma once
 
 #include <array>
@@ -39,15 +40,17 @@ private:
 
 class Renderer {
 public:
-    // For at most `capacity` particles. `besides`: for measurements, what shaders are compiled for though the scene has none of
-    // it. Throws gpu::Error.
+    // `capacity`: the most particles there can be. `besides`: features compiled into shaders although the scene lacks
+    // them, for measurements. Throws gpu::Error.
     Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides = {});
     ~Renderer();
 
-    // Records and submits everything for `eyes` at the simulation's present state.
-    // Precondition: no other submission of this renderer is on the device. Throws gpu::Error, for example when the device has no
-    // memory for so many or so large pictures; then this renderer is of no use any more.
-    // `settings`: instead of the simulation's, whose method may be a choice that is still open. `full`: pictures of R, G, B.
+    // Records and submits everything for `eyes` at the simulation's present state, and does not wait for the device:
+    // submission.commands.wait() does.
+    // `settings`: resolved settings of the plan. Null: the simulation's, whose method must then not be "auto".
+    // `full`: true for planes R, G, B; false for planes Y, Cb, Cr with half as many chroma samples each way.
+    // Precondition: no other submission of this renderer is on the device.
+    // Throws gpu::Error, for example when pictures do not fit the device's memory. Then destroy this renderer.
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
                 const RenderSettings* settings = nullptr, bool full = false);
 
@@ -58,7 +61,7 @@ public:
     // Methods that are kept on the device, with their programs and buffers.
     size_t methodsKept() const;
 
-    // For measurements: the next submission uploads and lights everything, also what rests since the last one.
+    // For measurements: the next submission uploads and lights everything again, even if nothing has changed.
     void forget() { upload_.forget(); }
 
     // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly. Needs
@@ -82,7 +85,7 @@ private:
     const gpu::Device& device_;
     const Scene scene_;
     const std::vector<gpu::Opaque> objects_;
-    const SceneFeatures features_; // the lobe apart, which commands turn on and off
+    const SceneFeatures features_; // of the scene file; `lobe` is decided per submission, since commands change it
     TickUpload upload_;
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
@@ -95,7 +98,7 @@ private:
     gpu::Buffer objects_buffer_, planes_;
     RenderTarget target_, coarse_target_;
 
-    // A method that was used lately, and what it was compiled for.
+    // A method, and the settings that it was compiled for.
     struct Made {
         const MethodPlan* plan = nullptr;
         uint32_t variant = 0;
@@ -110,9 +113,10 @@ private:
     std::vector<EyeRequest> drawn_; // the pixels that are drawn: all, or every step_-th
     std::vector<gpu::View> views_;  // the finished pictures
     TickInputs shared_;
-    std::vector<EyeInputs> inputs_, coarse_inputs_; // what drawsCoarsely() draws first
-    std::vector<ViewGroup> no_medium_;
-    VkExtent2D last_size_{}; // of the last eye's finished picture
+    std::vector<EyeInputs> inputs_;        // one per eye
+    std::vector<EyeInputs> coarse_inputs_; // the same eyes at every step_-th pixel, if drawsCoarsely()
+    std::vector<ViewGroup> no_medium_;     // one per eye, for a scene without particles
+    VkExtent2D last_size_{};               // of the last eye's finished picture
 };
 
 } // namespace brume

@@ -1,5 +1,5 @@
-// Slabs along a coarse grid of rays, sampled from a grid of the medium in world space that is made once per tick for all viewers:
-// the cost of a viewer does not depend on the number of particles.
+// Method `grid`: adds particles once per tick to nodes in world space. Each eye marches a coarse grid of rays through them, so
+// a viewer's cost does not depend on the number of particles.
 #include "server/methods/grid/medium_grid.h"
 #include "server/methods/rays/slab_rays.h"
 #include "shaders/grid_rays_comp.h"

@@ -1,9 +1,9 @@
-// The medium on a grid of nodes in world space: where the nodes lie. Interpolation of nodes h apart is a convolution: with a
-// triangle of variance h^2/6 along each axis where it is linear, with a B-spline of h^2/3 where it is cubic. So the nodes hold
-// every particle narrower by that, its optical mass kept, and what is sampled is the particle again. The error that is left
-// changes sign within a cell: of the peak of a particle of standard deviation s, along one axis, it is at most (h/s)^2 / 11 where
-// sampling is linear, (h/s)^4 / 85 where it is cubic, for h <= 0.7 s (tests/gpu/grid_test.cpp). A line of sight crosses many
-// cells of many particles: in pictures the error is far smaller.
+// Where the nodes of method `grid` lie in world space, and what they hold. Interpolation of nodes h apart widens a particle: its
+// variance grows by h^2/6 along each axis with linear sampling (a triangle), by h^2/3 with cubic sampling (a B-spline).
+// So nodes store each particle narrower by that variance, with equal mass. Sampling then gives the particle's own width.
+// The error that is left changes sign within a cell. For a particle of standard deviation s and h <= 0.7 s, it is at most
+// (h/s)^2 / 11 of the peak along one axis with linear sampling, and (h/s)^4 / 85 with cubic (tests/gpu/grid_test.cpp).
+// A line of sight crosses many cells of many particles, so the error in pictures is far smaller.
 #pragma once
 
 #include <string>
@@ -15,14 +15,16 @@
 namespace brume {
 
 inline constexpr float kGridSpacing = 0.5f; // standard deviations between nodes, where settings.grid is 0
-// Grids that are finer are sampled with 64 nodes instead of 8: that is worth more than nodes still closer together.
+// Below this spacing sampling is cubic, with 64 nodes instead of 8. That is more accurate than linear sampling of nodes still
+// closer together.
 inline constexpr float kCubicBelow = 0.25f;
 inline constexpr uint64_t kMostGridBytes = 96ull << 20; // of the nodes' buffer: every device can bind 128 MiB
 
 // True: 64 nodes are read for a sample instead of 8.
 inline bool isCubic(const RenderSettings& settings) { return settings.grid > 0 && settings.grid < kCubicBelow; }
 
-// Where the nodes lie that the medium asks for, on multiples of the spacing, so that they rest when the medium grows.
+// Where the nodes lie that the medium asks for, on multiples of the spacing, so that they stay where they are when the medium
+// grows.
 gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings);
 // The finest grid of at most kMostGridBytes, by steps of a quarter in the spacing.
 gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings);

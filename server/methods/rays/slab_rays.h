@@ -1,6 +1,6 @@
-// What methods have in common that integrate the medium along a coarse grid of rays cut into slabs (physics: "Order-independent
-// slabs"): the rays and slabs that the medium's band limit asks for, bands of rows so that no buffer grows with the picture, and
-// the field of all rays that Compose samples (shaders/lib/slab_march.glsl). Passes of several eyes run together.
+// SlabRays: base of methods that integrate the medium along a coarse grid of rays cut into slabs. The medium's band limit says
+// how many rays and slabs there are. Pictures are cut into bands of rows, so that no buffer grows with them. The result is the
+// field of all rays, which Compose samples (shaders/lib/slab_march.glsl). Passes of several eyes run together.
 #pragma once
 
 #include <map>
@@ -58,7 +58,7 @@ private:
     void group(std::span<const EyeInputs> eyes);
     void recordSpline(gpu::Commands& commands, const ViewGroup& group);
 
-    std::vector<const EyeInputs*> order_; // eyes that may be together stand together
+    std::vector<const EyeInputs*> order_; // eyes sorted so that those of one group are neighbours
     std::vector<gpu::View> views_;
     std::vector<size_t> firsts_; // of groups_, in views_
     gpu::Buffer views_buffer_;

@@ -1,5 +1,5 @@
-// Order-independent slabs: optical depth and in-scattered light of the true overlapping medium along a coarse grid of rays, which
-// the medium's band limit allows; no sort (physics: "Order-independent slabs").
+// Method `slabs`: each eye adds all particles to slabs of a coarse grid of rays; their order does not matter.
+// The medium's band limit says how coarse. Passes: bins, slabs, slab light, spline of the rays.
 #include "server/methods/rays/line_bins.h"
 #include "server/methods/rays/slab_rays.h"
 #include "shaders/slab_bins_comp.h"
@@ -19,7 +19,7 @@ private:
         const VkDeviceSize bits = lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.medium->count);
         return {.members = in.medium->count,
                 .bins = bits / sizeof(uint32_t),
-                .added = VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * whatsOf(sources)};
+                .added = VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * quantitiesOf(sources)};
     }
 
     void fitRoom(const Room& room) override {
@@ -29,7 +29,7 @@ private:
     }
 
     // What is added up: extinction, and where albedos differ what scatters each colour.
-    static uint32_t whatsOf(uint32_t sources) { return sources > 1 ? 4 : 1; }
+    static uint32_t quantitiesOf(uint32_t sources) { return sources > 1 ? 4 : 1; }
 
     void recordRays(gpu::Commands& commands, const ViewGroup& group) override {
         const VkCommandBuffer cmd = commands.handle();
@@ -50,7 +50,7 @@ private:
             const gpu::Commands::Pass pass(commands, "slabs", group.view());
             struct Push {
                 uint32_t sheets, whats;
-            } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), whatsOf(group.sources)};
+            } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), quantitiesOf(group.sources)};
             const uint32_t sheet = group.views.front().grid.sheet;
             program(slabs_comp, "slabs", sheet, {{gpu::kIdSheet, sheet}})
                 .bind(commands,

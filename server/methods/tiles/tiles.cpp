@@ -1,5 +1,6 @@
-// Compute tiles: splats of the whole Gaussian, gathered per tile near to far, several pixels a lane. Two quadratures: `cached`,
-// light linear on every particle (light/particle_light.h), and `hermite`, two points with the shadow volume.
+// Method `tiles`: projects particles to splats, lists them per block of tiles, and adds them near to far in every pixel.
+// Quadrature `cached`: light is linear on every particle (light/particle_light.h). Quadrature `hermite`: it is looked up in
+// the shadow volume at two points of each.
 #include <algorithm>
 #include <map>
 
@@ -19,7 +20,7 @@ using gpu::storageBuffer;
 constexpr VkExtent2D kTile{16, 8}; // pixels, as in shaders/lib/tiles.glsl
 // A CPU driver is fastest where a lane does much; a GPU where there are many lanes.
 constexpr uint32_t kPixelsPerLane = 16, kPixelsPerLaneOfGpu = 4;
-// Of tiles that share a list of splats: pixels, doubled until all lists of a picture fit the memory.
+// Pixels of a block of tiles with one list of splats. Blocks are doubled until all lists of a picture fit kMostMaskBytes.
 constexpr VkExtent2D kBlock{64, 32};
 constexpr VkDeviceSize kMostMaskBytes = 64 << 20;
 
@@ -118,7 +119,7 @@ private:
     const SceneFeatures features_;
     const bool cached_;
     gpu::ComputeProgram project_, bin_;
-    std::map<std::pair<bool, bool>, gpu::ComputeProgram> programs_; // by what their pictures may lack
+    std::map<std::pair<bool, bool>, gpu::ComputeProgram> programs_; // by: the near plane may cut, one albedo
     gpu::Buffer splats_, cones_, masks_;
     VkExtent2D block_ = kBlock;
 };

@@ -39,7 +39,7 @@ public:
         work[kBin] = view.scene().particles;
         work[kMedium] = view.fragments(1) * (isCached(settings) ? 1 : 2);
     }
-    // Light that is linear on a particle is farther off where the eye is among them.
+    // The cached light has a larger error if the eye is inside the medium.
     double error(const RenderSettings& settings, const ViewWork& view) const override {
         return isCached(settings) && view.inside() ? 0.055 : kTwoPointError;
     }
