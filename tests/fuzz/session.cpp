@@ -154,6 +154,13 @@ wire::Packed input(Numbers& in, const SceneFacts& facts) {
         if (which % 5 == 1) return as(wire::CreateSetLight(b, &one, &two, a));
         if (which % 5 == 2) return as(wire::CreateSetMedium(b, a, c, d, e, &one));
         if (which % 5 == 3) return as(wire::CreateMoveVolume(b, &one));
+        if (which >= 250) {
+            const auto all = sceneSettings();
+            const std::string path(all[in.take<uint8_t>() % all.size()].path);
+            const auto text = name(in, facts.methods[0]);
+            const std::vector changes{wire::CreateChangeDirect(b, path.c_str(), a, which % 2 ? &one : nullptr, text.c_str())};
+            return as(wire::CreateSetDirect(b, &changes));
+        }
         const auto method = b.CreateString(name(in, facts.methods[0])),
                    quadrature = b.CreateString(name(in, facts.quadratures[0]));
         return as(wire::CreateSetRender(b, method, quadrature, in.take<uint16_t>(), a));
