@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -70,7 +71,8 @@ private:
         return c.number() == 0.0 || c.number() == 1.0;
     }
     static bool read(const wire::Change& c, float& to) {
-        to = float(c.number().value_or(0));
+        constexpr double kMost = std::numeric_limits<float>::max(); // beyond every limit; more has no float
+        to = float(std::clamp(c.number().value_or(0), -kMost, kMost));
         return c.number().has_value();
     }
     static bool read(const wire::Change& c, uint32_t& to) {
