@@ -150,10 +150,6 @@ wire::Packed input(Numbers& in, const SceneFacts& facts) {
         };
         const wire::Vec3 one = vector(in), two = vector(in), three = vector(in);
         const float a = number(in), c = number(in), d = number(in), e = number(in);
-        if (which % 5 == 0) return as(wire::CreateImpulse(b, &one, &two, which < 128 ? &three : nullptr, a));
-        if (which % 5 == 1) return as(wire::CreateSetLight(b, &one, &two, a));
-        if (which % 5 == 2) return as(wire::CreateSetMedium(b, a, c, d, e, &one));
-        if (which % 5 == 3) return as(wire::CreateMoveVolume(b, &one));
         if (which >= 250) {
             const auto all = sceneSettings();
             const std::string path(all[in.take<uint8_t>() % all.size()].path);
@@ -161,6 +157,10 @@ wire::Packed input(Numbers& in, const SceneFacts& facts) {
             const std::vector changes{wire::CreateChangeDirect(b, path.c_str(), a, which % 2 ? &one : nullptr, text.c_str())};
             return as(wire::CreateSetDirect(b, &changes));
         }
+        if (which % 5 == 0) return as(wire::CreateImpulse(b, &one, &two, which < 128 ? &three : nullptr, a));
+        if (which % 5 == 1) return as(wire::CreateSetLight(b, &one, &two, a));
+        if (which % 5 == 2) return as(wire::CreateSetMedium(b, a, c, d, e, &one));
+        if (which % 5 == 3) return as(wire::CreateMoveVolume(b, &one));
         const auto method = b.CreateString(name(in, facts.methods[0])),
                    quadrature = b.CreateString(name(in, facts.quadratures[0]));
         return as(wire::CreateSetRender(b, method, quadrature, in.take<uint16_t>(), a));
