@@ -1,6 +1,8 @@
 #include "server/net/commands.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -40,6 +42,16 @@ public:
         if (!(length > 1e-6f)) refuse(wire::ErrorCode::out_of_range, fmt::format("{} must not be zero", name));
         return v / length;
     }
+    void change(Set& set, const wire::Change& c) {
+        const SceneSetting* setting = liveSetting(c.path()->string_view());
+        if (!setting)
+            return refuse(wire::ErrorCode::unknown_name, "no such live setting; docs/scenes.md has those that there are");
+        SettingValue value = defaultOf(*setting);
+        if (std::visit([&](auto& to) { return read(c, to); }, value))
+            add(set, {setting->path, std::move(value)});
+        else
+            refuse(wire::ErrorCode::out_of_range, fmt::format("{} has a value of another type", setting->key()));
+    }
     // Adds a change where there is a value.
     void change(Set& set, std::string_view path, const wire::Vec3* value) {
         if (value) add(set, {path, toGlm(*value)});
@@ -53,6 +65,30 @@ public:
     }
 
 private:
+    // False where the value is not of the setting's type.
+    static bool read(const wire::Change& c, bool& to) {
+        to = c.number() == 1.0;
+        return c.number() == 0.0 || c.number() == 1.0;
+    }
+    static bool read(const wire::Change& c, float& to) {
+        constexpr double kMost = std::numeric_limits<float>::max(); // beyond every limit; more has no float
+        to = float(std::clamp(c.number().value_or(0), -kMost, kMost));
+        return c.number().has_value();
+    }
+    static bool read(const wire::Change& c, uint32_t& to) {
+        const double number = c.number().value_or(-1);
+        const bool whole = number >= 0 && number <= 4294967295.0 && number == std::floor(number);
+        to = whole ? uint32_t(number) : 0;
+        return whole;
+    }
+    static bool read(const wire::Change& c, glm::vec3& to) {
+        if (c.vector()) to = toGlm(*c.vector());
+        return c.vector() != nullptr;
+    }
+    static bool read(const wire::Change& c, std::string& to) {
+        if (c.text()) to = c.text()->str();
+        return c.text() != nullptr;
+    }
     void add(Set& set, Change change) {
         const SceneSetting& setting = *change.setting;
         const std::string key(setting.key());
@@ -123,6 +159,11 @@ CommandBody readBody(const wire::Input& input, Reader& in) {
         in.change(set, "simulation.paused", input.command_as_SetSimulation()->paused());
         return set;
     }
+    case wire::Command::Set: {
+        Set set;
+        for (const wire::Change* change : *input.command_as_Set()->changes()) in.change(set, *change);
+        return set;
+    }
     case wire::Command::Restart:
         return Restart{};
     case wire::Command::NONE:
@@ -137,9 +178,9 @@ CommandBody readBody(const wire::Input& input, Reader& in) {
 wire::Role roleFor(const CommandBody& body) {
     if (std::holds_alternative<Impulse>(body) || std::holds_alternative<MoveVolume>(body)) return wire::Role::controller;
     const auto* set = std::get_if<Set>(&body);
-    const bool for_controllers = set && !set->changes.empty() &&
-                                 std::all_of(set->changes.begin(), set->changes.end(),
-                                             [](const Change& one) { return one.setting->changed_by == ChangedBy::controllers; });
+    const bool for_controllers = set && std::all_of(set->changes.begin(), set->changes.end(), [](const Change& one) {
+                                     return one.setting->changed_by == ChangedBy::controllers;
+                                 });
     return for_controllers ? wire::Role::controller : wire::Role::operator_; // what a frame costs everyone, and Restart
 }
 

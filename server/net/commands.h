@@ -16,7 +16,7 @@ struct Refusal {
     std::string text;
 };
 
-// The least role that may give a command: of settings, what the table says (common/settings.h).
+// The least role that may give a command: of settings, the highest that theirs take (common/settings.h).
 wire::Role roleFor(const CommandBody& body);
 
 // Precondition: `input` comes from wire::parse. In the result directions have unit length and names are among `facts`.

@@ -150,6 +150,13 @@ wire::Packed input(Numbers& in, const SceneFacts& facts) {
         };
         const wire::Vec3 one = vector(in), two = vector(in), three = vector(in);
         const float a = number(in), c = number(in), d = number(in), e = number(in);
+        if (which >= 250) {
+            const auto all = sceneSettings();
+            const std::string path(all[in.take<uint8_t>() % all.size()].path);
+            const auto text = name(in, facts.methods[0]);
+            const std::vector changes{wire::CreateChangeDirect(b, path.c_str(), a, which % 2 ? &one : nullptr, text.c_str())};
+            return as(wire::CreateSetDirect(b, &changes));
+        }
         if (which % 5 == 0) return as(wire::CreateImpulse(b, &one, &two, which < 128 ? &three : nullptr, a));
         if (which % 5 == 1) return as(wire::CreateSetLight(b, &one, &two, a));
         if (which % 5 == 2) return as(wire::CreateSetMedium(b, a, c, d, e, &one));

@@ -74,6 +74,58 @@ TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
     EXPECT_EQ(moved.offset, glm::vec3(1, 2, 3));
 }
 
+// Any live setting by its path, of each type that there is.
+TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
+    watch();
+    using Changes = std::vector<flatbuffers::Offset<wire::Change>>;
+    uint32_t seq = 0;
+    const auto answer = [&](auto&& build) {
+        return input(++seq, [&](auto& b) {
+            const Changes changes = build(b);
+            return wire::CreateSetDirect(b, &changes);
+        });
+    };
+    const wire::Vec3 up(0, 5, 0), zero(0, 0, 0);
+    const auto all = answer([&](auto& b) {
+        return Changes{wire::CreateChangeDirect(b, "medium.falloff", 1.5), wire::CreateChangeDirect(b, "render.steps", 3),
+                       wire::CreateChangeDirect(b, "simulation.paused", 1),
+                       wire::CreateChangeDirect(b, "light.to_light", {}, &up),
+                       wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
+    });
+    const std::vector<Change> changes = std::get<Set>(only<Push>(all).body).changes;
+    ASSERT_EQ(changes.size(), 5u);
+    EXPECT_EQ(changes[0].setting->path, "medium.falloff");
+    EXPECT_EQ(changes[0].value, SettingValue(1.5f));
+    EXPECT_EQ(changes[1].value, SettingValue(3u));
+    EXPECT_EQ(changes[2].value, SettingValue(true));
+    EXPECT_EQ(changes[3].value, SettingValue(glm::vec3(0, 1, 0)));
+    EXPECT_EQ(changes[4].value, SettingValue("isv"));
+
+    const auto refused = [&](const char* path, flatbuffers::Optional<double> number, const wire::Vec3* vector, const char* text) {
+        const auto effects = answer([&](auto& b) {
+            return Changes{wire::CreateChangeDirect(b, "medium.falloff", 1.5),
+                           wire::CreateChangeDirect(b, path, number, vector, text)};
+        });
+        EXPECT_EQ(only<SendError>(effects).input_seq, seq);
+        return onlyError(effects);
+    };
+    EXPECT_EQ(refused("medium.cuont", 1, nullptr, nullptr), ErrorCode::unknown_name);
+    EXPECT_EQ(refused("medium.count", 1, nullptr, nullptr), ErrorCode::unknown_name) << "not live";
+    EXPECT_EQ(refused("render.method", {}, nullptr, "tetra"), ErrorCode::unknown_name);
+    EXPECT_EQ(refused("medium.falloff", {}, nullptr, nullptr), ErrorCode::out_of_range) << "no value";
+    EXPECT_EQ(refused("medium.falloff", 0, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("medium.falloff", 1e300, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("medium.falloff", kNan, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("medium.falloff", {}, nullptr, "1"), ErrorCode::out_of_range) << "another type";
+    EXPECT_EQ(refused("medium.albedo", 1, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("render.method", 1, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("render.steps", 2.5, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("render.steps", -1, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("render.steps", kNan, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("simulation.paused", 2, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("light.to_light", {}, &zero, nullptr), ErrorCode::out_of_range);
+}
+
 TEST_F(SessionRulesTest, CommandsBeyondTheirLimitsAreRefused) {
     watch();
     uint32_t seq = 0;
@@ -141,7 +193,14 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
     EXPECT_EQ(least([](auto& b) { return wire::CreateSetLight(b, &ahead); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateSetMedium(b, 1.0f); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateSetSimulation(b, true); }), "controller");
-    EXPECT_EQ(least([](auto& b) { return wire::CreateSetRender(b); }), "operator");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateSetRenderDirect(b, "isv"); }), "operator");
+    const auto set = [](auto& b, std::initializer_list<const char*> paths) {
+        std::vector<flatbuffers::Offset<wire::Change>> changes;
+        for (const char* path : paths) changes.push_back(wire::CreateChangeDirect(b, path, 1));
+        return wire::CreateSetDirect(b, &changes);
+    };
+    EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "light.rotate"}); }), "controller");
+    EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "render.exposure"}); }), "operator");
     EXPECT_EQ(least([](auto& b) { return wire::CreateRestart(b); }), "operator");
 }
 

@@ -105,6 +105,15 @@ Json of(const SetRender& c) {
 }
 Json of(const SetSimulation& c) { return Json::object({{"paused", maybe(c.paused())}}); }
 Json of(const Restart&) { return Json::object(); }
+Json of(const Set& c) {
+    Json changes = Json::array();
+    for (const Change* change : *c.changes())
+        changes.push_back(Json::object({{"path", text(change->path())},
+                                        {"number", maybe(change->number())},
+                                        {"vector", vec(change->vector())},
+                                        {"text", text(change->text())}}));
+    return Json::object({{"changes", changes}});
+}
 
 Json of(const Input& m) {
     Json command = Json::object();
@@ -129,6 +138,9 @@ Json of(const Input& m) {
         break;
     case Command::Restart:
         command = of(*m.command_as_Restart());
+        break;
+    case Command::Set:
+        command = of(*m.command_as_Set());
         break;
     case Command::NONE:
         break;
@@ -264,6 +276,12 @@ std::vector<Example> makeExamples() {
     all.push_back(input("input_set_render", 5, [](Builder& b) { return CreateSetRenderDirect(b, "isv", "analytic", 3, {}); }));
     all.push_back(input("input_set_simulation", 6, [](Builder& b) { return CreateSetSimulation(b, true); }));
     all.push_back(input("input_restart", 7, [](Builder& b) { return CreateRestart(b); }));
+    all.push_back(input("input_set", 8, [&](Builder& b) {
+        const std::vector<flatbuffers::Offset<Change>> changes{CreateChangeDirect(b, "medium.falloff", 1.5),
+                                                               CreateChangeDirect(b, "medium.albedo", {}, &albedo),
+                                                               CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
+        return CreateSetDirect(b, &changes);
+    }));
     all.push_back(example("ack", [](Builder& b) { return CreateAck(b, 41); }));
     all.push_back(example("ping", [](Builder& b) { return CreatePing(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("pong", [](Builder& b) { return CreatePong(b, 7, 9'007'199'254'740'993); }));

@@ -23,6 +23,7 @@ import { Pong } from '../src/wire/brume/wire/pong';
 import { Pose } from '../src/wire/brume/wire/pose';
 import { Restart } from '../src/wire/brume/wire/restart';
 import { SceneState } from '../src/wire/brume/wire/scene-state';
+import { Set as WireSet } from '../src/wire/brume/wire/set';
 import { SetLight } from '../src/wire/brume/wire/set-light';
 import { SetMedium } from '../src/wire/brume/wire/set-medium';
 import { SetRender } from '../src/wire/brume/wire/set-render';
@@ -59,7 +60,7 @@ const tables: { [type: string]: new () => object } = {
     Restart,
     SceneState,
   },
-  ...{ SetLight, SetMedium, SetRender, SetSimulation, Welcome },
+  ...{ Set: WireSet, SetLight, SetMedium, SetRender, SetSimulation, Welcome },
 };
 
 // Reads, with the generated code, the fields that `like` has, into the JSON that the examples are written in.
@@ -75,11 +76,13 @@ function read(table: object, like: Fields): Fields {
     else if (key === 'command') {
       const Table = tables[like['command_type'] as string];
       out[key] = Table ? read(call(name, new Table()) as object, value as Fields) : null;
-    } else if (['methods', 'quadratures', 'jpeg_bytes', 'passes'].includes(key)) {
+    } else if (['methods', 'quadratures', 'jpeg_bytes', 'passes', 'changes'].includes(key)) {
       const items = Array.from({ length: call(`${name}Length`) as number }, (_, i) => call(name, i));
-      const item = (value as Json[])[0];
-      const isTable = item !== null && typeof item === 'object';
-      out[key] = items.map((x) => (isTable ? read(x as object, item as Fields) : (x as Json)));
+      const wanted = value as Json[];
+      out[key] = items.map((x, i) => {
+        const item = wanted[i] ?? wanted[0] ?? null;
+        return item !== null && typeof item === 'object' ? read(x as object, item as Fields) : (x as Json);
+      });
     } else out[key] = plain(call(name), value);
   }
   return out;
