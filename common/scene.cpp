@@ -125,7 +125,7 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     read.readTable(in, "", {.scene = &out}, nullptr);
     in.table("medium", [&](TableReader& r) { readMedium(r, read, out.medium, origin); });
     in.table("simulation", [&](TableReader& r) { read.readTable(r, "simulation", {.simulation = &out.simulation}, nullptr); });
-    in.tables("light", out.lights, {1, 1},
+    in.tables("light", out.lights, {0, 1},
               [&](TableReader& r, Light& light) { read.readTable(r, "light", {.light = &light}, nullptr); });
     in.tables("plane", out.planes, objects,
               [&](TableReader& r, Plane& plane) { read.readTable(r, "plane", {.plane = &plane}, &origin); });

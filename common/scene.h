@@ -127,7 +127,7 @@ struct Scene {
     glm::dvec3 origin{0};
     Medium medium;
     SimulationSettings simulation;
-    std::vector<Light> lights; // exactly one today
+    std::vector<Light> lights; // at most one today
     std::vector<Plane> planes;
     std::vector<Box> boxes;
     std::vector<Sphere> spheres;
@@ -135,6 +135,11 @@ struct Scene {
     SceneCamera camera;
     RenderSettings render;
 };
+
+// The first light. A scene without lights has one of irradiance 0 here, which commands can turn on.
+inline Light sunOf(const Scene& scene) {
+    return scene.lights.empty() ? Light{.to_light = {0, 1, 0}, .irradiance = glm::vec3(0)} : scene.lights.front();
+}
 
 // What is wrong with a scene: "file:line: key: what, and what is allowed".
 struct SceneError : std::runtime_error {

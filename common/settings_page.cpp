@@ -33,7 +33,7 @@ constexpr Table kTables[]{
      "all that "
      "live at a time: at least rate · life."},
     {"simulation", "`[simulation]`", "How the particles move."},
-    {"light", "`[[light]]`", "Exactly one."},
+    {"light", "`[[light]]`", "At most one. A file that does not mention lights has one; `light = []` is a scene without."},
     {"plane", "`[[plane]]`", "Horizontal ground, seen from above; up to 64."},
     {"box", "`[[box]]`", "Up to 64."},
     {"sphere", "`[[sphere]]`", "Up to 64."},

@@ -83,7 +83,7 @@ struct Simulation::State {
     Bounds bounds;
 };
 
-Simulation::State::State(const Scene& scene) : now{scene.medium, scene.lights.at(0), scene.render, scene.simulation} {
+Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), scene.render, scene.simulation} {
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);
@@ -91,7 +91,7 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, scene.lights.at
         // A full column from the first picture on.
         first_step = static_cast<uint64_t>(std::ceil(static_cast<double>(scene.medium.emitter.life) / kTickSeconds)) + 1;
         while (steps < first_step) advance();
-        now.light = scene.lights.at(0); // which the run-up has turned
+        now.light = sunOf(scene); // which the run-up has turned
     } else {
         Placement placed = place(scene.medium, scene.origin);
         rows = now.medium.count = static_cast<uint32_t>(placed.position.size());

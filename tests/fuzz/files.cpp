@@ -77,7 +77,8 @@ void costs(Bytes input) {
     promise(model.calibrated == complaint.empty(), "either the file's costs hold, or a line says why not");
     if (!complaint.empty()) promiseOneLine(complaint, kLongestRefusal);
     if (!model.calibrated) promise(model.ns == builtInCosts().ns, "without a file the built-in costs hold");
-    for (const double ns : model.ns) promise(ns > 0 && std::isfinite(ns), "every cost is a positive number");
+    for (const CostInfo* cost : allCosts())
+        promise(model[*cost] > 0 && std::isfinite(model[*cost]), "every cost is a positive number");
 }
 
 } // namespace brume::fuzz

@@ -45,7 +45,9 @@ TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
     EXPECT_EQ(impulse.push, glm::vec3(0, 5, 0));
     EXPECT_EQ(impulse.strength, 2);
 
-    const auto set = [&](uint32_t seq, auto&& build) { return std::get<Set>(only<EnqueueCommand>(input(seq, build)).body).changes; };
+    const auto set = [&](uint32_t seq, auto&& build) {
+        return std::get<Set>(only<EnqueueCommand>(input(seq, build)).body).changes;
+    };
     const auto light = set(2, [&](auto& b) { return wire::CreateSetLight(b, &push); });
     ASSERT_EQ(light.size(), 1u) << "what is left out is not set";
     EXPECT_EQ(light[0].setting->path, "light.to_light");
@@ -92,7 +94,7 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
                        wire::CreateChangeDirect(b, "light.to_light", {}, &up),
                        wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
     });
-    const std::vector<Change> changes = std::get<Set>(only<Push>(all).body).changes;
+    const std::vector<Change> changes = std::get<Set>(only<EnqueueCommand>(all).body).changes;
     ASSERT_EQ(changes.size(), 5u);
     EXPECT_EQ(changes[0].setting->path, "medium.falloff");
     EXPECT_EQ(changes[0].value, SettingValue(1.5f));

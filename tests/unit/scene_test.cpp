@@ -87,10 +87,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 99\nemitter = { rate = 50, life = 2 }", 3, "medium.count", "smaller than",
               "from 101"},
         Wrong{"medium = 3", 1, "medium", "3 is not", "a table"},
-        Wrong{"light = 3", 1, "light", "3 is not", "[[light]], 1 of them"},
-        Wrong{"light = []", 1, "light", "an array of 0", "[[light]], 1 of them"},
+        Wrong{"light = 3", 1, "light", "3 is not", "[[light]], from 0 to 1 of them"},
         Wrong{"light = [3]", 1, "light", "3 is not", "a table"},
-        Wrong{"[[light]]\n[[light]]\n", 1, "light", "an array of 2", "[[light]], 1 of them"},
+        Wrong{"[[light]]\n[[light]]\n", 1, "light", "an array of 2", "[[light]], from 0 to 1 of them"},
         Wrong{"[[light]]\nto_light = [0, 0, 0]", 2, "light[0].to_light", "no direction", "any vector"},
         Wrong{"[[light]]\ntype = \"point\"", 2, "light[0].type", "\"point\"", "\"directional\""},
         Wrong{"[[sphere]]\n\n[[sphere]]\nradius = -1", 4, "sphere[1].radius", "-1 is not", "from 0.001"},
@@ -226,6 +225,12 @@ TEST(Scene, AnEmptyFileIsTheDefaultScene) {
     EXPECT_EQ(scene.medium.count, 500u);
     ASSERT_EQ(scene.lights.size(), 1u);
     EXPECT_NEAR(glm::length(scene.lights[0].to_light), 1, 1e-6f);
+}
+
+TEST(Scene, MayHaveNoLight) {
+    EXPECT_TRUE(loadScene(written("light = []", "dark.toml")).lights.empty());
+    const std::string off[] = {"light=[]"};
+    EXPECT_TRUE(loadScene(written("[[light]]\nrotate = 1"), off).lights.empty());
 }
 
 TEST(Scene, OverridesReplaceTheFilesSettings) {

@@ -341,6 +341,16 @@ TEST_P(AnyLayout, HugeNumbersAreClamped) {
     EXPECT_GT(now.render.exposure, 0);
 }
 
+// A scene without a light is dark until a command gives it one.
+TEST(Light, OfASceneWithoutIsDarkAndMayBeTurnedOn) {
+    Scene scene = cubeScene(1);
+    scene.lights.clear();
+    Simulation simulation(scene);
+    EXPECT_EQ(simulation.now().light.irradiance, glm::vec3(0));
+    give(simulation, {command(Set{{"light.irradiance", glm::vec3(1, 2, 3)}})});
+    EXPECT_EQ(simulation.now().light.irradiance, glm::vec3(1, 2, 3));
+}
+
 TEST(Light, TurnsAboutY) {
     Scene scene = cubeScene(1);
     scene.lights[0].rotate = 0.5f;

@@ -88,7 +88,7 @@ double error(Bench& bench, const Scene& scene, reference::Model model, const Pos
     std::vector<gpu::Particle> particles(bench.simulation.liveCount());
     bench.simulation.write(particles);
     if (!exact.contains(model)) {
-        const Light& light = scene.lights.front();
+        const Light light = sunOf(scene);
         exact[model] = reference::render({particles, scene.medium.falloff, scene.medium.anisotropy, scene.medium.asymmetry},
                                          light, pose, int(size.width), int(size.height), model);
     }

@@ -48,7 +48,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
 }
 
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles) {
-    return worldOf(scene, particles, scene.medium, scene.lights.at(0));
+    return worldOf(scene, particles, scene.medium, sunOf(scene));
 }
 
 double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out) {
