@@ -7,8 +7,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include "protocol/net/address.h"
 #include "common/scene_text.h"
+#include "protocol/net/address.h"
 #include "server/ahead.h"
 #include "server/net/server.h"
 #include "server/operate/log.h"

@@ -10,8 +10,8 @@
 #include <boost/beast/websocket.hpp>
 
 #include "client/native/tls.h"
-#include "protocol/net/byte_stream.h"
 #include "protocol/message.h"
+#include "protocol/net/byte_stream.h"
 
 namespace brume::client {
 namespace {

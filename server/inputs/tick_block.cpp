@@ -55,7 +55,8 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
                    std::span<const gpu::Opaque> objects) {
     gpu::Tick tick{};
     tick.sun.to_light = now.light.to_light;
-    const glm::vec3 helper = std::abs(tick.sun.to_light.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0); // also for light along Y
+    const glm::vec3 helper =
+        std::abs(tick.sun.to_light.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0); // also for light along Y
     tick.map.x = glm::normalize(glm::cross(helper, tick.sun.to_light));
     tick.map.y = glm::cross(tick.sun.to_light, tick.map.x);
     tick.falloff = now.medium.falloff;

@@ -25,9 +25,9 @@ constexpr VkDeviceSize kMostStaged = 64 << 20;
 
 // Whether two ticks of the same particles have the same volume.
 bool sameVolume(const gpu::Tick& a, const gpu::Tick& b) {
-    return a.particle_count == b.particle_count && a.sun.to_light == b.sun.to_light && a.map.x == b.map.x && a.falloff == b.falloff &&
-           a.cut == b.cut && a.map.lo == b.map.lo && a.map.hi == b.map.hi && a.map.texels == b.map.texels &&
-           a.map.slices == b.map.slices;
+    return a.particle_count == b.particle_count && a.sun.to_light == b.sun.to_light && a.map.x == b.map.x &&
+           a.falloff == b.falloff && a.cut == b.cut && a.map.lo == b.map.lo && a.map.hi == b.map.hi &&
+           a.map.texels == b.map.texels && a.map.slices == b.map.slices;
 }
 
 } // namespace

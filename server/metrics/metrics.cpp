@@ -272,7 +272,7 @@ std::string Metrics::text(const Audience& audience) const {
     }
 
     auto all = families_->registry.Collect();
-    all.push_back(gauge("brume_viewers", "Viewers in the house: pages, clients, streams and snapshots.", double(viewers.size())));
+    all.push_back(gauge("brume_viewers", "Viewers of the scene: pages, clients, streams and snapshots.", double(viewers.size())));
     all.push_back(gauge("brume_frames_in_flight", "Frames handed out and not yet acknowledged.", in_flight));
     all.push_back(gauge("brume_tick", "Tick of the simulation.", double(report->tick)));
     all.push_back(gauge("brume_particles", "Live particles.", report->particles));

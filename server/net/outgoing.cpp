@@ -14,8 +14,8 @@ auto packText(Builder& b, std::string_view text) { return b.CreateString(text.da
 auto packPlan(Builder& b, const SceneReport& report) {
     const RenderSettings& used = report.plan.settings;
     const auto method = packText(b, used.method), quadrature = packText(b, used.quadrature);
-    return wire::CreatePlan(b, method, quadrature, used.rate, used.slabs, float(report.plan.error),
-                            float(report.plan.ms), report.plan.relaxed);
+    return wire::CreatePlan(b, method, quadrature, used.rate, used.slabs, float(report.plan.error), float(report.plan.ms),
+                            report.plan.relaxed);
 }
 
 } // namespace

@@ -21,7 +21,7 @@ const uint kIdBoxes = 7u;
 const uint kIdSpheres = 8u;
 
 // The volumetric shadow map.
-const uint kIdShadowLanes = 9u;  // lanes that work on one tile together, texels of its width; a power of two, at most 8
+const uint kIdShadowLanes = 9u;       // lanes that work on one tile together, texels of its width; a power of two, at most 8
 const uint kIdShadowGroupLanes = 10u; // lanes of a workgroup
 
 // Method `isv`.

@@ -34,15 +34,15 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
         for (const size_t offset : offsets) expected.push_back(first + uint32_t(offset / 4));
     };
 #define AT(Struct, member) offsetof(Struct, member)
-    expect(1000,
-           {AT(Tick, sun.to_light),  AT(Tick, falloff),       AT(Tick, map.x),      AT(Tick, anisotropy),  AT(Tick, map.y),
-            AT(Tick, asymmetry), AT(Tick, sun.irradiance),    AT(Tick, cut),          AT(Tick, ambient),     AT(Tick, particle_count),
-            AT(Tick, map.lo), AT(Tick, map.slices), AT(Tick, map.hi),    AT(Tick, map.opaque_size), AT(Tick, map.opaque_lo),
-            AT(Tick, map.opaque_hi), AT(Tick, map.texels),   AT(Tick, opaque_count), AT(Tick, sky_zenith),  AT(Tick, sky_horizon),
-            AT(Tick, map.u),  AT(Tick, map.v),      AT(Tick, map.plane)});
-    expect(2000, {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y),
-                  AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right),
-                  AT(Eye, ray_down)});
+    expect(1000, {AT(Tick, sun.to_light), AT(Tick, falloff),         AT(Tick, map.x),          AT(Tick, anisotropy),
+                  AT(Tick, map.y),        AT(Tick, asymmetry),       AT(Tick, sun.irradiance), AT(Tick, cut),
+                  AT(Tick, ambient),      AT(Tick, particle_count),  AT(Tick, map.lo),         AT(Tick, map.slices),
+                  AT(Tick, map.hi),       AT(Tick, map.opaque_size), AT(Tick, map.opaque_lo),  AT(Tick, map.opaque_hi),
+                  AT(Tick, map.texels),   AT(Tick, opaque_count),    AT(Tick, sky_zenith),     AT(Tick, sky_horizon),
+                  AT(Tick, map.u),        AT(Tick, map.v),           AT(Tick, map.plane)});
+    expect(2000,
+           {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y), AT(Eye, back),
+            AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right), AT(Eye, ray_down)});
     const auto second = [&](uint32_t first, size_t size, std::initializer_list<size_t> offsets) {
         expect(first + uint32_t(size / 4), offsets);
     };

@@ -57,8 +57,8 @@ TEST_F(GpuTest, OpaqueShadowMapHoldsTheHeightsOfTheTopmost) {
             size_t covered = 0, unclear = 0;
             for (uint32_t y = 0; y < size; ++y)
                 for (uint32_t x = 0; x < size; ++x) {
-                    const glm::dvec2 at =
-                        glm::mix(glm::dvec2(tick.map.opaque_lo), glm::dvec2(tick.map.opaque_hi), (glm::dvec2(x, y) + 0.5) / double(size));
+                    const glm::dvec2 at = glm::mix(glm::dvec2(tick.map.opaque_lo), glm::dvec2(tick.map.opaque_hi),
+                                                   (glm::dvec2(x, y) + 0.5) / double(size));
                     constexpr double kNothing = -1e6; // what lies below counts as this
                     const double exact = std::max(height(at), kNothing), got = std::max(double(map[y * size + x]), kNothing);
                     double change = 0; // within a tenth of a millimetre

@@ -14,8 +14,7 @@ struct Stored {
     double column;           // optical depth through its centre, before it is stored narrower
 
     Stored(const gpu::Tick& tick, const gpu::Particle& p) {
-        const glm::dvec3 cell =
-                             glm::dvec3(tick.map.hi - tick.map.lo) / glm::dvec3(tick.map.texels, tick.map.slices - 1.0),
+        const glm::dvec3 cell = glm::dvec3(tick.map.hi - tick.map.lo) / glm::dvec3(tick.map.texels, tick.map.slices - 1.0),
                          c(p.centre);
         at = glm::dvec3(glm::dot(c, glm::dvec3(tick.map.x)) - double(tick.map.lo.x),
                         glm::dot(c, glm::dvec3(tick.map.y)) - double(tick.map.lo.y),

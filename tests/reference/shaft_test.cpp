@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/reference/medium_reference.h"
 #include "tests/reference/test_media.h"
+#include "tools/reference/medium_reference.h"
 
 namespace {
 

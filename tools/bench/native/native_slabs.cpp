@@ -145,11 +145,11 @@ void NativeSlabs::mapLight(const std::vector<gpu::Particle>& particles) {
         const float u = p.scale * tick_.falloff, k = physics::gaussianK(p.scale, tick_.falloff);
         const float radius = physics::supportRadius(p.sigma_t, u, 0.75f * tick_.cut);
         if (radius <= 0) continue;
-        const glm::vec3 at = glm::vec3(glm::dot(tick_.map.x, p.centre) - tick_.map.lo.x,
-                                       glm::dot(tick_.map.y, p.centre) - tick_.map.lo.y,
-                                       tick_.map.hi.z - glm::dot(tick_.sun.to_light, p.centre)) /
-                                 cell -
-                             glm::vec3(0.5f, 0.5f, 0);
+        const glm::vec3 at =
+            glm::vec3(glm::dot(tick_.map.x, p.centre) - tick_.map.lo.x, glm::dot(tick_.map.y, p.centre) - tick_.map.lo.y,
+                      tick_.map.hi.z - glm::dot(tick_.sun.to_light, p.centre)) /
+                cell -
+            glm::vec3(0.5f, 0.5f, 0);
         const glm::vec3 variance = 0.5f / (k * cell * k * cell);
         const glm::vec3 stored(physics::sharpened(variance.x), physics::sharpened(variance.y), physics::sharpened(variance.z));
         const glm::vec3 narrow = glm::inversesqrt(2.0f * stored);
