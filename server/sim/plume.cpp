@@ -1,14 +1,17 @@
 #include "server/sim/plume.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/sim/random.h"
 
 namespace brume {
 
-Plume::Plume(const Medium& medium, float viscosity)
+Plume::Plume(const Medium& medium)
     : emitter_(medium.emitter), scale_(medium.scale), multiplier_(medium.multiplier), seed_(medium.seed), pool_(medium.count),
-      viscosity_(viscosity), turbulence_(medium.seed, emitter_.turbulence, emitter_.eddy, emitter_.wind) {}
+      turbulence_(medium.seed, emitter_.turbulence, emitter_.eddy, emitter_.wind) {}
+
+uint64_t Plume::runUp() const { return static_cast<uint64_t>(std::ceil(static_cast<double>(emitter_.life) / kTickSeconds)) + 1; }
 
 std::array<Rows, 2> Plume::living() const {
     if (oldest_ == born_) return {};
@@ -17,10 +20,10 @@ std::array<Rows, 2> Plume::living() const {
     return {{{first, pool_}, {0, end}}};
 }
 
-void Plume::step(Columns& columns, uint64_t steps, glm::vec3 volume) {
-    const double now = static_cast<double>(steps) * kTickSeconds;
+void Plume::step(Columns& columns, const MotionStep& step) {
+    const double now = static_cast<double>(step.number) * kTickSeconds;
     const PlumeStep s{.dt = static_cast<float>(kTickSeconds),
-                      .viscosity = viscosity_,
+                      .viscosity = step.settings.viscosity,
                       .wind = emitter_.wind,
                       .buoyancy = emitter_.buoyancy,
                       .life = emitter_.life};
@@ -28,10 +31,10 @@ void Plume::step(Columns& columns, uint64_t steps, glm::vec3 volume) {
     while (oldest_ < born_ && columns[Column::age][oldest_ % pool_] >= emitter_.life) ++oldest_;
     // From the number of steps, not from a running sum: rounding cannot pile up.
     const auto due = static_cast<uint64_t>(static_cast<double>(emitter_.rate) * now);
-    while (born_ < due) bear(columns, now, volume);
+    while (born_ < due) bear(columns, now, step.volume);
 }
 
-void Plume::ageTo(Columns& columns, float extinction) const {
+void Plume::settle(Columns& columns, float extinction) const {
     for (const Rows rows : living())
         age(columns, rows, {.life = emitter_.life, .growth = emitter_.growth, .extinction = extinction});
 }

@@ -2,30 +2,26 @@
 // particles are one contiguous run of the ring.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <span>
-
-#include "common/scene.h"
 #include "server/sim/kernels.h"
+#include "server/sim/motion.h"
 
 namespace brume {
 
-class Plume {
+class Plume final : public Motion {
 public:
-    Plume(const Medium& medium, float viscosity);
+    explicit Plume(const Medium& medium);
 
-    // Ages and moves the living particles and retires the oldest. Then adds those born by the end of simulation step
-    // `steps` (the first step is 1).
-    void step(Columns& columns, uint64_t steps, glm::vec3 volume);
-    // Sets scale and sigma of the living particles. To be called after every step and after every change of the
-    // extinction.
-    void ageTo(Columns& columns, float extinction) const;
-
-    // Rows of the living particles, oldest first, in at most two runs.
-    std::array<Rows, 2> living() const;
-    uint32_t liveCount() const { return static_cast<uint32_t>(born_ - oldest_); }
-    uint64_t born() const { return born_; }
+    // A full column from the first picture on.
+    uint64_t runUp() const override;
+    // Ages and moves the living particles and retires the oldest. Then adds those born by the end of the step.
+    void step(Columns& columns, const MotionStep& step) override;
+    void settle(Columns& columns, float extinction) const override;
+    // Oldest first.
+    std::array<Rows, 2> living() const override;
+    uint64_t born() const override { return born_; }
+    std::optional<glm::vec3> source() const override { return emitter_.position; }
+    void keepStart() override { start_born_ = born_, start_oldest_ = oldest_; }
+    void restart() override { born_ = start_born_, oldest_ = start_oldest_; }
 
 private:
     void bear(Columns& columns, double now, glm::vec3 volume);
@@ -34,9 +30,9 @@ private:
     Range scale_, multiplier_;
     uint64_t seed_;
     uint32_t pool_;
-    float viscosity_;
     Turbulence turbulence_;
-    uint64_t born_ = 0, oldest_ = 0; // births so far; deaths so far. Particle number n is in row n % pool_
+    uint64_t born_ = 0, oldest_ = 0;             // births so far; deaths so far. Particle number n is in row n % pool_
+    uint64_t start_born_ = 0, start_oldest_ = 0; // the same when keepStart() was called
 };
 
 } // namespace brume

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "common/scene_limits.h"
+#include "server/sim/homes.h"
 #include "server/sim/kernels.h"
 #include "server/sim/layout.h"
 #include "server/sim/plume.h"
@@ -62,20 +64,17 @@ struct Simulation::State {
     void advance(); // one step of the particles, the volume and the light
     void settle();  // what follows from the rest: sigma, bounds, hash
     glm::vec3 volume() const;
-    std::array<Rows, 2> living() const { return plume ? plume->living() : std::array<Rows, 2>{Rows{0, rows}, Rows{}}; }
     uint64_t hashed();
 
     uint32_t rows = 0;
-    bool own_sigma = false;         // sigma came with the points: no extinction applies
     std::vector<glm::vec3> albedos; // came with the points, or empty
     std::optional<Columns> columns;
-    std::optional<Plume> plume;         // an emitter's; other particles have homes that they are drawn to
-    uint64_t steps = 0, first_step = 0; // simulated so far; and when tick 0 was, after an emitter's run-up
+    std::unique_ptr<Motion> motion;
+    uint64_t steps = 0, first_step = 0; // simulated so far; and when tick 0 was, after the motion's run-up
     glm::vec3 moved{0};                 // m, the volume, by commands
     SceneNow now;
 
     std::optional<Columns> first_columns; // as after loading, for Restart
-    std::optional<Plume> first_plume;
     SceneNow first_now;
 
     uint64_t tick = 0, hash = 0, origin = 0; // origin: a hash of the seed and all columns at the start
@@ -87,11 +86,7 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);
-        plume.emplace(scene.medium, now.simulation.viscosity);
-        // A full column from the first picture on.
-        first_step = static_cast<uint64_t>(std::ceil(static_cast<double>(scene.medium.emitter.life) / kTickSeconds)) + 1;
-        while (steps < first_step) advance();
-        now.light = sunOf(scene); // which the run-up has turned
+        motion = std::make_unique<Plume>(scene.medium);
     } else {
         Placement placed = place(scene.medium, scene.origin);
         rows = now.medium.count = static_cast<uint32_t>(placed.position.size());
@@ -104,19 +99,23 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
         }
         std::copy(placed.scale.begin(), placed.scale.end(), c[Column::scale]);
         std::transform(placed.multiplier.begin(), placed.multiplier.end(), c[Column::weight], [](float m) { return m * 1e-4f; });
-        own_sigma = !placed.sigma_t.empty();
+        motion = std::make_unique<Homes>(rows, !placed.sigma_t.empty());
         std::copy(placed.sigma_t.begin(), placed.sigma_t.end(), c[Column::sigma]);
         albedos = std::move(placed.albedo);
     }
+    first_step = motion->runUp();
+    while (steps < first_step) advance();
+    now.light = sunOf(scene); // which the run-up has turned
     StateHash all;
     all.add(scene.medium.seed);
     for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c)
-        for (const Rows run : living()) all.add(std::span((*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin));
+        for (const Rows run : motion->living())
+            all.add(std::span((*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin));
     origin = all.value();
     eachLive<std::string>(partsOf(now), [](std::string& text) { text.reserve(kLongestName); });
     settle();
     first_columns = columns;
-    first_plume = plume;
+    motion->keepStart();
     first_now = now;
 }
 
@@ -133,7 +132,7 @@ void Simulation::State::apply(const Impulse& c) {
     } else {
         p.along = clamped(c.push, limits::kSpeed) * strength;
     }
-    for (const Rows run : living()) push(*columns, run, p);
+    for (const Rows run : motion->living()) push(*columns, run, p);
 }
 
 void Simulation::State::apply(const MoveVolume& c) {
@@ -147,7 +146,7 @@ void Simulation::State::apply(const Set& c) {
 // Everything as after loading, only the tick goes on.
 void Simulation::State::apply(const Restart&) {
     columns->copyFrom(*first_columns);
-    plume = first_plume;
+    motion->restart();
     steps = first_step;
     moved = glm::vec3(0);
     for (const SceneSetting& setting : sceneSettings())
@@ -164,25 +163,18 @@ glm::vec3 Simulation::State::volume() const {
 
 void Simulation::State::advance() {
     ++steps;
-    if (plume)
-        plume->step(*columns, steps, volume());
-    else
-        springStep(*columns, {0, rows},
-                   {.dt = kDt, .spring = now.simulation.spring, .viscosity = now.simulation.viscosity, .volume = volume()});
+    motion->step(*columns, {.number = steps, .volume = volume(), .settings = now.simulation});
     if (now.light.rotate != 0) now.light.to_light = turned(now.light.to_light, now.light.rotate * kDt);
 }
 
 void Simulation::State::settle() {
-    if (plume)
-        plume->ageTo(*columns, now.medium.extinction);
-    else if (!own_sigma)
-        setSigma(*columns, {0, rows}, now.medium.extinction);
+    motion->settle(*columns, now.medium.extinction);
 
     constexpr float kFar = std::numeric_limits<float>::max();
     bounds = {glm::vec3(kFar), glm::vec3(-kFar), 0, 0};
-    for (const Rows run : living()) widen(bounds, *columns, run);
-    if (plume && plume->liveCount() == 0)
-        bounds = {now.medium.emitter.position + volume(), now.medium.emitter.position + volume(), 0, 0};
+    for (const Rows run : motion->living()) widen(bounds, *columns, run);
+    if (const auto source = motion->source(); source && motion->liveCount() == 0)
+        bounds = {*source + volume(), *source + volume(), 0, 0};
     hash = hashed();
 }
 
@@ -191,7 +183,7 @@ void Simulation::State::settle() {
 uint64_t Simulation::State::hashed() {
     StateHash out;
     out.add(origin);
-    for (const Rows run : living())
+    for (const Rows run : motion->living())
         for (const Column c : {Column::x, Column::y, Column::z, Column::vx, Column::vy, Column::vz})
             out.add(std::span((*columns)[c] + run.begin, run.end - run.begin));
     out.add(std::span(&moved.x, 3));
@@ -200,7 +192,7 @@ uint64_t Simulation::State::hashed() {
     eachLive<float>(parts, [&](const float& value) { out.add(std::span(&value, 1)); });
     eachLive<std::string>(parts, [&](const std::string& value) { out.add(std::string_view(value)); });
     out.add(steps);
-    out.add(plume ? plume->born() : 0);
+    out.add(motion->born());
     eachLive<uint32_t>(parts, [&](uint32_t value) { out.add(uint64_t{value}); });
     eachLive<bool>(parts, [&](bool value) { out.add(uint64_t{value}); });
     return out.value();
@@ -221,7 +213,7 @@ void Simulation::step(std::span<const Command> commands) {
 
 uint64_t Simulation::tick() const { return state_->tick; }
 uint64_t Simulation::stateHash() const { return state_->hash; }
-uint32_t Simulation::liveCount() const { return state_->plume ? state_->plume->liveCount() : state_->rows; }
+uint32_t Simulation::liveCount() const { return state_->motion->liveCount(); }
 uint32_t Simulation::capacity() const { return state_->rows; }
 uint64_t Simulation::bytes() const {
     return state_->columns->bytes() + state_->first_columns->bytes() + state_->albedos.capacity() * sizeof(glm::vec3);
@@ -233,7 +225,7 @@ void Simulation::write(std::span<gpu::Particle> out) const {
     const State& s = *state_;
     const Columns& c = *s.columns;
     size_t to = 0;
-    for (const Rows run : s.living())
+    for (const Rows run : s.motion->living())
         for (uint32_t i = run.begin; i < run.end; ++i)
             out[to++] = {{c[Column::x][i], c[Column::y][i], c[Column::z][i]},
                          c[Column::scale][i],

@@ -1,0 +1,50 @@
+// Motion: what moves the particles of a scene, and how long they live. A motion of another kind is another class, made in
+// the constructor of Simulation::State.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include <glm/glm.hpp>
+
+#include "common/scene.h"
+#include "server/sim/columns.h"
+
+namespace brume {
+
+struct MotionStep {
+    uint64_t number = 0; // of the step, counted from 1: time is number * kTickSeconds
+    glm::vec3 volume{0}; // m, offset of the whole medium
+    const SimulationSettings& settings;
+};
+
+class Motion {
+public:
+    virtual ~Motion() = default;
+
+    // Steps that run before tick 0, so that the first picture shows the medium as it is later.
+    virtual uint64_t runUp() const { return 0; }
+    // Moves the living particles by kTickSeconds, retires some and adds others. Allocates nothing.
+    virtual void step(Columns& columns, const MotionStep& step) = 0;
+    // Sets scale and sigma of the living particles. Called after every step and after every change of the extinction (1/m).
+    virtual void settle(Columns& columns, float extinction) const = 0;
+
+    // Rows of the living particles in at most two runs, in an order that is part of the state.
+    virtual std::array<Rows, 2> living() const = 0;
+    uint32_t liveCount() const {
+        uint32_t count = 0;
+        for (const Rows run : living()) count += run.end - run.begin;
+        return count;
+    }
+    // Births so far: a part of the state's hash. 0 where nothing is born.
+    virtual uint64_t born() const { return 0; }
+    // Place (m) where particles come from while none lives, relative to the volume. Empty where nothing is born.
+    virtual std::optional<glm::vec3> source() const { return {}; }
+
+    // keepStart() remembers what this object knows besides the columns; restart() goes back to it.
+    virtual void keepStart() {}
+    virtual void restart() {}
+};
+
+} // namespace brume
