@@ -73,6 +73,17 @@ Interval insideTetrahedron(const reference::Blob& blob, const Ray& ray) {
     return inside;
 }
 
+Interval insideTetrahedronDrawn(const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height, uint32_t x,
+                                uint32_t y, glm::dvec2 off) {
+    const glm::dvec3 corner = pixelDirection(pose, width, height, 0, 0), here = pixelDirection(pose, width, height, x, y);
+    const glm::dvec3 there = here + off.x * (pixelDirection(pose, width, height, 1, 0) - corner) +
+                             off.y * (pixelDirection(pose, width, height, 0, 1) - corner);
+    const double scale = glm::length(here) / glm::length(there); // of distances, where view depths are the same
+    const Interval inside =
+        insideTetrahedron(blob, {glm::dvec3(pose.position), glm::normalize(there), kNearDepth * glm::length(there)});
+    return {inside.begin * scale, inside.end * scale};
+}
+
 Interval wholeRay(const Ray& ray) { return {ray.begin, kFar}; }
 
 double depthOn(const reference::Blob& blob, const Ray& ray, Interval interval) {

@@ -51,6 +51,10 @@ struct Interval {
 // The interval of a ray, from its begin on, inside the particle's tetrahedron; and the whole ray from its begin on.
 Interval insideTetrahedron(const reference::Blob& blob, const Ray& ray);
 Interval wholeRay(const Ray& ray);
+// The interval that a pixel looks up if the particle's proxy is drawn `off` (pixels) away: a ray has the view depths
+// of its neighbour that far away.
+Interval insideTetrahedronDrawn(const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height, uint32_t x,
+                                uint32_t y, glm::dvec2 off);
 
 // Optical depth on the interval; 0 if it is empty.
 double depthOn(const reference::Blob& blob, const Ray& ray, Interval interval);

@@ -34,6 +34,8 @@ inline constexpr float kInside = 0.3f;
 // `light_depth`: optical depth from a place to the light.
 double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray,
                    const std::function<double(glm::dvec3)>& light_depth);
+double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray, Interval inside,
+                   const std::function<double(glm::dvec3)>& light_depth);
 // Relative error that a way may have against scatteredBy() in exact arithmetic; 0 if scatteredBy() uses its rule.
 double ruleError(const Way& way);
 
@@ -50,6 +52,17 @@ protected:
     // error.
     static bool refused(const std::string& hard_case, const Way& way, const Scene& scene);
 
+    // Steps, in pixels, to which the device rounds the vertices of what it draws, less the 1/256 that every tolerance
+    // allows for.
+    static double rounding();
+    // The largest change of value(interval) if a pixel looks up its interval where the device may have drawn it.
+    //
+    // Each vertex of isv's proxy is up to rounding() away from its place. A pixel is a mean of its triangle's vertices,
+    // so it is no farther away from where its interval belongs. 0 on a device that rounds to 1/256 pixel, for ways that
+    // draw no intervals, and for a particle that the near plane crosses: its interval comes from its faces.
+    static double drawnElsewhere(const Way& way, const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height,
+                                 uint32_t x, uint32_t y, const std::function<double(Interval)>& value);
+
     // Calls check(pixel, ray, x, y) for every pixel.
     template <class Check>
     static void forPixels(const Picture& picture, const Pose& pose, const Check& check) {
@@ -64,8 +77,8 @@ protected:
         int covered = 0;   // number of pixels that see medium
     };
     // Compares every pixel's transmittance with the exact one of the scene's particles on its ray. The rasterizer
-    // rounds vertices to 1/256 pixel. For ways that cut the Gaussian at faces, the error that this explains is
-    // subtracted. `stride`: compares only every so many-th pixel; all others must still be finite.
+    // rounds vertices to 1/256 pixel, or to what rounding() says. For ways that cut the Gaussian at faces, the error
+    // that this explains is subtracted. `stride`: compares only every so many-th pixel; all others must still be finite.
     static Seen transmittance(Stage& stage, Scene scene, const Way& way, const Pose& pose, uint32_t width, uint32_t height,
                               uint32_t stride = 1);
 };
