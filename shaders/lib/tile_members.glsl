@@ -92,7 +92,8 @@ void addSmall(inout float sum[kPoints], SlabMember mine, uint j, vec3 at, float 
 // Adds the first `end` members of the subgroup to the points, two at a time. `widest`: size of the largest tile that
 // this lane's own member is added to, in the units of SlabMember::centre.
 void addMembers(inout float sum[kPoints], SlabMember mine, uint end, vec3 at, float spacing, float widest) {
-    if (subgroupAny(mine.across * widest * widest > kMostSpread)) {
+    // A subgroup of one lane has no second member to add with the first.
+    if (gl_SubgroupSize < 2 || subgroupAny(mine.across * widest * widest > kMostSpread)) {
         for (uint j = 0; j < end; ++j) addSmall(sum, mine, j, at, spacing);
         return;
     }
