@@ -128,7 +128,7 @@ TEST(Fairness, ADearViewerDoesNotTakeTheOthersRate) {
         EXPECT_GE(viewer["window_frames"], 2);
         EXPECT_GT(viewer["frames"]["sent"], 0);
     }
-    EXPECT_EQ(viewers[0]["size"], nlohmann::json({1920, 1080}));
+    EXPECT_EQ(viewers[0]["size"], nlohmann::json({1280, 720}));
     EXPECT_EQ(viewers[0]["eyes"], 2);
 }
 
