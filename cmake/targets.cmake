@@ -26,8 +26,9 @@ function(brume_program name)
   target_link_libraries(${name} PRIVATE brume_flags ${ARG_LINKS})
 endfunction()
 
-# brume_test(NAME [BY_FILE] SOURCES ... LINKS ... [TIMEOUT seconds]). Its label is the folder's name; the target tests-LABEL builds all
-# programs of one label. ctest runs the program once, or BY_FILE: once for each of its sources, see tests_by_file.cmake.
+# brume_test(NAME [BY_FILE] SOURCES ... LINKS ... [TIMEOUT seconds]). Its label is the folder's name; the target
+# tests-LABEL builds all programs of one label. ctest runs the program once, or BY_FILE: once for each of its sources,
+# see tests_by_file.cmake.
 function(brume_test name)
   cmake_parse_arguments(ARG "BY_FILE" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
   get_filename_component(label ${CMAKE_CURRENT_SOURCE_DIR} NAME)

@@ -1,6 +1,6 @@
-# Read by ctest when it starts, after `program`, `name`, `label`, `folder` and `timeout` were set: one entry for each source file of
-# a test program, called NAME/FILE. An abort then loses the tests of one file, and every file has its time. The program itself says
-# which tests it has, so none is left out.
+# Read by ctest when it starts, after `program`, `name`, `label`, `folder` and `timeout` were set: one entry for each
+# source file of a test program, called NAME/FILE. An abort then loses the tests of one file, and every file has its
+# time. The program itself says which tests it has, so none is left out.
 cmake_policy(VERSION 3.25)
 if(NOT EXISTS ${program})
   add_test(${name} ${program}) # fails: it was not built

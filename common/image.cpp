@@ -67,7 +67,8 @@ RadianceImage readPixels(const std::filesystem::path& file, Imf::InputFile& in) 
 
 void writeExr(const std::filesystem::path& file, const RadianceImage& image) {
     const size_t pixels = size_t(image.width) * image.height;
-    if (!sizeIsAllowed(image.width, image.height) || image.radiance.size() != pixels || image.transmittance.size() != pixels)
+    if (!sizeIsAllowed(image.width, image.height) || image.radiance.size() != pixels ||
+        image.transmittance.size() != pixels)
         fail(file, "EXR",
              "not written: expected 1 to 16384 pixels a side, and radiance and transmittance of width * height values");
     std::ofstream out(file, std::ios::binary);
@@ -118,7 +119,8 @@ void writePng(const std::filesystem::path& file, int width, int height, std::spa
     image.height = height;
     image.format = PNG_FORMAT_RGB;
     if (!png_image_write_to_file(&image, file.c_str(), 0, pixels.data(), 3 * width, nullptr))
-        fail(file, "PNG", std::string("could not be written: ") + image.message + "; check its folder and the free space");
+        fail(file, "PNG",
+             std::string("could not be written: ") + image.message + "; check its folder and the free space");
 }
 
 std::vector<glm::vec3> displayedLight(const RadianceImage& image, const DisplaySettings& display) {
@@ -145,7 +147,8 @@ glm::vec3 srgbFromLinear(glm::vec3 light) {
 std::vector<glm::u8vec3> displayed(const RadianceImage& image, const DisplaySettings& display) {
     std::vector<glm::u8vec3> out;
     out.reserve(image.radiance.size());
-    for (const glm::vec3& light : displayedLight(image, display)) out.emplace_back(255.0f * srgbFromLinear(light) + 0.5f);
+    for (const glm::vec3& light : displayedLight(image, display))
+        out.emplace_back(255.0f * srgbFromLinear(light) + 0.5f);
     return out;
 }
 

@@ -22,9 +22,9 @@ void requireSameSize(const RadianceImage& a, const RadianceImage& b) {
     const size_t pixels = size_t(a.width) * a.height;
     if (a.width != b.width || a.height != b.height || a.radiance.size() != pixels || b.radiance.size() != pixels ||
         a.transmittance.size() != pixels || b.transmittance.size() != pixels)
-        throw std::invalid_argument(fmt::format("pictures to compare: {} x {} ({} and {} values) against {} x {} ({} and {})",
-                                                a.width, a.height, a.radiance.size(), a.transmittance.size(), b.width, b.height,
-                                                b.radiance.size(), b.transmittance.size()));
+        throw std::invalid_argument(fmt::format(
+            "pictures to compare: {} x {} ({} and {} values) against {} x {} ({} and {})", a.width, a.height,
+            a.radiance.size(), a.transmittance.size(), b.width, b.height, b.radiance.size(), b.transmittance.size()));
 }
 
 bool isFinite(const RadianceImage& image, size_t i) {
@@ -37,8 +37,8 @@ void findNotFinite(const RadianceImage& value, const RadianceImage& reference, E
     for (size_t i = 0; i < value.radiance.size(); ++i) {
         if (isFinite(value, i) && isFinite(reference, i)) continue;
         if (errors.not_finite++ == 0)
-            errors.worst = {static_cast<int>(i % value.width), static_cast<int>(i / value.width), kNaN, value.radiance[i],
-                            reference.radiance[i]};
+            errors.worst = {static_cast<int>(i % value.width), static_cast<int>(i / value.width), kNaN,
+                            value.radiance[i], reference.radiance[i]};
     }
 }
 
@@ -64,8 +64,8 @@ void addRadianceErrors(const RadianceImage& value, const RadianceImage& referenc
             rel_sum += relative * relative;
             if (std::abs(relative) > worst) {
                 worst = std::abs(relative);
-                errors.worst = {static_cast<int>(i % value.width), static_cast<int>(i / value.width), worst, value.radiance[i],
-                                reference.radiance[i]};
+                errors.worst = {static_cast<int>(i % value.width), static_cast<int>(i / value.width), worst,
+                                value.radiance[i], reference.radiance[i]};
             }
             if (r <= 1e-3 * brightest) continue;
             squares += difference * difference;
@@ -117,13 +117,15 @@ Errors compare(const RadianceImage& value, const RadianceImage& reference, const
                std::span<const uint8_t> mask) {
     requireSameSize(value, reference);
     if (!mask.empty() && mask.size() != value.radiance.size())
-        throw std::invalid_argument(fmt::format("a mask of {} values for {} pixels", mask.size(), value.radiance.size()));
+        throw std::invalid_argument(
+            fmt::format("a mask of {} values for {} pixels", mask.size(), value.radiance.size()));
     const std::vector<size_t> pixels = listed(value.radiance.size(), mask);
     Errors errors;
     errors.pixels = pixels.size();
     findNotFinite(value, reference, errors);
     if (!errors.comparable()) {
-        errors.relative_rmse = errors.bias = errors.rel_mse = errors.psnr = errors.ssim = errors.flip = errors.worst.error = kNaN;
+        errors.relative_rmse = errors.bias = errors.rel_mse = errors.psnr = errors.ssim = errors.flip =
+            errors.worst.error = kNaN;
         return errors;
     }
     addRadianceErrors(value, reference, pixels, errors);
@@ -133,22 +135,21 @@ Errors compare(const RadianceImage& value, const RadianceImage& reference, const
 
 std::string describe(const Errors& errors) {
     if (errors.not_finite > 0)
-        return fmt::format("not comparable: {} pixels are not finite, the first at ({}, {})", errors.not_finite, errors.worst.x,
-                           errors.worst.y);
+        return fmt::format("not comparable: {} pixels are not finite, the first at ({}, {})", errors.not_finite,
+                           errors.worst.x, errors.worst.y);
     if (errors.pixels == 0) return "not comparable: the mask leaves no pixel";
-    return fmt::format(
-        "relative RMSE {:.3g} %, bias {:+.3g} %, relMSE {:.3g}, PSNR {:.2f} dB, SSIM {:.5f}, FLIP {:.4f}, worst {:.3g} % "
-        "at ({}, {}), {} pixels",
-        100 * errors.relative_rmse, 100 * errors.bias, errors.rel_mse, errors.psnr, errors.ssim, errors.flip,
-        100 * errors.worst.error, errors.worst.x, errors.worst.y, errors.pixels);
+    return fmt::format("relative RMSE {:.3g} %, bias {:+.3g} %, relMSE {:.3g}, PSNR {:.2f} dB, SSIM {:.5f}, FLIP "
+                       "{:.4f}, worst {:.3g} % at ({}, {}), {} pixels",
+                       100 * errors.relative_rmse, 100 * errors.bias, errors.rel_mse, errors.psnr, errors.ssim,
+                       errors.flip, 100 * errors.worst.error, errors.worst.x, errors.worst.y, errors.pixels);
 }
 
 double temporalFlip(std::span<const RadianceImage> frames, std::span<const RadianceImage> reference_frames,
                     const DisplaySettings& display) {
     if (frames.size() < 2 || frames.size() != reference_frames.size())
         throw std::invalid_argument(
-            fmt::format("frames over time: {} against {}; expected two or more, and as many of the reference", frames.size(),
-                        reference_frames.size()));
+            fmt::format("frames over time: {} against {}; expected two or more, and as many of the reference",
+                        frames.size(), reference_frames.size()));
     requireSameSize(frames[0], reference_frames[0]);
     return meanChange(frames, display) - meanChange(reference_frames, display);
 }

@@ -84,7 +84,8 @@ glm::dmat3 xyzFromRgb() {
 glm::vec3 huntLab(glm::vec3 xyz) {
     constexpr float kLinear = 6.0f / 29; // cubed: below this the cube root goes on as a line
     for (int c = 0; c < 3; ++c)
-        xyz[c] = xyz[c] > kLinear * kLinear * kLinear ? std::cbrt(xyz[c]) : xyz[c] / (3 * kLinear * kLinear) + 4.0f / 29;
+        xyz[c] =
+            xyz[c] > kLinear * kLinear * kLinear ? std::cbrt(xyz[c]) : xyz[c] / (3 * kLinear * kLinear) + 4.0f / 29;
     const float lightness = 116 * xyz.y - 16;
     return {lightness, 0.01f * lightness * 500 * (xyz.x - xyz.y), 0.01f * lightness * 200 * (xyz.y - xyz.z)};
 }
@@ -112,7 +113,9 @@ Sensitivity sensitivity(std::span<const Bell> bells, double pixels_per_degree) {
     Sensitivity out;
     double whole = 0;
     for (const Bell& bell : bells) {
-        const auto value = [&](double i) { return std::exp(-kPi2 * i * i / (bell.b * pixels_per_degree * pixels_per_degree)); };
+        const auto value = [&](double i) {
+            return std::exp(-kPi2 * i * i / (bell.b * pixels_per_degree * pixels_per_degree));
+        };
         double sum = 0;
         for (int i = -radius; i <= radius; ++i) sum += value(i);
         const double volume = bell.a * std::sqrt(std::numbers::pi / bell.b) * sum * sum;
@@ -137,10 +140,11 @@ Plane filtered(const Plane& in, Size size, const Sensitivity& by) {
 
 struct Seen {
     std::vector<glm::vec3> colour; // Hunt-adjusted CIELAB
-    Plane edge, point;             // strengths of the luminance's first and second differences, Gaussians of half 0.082 degrees
+    Plane edge, point; // strengths of the luminance's first and second differences, Gaussians of half 0.082 degrees
 };
 
-// Opponent colours Y, X - Y and Y - Z take the sensitivities; the paper's offsets and factors drop out of filters that sum to 1.
+// Opponent colours Y, X - Y and Y - Z take the sensitivities; the paper's offsets and factors drop out of filters that
+// sum to 1.
 std::vector<glm::vec3> seenColour(std::span<const glm::vec3> xyz, Size size, double pixels_per_degree) {
     Plane y, red_green, blue_yellow;
     for (const glm::vec3& v : xyz) {
@@ -197,8 +201,8 @@ float compressed(float colour_distance) { return std::pow(colour_distance, 0.7f)
 
 } // namespace
 
-std::vector<float> flipMap(int width, int height, std::span<const glm::vec3> value, std::span<const glm::vec3> reference,
-                           float pixels_per_degree) {
+std::vector<float> flipMap(int width, int height, std::span<const glm::vec3> value,
+                           std::span<const glm::vec3> reference, float pixels_per_degree) {
     const Size size{width, height};
     const Seen v = see(value, size, pixels_per_degree), r = see(reference, size, pixels_per_degree);
     const glm::mat3 xyz_from_rgb(xyzFromRgb());
@@ -214,7 +218,8 @@ std::vector<float> flipMap(int width, int height, std::span<const glm::vec3> val
 }
 
 std::vector<float> flipMap(const RadianceImage& value, const RadianceImage& reference, const DisplaySettings& display) {
-    if (value.width != reference.width || value.height != reference.height || value.radiance.size() != reference.radiance.size())
+    if (value.width != reference.width || value.height != reference.height ||
+        value.radiance.size() != reference.radiance.size())
         throw std::invalid_argument("FLIP: the pictures differ in size");
     return flipMap(value.width, value.height, displayedLight(value, display), displayedLight(reference, display));
 }

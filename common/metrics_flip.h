@@ -18,8 +18,8 @@ inline constexpr float kPixelsPerDegree = 67.0206f;
 // FLIP of every pixel, in [0, 1], 0 for equal pictures; symmetric. The light is linear Rec. 709 of a display, clamped
 // to [0, 1] (the paper's sRGB values, decoded). Preconditions: width * height values each, finite; pixels_per_degree
 // in [10, 200].
-std::vector<float> flipMap(int width, int height, std::span<const glm::vec3> value, std::span<const glm::vec3> reference,
-                           float pixels_per_degree = kPixelsPerDegree);
+std::vector<float> flipMap(int width, int height, std::span<const glm::vec3> value,
+                           std::span<const glm::vec3> reference, float pixels_per_degree = kPixelsPerDegree);
 
 // FLIP of two pictures as they are displayed. NaN counts as black; compare() reports it. Throws std::invalid_argument
 // if sizes differ.

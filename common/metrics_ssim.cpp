@@ -32,7 +32,8 @@ struct Moments {
 double similarity(const Moments& m) {
     constexpr double kMean = 0.01 * 0.01, kVariance = 0.03 * 0.03;
     const double product = m.a * m.b, squares = m.a * m.a + m.b * m.b;
-    return (2 * product + kMean) * (2 * (m.ab - product) + kVariance) / ((squares + kMean) * (m.aa + m.bb - squares + kVariance));
+    return (2 * product + kMean) * (2 * (m.ab - product) + kVariance) /
+           ((squares + kMean) * (m.aa + m.bb - squares + kVariance));
 }
 
 } // namespace

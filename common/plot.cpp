@@ -45,7 +45,9 @@ Axis axisOver(const std::vector<Point>& points, double Point::*value, double beg
 
 struct Box {
     double x, y, width, height;
-    bool meets(const Box& o) const { return x < o.x + o.width && o.x < x + width && y < o.y + o.height && o.y < y + height; }
+    bool meets(const Box& o) const {
+        return x < o.x + o.width && o.x < x + width && y < o.y + o.height && o.y < y + height;
+    }
 };
 
 // Where a label of this width stands beside its point: the first place that meets nothing, nearest first.
@@ -56,8 +58,10 @@ Box placed(double x, double y, double width, const std::vector<Box>& taken) {
             for (const double up : {-16.0 - 14 * ring, 2.0 + 14 * ring}) {
                 const Box at{x + side, y + up, width, 14};
                 if (ring == 0 && first.width == 0) first = at;
-                const bool inside = at.x > kLeft && at.x + width < kWidth && at.y > kTop && at.y + 14 < kHeight - kBottom;
-                if (inside && std::none_of(taken.begin(), taken.end(), [&](const Box& other) { return at.meets(other); }))
+                const bool inside =
+                    at.x > kLeft && at.x + width < kWidth && at.y > kTop && at.y + 14 < kHeight - kBottom;
+                if (inside &&
+                    std::none_of(taken.begin(), taken.end(), [&](const Box& other) { return at.meets(other); }))
                     return at;
             }
     return first;
@@ -80,21 +84,24 @@ std::string svg(const Plot& plot) {
     std::vector<Point> points;
     for (const Point& p : plot.points)
         if (std::isfinite(p.x) && std::isfinite(p.y) && p.x > 0 && p.y > 0) points.push_back(p);
-    std::string out =
-        format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %g %g\" font-family=\"sans-serif\" font-size=\"12\">\n"
-               "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-               kWidth, kHeight);
+    std::string out = format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %g %g\" font-family=\"sans-serif\" font-size=\"12\">\n"
+        "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
+        kWidth, kHeight);
     out += format("<text x=\"%g\" y=\"22\" font-size=\"15\">", kLeft) + escaped(plot.title) + "</text>\n";
     if (points.empty()) return out + "</svg>\n";
-    const Axis x = axisOver(points, &Point::x, kLeft, kWidth - kRight), y = axisOver(points, &Point::y, kHeight - kBottom, kTop);
+    const Axis x = axisOver(points, &Point::x, kLeft, kWidth - kRight),
+               y = axisOver(points, &Point::y, kHeight - kBottom, kTop);
     for (const double v : x.ticks())
-        out += format("<path d=\"M%.1f %gV%g\" stroke=\"#e4e6ea\"/><text x=\"%.1f\" y=\"%g\" text-anchor=\"middle\">%g</text>\n",
-                      x.at(v), kTop, kHeight - kBottom, x.at(v), kHeight - kBottom + 16, v);
+        out += format(
+            "<path d=\"M%.1f %gV%g\" stroke=\"#e4e6ea\"/><text x=\"%.1f\" y=\"%g\" text-anchor=\"middle\">%g</text>\n",
+            x.at(v), kTop, kHeight - kBottom, x.at(v), kHeight - kBottom + 16, v);
     for (const double v : y.ticks())
-        out += format("<path d=\"M%g %.1fH%g\" stroke=\"#e4e6ea\"/><text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
-                      kLeft, y.at(v), kWidth - kRight, kLeft - 6, y.at(v) + 4, v);
-    out += format("<text x=\"%g\" y=\"%g\" text-anchor=\"middle\">", (kLeft + kWidth) / 2, kHeight - 12) + escaped(plot.x_label) +
-           "</text>\n";
+        out += format(
+            "<path d=\"M%g %.1fH%g\" stroke=\"#e4e6ea\"/><text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
+            kLeft, y.at(v), kWidth - kRight, kLeft - 6, y.at(v) + 4, v);
+    out += format("<text x=\"%g\" y=\"%g\" text-anchor=\"middle\">", (kLeft + kWidth) / 2, kHeight - 12) +
+           escaped(plot.x_label) + "</text>\n";
     out += format("<text transform=\"translate(16 %g) rotate(-90)\" text-anchor=\"middle\">", kHeight / 2) +
            escaped(plot.y_label) + "</text>\n";
 
@@ -124,9 +131,9 @@ std::string svg(const Plot& plot) {
         const Box at = placed(x.at(p.x), y.at(p.y), 6.6 * double(p.label.size()), taken);
         taken.push_back(at);
         const char* const colour = plot.joined ? kColours[p.group % 6] : "#000"; // a label may be of a whole line
-        out +=
-            format("<text x=\"%.1f\" y=\"%.1f\" fill=\"%s\"%s>", at.x, at.y + 11, colour, best ? " font-weight=\"bold\"" : "") +
-            escaped(p.label) + "</text>\n";
+        out += format("<text x=\"%.1f\" y=\"%.1f\" fill=\"%s\"%s>", at.x, at.y + 11, colour,
+                      best ? " font-weight=\"bold\"" : "") +
+               escaped(p.label) + "</text>\n";
     }
     return out + "</svg>\n";
 }

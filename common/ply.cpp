@@ -72,7 +72,8 @@ public:
         if (++line_ > kMostLines) fail("the header has more than 512 lines; is end_header missing?");
         const size_t end = text_.find('\n', at_);
         if (end == std::string_view::npos) fail("the file ends inside its header; expected end_header");
-        if (end - at_ > kLongestLine) fail("a header line is longer than 1024 bytes; allowed: the header of a PLY file");
+        if (end - at_ > kLongestLine)
+            fail("a header line is longer than 1024 bytes; allowed: the header of a PLY file");
         std::string_view line = text_.substr(at_, end - at_);
         at_ = end + 1;
         if (line.ends_with('\r')) line.remove_suffix(1);
@@ -167,8 +168,10 @@ std::vector<std::string_view> words(std::string_view line) {
 }
 
 void readFormat(Reader& in, const std::vector<std::string_view>& word, Header& header) {
-    if (word.size() != 3 || word[2] != "1.0") in.fail("expected \"format ascii 1.0\" or \"format binary_little_endian 1.0\"");
-    if (word[1] == "binary_big_endian") in.fail("big-endian files are not read; write it as binary_little_endian or ascii");
+    if (word.size() != 3 || word[2] != "1.0")
+        in.fail("expected \"format ascii 1.0\" or \"format binary_little_endian 1.0\"");
+    if (word[1] == "binary_big_endian")
+        in.fail("big-endian files are not read; write it as binary_little_endian or ascii");
     if (word[1] != "ascii" && word[1] != "binary_little_endian")
         in.fail("unknown format; expected ascii or binary_little_endian");
     header.ascii = word[1] == "ascii";
@@ -189,9 +192,11 @@ void readElement(Reader& in, const std::vector<std::string_view>& word, Header& 
 void readProperty(Reader& in, const std::vector<std::string_view>& word, Header& header) {
     if (header.elements.empty()) in.fail("a property before any element");
     const bool is_list = word.size() == 5 && word[1] == "list";
-    if (!is_list && word.size() != 3) in.fail("expected \"property <type> <name>\" or \"property list <type> <type> <name>\"");
+    if (!is_list && word.size() != 3)
+        in.fail("expected \"property <type> <name>\" or \"property list <type> <type> <name>\"");
     const auto type = typeNamed(word[is_list ? 3 : 1]), length = is_list ? typeNamed(word[2]) : std::nullopt;
-    if (!type || (is_list && !length)) in.fail("unknown type; expected char, uchar, short, ushort, int, uint, float or double");
+    if (!type || (is_list && !length))
+        in.fail("unknown type; expected char, uchar, short, ushort, int, uint, float or double");
     if (length == Type::f32 || length == Type::f64) in.fail("a list's length is of a whole-number type");
     std::vector<Property>& properties = header.elements.back().properties;
     if (properties.size() >= kMostProperties) in.fail("more than 64 properties");
@@ -306,7 +311,8 @@ std::string readBytes(const std::filesystem::path& file) {
     const bool regular = std::filesystem::is_regular_file(file, error);
     const uint64_t size = regular ? std::filesystem::file_size(file, error) : 0;
     std::ifstream in(file, std::ios::binary);
-    if (!regular || error || !in) throw SceneError(file.string() + ": PLY: cannot be read; expected a point cloud file");
+    if (!regular || error || !in)
+        throw SceneError(file.string() + ": PLY: cannot be read; expected a point cloud file");
     if (size > kMostBytes) throw SceneError(file.string() + ": PLY: larger than 512 MiB");
     std::string bytes(size, '\0');
     in.read(bytes.data(), static_cast<std::streamsize>(size));
@@ -332,12 +338,12 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 
             in.fail("element vertex has " + std::to_string(element.count) + " points; allowed: 1 to 1000000");
         PointCloud cloud = readPoints(in, element, origin);
         if (cloud.position.empty())
-            in.fail("no point is usable; expected finite x y z within 50 km of the scene's origin (origin = [x, y, z] at its "
-                    "top), scale from 0.001 to 1000, sigma_t from 0 to 10000, "
-                    "colours uchar or float from 0 to 1");
+            in.fail("no point is usable; expected finite x y z within 50 km of the scene's origin (origin = [x, y, "
+                    "z] at its top), scale from 0.001 to 1000, sigma_t from 0 to 10000, colours uchar or float "
+                    "from 0 to 1");
         if (cloud.dropped)
-            spdlog::warn("{}: dropped {} of {} points: a number is not finite or out of range (a place: within 50 km of the "
-                         "scene's origin)",
+            spdlog::warn("{}: dropped {} of {} points: a number is not finite or out of range (a place: within 50 km "
+                         "of the scene's origin)",
                          name, cloud.dropped, element.count);
         return cloud;
     }

@@ -94,14 +94,16 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
     read.readTable(in, "medium", parts, from_file ? nullptr : &origin);
     in.table("emitter", [&](TableReader& r) { read.readTable(r, "medium.emitter", parts, &origin); });
 
-    if (from_file && out.file.empty()) in.fail("layout", "\"file\" without a file", "with the key file, a PLY beside the scene");
+    if (from_file && out.file.empty())
+        in.fail("layout", "\"file\" without a file", "with the key file, a PLY beside the scene");
     if (!from_file && in.has("file")) in.fail("file", "not used by this layout", "only with layout = \"file\"");
-    if (from_file && in.has("count")) in.fail("count", "not used by this layout", "none: the file says how many points it has");
+    if (from_file && in.has("count"))
+        in.fail("count", "not used by this layout", "none: the file says how many points it has");
     if (!emitted && in.has("emitter")) in.fail("emitter", "not used by this layout", "only with layout = \"emitter\"");
     if (emitted && static_cast<double>(out.emitter.rate) * out.emitter.life > out.count)
         in.fail(in.has("count") ? "count" : "layout", "the pool is smaller than emitter.rate * emitter.life",
-                "count from " + std::to_string(static_cast<uint64_t>(out.emitter.rate * out.emitter.life) + 1) + " to " +
-                    std::to_string(static_cast<uint64_t>(limits::kCount.hi)));
+                "count from " + std::to_string(static_cast<uint64_t>(out.emitter.rate * out.emitter.life) + 1) +
+                    " to " + std::to_string(static_cast<uint64_t>(limits::kCount.hi)));
 }
 
 void readCamera(TableReader& in, const SettingReader& read, SceneCamera& out, const glm::dvec3& origin) {
@@ -124,12 +126,14 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     const glm::dvec3& origin = out.origin;
     read.readTable(in, "", {.scene = &out}, nullptr);
     in.table("medium", [&](TableReader& r) { readMedium(r, read, out.medium, origin); });
-    in.table("simulation", [&](TableReader& r) { read.readTable(r, "simulation", {.simulation = &out.simulation}, nullptr); });
+    in.table("simulation",
+             [&](TableReader& r) { read.readTable(r, "simulation", {.simulation = &out.simulation}, nullptr); });
     in.tables("light", out.lights, {0, 1},
               [&](TableReader& r, Light& light) { read.readTable(r, "light", {.light = &light}, nullptr); });
     in.tables("plane", out.planes, objects,
               [&](TableReader& r, Plane& plane) { read.readTable(r, "plane", {.plane = &plane}, &origin); });
-    in.tables("box", out.boxes, objects, [&](TableReader& r, Box& box) { read.readTable(r, "box", {.box = &box}, &origin); });
+    in.tables("box", out.boxes, objects,
+              [&](TableReader& r, Box& box) { read.readTable(r, "box", {.box = &box}, &origin); });
     in.tables("sphere", out.spheres, objects,
               [&](TableReader& r, Sphere& sphere) { read.readTable(r, "sphere", {.sphere = &sphere}, &origin); });
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
@@ -148,7 +152,8 @@ toml::table parseOverride(const std::string& text) {
             }
         }
     }
-    throw SceneError(oneLine("--set " + text + ": not a setting; allowed: key=value as in a scene file, like medium.count=5000"));
+    throw SceneError(
+        oneLine("--set " + text + ": not a setting; allowed: key=value as in a scene file, like medium.count=5000"));
 }
 
 void replace(toml::table& in, const toml::table& with) {

@@ -18,7 +18,8 @@ struct Range {
 
 enum class Layout { cube, tubes, cumulus, emitter, file };
 
-// Births per second from a disc; every particle rises, grows, thins (its optical mass is conserved) and dies at its life's end.
+// Births per second from a disc; every particle rises, grows, thins (its optical mass is conserved) and dies at its
+// life's end.
 struct Emitter {
     glm::vec3 position{0};
     float radius = 0.5f;         // m, of the disc that births fall on
@@ -86,7 +87,8 @@ struct Sphere {
 struct Sky {
     glm::vec3 zenith{0.18f, 0.32f, 0.62f}; // radiance straight up; blends to the horizon's
     glm::vec3 horizon{0.55f, 0.66f, 0.78f};
-    glm::vec3 ambient{0}; // uniform radiance that the medium scatters in without shadowing; exact: rho * ambient * (1 - T)
+    glm::vec3 ambient{
+        0}; // uniform radiance that the medium scatters in without shadowing; exact: rho * ambient * (1 - T)
 };
 
 struct SceneCamera {
@@ -106,13 +108,14 @@ struct RenderSettings {
     uint32_t slabs = 0;   // slabs, grid: 8...512 along every ray; 0: from the band limit
     uint32_t shading = 0; // slabs, grid: pixels between shaded ones, 1, 2, 4 or 8; 0: from the rays' spacing
     float grid = 0;       // grid: deviations between nodes, at most 1; 0: 0.5. Below 0.25 sampling is cubic
-    float merge = 1; // pixels, 0...8: particles of a large medium that share a cell of at most that size become one; 0: none do
+    float merge =
+        1; // pixels, 0...8: particles of a large medium that share a cell of at most that size become one; 0: none do
     bool shared_order = true; // isv, sphere, tiles: a head's two eyes are sorted for once, from the middle between them
     float exposure = 1;
-    std::string tone_map = "filmic";    // filmic | linear
-    uint32_t shadow_size = 0;           // volumetric shadow map: texels a side, 16...1024; 0: from the medium and shadow_error
-    uint32_t shadow_slices = 0;         // its planes, 2...128; 0: the same
-    float shadow_error = 3e-3f;         // relative error of the light in the medium that the map may make where it follows it
+    std::string tone_map = "filmic"; // filmic | linear
+    uint32_t shadow_size = 0;   // volumetric shadow map: texels a side, 16...1024; 0: from the medium and shadow_error
+    uint32_t shadow_slices = 0; // its planes, 2...128; 0: the same
+    float shadow_error = 3e-3f; // relative error of the light in the medium that the map may make where it follows it
     uint32_t opaque_shadow_size = 1024; // texels a side
     float cutoff = 5e-2f;               // optical depth: bound on the SUM that proxies leave out on any ray
     float light_tolerance = 0.2f;       // tiles, cached: how far light may be from linear on a particle, as a part of 1
@@ -121,9 +124,9 @@ struct RenderSettings {
 
 struct Scene {
     std::string name;
-    // World coordinates (m) of the point that all places here count from. Places in the file and in its point cloud are world
-    // coordinates; the origin is subtracted from them in double, so that scenes far from zero lose nothing in float32. A place
-    // that the file leaves out is the default, counted from the origin.
+    // World coordinates (m) of the point that all places here count from. Places in the file and in its point cloud are
+    // world coordinates; the origin is subtracted from them in double, so that scenes far from zero lose nothing in
+    // float32. A place that the file leaves out is the default, counted from the origin.
     glm::dvec3 origin{0};
     Medium medium;
     SimulationSettings simulation;
@@ -147,8 +150,8 @@ struct SceneError : std::runtime_error {
 };
 
 // Strict: an unknown key, a wrong type or a value out of range throws SceneError. Missing keys take the defaults above.
-// `overrides` are settings that replace the file's, as on a command line: "medium.count=5000", "render.method=isv"; of lists of
-// tables ("light.irradiance=[1,1,1]") they replace the setting in every element.
+// `overrides` are settings that replace the file's, as on a command line: "medium.count=5000", "render.method=isv"; of
+// lists of tables ("light.irradiance=[1,1,1]") they replace the setting in every element.
 Scene loadScene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
 // A name ("plume") is looked up in `scene_dir`; anything with a slash or ".toml" is a path.

@@ -1,4 +1,5 @@
-// The range of every number in a scene, ends included. One list: the loader refuses what is outside, commands are clamped to it.
+// The range of every number in a scene, ends included. One list: the loader refuses what is outside, commands are
+// clamped to it.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +14,8 @@ struct Limits {
 
 namespace limits {
 
-// Any length, and any place relative to the scene's origin: float32 still resolves 4 mm at 50 km, far below the smallest useful
-// particle there.
+// Any length, and any place relative to the scene's origin: float32 still resolves 4 mm at 50 km, far below the
+// smallest useful particle there.
 inline constexpr Limits kPlace{-5e4, 5e4}, kLength{1e-3, 1e4};
 inline constexpr Limits kOrigin{-1e7, 1e7}; // of a scene, in doubles: beyond the Earth's radius
 inline constexpr Limits kColour{0, 1}, kRadiance{0, 1e4}, kSpeed{-100, 100};
@@ -29,7 +30,8 @@ inline constexpr Limits kAnisotropy{0, 1};
 inline constexpr Limits kAsymmetry{-0.99, 0.99};
 inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0}; // 2^53: every double between is a whole number
 
-inline constexpr Limits kRate{1e-3, 1e6}, kLife{0.1, 120}, kGrowth{0, 100}, kAcceleration{-100, 100}, kTurbulence{0, 100};
+inline constexpr Limits kRate{1e-3, 1e6}, kLife{0.1, 120}, kGrowth{0, 100}, kAcceleration{-100, 100},
+    kTurbulence{0, 100};
 
 inline constexpr Limits kSpring{0, 1000}; // 1/s^2: far below the 4 / dt^2 = 14400 where the 60 Hz step turns unstable
 inline constexpr Limits kViscosity{0, 100};

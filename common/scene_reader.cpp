@@ -59,11 +59,13 @@ void TableReader::number(std::string_view key, float& out, Limits allowed) {
 }
 
 void TableReader::integer(std::string_view key, uint32_t& out, Limits allowed) {
-    if (const toml::node* node = find(key)) out = static_cast<uint32_t>(checked(key, *node, allowed, true, "a whole number"));
+    if (const toml::node* node = find(key))
+        out = static_cast<uint32_t>(checked(key, *node, allowed, true, "a whole number"));
 }
 
 void TableReader::integer(std::string_view key, uint64_t& out, Limits allowed) {
-    if (const toml::node* node = find(key)) out = static_cast<uint64_t>(checked(key, *node, allowed, true, "a whole number"));
+    if (const toml::node* node = find(key))
+        out = static_cast<uint64_t>(checked(key, *node, allowed, true, "a whole number"));
 }
 
 void TableReader::integerOrZero(std::string_view key, uint32_t& out, Limits allowed) {
@@ -103,7 +105,8 @@ void TableReader::place(std::string_view key, glm::vec3& out, glm::dvec3 origin)
 void TableReader::height(std::string_view key, float& out, glm::dvec3 origin) {
     if (const toml::node* node = find(key))
         out = static_cast<float>(
-            checked(key, *node, around(origin.y), false, "a number near the scene's origin (the key at the top)") - origin.y);
+            checked(key, *node, around(origin.y), false, "a number near the scene's origin (the key at the top)") -
+            origin.y);
 }
 
 void TableReader::range(std::string_view key, Range& out, Limits allowed) {
@@ -114,7 +117,8 @@ void TableReader::range(std::string_view key, Range& out, Limits allowed) {
         if (array->size() != 2) fail(key, shown(*node), form + ' ' + bounds(allowed));
         out.lo = static_cast<float>(checked(key, *array->get(0), allowed, false, form));
         out.hi = static_cast<float>(checked(key, *array->get(1), allowed, false, form));
-        if (out.lo > out.hi) fail(key, '[' + plain(out.lo) + ", " + plain(out.hi) + "] is upside down", "the lowest first");
+        if (out.lo > out.hi)
+            fail(key, '[' + plain(out.lo) + ", " + plain(out.hi) + "] is upside down", "the lowest first");
     } else {
         out.lo = out.hi = static_cast<float>(checked(key, *node, allowed, false, form));
     }

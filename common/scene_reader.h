@@ -1,4 +1,5 @@
-// Reads one TOML table strictly: every key is named once with where it goes and what it may be; finish() refuses the rest.
+// Reads one TOML table strictly: every key is named once with where it goes and what it may be; finish() refuses the
+// rest.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@ namespace brume {
 
 class TableReader {
 public:
-    // `path` is how messages name the table ("medium.emitter"), empty for the file's top. Both references must outlive the
-    // reader.
+    // `path` is how messages name the table ("medium.emitter"), empty for the file's top. Both references must outlive
+    // the reader.
     TableReader(const toml::table& table, std::string path, const std::string& file)
         : table_(table), path_(std::move(path)), file_(file) {}
 
@@ -51,7 +52,8 @@ public:
         if (!list) return;
         out.assign(list->size(), T{});
         for (size_t i = 0; i < list->size(); ++i)
-            inner(*list->get(i), key, joined(key) + '[' + std::to_string(i) + ']', [&](TableReader& r) { read(r, out[i]); });
+            inner(*list->get(i), key, joined(key) + '[' + std::to_string(i) + ']',
+                  [&](TableReader& r) { read(r, out[i]); });
     }
 
     bool has(std::string_view key) const { return table_.contains(key); }
@@ -65,9 +67,13 @@ private:
     const toml::array* listOfTables(std::string_view key, Limits how_many);
     glm::dvec3 checkedVector(std::string_view key, const toml::node& node, const Limits (&allowed)[3],
                              const std::string& form) const;
-    double checked(std::string_view key, const toml::node& node, Limits allowed, bool whole, const std::string& form) const;
-    std::string joined(std::string_view key) const { return path_.empty() ? std::string(key) : path_ + '.' + std::string(key); }
-    static std::string shown(const toml::node& node); // a value for a message: "7 is not allowed", "an array is not allowed"
+    double checked(std::string_view key, const toml::node& node, Limits allowed, bool whole,
+                   const std::string& form) const;
+    std::string joined(std::string_view key) const {
+        return path_.empty() ? std::string(key) : path_ + '.' + std::string(key);
+    }
+    static std::string
+    shown(const toml::node& node); // a value for a message: "7 is not allowed", "an array is not allowed"
 
     template <class Read>
     void inner(const toml::node& node, std::string_view key, std::string path, Read read) {

@@ -36,15 +36,15 @@ constexpr SceneSetting kSettings[]{
      "World coordinates of the point that the server counts places from; give it where the scene is far from zero"},
 
     {"light.type", nothing, "", kNone, "Kind of light", kNobody, Form::plain, kLights},
-    {"light.to_light", at<&P::light, &Light::to_light>, "", limits::kPlace, "Direction to the light, of any length but zero",
-     kControllers, Form::direction},
+    {"light.to_light", at<&P::light, &Light::to_light>, "", limits::kPlace,
+     "Direction to the light, of any length but zero", kControllers, Form::direction},
     {"light.irradiance", at<&P::light, &Light::irradiance>, "W/m²", limits::kRadiance,
      "Irradiance of each channel on a surface that faces the light", kControllers},
     {"light.rotate", at<&P::light, &Light::rotate>, "rad/s", limits::kRotate, "Turning of the light about the vertical",
      kControllers},
 
-    {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody, Form::plain,
-     kLayouts},
+    {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
+     Form::plain, kLayouts},
     {"medium.count", at<&P::medium, &Medium::count>, "", limits::kCount,
      "Number of particles; of an emitter the most that live at a time; not allowed with layout `file`"},
     {"medium.centre", at<&P::medium, &Medium::centre>, "m", limits::kPlace,
@@ -69,10 +69,13 @@ constexpr SceneSetting kSettings[]{
 
     {"medium.emitter.position", at<&P::medium, &Medium::emitter, &Emitter::position>, "m", limits::kPlace,
      "Middle of the disc that particles are born on", kNobody, Form::place},
-    {"medium.emitter.radius", at<&P::medium, &Medium::emitter, &Emitter::radius>, "m", limits::kLength, "Radius of that disc"},
-    {"medium.emitter.rate", at<&P::medium, &Medium::emitter, &Emitter::rate>, "1/s", limits::kRate, "Births per second"},
+    {"medium.emitter.radius", at<&P::medium, &Medium::emitter, &Emitter::radius>, "m", limits::kLength,
+     "Radius of that disc"},
+    {"medium.emitter.rate", at<&P::medium, &Medium::emitter, &Emitter::rate>, "1/s", limits::kRate,
+     "Births per second"},
     {"medium.emitter.life", at<&P::medium, &Medium::emitter, &Emitter::life>, "s", limits::kLife, "Life of a particle"},
-    {"medium.emitter.velocity", at<&P::medium, &Medium::emitter, &Emitter::velocity>, "m/s", limits::kSpeed, "Velocity at birth"},
+    {"medium.emitter.velocity", at<&P::medium, &Medium::emitter, &Emitter::velocity>, "m/s", limits::kSpeed,
+     "Velocity at birth"},
     {"medium.emitter.spread",
      at<&P::medium, &Medium::emitter, &Emitter::spread>,
      "m/s",
@@ -86,15 +89,18 @@ constexpr SceneSetting kSettings[]{
      "Velocity that particles relax to"},
     {"medium.emitter.turbulence", at<&P::medium, &Medium::emitter, &Emitter::turbulence>, "m/s", limits::kTurbulence,
      "RMS of the divergence-free noise velocity"},
-    {"medium.emitter.eddy", at<&P::medium, &Medium::emitter, &Emitter::eddy>, "m", limits::kLength, "Size of the largest eddies"},
+    {"medium.emitter.eddy", at<&P::medium, &Medium::emitter, &Emitter::eddy>, "m", limits::kLength,
+     "Size of the largest eddies"},
 
     {"simulation.spring", at<&P::simulation, &S::spring>, "1/s²", limits::kSpring,
      "Acceleration toward a particle's home per metre of distance"},
     {"simulation.viscosity", at<&P::simulation, &S::viscosity>, "1/s", limits::kViscosity, "How fast velocities decay"},
-    {"simulation.impulse_radius", at<&P::simulation, &S::impulse_radius>, "m", limits::kLength, "Reach of a push around its ray"},
+    {"simulation.impulse_radius", at<&P::simulation, &S::impulse_radius>, "m", limits::kLength,
+     "Reach of a push around its ray"},
     {"simulation.impulse_strength", at<&P::simulation, &S::impulse_strength>, "m/s", limits::kImpulseStrength,
      "Speed that a push of strength 1 gives at its ray"},
-    {"simulation.volume_velocity", at<&P::simulation, &S::volume_velocity>, "m/s", limits::kSpeed, "Drift of the volume"},
+    {"simulation.volume_velocity", at<&P::simulation, &S::volume_velocity>, "m/s", limits::kSpeed,
+     "Drift of the volume"},
     {"simulation.volume_swing",
      at<&P::simulation, &S::volume_swing>,
      "m",
@@ -111,18 +117,21 @@ constexpr SceneSetting kSettings[]{
     {"box.size", at<&P::box, &Box::size>, "m", limits::kLength, "Full edge lengths"},
     {"box.yaw", at<&P::box, &Box::yaw>, "rad", limits::kAngle, "Angle about the vertical"},
     {"box.albedo", at<&P::box, &Box::albedo>, "", limits::kColour, "Diffuse albedo"},
-    {"sphere.centre", at<&P::sphere, &Sphere::centre>, "m", limits::kPlace, "Centre of the sphere", kNobody, Form::place},
+    {"sphere.centre", at<&P::sphere, &Sphere::centre>, "m", limits::kPlace, "Centre of the sphere", kNobody,
+     Form::place},
     {"sphere.radius", at<&P::sphere, &Sphere::radius>, "m", limits::kLength, "Radius"},
     {"sphere.albedo", at<&P::sphere, &Sphere::albedo>, "", limits::kColour, "Diffuse albedo"},
 
-    {"sky.zenith", at<&P::sky, &Sky::zenith>, "W/(m² sr)", limits::kRadiance, "Radiance straight up; it blends to the horizon's"},
+    {"sky.zenith", at<&P::sky, &Sky::zenith>, "W/(m² sr)", limits::kRadiance,
+     "Radiance straight up; it blends to the horizon's"},
     {"sky.horizon", at<&P::sky, &Sky::horizon>, "W/(m² sr)", limits::kRadiance, "Radiance at the horizon"},
     {"sky.ambient", at<&P::sky, &Sky::ambient>, "W/(m² sr)", limits::kRadiance,
      "Uniform radiance that the medium scatters without shadowing"},
 
-    {"camera.position", at<&P::camera, &SceneCamera::position>, "m", limits::kPlace, "Where a viewer's camera starts", kNobody,
+    {"camera.position", at<&P::camera, &SceneCamera::position>, "m", limits::kPlace, "Where a viewer's camera starts",
+     kNobody, Form::place},
+    {"camera.target", at<&P::camera, &SceneCamera::target>, "m", limits::kPlace, "What it looks at", kNobody,
      Form::place},
-    {"camera.target", at<&P::camera, &SceneCamera::target>, "m", limits::kPlace, "What it looks at", kNobody, Form::place},
     {"camera.fov_y", at<&P::camera, &SceneCamera::fov_y>, "rad", limits::kFovY, "Its full vertical angle of view"},
 
     {"render.method", at<&P::render, &R::method>, "", kNames,
@@ -134,10 +143,11 @@ constexpr SceneSetting kSettings[]{
     {"render.quadrature", at<&P::render, &R::quadrature>, "", kNone,
      "Of `isv`: `simpson`, `transmittance` or `analytic`; of `tiles`: `cached` or `hermite`", kOperators, Form::plain,
      kQuadratures},
-    {"render.steps", at<&P::render, &R::steps>, "", limits::kSteps, "Steps of the quadrature; at most 3 for `transmittance`",
-     kOperators},
+    {"render.steps", at<&P::render, &R::steps>, "", limits::kSteps,
+     "Steps of the quadrature; at most 3 for `transmittance`", kOperators},
     {"render.rate", at<&P::render, &R::rate>, "pixels", limits::kRayRate,
-     "Pixels between rays; 0: as the medium needs. Methods without rays draw every 2nd, 4th or 8th pixel; 0: every one"},
+     "Pixels between rays; 0: as the medium needs. Methods without rays draw every 2nd, 4th or 8th pixel; 0: every "
+     "one"},
     {"render.slabs", at<&P::render, &R::slabs>, "", limits::kSlabs,
      "`slabs`, `grid`: slabs along every ray; 0: as the medium needs"},
     {"render.shading", at<&P::render, &R::shading>, "pixels", limits::kShading,
@@ -149,8 +159,8 @@ constexpr SceneSetting kSettings[]{
     {"render.shared_order", at<&P::render, &R::shared_order>, "", kNone,
      "True: `isv`, `sphere` and `tiles` sort once for the two eyes of a head"},
     {"render.exposure", at<&P::render, &R::exposure>, "", limits::kExposure, "Factor before the tone map", kOperators},
-    {"render.tone_map", at<&P::render, &R::tone_map>, "", kNone, "Curve from radiance to the picture", kNobody, Form::plain,
-     kToneMaps},
+    {"render.tone_map", at<&P::render, &R::tone_map>, "", kNone, "Curve from radiance to the picture", kNobody,
+     Form::plain, kToneMaps},
     {"render.shadow_size", at<&P::render, &R::shadow_size>, "texels", limits::kShadowSize,
      "Side of the volumetric shadow map; 0: as the medium and render.shadow_error need", kNobody, Form::or_zero},
     {"render.shadow_slices", at<&P::render, &R::shadow_slices>, "", limits::kShadowSlices,
@@ -218,7 +228,9 @@ const SceneSetting* liveSetting(std::string_view path) {
     return nullptr;
 }
 
-SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts) { return std::visit(Read{}, setting.member(parts)); }
+SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts) {
+    return std::visit(Read{}, setting.member(parts));
+}
 
 SettingValue defaultOf(const SceneSetting& setting) {
     Medium medium;
@@ -226,7 +238,8 @@ SettingValue defaultOf(const SceneSetting& setting) {
     Light light;
     Sky sky;
     RenderSettings render;
-    return valueOf(setting, {.medium = &medium, .simulation = &simulation, .light = &light, .sky = &sky, .render = &render});
+    return valueOf(setting,
+                   {.medium = &medium, .simulation = &simulation, .light = &light, .sky = &sky, .render = &render});
 }
 
 Change::Change(std::string_view path, SettingValue to) : setting(liveSetting(path)), value(std::move(to)) {
@@ -237,7 +250,8 @@ Change::Change(std::string_view path, SettingValue to) : setting(liveSetting(pat
 
 void apply(const Change& change, const SceneParts& parts) {
     std::visit(Assign{*change.setting}, change.setting->member(parts), change.value);
-    if (parts.render) parts.render->steps = std::min(parts.render->steps, static_cast<uint32_t>(stepsAllowed(*parts.render).hi));
+    if (parts.render)
+        parts.render->steps = std::min(parts.render->steps, static_cast<uint32_t>(stepsAllowed(*parts.render).hi));
 }
 
 Limits stepsAllowed(const RenderSettings& render) {

@@ -1,5 +1,5 @@
-// The table of everything that a scene file may set. It drives the loader, `--set`, the commands that change settings, the hash
-// of the state, recordings and docs/scenes.md.
+// The table of everything that a scene file may set. It drives the loader, `--set`, the commands that change settings,
+// the hash of the state, recordings and docs/scenes.md.
 #pragma once
 
 #include <initializer_list>
@@ -28,8 +28,8 @@ struct SceneParts {
 };
 
 // A setting's member in its struct; nothing for a key that is only checked.
-using Member = std::variant<std::monostate, bool*, float*, uint32_t*, uint64_t*, glm::vec3*, glm::dvec3*, Range*, std::string*,
-                            Layout*, std::filesystem::path*>;
+using Member = std::variant<std::monostate, bool*, float*, uint32_t*, uint64_t*, glm::vec3*, glm::dvec3*, Range*,
+                            std::string*, Layout*, std::filesystem::path*>;
 
 enum class Form : uint8_t {
     plain,
@@ -53,7 +53,9 @@ struct SceneSetting {
     std::span<const std::string_view> choices{}; // the names that are allowed; empty: any
 
     bool live() const { return changed_by != ChangedBy::nobody; }
-    std::string_view table() const { return path.substr(0, path.find_last_of('.') == path.npos ? 0 : path.find_last_of('.')); }
+    std::string_view table() const {
+        return path.substr(0, path.find_last_of('.') == path.npos ? 0 : path.find_last_of('.'));
+    }
     std::string_view key() const { return path.substr(path.find_last_of('.') + 1); } // npos + 1 is 0
 };
 
@@ -84,9 +86,9 @@ struct Change {
     SettingValue value;
 };
 
-// Precondition: the setting's struct is among `parts`. Numbers are brought into their range. A value that is not finite, a
-// direction without length, and an unknown or too long name change nothing. Allocates nothing where texts have room for
-// kLongestName bytes.
+// Precondition: the setting's struct is among `parts`. Numbers are brought into their range. A value that is not
+// finite, a direction without length, and an unknown or too long name change nothing. Allocates nothing where texts
+// have room for kLongestName bytes.
 void apply(const Change& change, const SceneParts& parts);
 
 } // namespace brume

@@ -10,14 +10,15 @@ namespace {
 
 constexpr std::string_view kIntroduction = R"(# Scenes
 
-A scene is a TOML file. The server opens one by name (`--scene plume`, from `server/scenes/`) or by path (`--scene ./mine.toml`). Every key may
-be left out. An unknown key, a wrong type or a value out of range ends the start in one line with file, line, key and what is allowed.
+A scene is a TOML file. The server opens one by name (`--scene plume`, from `server/scenes/`) or by path
+(`--scene ./mine.toml`). Every key may be left out. An unknown key, a wrong type or a value out of range ends the
+start in one line with file, line, key and what is allowed.
 
-`--set KEY=VALUE` replaces one setting: `--set medium.count=5000 --set render.method=isv`. Of a list of tables it replaces the setting in every
-element: `--set 'light.irradiance=[1, 1, 1]'`.
+`--set KEY=VALUE` replaces one setting: `--set medium.count=5000 --set render.method=isv`. Of a list of tables it
+replaces the setting in every element: `--set 'light.irradiance=[1, 1, 1]'`.
 
-Units are metres, seconds and radians; colours are linear Rec. 709. Places are world coordinates within 50 km of `origin`. *Live* says which
-role may change a setting while the server runs; others change with a restart.
+Units are metres, seconds and radians; colours are linear Rec. 709. Places are world coordinates within 50 km of
+`origin`. *Live* says which role may change a setting while the server runs; others change with a restart.
 
 This page is printed by `brume-server --print-settings`; a test compares the two.
 )";
@@ -29,11 +30,11 @@ constexpr Table kTables[]{
     {"", "At the top", "Before any table."},
     {"medium", "`[medium]`", "The particles and what they are made of."},
     {"medium.emitter", "`[medium.emitter]`",
-     "With layout `emitter` only. Births fall on a horizontal disc. Particles rise, grow, thin and die. `medium.count` must hold "
-     "all that "
-     "live at a time: at least rate · life."},
+     "With layout `emitter` only. Births fall on a horizontal disc. Particles rise, grow, thin and die. "
+     "`medium.count` must hold all that live at a time: at least rate · life."},
     {"simulation", "`[simulation]`", "How the particles move."},
-    {"light", "`[[light]]`", "At most one. A file that does not mention lights has one; `light = []` is a scene without."},
+    {"light", "`[[light]]`",
+     "At most one. A file that does not mention lights has one; `light = []` is a scene without."},
     {"plane", "`[[plane]]`", "Horizontal ground, seen from above; up to 64."},
     {"box", "`[[box]]`", "Up to 64."},
     {"sphere", "`[[sphere]]`", "Up to 64."},
@@ -67,7 +68,8 @@ struct Cells {
     void operator()(glm::dvec3* value) { vector(*value); }
     void operator()(Range* value) {
         values = "a number or [lowest, highest], " + rangeOf(setting.allowed);
-        standard = value->lo == value->hi ? fmt::format("{}", value->lo) : fmt::format("[{}, {}]", value->lo, value->hi);
+        standard =
+            value->lo == value->hi ? fmt::format("{}", value->lo) : fmt::format("[{}, {}]", value->lo, value->hi);
     }
     void operator()(std::string* value) {
         values = setting.choices.empty() ? fmt::format("text, {} bytes", rangeOf(setting.allowed)) : names();
@@ -111,14 +113,15 @@ std::string settingsPage() {
                               &box,   &sphere,       &scene.sky,        &scene.camera, &scene.render};
     std::string page(kIntroduction);
     for (const Table& table : kTables) {
-        page += fmt::format("\n## {}\n\n{}\n\n| key | values | unit | default | live | what |\n|---|---|---|---|---|---|\n",
-                            table.heading, table.about);
+        page +=
+            fmt::format("\n## {}\n\n{}\n\n| key | values | unit | default | live | what |\n|---|---|---|---|---|---|\n",
+                        table.heading, table.about);
         for (const SceneSetting& setting : sceneSettings()) {
             if (setting.table() != table.name) continue;
             Cells cells{setting};
             std::visit(cells, setting.member(defaults));
-            page += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", setting.key(), cells.values, setting.unit, cells.standard,
-                                roleOf(setting.changed_by), setting.help);
+            page += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", setting.key(), cells.values, setting.unit,
+                                cells.standard, roleOf(setting.changed_by), setting.help);
         }
     }
     return page;

@@ -30,7 +30,8 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
         while (!submission.commands.wait(1'000'000'000)) {
         }
     };
-    for (const uint32_t height : kHeights) { // viewers near and far, with large and small pictures, that move and that rest
+    for (const uint32_t height :
+         kHeights) { // viewers near and far, with large and small pictures, that move and that rest
         const PlanView view{own.pose, height * 16 / 9, height};
         draw(view, planned, false);
         draw(view, finer(planned), true);

@@ -26,11 +26,13 @@ uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
 
 } // namespace
 
-FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options)
+FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
+                     const Options& options)
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
       frame_ms_(options.frame_ms), simulation_(scene),
       renderer_(std::in_place, device, scene, bounded(scene, simulation_.capacity(), options.memory)),
-      planner_(scene_, options.costs, options.frame_ms), refinement_(options.refine_moving), workers_(options.encode_threads) {
+      planner_(scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
+      workers_(options.encode_threads) {
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
 }
@@ -40,7 +42,8 @@ void FrameLoop::warmUp() {
     const PlanView own = ownView(scene_);
     const EyeRequest eye{own.pose, own.width, own.height};
     Submission& submission = batches_.front()->submission;
-    renderer_->submit(submission, simulation_, {&eye, 1}, &planner_.settings(simulation_, {&own, 1}, false, Clock::now()));
+    renderer_->submit(submission, simulation_, {&eye, 1},
+                      &planner_.settings(simulation_, {&own, 1}, false, Clock::now()));
     while (!submission.commands.wait(1'000'000'000)) {
     }
 }
@@ -79,9 +82,11 @@ void FrameLoop::run() {
     for (;;) {
         // Wait for the next tick, or for the device if that is earlier.
         const Clock::time_point asleep = Clock::now();
-        const auto until_tick = std::clamp(ticks_->due() - asleep, Clock::duration::zero(), Clock::duration(kReportEvery));
+        const auto until_tick =
+            std::clamp(ticks_->due() - asleep, Clock::duration::zero(), Clock::duration(kReportEvery));
         if (on_device_) {
-            if (on_device_->submission.commands.wait(uint64_t(std::chrono::nanoseconds(until_tick).count()))) encode(*on_device_);
+            if (on_device_->submission.commands.wait(uint64_t(std::chrono::nanoseconds(until_tick).count())))
+                encode(*on_device_);
             const std::scoped_lock lock(mutex_);
             if (stopping_ && !on_device_) return;
         } else {
@@ -115,21 +120,23 @@ FrameLoop::Batch* FrameLoop::freeBatch() {
     return nullptr; // the encoders are behind: newer poses replace older ones meanwhile
 }
 
-// Takes the newest pose of viewers whose window is open and submits their pictures. False when nothing is on the device then.
+// Takes the newest pose of viewers whose window is open and submits their pictures. False when nothing is on the device
+// then.
 bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
     const Plan& before = planner_.plan();
-    const bool any = batch_planner_.plan(viewers_, scene_version_,
-                                         {frame_ms_, before.still_ms / before.chosen.ms(), Renderer::mostPictureBytes(device_)},
-                                         batch.taken, batch);
+    const bool any = batch_planner_.plan(
+        viewers_, scene_version_,
+        {frame_ms_, before.still_ms / before.chosen.ms(), Renderer::mostPictureBytes(device_)}, batch.taken, batch);
     viewers_.clear();
     if (!any) return false;
     most_full_ms_ = std::max(most_full_ms_, batch_planner_.fullBatchMs());
     rendered_tick_ = batch.tick = simulation_.tick();
     batch.state_hash = simulation_.stateHash();
 
-    const RenderSettings& planned = planner_.settings(simulation_, batch.views, std::exchange(replan_, false), batch.taken);
+    const RenderSettings& planned =
+        planner_.settings(simulation_, batch.views, std::exchange(replan_, false), batch.taken);
     const Plan& plan = planner_.plan();
     const bool rests = plan.relaxed == 0 && batch_planner_.camerasRest(batch.taken);
     const double dearer = plan.still_ms / plan.chosen.ms();
@@ -149,7 +156,8 @@ bool FrameLoop::render(Batch& batch) {
     return true;
 }
 
-// A batch that cannot be drawn: its viewers get other frames later, but for the one with the largest pictures, who is told why.
+// A batch that cannot be drawn: its viewers get other frames later, but for the one with the largest pictures, who is
+// told why.
 void FrameLoop::drop(Batch& batch, const char* why) {
     const auto pixels = [](const BatchJob& job) {
         return uint64_t{job.due.request.width} * job.due.request.height * job.due.request.views;
@@ -164,7 +172,8 @@ void FrameLoop::drop(Batch& batch, const char* why) {
         job.viewer->abandon(job.due.frame_id);
     }
     largest->viewer->refuse("the device cannot draw pictures of this size: ask for smaller ones");
-    const auto slot = std::find_if(batches_.begin(), batches_.end(), [&](const auto& one) { return one.get() == &batch; });
+    const auto slot =
+        std::find_if(batches_.begin(), batches_.end(), [&](const auto& one) { return one.get() == &batch; });
     *slot = std::make_unique<Batch>(device_); // with its memory
     renderer_.reset();
     renderer_.emplace(device_, scene_, simulation_.capacity());
@@ -187,16 +196,18 @@ void FrameLoop::encode(Batch& batch) {
     batch.pending = uint32_t(std::count_if(batch.jobs.begin(), batch.jobs.end(), draws));
     for (const BatchJob& job : batch.jobs) {
         if (!draws(job)) continue;
-        workers_.give([this, &batch, &job, views = pictures.subspan(job.first_eye, job.due.request.views)](JpegEncoder& jpeg) {
-            deliver(batch, job.pictures, views, jpeg);
-            batch.pending.fetch_sub(1);
-        });
+        workers_.give(
+            [this, &batch, &job, views = pictures.subspan(job.first_eye, job.due.request.views)](JpegEncoder& jpeg) {
+                deliver(batch, job.pictures, views, jpeg);
+                batch.pending.fetch_sub(1);
+            });
     }
 }
 
-// Encodes one job's pictures, for all viewers that asked for the same ones. On an encoder's thread, where nothing may be thrown:
-// a frame that cannot be made, for want of memory for example, is lost, and its viewer gets a later one.
-void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) noexcept {
+// Encodes one job's pictures, for all viewers that asked for the same ones. On an encoder's thread, where nothing may
+// be thrown: a frame that cannot be made, for want of memory for example, is lost, and its viewer gets a later one.
+void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views,
+                        JpegEncoder& jpeg) noexcept {
     size_t next = job; // first of the jobs that have not got their frame
     try {
         const PoseRequest& wanted = batch.jobs[job].due.request;
@@ -241,8 +252,8 @@ void FrameLoop::tellLoad(Clock::time_point now) {
     load_told_ = now;
     audience_.list(viewers_);
     for (const auto& viewer : viewers_)
-        viewer->deviceHas({batch_planner_.predictMs(viewer->id()), most_full_ms_, frame_ms_, batch_planner_.activeViewers(),
-                           planner_.exhausted()});
+        viewer->deviceHas({batch_planner_.predictMs(viewer->id()), most_full_ms_, frame_ms_,
+                           batch_planner_.activeViewers(), planner_.exhausted()});
     viewers_.clear();
     metrics_.budget(most_full_ms_ / frame_ms_);
     if (!on_device_) most_full_ms_ = 0;

@@ -29,7 +29,8 @@ public:
 
     // Draws one picture that nobody sees, so that the first viewer does not wait for its shaders. `device`,
     // `audience` and `metrics` outlive the loop. Throws SceneError, gpu::Error.
-    FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics, const Options& options);
+    FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
+              const Options& options);
     // Stops, and waits for the device and the encoders.
     ~FrameLoop();
 

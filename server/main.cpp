@@ -1,4 +1,5 @@
-// brume-server: owns everything, starts it in order, waits for a signal or a failure, and stops it in the opposite order.
+// brume-server: owns everything, starts it in order, waits for a signal or a failure, and stops it in the opposite
+// order.
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -22,7 +23,8 @@ namespace {
 using namespace brume;
 
 std::string address(const net::NetOptions& options, uint16_t port) {
-    const std::string host = options.listen.find(':') == std::string::npos ? options.listen : "[" + options.listen + "]";
+    const std::string host =
+        options.listen.find(':') == std::string::npos ? options.listen : "[" + options.listen + "]";
     return (options.tls_key.empty() ? "http://" : "https://") + host + ":" + std::to_string(port);
 }
 
@@ -44,13 +46,14 @@ std::string explained(const Scene& scene, const CostModel& costs) {
 std::unique_ptr<Recorder> recorderOf(const ServerOptions& options, const Scene& scene, const gpu::Device& device) {
     if (options.record.empty()) return nullptr;
     const std::filesystem::path file = findScene(options.scene, options.scene_dir);
-    const RecordingHead head{scene.name, std::filesystem::absolute(file).string(), sceneText(file), sceneOverrides(options),
-                             BRUME_VERSION};
-    return std::make_unique<Recorder>(Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames},
-                                      head, scene, device);
+    const RecordingHead head{scene.name, std::filesystem::absolute(file).string(), sceneText(file),
+                             sceneOverrides(options), BRUME_VERSION};
+    return std::make_unique<Recorder>(
+        Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames}, head, scene, device);
 }
 
-// /readyz fails, all else goes on until the time is over or the frame loop fails. Another signal to end is obeyed at once.
+// /readyz fails, all else goes on until the time is over or the frame loop fails. Another signal to end is obeyed at
+// once.
 void drain(NetServer& network, Audience& audience, std::chrono::milliseconds time, const sigset_t& signals,
            const std::atomic<bool>& failed) {
     network.drain();
@@ -58,7 +61,8 @@ void drain(NetServer& network, Audience& audience, std::chrono::milliseconds tim
     if (time.count() == 0 || failed) return;
     spdlog::info("draining for {} ms: /readyz fails, frames go on", time.count());
     const auto deadline = Clock::now() + time;
-    for (auto left = time; left.count() > 0; left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now())) {
+    for (auto left = time; left.count() > 0;
+         left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now())) {
         const timespec wait{left.count() / 1000, left.count() % 1000 * 1'000'000};
         const int signal = ::sigtimedwait(&signals, nullptr, &wait);
         if (signal == SIGHUP) spdlog::warn("no reload: the server drains");
@@ -85,7 +89,8 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     const std::unique_ptr<Recorder> recorder = recorderOf(options, scene, device);
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;
-    if (recorder) frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };
+    if (recorder)
+        frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };
     std::atomic<bool> stopping{false}, failed{false}; // outlive the loop's thread
     FrameLoop frames(scene, device, audience, metrics, frame);
     NetServer network(options.net, audience, metrics);
@@ -96,7 +101,8 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         if (!stopping) ::kill(::getpid(), SIGTERM);
     });
     if (!std::filesystem::exists(options.net.web_root / "index.html"))
-        spdlog::warn("no page in '{}': run ./dev build, or name its folder with --web-root", options.net.web_root.string());
+        spdlog::warn("no page in '{}': run ./dev build, or name its folder with --web-root",
+                     options.net.web_root.string());
     spdlog::info("scene '{}' on {}{}", scene.name, device.name(), device.hasMeshShaders() ? ", mesh shaders" : "");
     if (options.net.token_key.empty() && options.open && !isLoopback(options.net.listen))
         spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
@@ -130,7 +136,8 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
 int main(int argc, char** argv) {
     ParsedOptions parsed = parseServerOptions(argc, argv);
     if (!parsed.options) {
-        if (!parsed.complaint.empty()) std::cerr << "brume-server: " << parsed.complaint << " (see brume-server --help)\n";
+        if (!parsed.complaint.empty())
+            std::cerr << "brume-server: " << parsed.complaint << " (see brume-server --help)\n";
         return parsed.exit_code;
     }
 

@@ -39,7 +39,8 @@ std::shared_ptr<ConfigFile> addConfigFile(CLI::App& app) {
 // All options as they stand.
 std::vector<Setting> settingsOf(const OptionTable& table) {
     std::vector<Setting> settings;
-    for (const CLI::Option* option : table.app.get_options([](const CLI::Option* one) { return one->get_configurable(); }))
+    for (const CLI::Option* option :
+         table.app.get_options([](const CLI::Option* one) { return one->get_configurable(); }))
         settings.push_back({option->get_single_name(), tomlOf(*option), table.live.contains(option)});
     return settings;
 }

@@ -39,7 +39,8 @@ void reload(ParsedOptions& now, int argc, const char* const* argv, const Running
         Setting& old = now.settings[i];
         const Setting& with = next.settings[i];
         if (old.value == with.value) continue;
-        const std::string from = old.value.empty() ? "(none)" : old.value, to = with.value.empty() ? "(none)" : with.value;
+        const std::string from = old.value.empty() ? "(none)" : old.value,
+                          to = with.value.empty() ? "(none)" : with.value;
         if (!old.live) {
             spdlog::warn("reload: {} stays {}: {} needs a restart", old.name, from, to);
             continue;
@@ -49,9 +50,11 @@ void reload(ParsedOptions& now, int argc, const char* const* argv, const Running
         ++changes;
     }
     ServerOptions& options = *now.options;
-    const bool new_key = next.options->token_key == options.token_key && next.options->net.token_key != options.net.token_key;
+    const bool new_key =
+        next.options->token_key == options.token_key && next.options->net.token_key != options.net.token_key;
     if (new_key) {
-        spdlog::info("reload: the key in {} is another: tokens of the old one are no good any more", options.token_key.string());
+        spdlog::info("reload: the key in {} is another: tokens of the old one are no good any more",
+                     options.token_key.string());
         ++changes;
     }
     if (changes > 0 || !options.net.tls_key.empty()) { // a certificate may have been renewed

@@ -53,12 +53,14 @@ void main() {
         members[i] = m;
         const float radius = supportRadius(p.sigma_t, u, tick.cut) / medium.spacing * max(held / own, 1);
         if (radius > 0) {
-            const vec3 first = (m.centre - radius) / float(kSlabTile) - 1e-3, last = (m.centre + radius) / float(kSlabTile) + 1e-3;
+            const vec3 first = (m.centre - radius) / float(kSlabTile) - 1e-3,
+                       last = (m.centre + radius) / float(kSlabTile) + 1e-3;
             for (uint axis = 0; axis < 3; ++axis) reach[axis] = span(first[axis], last[axis], medium.bricks[axis]);
             // A sample in cell c reads nodes c - 1 ... c + 2. So a particle is seen from two cells before it to one
             // cell behind it, and the cells of a marked brick read from one node before the brick to two nodes behind
             // it.
-            const ivec3 from = ivec3(floor((m.centre - radius - 2) / float(kSlabTile))), to = ivec3(floor((m.centre + radius + 1) / float(kSlabTile)));
+            const ivec3 from = ivec3(floor((m.centre - radius - 2) / float(kSlabTile))),
+                        to = ivec3(floor((m.centre + radius + 1) / float(kSlabTile)));
             mark(kSampled, from, to);
             mark(kRead, from - 1, to + 1);
         }

@@ -30,7 +30,8 @@ void main() {
     const uvec3 brick = uvec3(gl_WorkGroupID.xy, gl_WorkGroupID.z % bricks.z);
     const uint what = gl_WorkGroupID.z / bricks.z;
     if ((marks[markWord(kRead, brick)] >> (brick.x % 32) & 1) == 0) return;
-    const uvec3 first = brick * kSlabTile + uvec3(0, 0, gl_LocalInvocationIndex), line = brick + uvec3(0, bricks.x, bricks.x + bricks.y);
+    const uvec3 first = brick * kSlabTile + uvec3(0, 0, gl_LocalInvocationIndex),
+                line = brick + uvec3(0, bricks.x, bricks.x + bricks.y);
     const uint words = (tick.particle_count + 31) / 32;
 
     float sum[kPoints];

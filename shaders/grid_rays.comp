@@ -38,7 +38,8 @@ void startRay(uvec2 tile, uint ray, vec2 pixel) {
 // The quantities at position `t` (0 ... 1) in the cell whose nodes begin at `first`.
 float linear(uint first, uint row, uint sheet, vec3 t) {
     const vec4 below = vec4(nodes[first], nodes[first + 1], nodes[first + row], nodes[first + row + 1]);
-    const vec4 above = vec4(nodes[first + sheet], nodes[first + sheet + 1], nodes[first + sheet + row], nodes[first + sheet + row + 1]);
+    const vec4 above = vec4(nodes[first + sheet], nodes[first + sheet + 1], nodes[first + sheet + row],
+                            nodes[first + sheet + row + 1]);
     const vec4 here = mix(below, above, t.z);
     return mix(mix(here.x, here.y, t.x), mix(here.z, here.w, t.x), t.y);
 }

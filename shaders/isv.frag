@@ -24,8 +24,9 @@ layout(constant_id = kIdSteps) const int kSteps = 2;
 
 // The part of the ray inside the tetrahedron, from its four face planes in particle-centred coordinates.
 vec2 intervalFromPlanes(vec3 w, vec3 centre, float scale) {
-    const vec3 normal[4] = vec3[](vec3(-0.57735026919), vec3(-0.57735026919, 0.57735026919, 0.57735026919),
-                                  vec3(0.57735026919, -0.57735026919, 0.57735026919), vec3(0.57735026919, 0.57735026919, -0.57735026919));
+    const vec3 normal[4] =
+        vec3[](vec3(-0.57735026919), vec3(-0.57735026919, 0.57735026919, 0.57735026919),
+               vec3(0.57735026919, -0.57735026919, 0.57735026919), vec3(0.57735026919, 0.57735026919, -0.57735026919));
     vec2 interval = vec2(-1e30, 1e30);
     for (int i = 0; i < 4; ++i) {
         const float away = dot(normal[i], w);
@@ -46,7 +47,8 @@ void drawParticle() {
     if (!(interval.y > interval.x)) discard;
 
     const float k = gaussianK(scale, tick.falloff);
-    const GaussianSegment segment = gaussianSegment(albedo_sigma.w, k, ray.b2, k * (interval.x - ray.closest), k * (interval.y - interval.x));
+    const GaussianSegment segment =
+        gaussianSegment(albedo_sigma.w, k, ray.b2, k * (interval.x - ray.closest), k * (interval.y - interval.x));
     if (segment.depth < tick.cut) discard; // seed 000 section 3.11; the cut bounds the sum over all particles
 
     float scattered = 0;

@@ -17,6 +17,7 @@ void main() {
     const vec2 at = mix(tick.map.opaque_lo, tick.map.opaque_hi, gl_FragCoord.xy / float(tick.map.opaque_size));
     const float start = dot(tick.sun.to_light, o.centre) + length(o.half_size) + 1; // a ray from just above the object
     vec3 n;
-    const float t = hitObject(o, at.x * tick.map.x + at.y * tick.map.y + start * tick.sun.to_light, -tick.sun.to_light, n);
+    const float t =
+        hitObject(o, at.x * tick.map.x + at.y * tick.map.y + start * tick.sun.to_light, -tick.sun.to_light, n);
     height = t < kMiss ? start - t : -1e30;
 }

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Light cached on particles, once per tick: a fit T_L = T + G . r + C k^2 r^2 to the light's transmittance,
-// r from the centre. It uses the centre and six points at sqrt(3) standard deviations around it; mean and first
-// moments over the particle's Gaussian are kept. kLookUp is written where the fit is not enough, and methods then look the light
+// Light cached on particles, once per tick: a fit T_L = T + G . r + C k^2 r^2 to the light's transmittance, r from
+// the centre. It uses the centre and six points at sqrt(3) standard deviations around it; mean and first moments over
+// the particle's Gaussian are kept. kLookUp is written where the fit is not enough, and methods then look the light
 // up at every point. That is the case if
 // - the points differ from the fit by more than a tolerance (after seed 001's test: samples against interpolation),
 // - the particle shadows itself, or
@@ -41,15 +41,17 @@ void outline(Opaque o, vec2 at, out float outside, out float height) {
     outside = length(at) - o.half_size.x;
     height = o.half_size.x;
     if (o.kind == kSphere) return;
-    const vec3 edge[3] = vec3[](toLightSpace(o.half_size.x * vec3(o.yaw_cos, 0, -o.yaw_sin)), toLightSpace(vec3(0, o.half_size.y, 0)),
-                                toLightSpace(o.half_size.z * vec3(o.yaw_sin, 0, o.yaw_cos)));
+    const vec3 edge[3] =
+        vec3[](toLightSpace(o.half_size.x * vec3(o.yaw_cos, 0, -o.yaw_sin)), toLightSpace(vec3(0, o.half_size.y, 0)),
+               toLightSpace(o.half_size.z * vec3(o.yaw_sin, 0, o.yaw_cos)));
     outside = -1e30;
     height = 0;
     for (int i = 0; i < 3; ++i) {
         height += abs(edge[i].z);
         const vec2 along = edge[i].xy, across = vec2(-along.y, along.x);
         const float reach = abs(dot(across, edge[(i + 1) % 3].xy)) + abs(dot(across, edge[(i + 2) % 3].xy));
-        if (dot(along, along) > 1e-12) outside = max(outside, (abs(dot(across, at)) - reach) * inversesqrt(dot(along, along)));
+        if (dot(along, along) > 1e-12)
+            outside = max(outside, (abs(dot(across, at)) - reach) * inversesqrt(dot(along, along)));
     }
 }
 

@@ -29,7 +29,8 @@ float along(float columns[kMostColumns], float x) { // x: pixels from the lane's
 void main() {
     enterView(gl_WorkGroupID.z);
     const View view = views[gl_WorkGroupID.z];
-    const uint block = gl_GlobalInvocationID.x * (kWide / 8), top = gl_GlobalInvocationID.y * kHigh, rows = view.end - view.first;
+    const uint block = gl_GlobalInvocationID.x * (kWide / 8), top = gl_GlobalInvocationID.y * kHigh,
+               rows = view.end - view.first;
     if (block * 8 >= eye.size.x || top >= rows) return;
     const uvec2 nodes = shadedNodes(rows);
     // True: the second of the two blocks of 8 pixels is in the picture.
@@ -39,11 +40,11 @@ void main() {
         vec4 luma[kMostColumns], cb[kMostColumns], cr[kMostColumns]; // interpolated from four rows of nodes
         [[unroll]] for (uint i = 0; i < kColumns; ++i)
             [[unroll]] for (uint j = 0; j < 4; ++j) {
-                const uint at = view.shaded + ((top + y) / kStep + j) * nodes.x + min(block * 8 / kStep + i, nodes.x - 1);
-                luma[i][j] = uintBitsToFloat(shaded[at]);
-                const uint chroma = shaded[at + nodes.x * nodes.y];
-                cb[i][j] = float(chroma & 0xffffu) / 256;
-                cr[i][j] = float(chroma >> 16) / 256;
+            const uint at = view.shaded + ((top + y) / kStep + j) * nodes.x + min(block * 8 / kStep + i, nodes.x - 1);
+            luma[i][j] = uintBitsToFloat(shaded[at]);
+            const uint chroma = shaded[at + nodes.x * nodes.y];
+            cb[i][j] = float(chroma & 0xffffu) / 256;
+            cr[i][j] = float(chroma >> 16) / 256;
             }
         if (kFull) {
             for (uint row = y; row < y + kStep && top + row < rows; ++row) {

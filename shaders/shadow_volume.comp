@@ -60,7 +60,8 @@ uint nextParticles(inout Walk walk, uvec2 tile, uint group, uint lane, out uint 
         if (walk.used == walk.total) {
             if (walk.next >= push.words) break;
             const uint word = walk.next + lane;
-            walk.bits = bits[columnWords(tile.x) + word] & bits[rowWords(tile.y) + word] & bits[groupWords(group) + word];
+            walk.bits =
+                bits[columnWords(tile.x) + word] & bits[rowWords(tile.y) + word] & bits[groupWords(group) + word];
             walk.upto = bitCount(walk.bits);
             for (uint step = 1; step < kLanes; step *= 2) {
                 const uint lower = of(max(lane, step) - step, walk.upto);
@@ -75,7 +76,8 @@ uint nextParticles(inout Walk walk, uvec2 tile, uint group, uint lane, out uint 
         for (uint step = kLanes / 2; step > 0; step /= 2)
             if (of(from + step - 1, walk.upto) <= rank) from += step;
         const uint word = of(from, walk.bits), before = of(from, walk.upto) - bitCount(word);
-        if (lane >= filled && lane < filled + take) particle = particleAt(walk.next - kLanes + from, nthBit(word, rank - before));
+        if (lane >= filled && lane < filled + take)
+            particle = particleAt(walk.next - kLanes + from, nthBit(word, rank - before));
         walk.used += take;
         filled += take;
     }
@@ -90,8 +92,10 @@ void main() {
     // a medium are denser.
     const uint count = push.tiles.x * push.rows, index = id % 8 * ((count + 7) / 8) + id / 8;
     if (index >= count) return;
-    const uvec2 tile = uvec2(index % push.tiles.x, push.first_row + index / push.tiles.x), first = tile * uvec2(kLanes, kRows);
-    const uvec3 size = uvec3(tick.map.texels.x, min(tick.map.texels.y - push.first_row * kRows, push.rows * kRows), (tick.map.slices + 1) / 3);
+    const uvec2 tile = uvec2(index % push.tiles.x, push.first_row + index / push.tiles.x),
+                first = tile * uvec2(kLanes, kRows);
+    const uvec3 size = uvec3(tick.map.texels.x, min(tick.map.texels.y - push.first_row * kRows, push.rows * kRows),
+                             (tick.map.slices + 1) / 3);
 
     float depth[kRows]; // at the last finished plane
     for (uint r = 0; r < kRows; ++r) depth[r] = 0;

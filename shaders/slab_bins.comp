@@ -50,8 +50,10 @@ void main() {
         if (radius > 0 && far > near) {
             // The box around the particle in the picture, in tiles from node (0, 0).
             const vec2 lo = m.centre.xy - wide, hi = m.centre.xy + wide;
-            const vec2 origin = pictureCorner() + (0.5 + (vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate)) * pixel;
-            const vec2 first = (min(lo / near, lo / far) - origin) / tile - 1e-3, last = (max(hi / near, hi / far) - origin) / tile + 1e-3;
+            const vec2 origin =
+                pictureCorner() + (0.5 + (vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate)) * pixel;
+            const vec2 first = (min(lo / near, lo / far) - origin) / tile - 1e-3,
+                       last = (max(hi / near, hi / far) - origin) / tile + 1e-3;
             reach[0] = span(first.x, last.x, grid.lines.x);
             reach[1] = span(first.y, last.y, grid.lines.y);
             reach[2] = span(sheetAt(near), sheetAt(far), grid.lines.z);

@@ -39,7 +39,8 @@ void main() {
     const uint lane = gl_LocalInvocationIndex;
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
     const uvec2 first = gl_WorkGroupID.xy * kSlabTile;
-    const vec2 corner = pictureCorner() + ((vec2(first) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5) * pixel;
+    const vec2 corner = pictureCorner() +
+                        ((vec2(first) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5) * pixel;
     const float z = middleDepth(sheet * kLanes + lane); // of the lane's slab
     const vec2 at = z * corner;
     const float spacing = z * pixel * float(grid.rate);
@@ -56,7 +57,8 @@ void main() {
         // loops are as slow as scattered ones.
         for (uint base = 0; base < count; base += held()) {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
-            if (base + gl_SubgroupInvocationID < count) mine = members[first_member + list[base + gl_SubgroupInvocationID]];
+            if (base + gl_SubgroupInvocationID < count)
+                mine = members[first_member + list[base + gl_SubgroupInvocationID]];
             if (what > 0) mine.sigma *= mine.albedo[what - 1];
             // Width of a tile on the farthest of its planes that the member reaches.
             const float widest = max(mine.centre.z, 0) * pixel * float(grid.rate) * float(kSlabTile);
@@ -66,6 +68,8 @@ void main() {
     }
     const uint tile = gl_WorkGroupID.y * grid.lines.x + gl_WorkGroupID.x;
     const uint tiles = grid.lines.x * grid.lines.y;
-    const uint out_at = views[view].added + ((what * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
-    [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] = vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
+    const uint out_at =
+        views[view].added + ((what * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
+    [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] =
+        vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
 }

@@ -27,7 +27,8 @@ void drawParticle() {
         const float half_length = sqrt(half2);
         const float begin = max(ray.closest - half_length, ray.begin), end = min(ray.closest + half_length, ray.end);
         if (!(end > begin)) discard;
-        const GaussianSegment segment = gaussianSegment(albedo_sigma.w, k, ray.b2, k * (begin - ray.closest), k * (end - begin));
+        const GaussianSegment segment =
+            gaussianSegment(albedo_sigma.w, k, ray.b2, k * (begin - ray.closest), k * (end - begin));
         depth = segment.depth;
         near = truncatedHermiteNode(segment, 0);
         far = truncatedHermiteNode(segment, 1);

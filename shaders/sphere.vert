@@ -20,9 +20,10 @@ layout(location = 2) flat out float k;
 
 // Octagon of inradius 1 as a strip; a rectangle as a strip.
 const float kOut = 1.0, kIn = 0.414213562;
-const vec2 kOctagon[8] = vec2[](vec2(kOut, kIn), vec2(kOut, -kIn), vec2(kIn, kOut), vec2(kIn, -kOut), vec2(-kIn, kOut), vec2(-kIn, -kOut),
-                                vec2(-kOut, kIn), vec2(-kOut, -kIn));
-const vec2 kRectangle[8] = vec2[](vec2(1, 1), vec2(1, 0), vec2(0, 1), vec2(0, 0), vec2(0, 0), vec2(0, 0), vec2(0, 0), vec2(0, 0));
+const vec2 kOctagon[8] = vec2[](vec2(kOut, kIn), vec2(kOut, -kIn), vec2(kIn, kOut), vec2(kIn, -kOut), vec2(-kIn, kOut),
+                                vec2(-kIn, -kOut), vec2(-kOut, kIn), vec2(-kOut, -kIn));
+const vec2 kRectangle[8] =
+    vec2[](vec2(1, 1), vec2(1, 0), vec2(0, 1), vec2(0, 0), vec2(0, 0), vec2(0, 0), vec2(0, 0), vec2(0, 0));
 
 // Range of slopes (across / depth) of the part of a sphere in front of the near plane, in the plane of `across` and
 // depth. An end is the tangent from the eye, or the sphere's cut with the near plane if the tangent touches it behind
@@ -59,7 +60,8 @@ void main() {
     if (middle.z - r * 1.0823922 > eye.near_depth) { // every corner of the octagon around it is in front
         const vec3 axis = v * inversesqrt(d2);
         const vec3 side = normalize(abs(axis.x) < 0.7 ? vec3(0, axis.z, -axis.y) : vec3(-axis.z, 0, axis.x));
-        const vec3 corner = middle + r * (kOctagon[gl_VertexIndex].x * side + kOctagon[gl_VertexIndex].y * cross(axis, side));
+        const vec3 corner =
+            middle + r * (kOctagon[gl_VertexIndex].x * side + kOctagon[gl_VertexIndex].y * cross(axis, side));
         gl_Position = vec4(toDevice(vec2(corner.x, -corner.y) / corner.z), 0, 1);
     } else {
         const vec2 x = slopes(v.x, v.z, radius), y = slopes(-v.y, v.z, radius);

@@ -64,7 +64,9 @@ uint take(inout Candidates from, uint block, uint lane, uint lanes, out uint spl
         } else if (from.word < from.words) {
             if (from.word == from.first + lanes || from.word == 0) {
                 from.first = from.word;
-                from.mine = from.word + lane < from.words ? masks[(from.word + lane) * push.grid.blocks.x * push.grid.blocks.y + block] : 0;
+                from.mine = from.word + lane < from.words
+                                ? masks[(from.word + lane) * push.grid.blocks.x * push.grid.blocks.y + block]
+                                : 0;
             }
             from.bits = subgroupShuffle(from.mine, from.word - from.first);
             ++from.word;
@@ -81,7 +83,8 @@ vec2 onRun(float value, float right, float down) { return vec2(value + first.x *
 void main() {
     const uvec2 corner = gl_WorkGroupID.xy * kTile;
     const uint lanes_across = kTile.x / kPixels;
-    const uvec2 pixel = corner + uvec2(gl_LocalInvocationIndex % lanes_across * kPixels, gl_LocalInvocationIndex / lanes_across);
+    const uvec2 pixel =
+        corner + uvec2(gl_LocalInvocationIndex % lanes_across * kPixels, gl_LocalInvocationIndex / lanes_across);
     const uint lane = gl_SubgroupInvocationID, lanes = subgroupBallotBitCount(subgroupBallot(true));
     first = vec2(pixel) + 0.5;
     log_cut = log2(tick.cut);
@@ -156,7 +159,8 @@ void main() {
                 s.light = kCached ? ITS(light) : 0;
                 s.curvature = kCached ? ITS(curvature) / kLog2e : 0;
                 s.slope = kCached ? onRun(ITS(slope.x), ITS(slope.y), ITS(slope.z)) : vec2(0);
-                const uint its_kind = kCached ? subgroupShuffle(kind, from) : subgroupShuffle(kind, from) | kLookedUp | kAny;
+                const uint its_kind =
+                    kCached ? subgroupShuffle(kind, from) : subgroupShuffle(kind, from) | kLookedUp | kAny;
                 if ((its_kind & kAny) != 0)
                     addAny(s, (its_kind & (kCutNear | kCutFar)) != 0, (its_kind & kLookedUp) != 0);
                 else if (kMayBeCut && its_kind != 0)
@@ -177,7 +181,8 @@ void main() {
         const bool changed = !finished && (transmittance[p] < 1 || scattered[p] != vec3(0));
         if (changed && all(lessThan(at, ivec2(eye.size)))) {
             float phase = 0.07957747154594767;
-            if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);
+            if (kHasLobe)
+                phase = phaseMixture(-tick.sun.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);
             vec3 medium = tick.sun.irradiance * phase * (kOneAlbedo ? albedo * scattered[p].x : scattered[p]);
             if (kHasAmbient) medium += tick.ambient * (kOneAlbedo ? albedo * (1 - transmittance[p]) : hidden[p]);
             imageStore(radiance, at, vec4(medium, 0) + transmittance[p] * imageLoad(radiance, at));

@@ -39,5 +39,6 @@ void main() {
             mask |= reach > 0 && dot(apart, apart) <= reach * reach ? 1u << (bit + j) : 0;
         }
     }
-    if (block < push.grid.blocks.x * push.grid.blocks.y) masks[word * push.grid.blocks.x * push.grid.blocks.y + block] = mask;
+    if (block < push.grid.blocks.x * push.grid.blocks.y)
+        masks[word * push.grid.blocks.x * push.grid.blocks.y + block] = mask;
 }

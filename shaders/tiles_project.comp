@@ -52,7 +52,8 @@ void main() {
         const ParticleLight light = lights[i];
         splat.slope = affine(light.gradient);
         splat.curvature = light.curvature;
-        if (light.transmittance != kLookUp) splat.light = light.transmittance + 0.5 * light.curvature - dot(light.gradient, c);
+        if (light.transmittance != kLookUp)
+            splat.light = light.transmittance + 0.5 * light.curvature - dot(light.gradient, c);
     }
     const float sine = min(splat.radius / max(distance, 1e-30), 1.0), cosine = sqrt(max(1 - sine * sine, 0));
     splat.chord = splat.nearest > 0 ? sine * sqrt(2 / (1 + cosine)) + 1e-6 : 2; // 1e-6: rounding of directions

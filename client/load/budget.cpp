@@ -31,10 +31,11 @@ std::optional<T> number(std::string_view text) {
 }
 
 [[noreturn]] void refuse(const std::string& text) {
-    throw std::invalid_argument("'" + text +
-                                "' is not a budget: METRIC>=VALUE or METRIC<=VALUE, then @VIEWERS or nothing, such as "
-                                "fps>=15@16; METRIC is fps (of the slowest viewer), p50, p95, p99 (ms from pose to frame) or "
-                                "cpu (cores of the server)");
+    throw std::invalid_argument(
+        "'" + text +
+        "' is not a budget: METRIC>=VALUE or METRIC<=VALUE, then @VIEWERS or nothing, such as "
+        "fps>=15@16; METRIC is fps (of the slowest viewer), p50, p95, p99 (ms from pose to frame) or "
+        "cpu (cores of the server)");
 }
 
 } // namespace

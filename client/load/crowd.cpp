@@ -58,7 +58,8 @@ const client::Granted& Crowd::granted() const { return viewers_.front()->session
 double Crowd::enter() {
     const uint64_t begin = nowUs();
     const auto ready = [](const auto& viewer) { return viewer->frames >= kFirstFrames; };
-    while (double(nowUs() - begin) < options_.warm_up * 1e6 || !std::all_of(viewers_.begin(), viewers_.end(), ready)) step();
+    while (double(nowUs() - begin) < options_.warm_up * 1e6 || !std::all_of(viewers_.begin(), viewers_.end(), ready))
+        step();
     return double(nowUs() - begin) * 1e-6;
 }
 
@@ -80,7 +81,8 @@ Run Crowd::watch(double seconds) {
     run.seconds = double(end - begin) * 1e-6;
     for (const auto& viewer : viewers_)
         if (!viewer->unanswered.empty())
-            run.oldest_unanswered_ms = std::max(run.oldest_unanswered_ms, double(end - viewer->unanswered.front()) * 1e-3);
+            run.oldest_unanswered_ms =
+                std::max(run.oldest_unanswered_ms, double(end - viewer->unanswered.front()) * 1e-3);
     if (const auto frames = double(run.allFrames()); frames > 0)
         for (double StageMeans::*mean : {&StageMeans::wait, &StageMeans::render, &StageMeans::gpu, &StageMeans::encode,
                                          &StageMeans::queue, &StageMeans::decode})
@@ -193,7 +195,8 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
 }
 
 void Crowd::fail(const Viewer& viewer, const std::string& why) const {
-    const auto in = std::count_if(viewers_.begin(), viewers_.end(), [](const auto& other) { return other->session.welcomed(); });
+    const auto in =
+        std::count_if(viewers_.begin(), viewers_.end(), [](const auto& other) { return other->session.welcomed(); });
     if (size_t(in) < viewers_.size())
         throw std::runtime_error(fmt::format("{} of {} viewers got in: {}", in, viewers_.size(), why));
     throw std::runtime_error(fmt::format("viewer {} of {}: {}", viewer.number, viewers_.size(), why));

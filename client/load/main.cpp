@@ -20,7 +20,8 @@ using brume::client::Interrupt;
 std::string machine() {
     double average = NAN;
     getloadavg(&average, 1);
-    return fmt::format("{} cores, load average {:.2f} before the first run", std::thread::hardware_concurrency(), average);
+    return fmt::format("{} cores, load average {:.2f} before the first run", std::thread::hardware_concurrency(),
+                       average);
 }
 
 // One number of viewers, from hello to goodbye.

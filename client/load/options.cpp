@@ -41,22 +41,28 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     std::string server, start = "--scene cloud", out, token_file, ca;
     bool anywhere = false;
 
-    CLI::App app("Watches a brume server as many viewers at once, and measures what each gets and what they cost.", "brume-load");
+    CLI::App app("Watches a brume server as many viewers at once, and measures what each gets and what they cost.",
+                 "brume-load");
     app.set_version_flag("--version", "brume-load " BRUME_VERSION);
     app.add_option("--viewers", options.viewers, "Numbers of viewers, one run each")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->default_str("1,2,4,8,16,32")
         ->check(CLI::Range(1u, kMostViewers));
-    app.add_option("--seconds", options.seconds, "Length of each run")->capture_default_str()->check(CLI::Range(0.5, 3600.0));
-    app.add_option("--warm-up", options.warm_up, "Seconds before each run that are not measured; every viewer has frames by then")
+    app.add_option("--seconds", options.seconds, "Length of each run")
+        ->capture_default_str()
+        ->check(CLI::Range(0.5, 3600.0));
+    app.add_option("--warm-up", options.warm_up,
+                   "Seconds before each run that are not measured; every viewer has frames by then")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 600.0));
     app.add_option("--paths", paths, "Where viewers go, in turn: orbit, fly, still, stereo (orbit with two eyes)")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->default_str("orbit");
-    app.add_option("--width", options.wishes.width, "Pixels of one eye")->capture_default_str()->check(CLI::Range(16, 8192));
+    app.add_option("--width", options.wishes.width, "Pixels of one eye")
+        ->capture_default_str()
+        ->check(CLI::Range(16, 8192));
     app.add_option("--height", options.wishes.height)->capture_default_str()->check(CLI::Range(16, 8192));
     app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's")
         ->check(CLI::Range(0, 100));
@@ -64,18 +70,22 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     auto* const running = app.add_option("--server", server, "A server that runs already: ws://127.0.0.1:8080");
     app.add_option("--token-file", token_file, "File with an operator's token for that server; without it BRUME_TOKEN")
         ->needs(running);
-    app.add_option("--ca", ca, "PEM file of who vouches for a wss:// server, instead of whom the system trusts")->needs(running);
-    app.add_flag("--reconnect", options.reconnect, "Viewers that lose that server come back: they try four times a second")
+    app.add_option("--ca", ca, "PEM file of who vouches for a wss:// server, instead of whom the system trusts")
+        ->needs(running);
+    app.add_flag("--reconnect", options.reconnect,
+                 "Viewers that lose that server come back: they try four times a second")
         ->needs(running);
     app.add_flag("--anywhere", anywhere, "Let --server be another machine");
-    app.add_option("--start", start, "Arguments of the server that is started, on a free port, when --server is not given")
+    app.add_option("--start", start,
+                   "Arguments of the server that is started, on a free port, when --server is not given")
         ->capture_default_str()
         ->excludes(running);
     app.add_option("--timeout", options.timeout, "Give up when a viewer gets no frame for so many seconds")
         ->capture_default_str()
         ->check(CLI::Range(0.1, 3600.0));
     app.add_option("--out", out, "Write load.json, load.md and load.svg to this folder");
-    app.add_option("--assert", budgets, "Fail unless this holds: fps>=15@16, p95<=200; repeatable")->allow_extra_args(false);
+    app.add_option("--assert", budgets, "Fail unless this holds: fps>=15@16, p95<=200; repeatable")
+        ->allow_extra_args(false);
 
     try {
         app.parse(argc, argv);

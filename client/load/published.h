@@ -6,8 +6,8 @@
 
 namespace brume::load {
 
-// Stojanovic, Weinrauch, Tatzgern, Kurz, Steinberger: "Efficient Rendering of Participating Media for Multiple Viewpoints", 2023,
-// tables 1 to 3: milliseconds of all viewers' media together, 1920x1080 each, on an RTX 3090.
+// Stojanovic, Weinrauch, Tatzgern, Kurz, Steinberger: "Efficient Rendering of Participating Media for Multiple
+// Viewpoints", 2023, tables 1 to 3: milliseconds of all viewers' media together, 1920x1080 each, on an RTX 3090.
 inline constexpr std::array kPublishedViewers{1u, 2u, 3u, 4u, 6u, 8u, 12u, 16u};
 
 struct Published {

@@ -59,10 +59,10 @@ double devicePerViewer(const Run& run, const Run& one) { return run.deviceMsPerF
 
 std::string beside(const Report& report, const Run& one) {
     std::string out =
-        "\n## A viewer of many, over a viewer alone\n\nCost of a frame with so many viewers over that with one. CPU: the "
-        "whole server, encoding and sockets included; device:\nits passes. Beside them the media alone of Stojanovic et "
-        "al. 2023 (tables 1 to 3: 1920x1080, RTX 3090), froxels of each viewer\nand their shadow grid that viewers "
-        "share.\n\n| viewers | CPU | device |";
+        "\n## A viewer of many, over a viewer alone\n\nCost of a frame with so many viewers over that with one. "
+        "CPU: the whole server, encoding and sockets included; device:\nits passes. Beside them the media alone of "
+        "Stojanovic et al. 2023 (tables 1 to 3: 1920x1080, RTX 3090), froxels of each viewer\nand their shadow "
+        "grid that viewers share.\n\n| viewers | CPU | device |";
     std::string rule = "\n|---|---|---|";
     for (const Published& published : kPublished) {
         out += fmt::format(" {} |", published.name);
@@ -70,7 +70,8 @@ std::string beside(const Report& report, const Run& one) {
     }
     out += rule + "\n";
     for (const Run& run : report.runs) {
-        out += fmt::format("| {} | {} | {} |", run.viewers, digits(cpuPerViewer(run, one)), digits(devicePerViewer(run, one)));
+        out += fmt::format("| {} | {} | {} |", run.viewers, digits(cpuPerViewer(run, one)),
+                           digits(devicePerViewer(run, one)));
         for (const Published& published : kPublished)
             out += fmt::format(" {} |", digits(perViewer(published, run.viewers).value_or(NAN)));
         out += "\n";
@@ -85,52 +86,55 @@ Json jsonOf(const Run& run) {
     for (const auto& [name, ms] : cost.passes_ms) passes[name] = rounded(ms);
     for (const Return& back : run.returns) returns.push_back({back.lost_us, back.back_us});
     const StageMeans& s = run.stages;
-    return {{"viewers", run.viewers},
-            {"seconds", rounded(run.seconds)},
-            {"warm_up_s", rounded(run.warm_up_s)},
-            {"frames", run.allFrames()},
-            {"fps", {{"least", rounded(run.leastFps())}, {"median", rounded(run.medianFps())}, {"most", rounded(run.mostFps())}}},
-            {"fps_each", std::move(each)},
-            {"latency_ms",
-             {{"p50", rounded(run.latencyMs(0.5))},
-              {"p95", rounded(run.latencyMs(0.95))},
-              {"p99", rounded(run.latencyMs(0.99))},
-              {"samples", run.latencies_ms.size()},
-              {"oldest_unanswered", rounded(run.oldest_unanswered_ms)}}},
-            {"age_ms", {{"p50", rounded(run.ageMs(0.5))}, {"p95", rounded(run.ageMs(0.95))}, {"most", rounded(run.ageMs(1))}}},
-            {"returns_us", std::move(returns)},
-            {"stages_ms",
-             {{"wait", rounded(s.wait)},
-              {"render", rounded(s.render)},
-              {"gpu", rounded(s.gpu)},
-              {"encode", rounded(s.encode)},
-              {"queue", rounded(s.queue)},
-              {"decode", rounded(s.decode)}}},
-            {"bytes_per_second", rounded(double(run.bytes) / run.seconds)},
-            {"errors", run.errors},
-            {"first_error", run.first_error},
-            {"server",
-             {{"cpu_s", rounded(cost.cpu_s)},
-              {"cpu_ms_per_frame", rounded(run.cpuMsPerFrame())},
-              {"device_shared_ms", rounded(1e3 * cost.shared_s)},
-              {"device_views_ms", rounded(1e3 * cost.views_s)},
-              {"batches", rounded(cost.batches)},
-              {"frames_rendered", rounded(cost.rendered)},
-              {"frames_superseded", rounded(cost.superseded)},
-              {"memory_bytes", rounded(cost.memory_bytes)},
-              {"plan_error", rounded(cost.plan_error)},
-              {"plan_relaxed", rounded(cost.relaxed)},
-              {"passes_ms", std::move(passes)}}},
-            {"own_cpu_s", rounded(run.own_cpu_s)},
-            {"machine_busy_s", rounded(run.machine_busy_s)}};
+    return {
+        {"viewers", run.viewers},
+        {"seconds", rounded(run.seconds)},
+        {"warm_up_s", rounded(run.warm_up_s)},
+        {"frames", run.allFrames()},
+        {"fps",
+         {{"least", rounded(run.leastFps())}, {"median", rounded(run.medianFps())}, {"most", rounded(run.mostFps())}}},
+        {"fps_each", std::move(each)},
+        {"latency_ms",
+         {{"p50", rounded(run.latencyMs(0.5))},
+          {"p95", rounded(run.latencyMs(0.95))},
+          {"p99", rounded(run.latencyMs(0.99))},
+          {"samples", run.latencies_ms.size()},
+          {"oldest_unanswered", rounded(run.oldest_unanswered_ms)}}},
+        {"age_ms",
+         {{"p50", rounded(run.ageMs(0.5))}, {"p95", rounded(run.ageMs(0.95))}, {"most", rounded(run.ageMs(1))}}},
+        {"returns_us", std::move(returns)},
+        {"stages_ms",
+         {{"wait", rounded(s.wait)},
+          {"render", rounded(s.render)},
+          {"gpu", rounded(s.gpu)},
+          {"encode", rounded(s.encode)},
+          {"queue", rounded(s.queue)},
+          {"decode", rounded(s.decode)}}},
+        {"bytes_per_second", rounded(double(run.bytes) / run.seconds)},
+        {"errors", run.errors},
+        {"first_error", run.first_error},
+        {"server",
+         {{"cpu_s", rounded(cost.cpu_s)},
+          {"cpu_ms_per_frame", rounded(run.cpuMsPerFrame())},
+          {"device_shared_ms", rounded(1e3 * cost.shared_s)},
+          {"device_views_ms", rounded(1e3 * cost.views_s)},
+          {"batches", rounded(cost.batches)},
+          {"frames_rendered", rounded(cost.rendered)},
+          {"frames_superseded", rounded(cost.superseded)},
+          {"memory_bytes", rounded(cost.memory_bytes)},
+          {"plan_error", rounded(cost.plan_error)},
+          {"plan_relaxed", rounded(cost.relaxed)},
+          {"passes_ms", std::move(passes)}}},
+        {"own_cpu_s", rounded(run.own_cpu_s)},
+        {"machine_busy_s", rounded(run.machine_busy_s)}};
 }
 
 } // namespace
 
 std::string tableHead() {
-    return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | kB/s each | server, cores | "
-           "ms "
-           "a frame | device, ms a frame: shared | view | batches/s | error, % | load, cores | others, cores |\n"
+    return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | kB/s each | "
+           "server, cores | ms a frame | device, ms a frame: shared | view | batches/s | error, % | load, cores | "
+           "others, cores |\n"
            "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 
@@ -141,22 +145,23 @@ std::string tableLine(const Run& run) {
          {run.leastFps(), run.medianFps(), run.mostFps(), run.latencyMs(0.5), run.latencyMs(0.95), run.latencyMs(0.99),
           double(run.bytes) * 1e-3 / run.seconds / run.viewers, cost.cpu_s / run.seconds, run.cpuMsPerFrame(),
           1e3 * cost.shared_s / cost.rendered, 1e3 * cost.views_s / cost.rendered, cost.batches / run.seconds,
-          100 * cost.plan_error, run.own_cpu_s / run.seconds, (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
+          100 * cost.plan_error, run.own_cpu_s / run.seconds,
+          (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
         line += ' ' + digits(value) + " |";
     return line + '\n';
 }
 
 std::string markdown(const Report& report, const Options& options) {
-    std::string out =
-        fmt::format("# Viewers of one server\n\n{}, scene `{}`, {}; {}x{}, paths {}{}; {:g} s each after {:g} s. {}.\n\n",
-                    report.server, report.scene, report.device, report.width, report.height, pathsOf(options),
-                    options.decode ? ", decoded" : "", options.seconds, options.warm_up, report.machine);
+    std::string out = fmt::format(
+        "# Viewers of one server\n\n{}, scene `{}`, {}; {}x{}, paths {}{}; {:g} s each after {:g} s. {}.\n\n",
+        report.server, report.scene, report.device, report.width, report.height, pathsOf(options),
+        options.decode ? ", decoded" : "", options.seconds, options.warm_up, report.machine);
     out += tableHead();
     for (const Run& run : report.runs) out += tableLine(run);
-    out +=
-        "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or a later one.\n"
-        "Shared: passes once a batch for all viewers of it; view: passes of each. Error: relative RMSE that the server's plan\n"
-        "predicts, which grows when it gives up accuracy under load. Load: this program; others: what else the machine did.\n";
+    out += "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or\n"
+           "a later one. Shared: passes once a batch for all viewers of it; view: passes of each. Error: relative\n"
+           "RMSE that the server's plan predicts, which grows when it gives up accuracy under load. Load: this\n"
+           "program; others: what else the machine did.\n";
     if (const Run* const one = ofOneViewer(report)) out += beside(report, *one);
     if (!report.broken.empty()) out += "\n## Budgets that do not hold\n\n";
     for (const std::string& line : report.broken) out += "- " + line + '\n';
@@ -190,7 +195,8 @@ std::string plot(const Report& report) {
         for (const Published& published : kPublished) {
             if (!std::string_view(published.name).starts_with("shared")) continue;
             for (const unsigned viewers : kPublishedViewers)
-                add(published.name, group, viewers, *perViewer(published, viewers), viewers == kPublishedViewers.back());
+                add(published.name, group, viewers, *perViewer(published, viewers),
+                    viewers == kPublishedViewers.back());
             ++group;
         }
     }

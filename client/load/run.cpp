@@ -21,6 +21,8 @@ double Run::mostFps() const { return double(*std::max_element(frames.begin(), fr
 
 double Run::ageMs(double fraction) const { return double(client::percentile(ages_ms, fraction).value_or(NAN)); }
 
-double Run::latencyMs(double fraction) const { return double(client::percentile(latencies_ms, fraction).value_or(NAN)); }
+double Run::latencyMs(double fraction) const {
+    return double(client::percentile(latencies_ms, fraction).value_or(NAN));
+}
 
 } // namespace brume::load

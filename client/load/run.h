@@ -11,12 +11,13 @@ namespace brume::load {
 // What the server spent in a run; NaN for what it does not export. "At the end" marks values that are not sums over
 // the run.
 struct ServerCost {
-    double cpu_s = 0;                   // all threads
-    double shared_s = 0, views_s = 0;   // device time: passes made once for all viewers, passes of each view
-    double batches = 0, rendered = 0;   // submissions to the device, frames
-    double superseded = 0;              // frames that a newer one replaced before they were sent
-    double memory_bytes = 0;            // resident memory, at the end
-    double plan_error = 0, relaxed = 0; // at the end: the plan's relative RMSE, and steps of accuracy given up under overload
+    double cpu_s = 0;                 // all threads
+    double shared_s = 0, views_s = 0; // device time: passes made once for all viewers, passes of each view
+    double batches = 0, rendered = 0; // submissions to the device, frames
+    double superseded = 0;            // frames that a newer one replaced before they were sent
+    double memory_bytes = 0;          // resident memory, at the end
+    double plan_error = 0,
+           relaxed = 0; // at the end: the plan's relative RMSE, and steps of accuracy given up under overload
     std::map<std::string, double> passes_ms; // at the end: device time of each pass, smoothed
 };
 

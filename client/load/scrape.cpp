@@ -39,11 +39,12 @@ struct Get {
         if (!server.token.empty()) request.set(http::field::authorization, "Bearer " + server.token);
         server.tls ? stream.emplace(beast::tcp_stream(io), tls.of(server.ca)) : stream.emplace(beast::tcp_stream(io));
         if (server.tls) (void)client::expectHost(*stream->tls(), server.host);
-        resolver.async_resolve(
-            server.host, std::to_string(server.port), [this](error_code error, const tcp::resolver::results_type& found) {
-                if ((failure = error)) return;
-                stream->tcp().async_connect(found, [this](error_code e, const tcp::endpoint&) { connected(e); });
-            });
+        resolver.async_resolve(server.host, std::to_string(server.port),
+                               [this](error_code error, const tcp::resolver::results_type& found) {
+                                   if ((failure = error)) return;
+                                   stream->tcp().async_connect(
+                                       found, [this](error_code e, const tcp::endpoint&) { connected(e); });
+                               });
     }
     void connected(error_code error) {
         if ((failure = error)) return;

@@ -22,7 +22,8 @@ std::string lastLine(std::string text) {
 std::unique_ptr<Process> start(const Options& options) {
     const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "brume-server";
     if (!std::filesystem::exists(program)) throw std::runtime_error("there is no server to start: " + program.string());
-    const std::string room = std::to_string(std::max(32u, *std::max_element(options.viewers.begin(), options.viewers.end())));
+    const std::string room =
+        std::to_string(std::max(32u, *std::max_element(options.viewers.begin(), options.viewers.end())));
     const std::string sockets = std::to_string(2 * kMostViewers);
     std::vector<std::string> command{program.string(),
                                      "--port",
@@ -37,7 +38,8 @@ std::unique_ptr<Process> start(const Options& options) {
                                      sockets,
                                      "--max-connections-per-address",
                                      sockets};
-    command.insert(command.end(), options.server_arguments.begin(), options.server_arguments.end()); // the last one wins
+    command.insert(command.end(), options.server_arguments.begin(),
+                   options.server_arguments.end()); // the last one wins
     return std::make_unique<Process>(command);
 }
 
@@ -82,7 +84,8 @@ std::string Server::ended() {
     const auto code = process_->exitCode(milliseconds(500)); // its sockets close a moment before it is gone
     if (!code) return {};
     const std::string words = lastLine(process_->err());
-    return "it ended " + (*code < 0 ? "by signal " + std::to_string(-*code) : "with exit code " + std::to_string(*code)) +
+    return "it ended " +
+           (*code < 0 ? "by signal " + std::to_string(-*code) : "with exit code " + std::to_string(*code)) +
            (words.empty() ? "" : ", saying: " + words);
 }
 
@@ -100,7 +103,8 @@ ServerCost costBetween(const Series& before, const Series& after) {
     cost.relaxed = at(after, "brume_plan_relaxed");
     constexpr std::string_view pass = "brume_pass_seconds{pass=\"";
     for (const auto& [name, seconds] : after)
-        if (name.starts_with(pass)) cost.passes_ms[name.substr(pass.size(), name.size() - pass.size() - 2)] = seconds * 1e3;
+        if (name.starts_with(pass))
+            cost.passes_ms[name.substr(pass.size(), name.size() - pass.size() - 2)] = seconds * 1e3;
     return cost;
 }
 

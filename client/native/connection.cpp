@@ -80,35 +80,38 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
 
     // Resolve, connect, shake hands, then read for ever: each step starts the next.
     void resolve() {
-        resolver.async_resolve(endpoint.host, std::to_string(endpoint.port),
-                               [this, self = shared_from_this()](error_code error, const tcp::resolver::results_type& addresses) {
-                                   if (state == State::closed) return;
-                                   if (error) return cannotConnect(error.message(), "is the host's name right?");
-                                   connect(addresses);
-                               });
+        resolver.async_resolve(
+            endpoint.host, std::to_string(endpoint.port),
+            [this, self = shared_from_this()](error_code error, const tcp::resolver::results_type& addresses) {
+                if (state == State::closed) return;
+                if (error) return cannotConnect(error.message(), "is the host's name right?");
+                connect(addresses);
+            });
     }
 
     void connect(const tcp::resolver::results_type& addresses) {
         auto& tcp_stream = stream.next_layer().tcp();
         tcp_stream.expires_after(timeout);
-        tcp_stream.async_connect(addresses,
-                                 [this, self = shared_from_this(), &tcp_stream](error_code error, const tcp::endpoint&) {
-                                     if (state == State::closed) return;
-                                     if (error) return cannotConnect(reasonOf(error), "is the server running there?");
-                                     error_code ignored; // a socket that cannot do it still works, only later
-                                     tcp_stream.socket().set_option(tcp::no_delay(true), ignored);
-                                     endpoint.tls ? secure() : shakeHands();
-                                 });
+        tcp_stream.async_connect(
+            addresses, [this, self = shared_from_this(), &tcp_stream](error_code error, const tcp::endpoint&) {
+                if (state == State::closed) return;
+                if (error) return cannotConnect(reasonOf(error), "is the server running there?");
+                error_code ignored; // a socket that cannot do it still works, only later
+                tcp_stream.socket().set_option(tcp::no_delay(true), ignored);
+                endpoint.tls ? secure() : shakeHands();
+            });
     }
 
     void secure() {
         auto& tls = *stream.next_layer().tls();
-        if (const std::string why = expectHost(tls, endpoint.host); !why.empty()) return cannotConnect(why, "is its name right?");
+        if (const std::string why = expectHost(tls, endpoint.host); !why.empty())
+            return cannotConnect(why, "is its name right?");
         tls.async_handshake(asio::ssl::stream_base::client, [this, self = shared_from_this()](error_code error) {
             if (state == State::closed) return;
             refused = error && SSL_get_verify_result(stream.next_layer().tls()->native_handle()) != X509_V_OK;
             if (error)
-                return cannotConnect(tlsFault(*stream.next_layer().tls(), error, reasonOf(error)), "is it TLS there? --ca");
+                return cannotConnect(tlsFault(*stream.next_layer().tls(), error, reasonOf(error)),
+                                     "is it TLS there? --ca");
             shakeHands();
         });
     }
@@ -153,7 +156,8 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
             if (state == State::closed) return;
             if (error == websocket::error::closed) {
                 const auto& reason = stream.reason().reason;
-                return closedNow("the server closed the connection" + (reason.empty() ? "" : ": " + std::string(reason.c_str())));
+                return closedNow("the server closed the connection" +
+                                 (reason.empty() ? "" : ": " + std::string(reason.c_str())));
             }
             if (error) return closedNow("the connection to " + endpoint.url() + " was lost: " + reasonOf(error));
             const auto bytes = incoming.cdata();
@@ -182,7 +186,8 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
     }
 };
 
-Connection::Connection(Endpoint endpoint, std::chrono::milliseconds timeout) : Connection(std::move(endpoint), timeout, Loop()) {
+Connection::Connection(Endpoint endpoint, std::chrono::milliseconds timeout)
+    : Connection(std::move(endpoint), timeout, Loop()) {
     shared_ = false;
 }
 
@@ -236,10 +241,12 @@ void Connection::close(std::chrono::milliseconds deadline) {
     if (socket.state == State::open) {
         const auto start = std::chrono::steady_clock::now();
         socket.work(deadline, [&] { return socket.outbox.empty() || socket.state == State::closed; });
-        const auto spent = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
+        const auto spent =
+            std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
         // Frames that are on their way are read and dropped until the server's half of the handshake comes.
         if (socket.state == State::open) {
-            socket.stream.async_close(websocket::close_code::normal, [self = socket_](error_code) { self->parted = true; });
+            socket.stream.async_close(websocket::close_code::normal,
+                                      [self = socket_](error_code) { self->parted = true; });
             socket.work(deadline - spent, [&] { return socket.parted; });
         }
     }

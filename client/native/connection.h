@@ -53,7 +53,8 @@ public:
     // Runs the socket until a message has come, the state changes or the time is over. Nothing without a message.
     std::optional<Bytes> receive(std::chrono::milliseconds timeout);
 
-    // Queues a message; ignored unless open. A server that reads nothing closes the connection after kMaxUnsent messages.
+    // Queues a message; ignored unless open. A server that reads nothing closes the connection after kMaxUnsent
+    // messages.
     void send(std::span<const uint8_t> message);
     // Messages that the socket has not taken yet.
     size_t unsent() const;

@@ -9,8 +9,8 @@
 namespace brume::client {
 
 Display::Library::Library() {
-    // Left alone, SDL would go on to its off-screen driver, where nobody sees anything; SDL_VIDEODRIVER still asks for that, or
-    // for a console.
+    // Left alone, SDL would go on to its off-screen driver, where nobody sees anything; SDL_VIDEODRIVER still asks for
+    // that, or for a console.
     const bool wayland = std::getenv("WAYLAND_DISPLAY") != nullptr;
     if (!std::getenv("SDL_VIDEODRIVER")) {
         if (!wayland && !std::getenv("DISPLAY"))
@@ -22,7 +22,8 @@ Display::Library::Library() {
     SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "linear");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
     if (SDL_Init(SDL_INIT_VIDEO) != 0)
-        throw std::runtime_error("there is no display to open a window on (" + std::string(SDL_GetError()) + "): use --headless");
+        throw std::runtime_error("there is no display to open a window on (" + std::string(SDL_GetError()) +
+                                 "): use --headless");
 }
 Display::Library::~Library() { SDL_Quit(); }
 
@@ -31,11 +32,13 @@ void Display::Destroy::operator()(SDL_Renderer* renderer) const { SDL_DestroyRen
 void Display::Destroy::operator()(SDL_Texture* texture) const { SDL_DestroyTexture(texture); }
 
 Display::Display(const std::string& title, int width, int height) {
-    window_.reset(
-        SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE));
-    if (!window_) throw std::runtime_error("cannot open a window (" + std::string(SDL_GetError()) + "): use --headless");
+    window_.reset(SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height,
+                                   SDL_WINDOW_RESIZABLE));
+    if (!window_)
+        throw std::runtime_error("cannot open a window (" + std::string(SDL_GetError()) + "): use --headless");
     renderer_.reset(SDL_CreateRenderer(window_.get(), -1, SDL_RENDERER_PRESENTVSYNC));
-    if (!renderer_) throw std::runtime_error("cannot draw in a window (" + std::string(SDL_GetError()) + "): use --headless");
+    if (!renderer_)
+        throw std::runtime_error("cannot draw in a window (" + std::string(SDL_GetError()) + "): use --headless");
     present();
 }
 Display::~Display() = default;
@@ -56,7 +59,8 @@ int Display::height() const {
 
 bool Display::update(int width, int height, const std::function<bool(uint8_t*, int)>& fill) {
     if (!texture_ || width != texture_width_ || height != texture_height_) {
-        texture_.reset(SDL_CreateTexture(renderer_.get(), SDL_PIXELFORMAT_RGB888, SDL_TEXTUREACCESS_STREAMING, width, height));
+        texture_.reset(
+            SDL_CreateTexture(renderer_.get(), SDL_PIXELFORMAT_RGB888, SDL_TEXTUREACCESS_STREAMING, width, height));
         if (!texture_) throw std::runtime_error("cannot show pictures of this size: " + std::string(SDL_GetError()));
         texture_width_ = width;
         texture_height_ = height;

@@ -12,7 +12,8 @@ namespace {
 constexpr size_t kMostTokenBytes = 512; // server/net/token.h
 
 [[noreturn]] void refuse(std::string_view url, const std::string& why) {
-    throw std::invalid_argument("bad url '" + std::string(url) + "': " + why + "; write ws://host:port or wss://host:port");
+    throw std::invalid_argument("bad url '" + std::string(url) + "': " + why +
+                                "; write ws://host:port or wss://host:port");
 }
 
 uint16_t parsePort(std::string_view url, std::string_view text) {

@@ -10,8 +10,8 @@ namespace brume::client {
 namespace {
 
 constexpr float kTurnPerHeight = 2.5f; // rad for a drag over the window's height
-// What each push adds of the hand's speed: particles that a ray of some metres passes over end up about as fast as a click
-// would make them. The web client does the same.
+// What each push adds of the hand's speed: particles that a ray of some metres passes over end up about as fast as a
+// click would make them. The web client does the same.
 constexpr float kDragStrength = 0.15f;
 constexpr float kMaxPushSpeed = 60; // m/s; the server takes up to 100 on each axis
 
@@ -87,8 +87,8 @@ std::optional<Impulse> Gestures::takeImpulse(const Pose& seen, float seconds) {
     if (moved > 0) {
         const float metres = moved * 2 * std::tan(0.5f * seen.fov_y) * controls_.distance();
         const float speed = std::min(metres / std::max(seconds, 1e-3f), kMaxPushSpeed);
-        return Impulse{ray.origin, ray.direction, seen.orientation * (glm::vec3(cursor.dx, -cursor.dy, 0) * (speed / moved)),
-                       kDragStrength};
+        return Impulse{ray.origin, ray.direction,
+                       seen.orientation * (glm::vec3(cursor.dx, -cursor.dy, 0) * (speed / moved)), kDragStrength};
     }
     if (cursor.released && !cursor.dragged) return Impulse{ray.origin, ray.direction, glm::vec3(0), 1};
     return {};

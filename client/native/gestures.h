@@ -22,7 +22,8 @@ struct PushCursor {
 
 class Gestures {
 public:
-    Gestures(const CameraPath& camera, uint8_t views) : controls_(camera.position, camera.target, camera.fov_y), views_(views) {}
+    Gestures(const CameraPath& camera, uint8_t views)
+        : controls_(camera.position, camera.target, camera.fov_y), views_(views) {}
 
     void handle(const SDL_Event& event, const Display& display);
     // Moves the camera by the keys that are down.

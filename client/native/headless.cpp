@@ -22,8 +22,8 @@ constexpr milliseconds kBetweenTries{20}; // the most that Ctrl-C waits
 class Watch {
 public:
     Watch(const Options& options, Interrupt& interrupt)
-        : options_(options), interrupt_(interrupt), recorder_(options.out, options.save), statistics_(options.endpoint.url()),
-          link_(options, false) {}
+        : options_(options), interrupt_(interrupt), recorder_(options.out, options.save),
+          statistics_(options.endpoint.url()), link_(options, false) {}
 
     void run() {
         std::string failure;
@@ -63,7 +63,8 @@ private:
 
     bool done() const {
         if (options_.frames > 0 && statistics_.frames() >= options_.frames) return true;
-        return options_.seconds > 0 && first_us_ > 0 && static_cast<double>(nowUs() - first_us_) >= options_.seconds * 1e6;
+        return options_.seconds > 0 && first_us_ > 0 &&
+               static_cast<double>(nowUs() - first_us_) >= options_.seconds * 1e6;
     }
 
     void welcome(const Granted& granted) {

@@ -17,7 +17,8 @@ JpegDecoder::JpegDecoder(JpegDecoder&&) noexcept = default;
 
 bool isPng(std::span<const uint8_t> bytes) { return bytes.size() >= 8 && png_sig_cmp(bytes.data(), 0, 8) == 0; }
 
-bool JpegDecoder::decodePng(std::span<const uint8_t> png, int width, int height, uint8_t* pixels, int pitch, int format) {
+bool JpegDecoder::decodePng(std::span<const uint8_t> png, int width, int height, uint8_t* pixels, int pitch,
+                            int format) {
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     bool good = png_image_begin_read_from_memory(&image, png.data(), png.size()) != 0;
@@ -33,7 +34,8 @@ bool JpegDecoder::decodePng(std::span<const uint8_t> png, int width, int height,
     return good;
 }
 
-bool JpegDecoder::decodeAs(std::span<const uint8_t> jpeg, int width, int height, uint8_t* pixels, int pitch, int format) {
+bool JpegDecoder::decodeAs(std::span<const uint8_t> jpeg, int width, int height, uint8_t* pixels, int pitch,
+                           int format) {
     if (isPng(jpeg)) return decodePng(jpeg, width, height, pixels, pitch, format);
     int w = 0, h = 0, subsampling = 0, colour_space = 0;
     if (tjDecompressHeader3(handle_.get(), jpeg.data(), jpeg.size(), &w, &h, &subsampling, &colour_space) != 0) {
@@ -41,12 +43,13 @@ bool JpegDecoder::decodeAs(std::span<const uint8_t> jpeg, int width, int height,
         return false;
     }
     if (w != width || h != height) {
-        error_ = "a JPEG of " + std::to_string(w) + "x" + std::to_string(h) + " in a frame of " + std::to_string(width) + "x" +
-                 std::to_string(height);
+        error_ = "a JPEG of " + std::to_string(w) + "x" + std::to_string(h) + " in a frame of " +
+                 std::to_string(width) + "x" + std::to_string(height);
         return false;
     }
     // A warning (a truncated or damaged picture) is an error here: the bytes came over a reliable socket.
-    if (tjDecompress2(handle_.get(), jpeg.data(), jpeg.size(), pixels, w, pitch, h, format, TJFLAG_STOPONWARNING) != 0) {
+    if (tjDecompress2(handle_.get(), jpeg.data(), jpeg.size(), pixels, w, pitch, h, format, TJFLAG_STOPONWARNING) !=
+        0) {
         error_ = tjGetErrorStr2(handle_.get());
         return false;
     }

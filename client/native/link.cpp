@@ -52,8 +52,8 @@ void Link::check(const std::string& last_error) {
                      last_error.empty() ? "" : "; the server said: " + last_error));
 }
 
-// The next try is elsewhere: where the goodbye says, or at the other end of that when this one does not let us in. The token goes
-// along, since who sends us has it already, but nothing goes from TLS to none.
+// The next try is elsewhere: where the goodbye says, or at the other end of that when this one does not let us in. The
+// token goes along, since who sends us has it already, but nothing goes from TLS to none.
 bool Link::move() {
     if (const auto to = parseGoTo(session_->goTo()); to && (to->tls || !server_.tls)) {
         other_ = server_;
@@ -81,7 +81,8 @@ void Link::lose(const std::string& why) {
     if (!options_.reconnect || !worth_it || !patient)
         throw std::runtime_error(asked_s > 0 ? fmt::format("{} (try again in {:g} s)", why, asked_s) : why);
     if (trouble_.empty())
-        std::cerr << fmt::format("brume-client: {}; trying {} in {:.1f} s\n", why, moves ? server_.url() : "again", wait_s)
+        std::cerr << fmt::format("brume-client: {}; trying {} in {:.1f} s\n", why, moves ? server_.url() : "again",
+                                 wait_s)
                   << std::flush;
     trouble_ = why;
     session_.reset();

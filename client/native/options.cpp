@@ -47,7 +47,8 @@ void parseSize(const std::string& text, Wishes& wishes) {
 }
 
 CameraPath parseCamera(const std::string& text) {
-    const std::string allowed = "a camera: x,y,z,tx,ty,tz in metres, standing at x,y,z and looking at another point tx,ty,tz";
+    const std::string allowed =
+        "a camera: x,y,z,tx,ty,tz in metres, standing at x,y,z and looking at another point tx,ty,tz";
     const auto given = numbers<6>(text);
     if (!given) refuse("--camera", text, allowed);
     const auto& n = *given;
@@ -59,7 +60,8 @@ CameraPath parseCamera(const std::string& text) {
 }
 
 TimedImpulse parseImpulse(const std::string& text) {
-    const std::string allowed = "a push: T:ox,oy,oz,dx,dy,dz,strength with T in seconds from 0, a ray from o along d (not zero)";
+    const std::string allowed =
+        "a push: T:ox,oy,oz,dx,dy,dz,strength with T in seconds from 0, a ray from o along d (not zero)";
     const size_t colon = std::min(text.find(':'), text.size());
     const auto seconds = numbers<1>(std::string_view(text).substr(0, colon));
     const auto given = numbers<7>(std::string_view(text).substr(std::min(colon + 1, text.size())));
@@ -78,7 +80,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     std::vector<std::string> impulses;
     bool stereo = false, no_save = false, no_reconnect = false;
 
-    CLI::App app("Shows one viewer's picture of a brume server's shared cloud, in a window or without one.", "brume-client");
+    CLI::App app("Shows one viewer's picture of a brume server's shared cloud, in a window or without one.",
+                 "brume-client");
     app.set_version_flag("--version", "brume-client " BRUME_VERSION);
     app.add_option("--url", url, "The server: ws://host:port, or wss://host:port for TLS")->capture_default_str();
     app.add_option("--token-file", token_file, "File with the token that lets in; without it BRUME_TOKEN");
@@ -93,18 +96,20 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--impulse", impulses,
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
     app.add_flag("--headless", options.headless, "No window");
-    app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on")->check(CLI::Range(0, 10'000'000));
-    app.add_option("--seconds", options.seconds, "Stop so long after the first frame; 0 = go on")->check(CLI::Range(0.0, 1e7));
+    app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on")
+        ->check(CLI::Range(0, 10'000'000));
+    app.add_option("--seconds", options.seconds, "Stop so long after the first frame; 0 = go on")
+        ->check(CLI::Range(0.0, 1e7));
     app.add_option("--out", out, "Write the frames (frame-00001.jpg ...) and stats.json to this folder");
     app.add_flag("--no-save", no_save, "With --out: only stats.json, no pictures");
     app.add_option("--timeout", options.timeout, "Give a connection up after so many seconds without a frame")
         ->capture_default_str()
         ->check(CLI::Range(0.1, 3600.0));
-    app.add_flag("--no-reconnect", no_reconnect,
-                 "End when the connection is lost. Else it is tried again: in a window for ever, without one for a minute");
-    app.footer(
-        "In the window: drag to turn, wheel to come nearer, W A S D Q E to move, F to fly or orbit, Ctrl+drag to push the\n"
-        "cloud, Space to pause it for everyone, Escape to leave.");
+    app.add_flag(
+        "--no-reconnect", no_reconnect,
+        "End when the connection is lost. Else it is tried again: in a window for ever, without one for a minute");
+    app.footer("In the window: drag to turn, wheel to come nearer, W A S D Q E to move, F to fly or orbit,\n"
+               "Ctrl+drag to push the cloud, Space to pause it for everyone, Escape to leave.");
 
     try {
         app.parse(argc, argv);
@@ -125,7 +130,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         options.save = !no_save;
         options.reconnect = !no_reconnect;
         if (!out.empty() && options.save && options.frames == 0 && options.seconds == 0)
-            throw CLI::ValidationError("--out", "needs --frames or --seconds, so that the disk does not fill up (or --no-save)");
+            throw CLI::ValidationError("--out",
+                                       "needs --frames or --seconds, so that the disk does not fill up (or --no-save)");
     } catch (const CLI::Success& success) { // --help, --version
         exit_code = app.exit(success);
         return {};

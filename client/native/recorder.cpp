@@ -24,7 +24,8 @@ void writeFile(const std::filesystem::path& path, std::span<const char> bytes) {
 
 } // namespace
 
-Recorder::Recorder(std::filesystem::path folder, bool save_frames) : folder_(std::move(folder)), save_frames_(save_frames) {
+Recorder::Recorder(std::filesystem::path folder, bool save_frames)
+    : folder_(std::move(folder)), save_frames_(save_frames) {
     if (folder_.empty()) return;
     std::error_code error;
     std::filesystem::create_directories(folder_, error);

@@ -27,7 +27,8 @@ uint64_t nowUs() {
 Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, std::string resume)
     : connection_(std::move(endpoint), timeout), wishes_(wishes), resume_(std::move(resume)) {}
 
-Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop, std::string resume)
+Session::Session(Endpoint endpoint, const Wishes& wishes, std::chrono::milliseconds timeout, const Loop& loop,
+                 std::string resume)
     : connection_(std::move(endpoint), timeout, loop), wishes_(wishes), resume_(std::move(resume)) {}
 
 std::optional<Received> Session::next(std::chrono::milliseconds timeout) {
@@ -108,14 +109,15 @@ std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint
     const glm::quat& q = pose.orientation;
     const wire::Quat orientation(q.x, q.y, q.z, q.w);
     sendMessage([&](auto& b) {
-        return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width, height, nullptr,
-                                nullptr, hidden);
+        return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width,
+                                height, nullptr, nullptr, hidden);
     });
     return seq;
 }
 
 uint32_t Session::sendImpulse(const Impulse& impulse) {
-    const wire::Vec3 origin = toWire(impulse.origin), direction = toWire(impulse.direction), along = toWire(impulse.push);
+    const wire::Vec3 origin = toWire(impulse.origin), direction = toWire(impulse.direction),
+                     along = toWire(impulse.push);
     return sendCommand<wire::Impulse>(
         [&](auto& b) { return wire::CreateImpulse(b, &origin, &direction, &along, impulse.strength); });
 }

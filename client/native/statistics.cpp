@@ -16,7 +16,8 @@ struct Stage {
     std::optional<float> (*of)(const FrameRecord&);
 };
 
-// In the order in which a frame passes them; `gpu` is a part of `render`, `total` is from the pose to the presented frame.
+// In the order in which a frame passes them; `gpu` is a part of `render`, `total` is from the pose to the presented
+// frame.
 constexpr Stage kStages[] = {
     {"total", [](const FrameRecord& r) { return r.total_ms; }},
     {"network", [](const FrameRecord& r) { return r.networkMs(); }},
@@ -29,7 +30,9 @@ constexpr Stage kStages[] = {
 };
 
 // Milliseconds to the microsecond.
-Json orNull(std::optional<float> value) { return value ? Json(std::round(double(*value) * 1e3) * 1e-3) : Json(nullptr); }
+Json orNull(std::optional<float> value) {
+    return value ? Json(std::round(double(*value) * 1e3) * 1e-3) : Json(nullptr);
+}
 
 // 64 bits do not fit a JSON number that JavaScript reads.
 std::string hex(uint64_t value) { return fmt::format("{:#018x}", value); }
@@ -37,17 +40,19 @@ std::string hex(uint64_t value) { return fmt::format("{:#018x}", value); }
 Json jsonOf(const FrameRecord& r) {
     const glm::vec3 p = r.position;
     const glm::quat q = r.orientation;
-    return {
-        {"id", r.id},
-        {"tick", r.tick},
-        {"state_hash", hex(r.state_hash)},
-        {"pose",
-         {{"seq", r.pose_seq}, {"position", {p.x, p.y, p.z}}, {"orientation_xyzw", {q.x, q.y, q.z, q.w}}, {"fov_y", r.fov_y}}},
-        {"size", {r.width, r.height}},
-        {"views", r.views},
-        {"quality", r.quality},
-        {"bytes", r.bytes},
-        {"total_ms", orNull(r.total_ms)}};
+    return {{"id", r.id},
+            {"tick", r.tick},
+            {"state_hash", hex(r.state_hash)},
+            {"pose",
+             {{"seq", r.pose_seq},
+              {"position", {p.x, p.y, p.z}},
+              {"orientation_xyzw", {q.x, q.y, q.z, q.w}},
+              {"fov_y", r.fov_y}}},
+            {"size", {r.width, r.height}},
+            {"views", r.views},
+            {"quality", r.quality},
+            {"bytes", r.bytes},
+            {"total_ms", orNull(r.total_ms)}};
 }
 
 } // namespace
@@ -118,12 +123,15 @@ double Statistics::secondsShown() const {
     return records_.empty() ? 0 : static_cast<double>(records_.back().presented_us - first_us_) * 1e-6;
 }
 
-double Statistics::frameRate() const { return secondsShown() > 0 ? static_cast<double>(frames_ - 1) / secondsShown() : 0; }
+double Statistics::frameRate() const {
+    return secondsShown() > 0 ? static_cast<double>(frames_ - 1) / secondsShown() : 0;
+}
 
 double Statistics::recentRate(uint64_t since_us) const {
     size_t count = 0;
     uint64_t oldest = 0;
-    for (auto r = records_.rbegin(); r != records_.rend() && r->presented_us >= since_us; ++r, ++count) oldest = r->presented_us;
+    for (auto r = records_.rbegin(); r != records_.rend() && r->presented_us >= since_us; ++r, ++count)
+        oldest = r->presented_us;
     if (count < 2) return 0;
     return static_cast<double>(count - 1) * 1e6 / static_cast<double>(records_.back().presented_us - oldest);
 }
@@ -180,9 +188,10 @@ Json Statistics::json() const {
 }
 
 std::string Statistics::summary() const {
-    std::string text = fmt::format("{} frames in {:.2f} s ({:.1f} a second), {:.1f} kB a frame, ticks {} to {}", frames_,
-                                   secondsShown(), frameRate(), static_cast<double>(bytes_) / static_cast<double>(frames_) * 1e-3,
-                                   records_.front().tick, records_.back().tick);
+    std::string text =
+        fmt::format("{} frames in {:.2f} s ({:.1f} a second), {:.1f} kB a frame, ticks {} to {}", frames_,
+                    secondsShown(), frameRate(), static_cast<double>(bytes_) / static_cast<double>(frames_) * 1e-3,
+                    records_.front().tick, records_.back().tick);
     if (dropped_ > 0) text += fmt::format(", {} dropped for newer ones", dropped_);
     text += "\nlatency, median / 95 % (ms):";
     for (const Stage& s : kStages) {

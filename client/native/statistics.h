@@ -19,7 +19,8 @@ struct FrameRecord {
     uint32_t id = 0, pose_seq = 0;
     uint64_t tick = 0, state_hash = 0;
     uint64_t presented_us = 0;
-    std::optional<float> total_ms; // from sending the pose to presenting the frame; nothing if the echoed time is impossible
+    std::optional<float>
+        total_ms; // from sending the pose to presenting the frame; nothing if the echoed time is impossible
     float wait_ms = 0, render_ms = 0, encode_ms = 0, queue_ms = 0, gpu_ms = 0; // wire::Stages
     float decode_ms = 0;
     uint32_t bytes = 0; // message and JPEG

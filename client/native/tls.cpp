@@ -29,7 +29,8 @@ std::string expectHost(ByteStream::Tls& tls, const std::string& host) {
     boost::system::error_code error, no_address;
     boost::asio::ip::make_address(host, no_address);
     // A server with several certificates is told which; an address is not told (RFC 6066).
-    if (no_address && SSL_set_tlsext_host_name(tls.native_handle(), host.c_str()) != 1) return "the name is too long for TLS";
+    if (no_address && SSL_set_tlsext_host_name(tls.native_handle(), host.c_str()) != 1)
+        return "the name is too long for TLS";
     tls.set_verify_callback(ssl::host_name_verification(host), error);
     return error ? error.message() : "";
 }
@@ -37,7 +38,8 @@ std::string expectHost(ByteStream::Tls& tls, const std::string& host) {
 std::string tlsFault(ByteStream::Tls& tls, boost::system::error_code error, const std::string& otherwise) {
     const long verdict = SSL_get_verify_result(tls.native_handle());
     if (error.category() != boost::asio::error::get_ssl_category()) return otherwise;
-    if (verdict != X509_V_OK) return std::string("its certificate is not trusted: ") + X509_verify_cert_error_string(verdict);
+    if (verdict != X509_V_OK)
+        return std::string("its certificate is not trusted: ") + X509_verify_cert_error_string(verdict);
     return otherwise;
 }
 

@@ -31,7 +31,8 @@ constexpr milliseconds kLoopWait{4};
 class WindowedViewer {
 public:
     WindowedViewer(const Options& options, Interrupt& interrupt)
-        : options_(options), interrupt_(interrupt), recorder_(options.out, options.save), statistics_(options.endpoint.url()),
+        : options_(options), interrupt_(interrupt), recorder_(options.out, options.save),
+          statistics_(options.endpoint.url()),
           display_("brume: connecting to " + options.endpoint.url(), options.wishes.width * options.wishes.views,
                    options.wishes.height),
           wishes_(options.wishes), link_(options, true) {}
@@ -68,13 +69,15 @@ private:
 
     bool done() const {
         if (options_.frames > 0 && statistics_.frames() >= options_.frames) return true;
-        return options_.seconds > 0 && first_us_ > 0 && static_cast<double>(nowUs() - first_us_) >= options_.seconds * 1e6;
+        return options_.seconds > 0 && first_us_ > 0 &&
+               static_cast<double>(nowUs() - first_us_) >= options_.seconds * 1e6;
     }
 
     void handleEvents(uint64_t now) {
         SDL_Event event;
         while (SDL_PollEvent(&event) != 0) {
-            if (event.type == SDL_QUIT || (event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_ESCAPE)) quit_ = true;
+            if (event.type == SDL_QUIT || (event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_ESCAPE))
+                quit_ = true;
             if (event.type == SDL_WINDOWEVENT) {
                 if (event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED) resized_us_ = now;
                 if (event.window.event == SDL_WINDOWEVENT_MINIMIZED) hide(true);
@@ -207,8 +210,10 @@ private:
         const uint64_t since = now > 3 * kSecondUs ? now - 3 * kSecondUs : 0; // slow servers too show a rate
         std::string title = fmt::format("brume: {}, {:.1f} fps", scene_, statistics_.recentRate(since));
         if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
-        title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s", paused_ ? ", paused" : "");
-        if (told_us_ > 0 && now - told_us_ < kToldUs) title = "brume: " + statistics_.lastError(); // such as: this role may not
+        title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s",
+                             paused_ ? ", paused" : "");
+        if (told_us_ > 0 && now - told_us_ < kToldUs)
+            title = "brume: " + statistics_.lastError(); // such as: this role may not
         display_.setTitle(title);
     }
 

@@ -52,8 +52,8 @@ private:
     std::unique_ptr<Base> held_;
 };
 
-// An AsyncReadStream and AsyncWriteStream of Asio, and a lowest layer for Beast's WebSocket. What works on sockets is compiled
-// once, for AnyHandler: Beast has dozens of handlers, for each of which TCP and TLS would take seconds.
+// An AsyncReadStream and AsyncWriteStream of Asio, and a lowest layer for Beast's WebSocket. What works on sockets is
+// compiled once, for AnyHandler: Beast has dozens of handlers, for each of which TCP and TLS would take seconds.
 class ByteStream {
 public:
     using Tcp = boost::beast::tcp_stream;
@@ -62,7 +62,8 @@ public:
 
     explicit ByteStream(Tcp tcp) : stream_(std::in_place_type<Tcp>, std::move(tcp)) {}
     // `context` outlives the stream.
-    ByteStream(Tcp tcp, boost::asio::ssl::context& context) : stream_(std::in_place_type<Tls>, std::move(tcp), context) {}
+    ByteStream(Tcp tcp, boost::asio::ssl::context& context)
+        : stream_(std::in_place_type<Tls>, std::move(tcp), context) {}
 
     executor_type get_executor() { return tcp().get_executor(); }
     Tcp& tcp() { return tls() ? tls()->next_layer() : *std::get_if<Tcp>(&stream_); }
@@ -75,7 +76,8 @@ public:
         return boost::asio::async_initiate<Handler, Signature>(
             [this](auto done, const Buffers& from) {
                 boost::asio::mutable_buffer first;
-                for (auto i = boost::asio::buffer_sequence_begin(from); i != boost::asio::buffer_sequence_end(from); ++i)
+                for (auto i = boost::asio::buffer_sequence_begin(from); i != boost::asio::buffer_sequence_end(from);
+                     ++i)
                     if (first.size() == 0) first = *i;
                 readSome(first, {std::move(done), get_executor()});
             },
@@ -89,7 +91,8 @@ public:
             [this](auto done, const Buffers& from) {
                 Gathered gathered;
                 size_t count = 0;
-                for (auto i = boost::asio::buffer_sequence_begin(from); i != boost::asio::buffer_sequence_end(from); ++i) {
+                for (auto i = boost::asio::buffer_sequence_begin(from); i != boost::asio::buffer_sequence_end(from);
+                     ++i) {
                     const boost::asio::const_buffer buffer(*i);
                     if (buffer.size() > 0 && count < gathered.size()) gathered[count++] = buffer;
                 }
@@ -100,7 +103,8 @@ public:
 
 private:
     using Signature = void(boost::system::error_code, size_t);
-    using Gathered = std::array<boost::asio::const_buffer, 8>; // more than a head and a body take; the rest is written next
+    using Gathered =
+        std::array<boost::asio::const_buffer, 8>; // more than a head and a body take; the rest is written next
 
     void readSome(boost::asio::mutable_buffer buffer, AnyHandler done);
     void writeSome(const Gathered& buffers, AnyHandler done);

@@ -29,13 +29,14 @@ std::vector<uint8_t> JpegEncoder::encode(const PictureView& picture, int quality
     int failed = 0;
     if (layout.full) {
         packRgb(picture, rgb_);
-        failed = tjCompress2(handle_, rgb_.data(), width, 0, height, TJPF_RGB, &out, &size, sampling, quality, TJFLAG_NOREALLOC);
+        failed = tjCompress2(handle_, rgb_.data(), width, 0, height, TJPF_RGB, &out, &size, sampling, quality,
+                             TJFLAG_NOREALLOC);
     } else {
         const unsigned char* planes[] = {picture.bytes, picture.bytes + layout.lumaBytes(),
                                          picture.bytes + layout.lumaBytes() + layout.chromaBytes()};
         const int strides[] = {int(layout.lumaStride()), int(layout.chromaStride()), int(layout.chromaStride())};
-        failed =
-            tjCompressFromYUVPlanes(handle_, planes, width, strides, height, sampling, &out, &size, quality, TJFLAG_NOREALLOC);
+        failed = tjCompressFromYUVPlanes(handle_, planes, width, strides, height, sampling, &out, &size, quality,
+                                         TJFLAG_NOREALLOC);
     }
     if (failed != 0) throw std::runtime_error(std::string("libjpeg-turbo: ") + tjGetErrorStr2(handle_));
     return {scratch_.begin(), scratch_.begin() + std::ptrdiff_t(size)};

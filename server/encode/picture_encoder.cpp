@@ -10,7 +10,9 @@ namespace {
 constexpr size_t kMostPng = 4 << 20; // bytes; a larger picture comes as JPEG of the following quality, 4:4:4
 constexpr uint8_t kNearlyLossless = 97;
 
-PictureBytes shared(std::vector<uint8_t> bytes) { return std::make_shared<const std::vector<uint8_t>>(std::move(bytes)); }
+PictureBytes shared(std::vector<uint8_t> bytes) {
+    return std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+}
 
 } // namespace
 

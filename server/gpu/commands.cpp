@@ -123,8 +123,8 @@ bool Commands::wait(uint64_t timeout_ns) const {
 std::span<const PassSample> Commands::readTimes() {
     if (passes_.empty()) return {};
     const uint32_t count = uint32_t(2 * passes_.size());
-    check(vkGetQueryPoolResults(device_.handle(), queries_, 0, count, count * sizeof(uint64_t), stamps_.data(), sizeof(uint64_t),
-                                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+    check(vkGetQueryPoolResults(device_.handle(), queries_, 0, count, count * sizeof(uint64_t), stamps_.data(),
+                                sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
           "vkGetQueryPoolResults");
     const double ms_per_unit = double(device_.properties().limits.timestampPeriod) * 1e-6;
     for (size_t i = 0; i < passes_.size(); ++i) {
@@ -134,8 +134,9 @@ std::span<const PassSample> Commands::readTimes() {
         passes_[i].ms = float(double(end - stamps_[2 * i]) * ms_per_unit);
     }
     if (fragments_) {
-        check(vkGetQueryPoolResults(device_.handle(), fragments_, 0, count / 2, count / 2 * sizeof(uint64_t), counts_.data(),
-                                    sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+        check(vkGetQueryPoolResults(device_.handle(), fragments_, 0, count / 2, count / 2 * sizeof(uint64_t),
+                                    counts_.data(), sizeof(uint64_t),
+                                    VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
               "vkGetQueryPoolResults");
         for (size_t i = 0; i < passes_.size(); ++i) passes_[i].fragments = counts_[i];
     }
@@ -158,7 +159,8 @@ Commands::Pass::Pass(Commands& commands, const char* name, uint32_t view) : comm
 
 Commands::Pass::~Pass() {
     if (timed_ && commands_.fragments_) vkCmdEndQuery(commands_.cmd_, commands_.fragments_, query_ / 2);
-    if (timed_) vkCmdWriteTimestamp2(commands_.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.queries_, query_ + 1);
+    if (timed_)
+        vkCmdWriteTimestamp2(commands_.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.queries_, query_ + 1);
     if (commands_.device_.endLabel) commands_.device_.endLabel(commands_.cmd_);
 }
 
@@ -184,7 +186,9 @@ constexpr VkAccessFlags2 kTarget = VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_AC
 
 } // namespace
 
-void computeToCompute(VkCommandBuffer cmd) { barrier(cmd, kCompute, kShaderWrite, kCompute, kShaderRead | kShaderWrite); }
+void computeToCompute(VkCommandBuffer cmd) {
+    barrier(cmd, kCompute, kShaderWrite, kCompute, kShaderRead | kShaderWrite);
+}
 void computeToDraw(VkCommandBuffer cmd) {
     barrier(cmd, kCompute, kShaderWrite, kDraw, kShaderRead | kTarget | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
 }
@@ -201,8 +205,8 @@ void transferToHost(VkCommandBuffer cmd) {
     barrier(cmd, kCopy, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
 }
 void everythingBefore(VkCommandBuffer cmd) {
-    barrier(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-            VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
+    barrier(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+            VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
 }
 
 void toGeneral(VkCommandBuffer cmd, const Image& image) {

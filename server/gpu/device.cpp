@@ -69,7 +69,8 @@ Subgroups subgroups(VkPhysicalDevice device) {
     VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v11, {}};
     vkGetPhysicalDeviceProperties2(device, &all);
     const bool compute = (v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
-    return {compute ? v11.subgroupSupportedOperations : 0, std::min(v11.subgroupSize, std::max(v13.minSubgroupSize, 1u))};
+    return {compute ? v11.subgroupSupportedOperations : 0,
+            std::min(v11.subgroupSize, std::max(v13.minSubgroupSize, 1u))};
 }
 
 bool hasFormatFeature(VkPhysicalDevice device, VkFormat format, VkFormatFeatureFlags feature) {
@@ -89,11 +90,12 @@ std::string missing(VkPhysicalDevice device) {
     if (!f.v12.timelineSemaphore) return "timelineSemaphore";                   // Commands: waiting for a submission
     if (!f.v12.subgroupBroadcastDynamicId) return "subgroupBroadcastDynamicId"; // lib/tile_members.glsl: slabs, grid
     if (!f.v13.dynamicRendering) return "dynamicRendering";                     // beginDrawing()
-    if (!f.v13.synchronization2) return "synchronization2";                     // barriers, timestamps, Commands::submit()
+    if (!f.v13.synchronization2) return "synchronization2"; // barriers, timestamps, Commands::submit()
     if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations)
         return "subgroup votes, ballots and shuffles";
-    if (properties.limits.maxComputeWorkGroupInvocations < 256) return "workgroups of 256 lanes";            // sort_scan.comp
-    if (properties.limits.maxPerStageDescriptorStorageBuffers < 6) return "six storage buffers of a shader"; // tiles_project.comp
+    if (properties.limits.maxComputeWorkGroupInvocations < 256) return "workgroups of 256 lanes"; // sort_scan.comp
+    if (properties.limits.maxPerStageDescriptorStorageBuffers < 6)
+        return "six storage buffers of a shader"; // tiles_project.comp
     // The opaque shadow map keeps the largest value; the raster methods blend radiance and transmittance.
     if (!hasFormatFeature(device, VK_FORMAT_R32_SFLOAT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT) ||
         !hasFormatFeature(device, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT))
@@ -145,7 +147,8 @@ std::string resultName(VkResult result) {
 void check(VkResult result, const char* what) {
     if (result >= 0) return;
     const std::string text = std::string(what) + ": " + resultName(result);
-    if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost(text + "; the Vulkan device was lost, start brume-server again");
+    if (result == VK_ERROR_DEVICE_LOST)
+        throw DeviceLost(text + "; the Vulkan device was lost, start brume-server again");
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
         throw Error(text + "; use smaller pictures, fewer viewers or fewer particles");
     throw Error(text);
@@ -182,7 +185,8 @@ void Device::createInstance(const DeviceOptions& options) {
     std::vector<const char*> layers, extensions;
     if (options.validation) {
         if (!hasLayer(kValidationLayer))
-            throw Error("the Vulkan validation layer is not installed; install vulkan-validationlayers or leave validation off");
+            throw Error("the Vulkan validation layer is not installed; install vulkan-validationlayers or leave "
+                        "validation off");
         layers.push_back(kValidationLayer);
     }
     labels_ = hasInstanceExtension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
@@ -193,7 +197,8 @@ void Device::createInstance(const DeviceOptions& options) {
     app.apiVersion = VK_API_VERSION_1_3;
 
     VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
-    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageSeverity =
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
     messenger.pfnUserCallback = onMessage;
     messenger.pUserData = this;
@@ -229,7 +234,8 @@ void Device::pickPhysicalDevice(const std::string& wanted) {
     std::vector<VkPhysicalDevice> devices(count);
     check(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices");
     if (devices.empty())
-        throw Error("no Vulkan device found; install a driver (mesa-vulkan-drivers has a CPU driver that works everywhere)");
+        throw Error(
+            "no Vulkan device found; install a driver (mesa-vulkan-drivers has a CPU driver that works everywhere)");
 
     std::string seen;
     int best = 100;
@@ -237,7 +243,8 @@ void Device::pickPhysicalDevice(const std::string& wanted) {
         VkPhysicalDeviceProperties properties;
         vkGetPhysicalDeviceProperties(device, &properties);
         const std::string lacks = missing(device);
-        seen += std::string(seen.empty() ? "" : ", ") + properties.deviceName + (lacks.empty() ? "" : " (lacks " + lacks + ")");
+        seen += std::string(seen.empty() ? "" : ", ") + properties.deviceName +
+                (lacks.empty() ? "" : " (lacks " + lacks + ")");
         if (!lacks.empty() || std::string_view(properties.deviceName).find(wanted) == std::string_view::npos) continue;
         if (rank(properties.deviceType) < best) {
             best = rank(properties.deviceType);
@@ -298,7 +305,8 @@ void Device::createDevice(const DeviceOptions& options) {
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 
     const auto load = [&](auto& function, const char* function_name) {
-        function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(vkGetDeviceProcAddr(device_, function_name));
+        function =
+            reinterpret_cast<std::remove_reference_t<decltype(function)>>(vkGetDeviceProcAddr(device_, function_name));
     };
     if (mesh_shaders_) load(drawMeshTasksIndirect, "vkCmdDrawMeshTasksIndirectEXT");
     if (labels_) {

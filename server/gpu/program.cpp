@@ -66,7 +66,10 @@ Resource storageImage(uint32_t binding, const Image& image) {
     return {binding, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, {}, {VK_NULL_HANDLE, image.view(), VK_IMAGE_LAYOUT_GENERAL}};
 }
 Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampler) {
-    return {binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, {}, {sampler.handle(), image.view(), VK_IMAGE_LAYOUT_GENERAL}};
+    return {binding,
+            VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+            {},
+            {sampler.handle(), image.view(), VK_IMAGE_LAYOUT_GENERAL}};
 }
 
 Program::Program(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants,
@@ -110,7 +113,8 @@ void Program::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_
     } guard{context};
     const auto need = [&](spvc_result result) {
         if (result != SPVC_SUCCESS)
-            throw Error(std::string(shader.name) + ": the SPIR-V cannot be read: " + spvc_context_get_last_error_string(context));
+            throw Error(std::string(shader.name) +
+                        ": the SPIR-V cannot be read: " + spvc_context_get_last_error_string(context));
     };
     spvc_parsed_ir ir = nullptr;
     need(spvc_context_parse_spirv(context, shader.words.data(), shader.words.size(), &ir));
@@ -138,14 +142,15 @@ void Program::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_
             if (known == expected_.end())
                 expected_.push_back({binding, type, list[i].name});
             else if (known->type != type)
-                throw Error(std::string(shader.name) + ": binding " + std::to_string(binding) + " is used as two kinds");
+                throw Error(std::string(shader.name) + ": binding " + std::to_string(binding) +
+                            " is used as two kinds");
         }
     }
     need(spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &list, &count));
     for (size_t i = 0; i < count; ++i) {
         size_t bytes = 0;
-        need(spvc_compiler_get_declared_struct_size(compiler, spvc_compiler_get_type_handle(compiler, list[i].base_type_id),
-                                                    &bytes));
+        need(spvc_compiler_get_declared_struct_size(
+            compiler, spvc_compiler_get_type_handle(compiler, list[i].base_type_id), &bytes));
         if (push_bytes_ && push_bytes_ != bytes)
             throw Error(std::string(shader.name) + ": stages disagree on the push constants");
         push_bytes_ = uint32_t(bytes);
@@ -190,7 +195,8 @@ void Program::bind(Commands& commands, std::span<const Resource> resources, std:
         const auto given =
             std::find_if(resources.begin(), resources.end(), [&](const auto& r) { return r.binding == e.binding; });
         if (given == resources.end() || given->type != e.type)
-            throw Error(name_ + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" + e.name + "'");
+            throw Error(name_ + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" +
+                        e.name + "'");
         checkRange(*given, e);
         VkWriteDescriptorSet& write = writes[count++];
         write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
@@ -212,8 +218,10 @@ void Program::bind(Commands& commands, std::span<const Resource> resources, std:
     if (push_bytes_) vkCmdPushConstants(cmd, layout_, stages_, 0, push_bytes_, push.data());
 }
 
-ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader, std::initializer_list<SpecConstant> constants)
-    : Program(device, std::span(&shader, 1), std::span(constants.begin(), constants.size()), VK_PIPELINE_BIND_POINT_COMPUTE) {
+ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader,
+                               std::initializer_list<SpecConstant> constants)
+    : Program(device, std::span(&shader, 1), std::span(constants.begin(), constants.size()),
+              VK_PIPELINE_BIND_POINT_COMPUTE) {
     const ShaderModule module(device.handle(), shader);
     const Specialization special(std::span(constants.begin(), constants.size()));
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
@@ -286,7 +294,8 @@ GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCod
     info.pColorBlendState = &blend;
     info.pDynamicState = &dynamic;
     info.layout = layout_;
-    check(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), shaders.front().name);
+    check(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_),
+          shaders.front().name);
 }
 
 } // namespace brume::gpu

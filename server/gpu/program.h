@@ -35,7 +35,8 @@ struct Resource {
     VkDescriptorBufferInfo buffer{};
     VkDescriptorImageInfo image{};
 };
-Resource storageBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset = 0, VkDeviceSize size = VK_WHOLE_SIZE);
+Resource storageBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset = 0,
+                       VkDeviceSize size = VK_WHOLE_SIZE);
 Resource uniformBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size);
 Resource storageImage(uint32_t binding, const Image& image);
 Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampler);

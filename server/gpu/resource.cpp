@@ -75,7 +75,8 @@ Buffer::~Buffer() {
     vkDestroyBuffer(device_, buffer_, nullptr);
 }
 
-void Buffer::atLeast(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, Memory memory, const char* name) {
+void Buffer::atLeast(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, Memory memory,
+                     const char* name) {
     if (size_ < bytes) *this = Buffer(device, bytes, usage, memory, name);
 }
 
@@ -89,8 +90,8 @@ void Buffer::swap(Buffer& other) noexcept {
 
 void Buffer::checkRange(VkDeviceSize offset, VkDeviceSize bytes) const {
     if (!mapped_ || offset > size_ || bytes > size_ - offset)
-        throw Error("access to bytes " + std::to_string(offset) + " + " + std::to_string(bytes) + " of a mapped buffer of " +
-                    std::to_string(size_));
+        throw Error("access to bytes " + std::to_string(offset) + " + " + std::to_string(bytes) +
+                    " of a mapped buffer of " + std::to_string(size_));
 }
 
 void Buffer::invalidate() const {
@@ -103,7 +104,8 @@ void Buffer::flush() const {
     check(vkFlushMappedMemoryRanges(device_, 1, &range), "vkFlushMappedMemoryRanges");
 }
 
-Image::Image(const Device& device, const ImageInfo& image_info, const char* name) : device_(device.handle()), info_(image_info) {
+Image::Image(const Device& device, const ImageInfo& image_info, const char* name)
+    : device_(device.handle()), info_(image_info) {
     const uint32_t layers = info_.layers ? info_.layers : 1;
     VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     info.imageType = VK_IMAGE_TYPE_2D;

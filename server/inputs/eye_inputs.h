@@ -14,8 +14,8 @@ struct RenderTarget {
     gpu::Image view_depth; // R32F: m, of the nearest opaque surface
 };
 
-// EyeInputs describes two pictures of one eye. size, step, pose and eye are of the drawn pixels; block and view_block are
-// of the finished picture, with step x step pixels for each drawn one.
+// EyeInputs describes two pictures of one eye. size, step, pose and eye are of the drawn pixels; block and view_block
+// are of the finished picture, with step x step pixels for each drawn one.
 struct EyeInputs {
     const TickInputs* shared = nullptr;
     const MediumView* medium = nullptr;

@@ -63,7 +63,8 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.anisotropy = now.medium.anisotropy;
     tick.asymmetry = now.medium.asymmetry;
     tick.sun.irradiance = now.light.irradiance;
-    if (tick.sun.to_light.y <= 0 && !scene.planes.empty()) tick.sun.irradiance = glm::vec3(0); // the light is below the ground
+    if (tick.sun.to_light.y <= 0 && !scene.planes.empty())
+        tick.sun.irradiance = glm::vec3(0); // the light is below the ground
     tick.particle_count = uint32_t(particles.size());
     tick.cut = std::clamp(now.render.cutoff / float(std::max<size_t>(particles.size(), 1)), kLeastCut, kMostCut);
     tick.ambient = scene.sky.ambient;

@@ -1,4 +1,5 @@
-// What all eyes of one submission share: the scene beside its particles, the light's maps, and where finished pictures go.
+// What all eyes of one submission share: the scene beside its particles, the light's maps, and where finished pictures
+// go.
 #pragma once
 
 #include "common/scene.h"
@@ -7,17 +8,18 @@
 namespace brume {
 
 struct TickInputs {
-    const RenderSettings* settings = nullptr;  // in use: every choice is made
-    const gpu::Buffer* objects = nullptr;      // gpu::Opaque[gpu::kMostObjects], also as a uniform block
-    uint32_t first_caster = 0;                 // number of the first object that throws shadows: ground planes come first
+    const RenderSettings* settings = nullptr; // in use: every choice is made
+    const gpu::Buffer* objects = nullptr;     // gpu::Opaque[gpu::kMostObjects], also as a uniform block
+    uint32_t first_caster = 0; // number of the first object that throws shadows: ground planes come first
     const gpu::Image* shadow_volume = nullptr; // optical depth of the medium between the light and a place
     const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
     const gpu::Buffer* planes = nullptr;       // bytes of all finished pictures, each laid out as PlaneLayout says
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;
-    float asymmetry = 0;      // g of the phase function's lobe
-    bool lobe = true;         // True: shaders are compiled with the lobe
-    bool uses_target = false; // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one
+    float asymmetry = 0; // g of the phase function's lobe
+    bool lobe = true;    // True: shaders are compiled with the lobe
+    bool uses_target =
+        false; // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one
 };
 
 } // namespace brume

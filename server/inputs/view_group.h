@@ -11,14 +11,15 @@
 namespace brume {
 
 struct ViewGroup {
-    const EyeInputs* any = nullptr;     // an eye of the group. Settings and medium are equal in all; the rest is this eye's alone
+    const EyeInputs* any =
+        nullptr; // an eye of the group. Settings and medium are equal in all; the rest is this eye's alone
     std::span<const gpu::View> views;   // on the CPU: whole pictures, or bands of their rows
     gpu::Resource block;                // the same on the device: storage buffer, binding 1
     uint32_t rate = 1, sources = 1;     // of their fields (shaders/lib/slab_field.glsl)
     uint32_t step = 1;                  // pixels between those that are shaded
     VkDeviceSize bins = 0;              // 32-bit words of bin bits for all views together
-    const gpu::Buffer* field = nullptr; // rays of these views (shaders/lib/slab_field.glsl), written by the method; null: it
-                                        // draws into RenderTarget::radiance
+    const gpu::Buffer* field = nullptr; // rays of these views (shaders/lib/slab_field.glsl), written by the method;
+                                        // null: it draws into RenderTarget::radiance
 
     // View `i` alone on the device.
     gpu::Resource blockOf(uint32_t i) const {
@@ -41,7 +42,8 @@ struct ViewGroup {
 
 // Words of gpu::View::shaded that a view needs when one pixel of step x step is shaded (shaders/lib/shaded.glsl).
 inline uint32_t shadedWords(const gpu::View& view, uint32_t step) {
-    return step == 1 ? 0 : 2 * (gpu::groups(view.eye.size.x, step) + 3) * (gpu::groups(view.end - view.first, step) + 3);
+    return step == 1 ? 0
+                     : 2 * (gpu::groups(view.eye.size.x, step) + 3) * (gpu::groups(view.end - view.first, step) + 3);
 }
 
 // The group of one eye whose medium is drawn into its target.

@@ -9,7 +9,8 @@ namespace brume {
 ParticleLight::ParticleLight(const gpu::Device& device, uint32_t capacity)
     : program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, particle_light_comp, "particle_light"}),
       lights_(device, std::max(capacity, 1u) * sizeof(gpu::ParticleLight),
-              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "particle light") {}
+              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
+              "particle light") {}
 
 void ParticleLight::record(gpu::Commands& commands, const Inputs& in, uint32_t count, float tolerance) {
     if (count == 0 || tolerance == tolerance_) return;

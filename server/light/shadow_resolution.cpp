@@ -16,12 +16,12 @@ constexpr double kMostCells = 1 << 22;
 constexpr int kBinShift = 21;
 constexpr size_t kBins = 1024;
 
-// Shares of the estimates that pictures show, from the measured errors of the shipped scenes (sweeps/shadow.toml): a line of
-// sight crosses many texels, whose errors are independent, but follows planes.
+// Shares of the estimates that pictures show, from the measured errors of the shipped scenes (sweeps/shadow.toml): a
+// line of sight crosses many texels, whose errors are independent, but follows planes.
 constexpr double kTexelShare = 0.24, kPlaneShare = 0.6, kBodyShare = 0.24;
 
-// RMS over the plane of the error of a sharpened (shared/sharpen.h) Gaussian exp(-x^2/2) between texels q apart, over sqrt(pi):
-// the leading terms, 4 % within the integral for q <= 1.4.
+// RMS over the plane of the error of a sharpened (shared/sharpen.h) Gaussian exp(-x^2/2) between texels q apart, over
+// sqrt(pi): the leading terms, 4 % within the integral for q <= 1.4.
 double gaussianError(double q) { return std::min(q * q * (0.0456 + 0.0155 * q * q), 1.0); }
 // Square root of the integrated square of the error of its depth erfc(z / sqrt 2) / 2 between planes q apart: the same.
 double depthError(double q) { return std::min(q * q * (0.0143 + 0.0024 * q * q), 1.0); }
@@ -82,7 +82,8 @@ double ShadowedMedium::texelError(double spacing) const {
     double random = 0;
     for (const Size& size : sizes_) random += kPi * size.squares * std::pow(gaussianError(spacing / size.deviation), 2);
     random *= std::min(1.0, 1 / depth_) / (size_.x * size_.y);
-    // The depth rises to 1, if it does, over half the width; where the rise begins and ends it turns within a standard deviation.
+    // The depth rises to 1, if it does, over half the width; where the rise begins and ends it turns within a standard
+    // deviation.
     const double width = std::min(size_.x, size_.y), slope = 2 * std::min(depth_, 1.0) / width;
     const double turn = slope * slope / (2 * std::sqrt(kPi) * deviation_) * 4 / width;
     return std::sqrt(kTexelShare * kTexelShare * random + kBodyShare * kBodyShare * turn * std::pow(spacing, 4) / 720);
@@ -101,17 +102,21 @@ double ShadowedMedium::planeError(double spacing) const {
 }
 
 ShadowResolution shadowResolution(const RenderSettings& settings, const ShadowedMedium& medium, glm::vec3 extent) {
-    // Errors grow with the square of a spacing, so for the fewest cells two thirds of the squared error go to the two of texels.
-    const double wanted = double(settings.shadow_error), width = double(std::max(extent.x, extent.y)), depth = double(extent.z);
-    double texel = widest([&](double h) { return medium.texelError(h); }, wanted * std::sqrt(2.0 / 3), width / 1024, width / 16);
-    double plane = widest([&](double h) { return medium.planeError(h); }, wanted * std::sqrt(1.0 / 3), depth / 126, depth / 6);
+    // Errors grow with the square of a spacing, so for the fewest cells two thirds of the squared error go to the two
+    // of texels.
+    const double wanted = double(settings.shadow_error), width = double(std::max(extent.x, extent.y)),
+                 depth = double(extent.z);
+    double texel =
+        widest([&](double h) { return medium.texelError(h); }, wanted * std::sqrt(2.0 / 3), width / 1024, width / 16);
+    double plane =
+        widest([&](double h) { return medium.planeError(h); }, wanted * std::sqrt(1.0 / 3), depth / 126, depth / 6);
 
     ShadowResolution result;
     const bool follows = settings.shadow_size == 0 || settings.shadow_slices == 0;
     for (double cells = HUGE_VAL; follows && cells > kMostCells && texel < width; texel *= 1.1, plane *= 1.1) {
         for (int axis = 0; axis < 2; ++axis)
-            result.texels[axis] =
-                settings.shadow_size ? settings.shadow_size : std::max(ladder(double(extent[axis]) / texel, 8, 1024), 16u);
+            result.texels[axis] = settings.shadow_size ? settings.shadow_size
+                                                       : std::max(ladder(double(extent[axis]) / texel, 8, 1024), 16u);
         result.slices = settings.shadow_slices ? settings.shadow_slices : ladder(depth / plane, 6, 126) + 1;
         cells = double(result.texels.x) * result.texels.y * result.slices;
     }

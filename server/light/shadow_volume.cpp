@@ -38,8 +38,9 @@ ShadowVolume::Shape ShadowVolume::shapeFor(const gpu::Device& device) {
 }
 
 ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape shape)
-    : device_(device), shape_(shape), particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
-                                                 {{gpu::kIdShadowLanes, shape.lanes}}),
+    : device_(device), shape_(shape),
+      particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
+                 {{gpu::kIdShadowLanes, shape.lanes}}),
       volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
               {{gpu::kIdShadowGroupLanes, shape.lanes * shape.tiles}, {gpu::kIdShadowLanes, shape.lanes}}) {
     light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
@@ -69,13 +70,14 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
                      gpu::groups(tick.map.slices - 1, kGroup)},
                     gpu::groups(std::max(tick.particle_count, 1u), 256) * 8};
     const VkDeviceSize bytes = VkDeviceSize(bins.tiles.x + bins.tiles.y + bins.tiles.z) * bins.words * sizeof(uint32_t);
-    bits_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device,
-                  "shadow bins");
+    bits_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                  gpu::Memory::device, "shadow bins");
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
     vkCmdFillBuffer(cmd, bits_.handle(), 0, bytes, 0);
     gpu::transferToCompute(cmd);
-    particles_.bind(commands,
-                    {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, bits_)}, bins);
+    particles_.bind(
+        commands,
+        {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, bits_)}, bins);
     vkCmdDispatch(cmd, gpu::groups(std::max(tick.particle_count, 1u), 64), 1, 1);
     gpu::computeToCompute(cmd);
 
@@ -83,11 +85,13 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     const VkDeviceSize row = VkDeviceSize(tick.map.texels.x) * image_.layers() * sizeof(glm::vec4); // of texels
     const uint32_t most_rows = uint32_t(std::clamp<VkDeviceSize>(kMostStaged / (row * kRows), 1, bins.tiles.y));
     texels_.atLeast(device_, row * std::min(tick.map.texels.y, most_rows * kRows),
-                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "shadow texels");
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
+                    "shadow texels");
     for (uint32_t first = 0; first < bins.tiles.y; first += most_rows) {
         const Band band{bins, first, std::min(most_rows, bins.tiles.y - first)};
-        volume_.bind(commands,
-                     {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)}, band);
+        volume_.bind(
+            commands,
+            {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)}, band);
         vkCmdDispatch(cmd, gpu::groups(gpu::groups(bins.tiles.x * band.rows, 8) * 8, shape_.tiles), 1, 1);
         gpu::computeToTransfer(cmd);
         VkBufferImageCopy copy{};

@@ -26,8 +26,8 @@ public:
     // if the particles are those of the last call; light and resolution are compared here. Returns true if something
     // was recorded. Its writes are then visible to compute and draws. Makes a new image if the size changed;
     // precondition: the device does not use the old one.
-    bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick, const gpu::Buffer& particles,
-                bool same_particles = false);
+    bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+                const gpu::Buffer& particles, bool same_particles = false);
 
     // RGBA32F array. A layer holds four neighbouring planes; its last plane is also the first plane of the next layer.
     const gpu::Image& image() const { return image_; }

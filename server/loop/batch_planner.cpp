@@ -15,7 +15,8 @@ double pixelsOf(const PoseRequest& request) { return double(request.width) * req
 
 } // namespace
 
-void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, Clock::time_point now) {
+void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still,
+                           Clock::time_point now) {
     due_.clear();
     requests_.clear();
     draw_requests_.clear();
@@ -55,7 +56,8 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     due_.clear();
     for (size_t i = 0; i < draw_requests_.size(); ++i)
         for (int eye = 0; draw_requests_[i].like == i && eye < requests_[i].views; ++eye)
-            out.views.push_back({eyePose(requests_[i].pose, eye, requests_[i].views), requests_[i].width, requests_[i].height});
+            out.views.push_back(
+                {eyePose(requests_[i].pose, eye, requests_[i].views), requests_[i].width, requests_[i].height});
     out.full_batch_ratio = schedule_.chosenMs() > 0 ? float(schedule_.fullBatchMs() / schedule_.chosenMs()) : 1;
     return !out.jobs.empty();
 }

@@ -1,5 +1,5 @@
-// Which viewers' pictures the next submission draws. It knows viewers, their turns and the frame budget; it has no clock and no
-// device, so that fairness and overload are tested by themselves.
+// Which viewers' pictures the next submission draws. It knows viewers, their turns and the frame budget; it has no
+// clock and no device, so that fairness and overload are tested by themselves.
 #pragma once
 
 #include <memory>
@@ -27,8 +27,9 @@ struct BatchContents {
     std::vector<BatchJob> jobs;
     std::vector<EyeRequest> eyes; // of the jobs that draw, each once
     std::vector<PlanView> views;  // every distinct picture that is due, in this batch or not: what the plan is made for
-    bool still_pictures = false;  // True: redraws views that have not changed for 150 ms, with less error and full colour
-    float full_batch_ratio = 1;   // predicted time of a batch with all due viewers / of this batch; at least 1
+    bool still_pictures =
+        false;                  // True: redraws views that have not changed for 150 ms, with less error and full colour
+    float full_batch_ratio = 1; // predicted time of a batch with all due viewers / of this batch; at least 1
 };
 
 class BatchPlanner {
@@ -38,18 +39,19 @@ public:
         double still_ratio = 1; // predicted time of a still picture / of the same while it moves
         uint64_t bytes = ~0ull; // of a batch's pictures; a viewer that exceeds them alone is drawn alone
     };
-    // Takes the due viewers that the budget allows. `scene`: a version of all that is seen. When nothing has changed for anybody,
-    // still pictures are taken. False when nobody is due.
-    bool plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits, Clock::time_point now,
-              BatchContents& out);
+    // Takes the due viewers that the budget allows. `scene`: a version of all that is seen. When nothing has changed
+    // for anybody, still pictures are taken. False when nobody is due.
+    bool plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
+              Clock::time_point now, BatchContents& out);
 
     // Of the last plan(). True: every due viewer is in the batch at full quality, and no camera has moved for 150 ms.
     bool camerasRest(Clock::time_point now) const;
     // ms of the device, predicted, for a batch with all due viewers.
     double fullBatchMs() const { return schedule_.fullBatchMs(); }
 
-    // Measured, in ms of the device: what the batch's viewers share, and each job's own. `besides`: factor on that for what the
-    // loop and the driver need. `usual`: false if pictures had less error than usual, so that viewers' own times tell nothing.
+    // Measured, in ms of the device: what the batch's viewers share, and each job's own. `besides`: factor on that for
+    // what the loop and the driver need. `usual`: false if pictures had less error than usual, so that viewers' own
+    // times tell nothing.
     void took(const BatchContents& batch, double shared_ms, double besides, bool usual);
 
     // What the device has to do for this viewer, and for how many it does.

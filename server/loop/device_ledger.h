@@ -16,8 +16,8 @@ public:
         double views_ms = 0;  // of passes for each view
         double all() const { return shared_ms + views_ms; }
     };
-    // Takes the times of a batch's passes: gives each job its gpu_ms, where passes that draw several views together count by
-    // pixels, and smooths the times of passes.
+    // Takes the times of a batch's passes: gives each job its gpu_ms, where passes that draw several views together
+    // count by pixels, and smooths the times of passes.
     Times book(std::span<const gpu::PassSample> samples, BatchContents& batch);
 
     // Every pass there ever was: ms of the device for one view, or for all, smoothed.

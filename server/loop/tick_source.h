@@ -16,7 +16,8 @@ public:
     virtual ~TickSource() = default;
     // When the next tick is due; Clock::time_point::max() when there are no more.
     virtual Clock::time_point due() const = 0;
-    // Takes the next tick if it is due at `now`: `commands` are then those that it takes, in order. False if none is due.
+    // Takes the next tick if it is due at `now`: `commands` are then those that it takes, in order. False if none is
+    // due.
     virtual bool take(Clock::time_point now, std::vector<Command>& commands) = 0;
 };
 

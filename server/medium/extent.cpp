@@ -25,8 +25,8 @@ MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float fallof
         const float u = p.scale * falloff;
         if (!(p.sigma_t * u * 0.25066282746310005f > cut)) continue;
         // Most lie so far inside that no radius can matter.
-        const bool inside =
-            glm::all(glm::greaterThan(p.centre - most, extent.lo)) && glm::all(glm::lessThan(p.centre + most, extent.hi));
+        const bool inside = glm::all(glm::greaterThan(p.centre - most, extent.lo)) &&
+                            glm::all(glm::lessThan(p.centre + most, extent.hi));
         if (!inside) {
             const float radius = physics::supportRadius(p.sigma_t, u, cut);
             extent.lo = glm::min(extent.lo, p.centre - radius);

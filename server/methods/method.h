@@ -1,6 +1,6 @@
-// Method: the half of a medium method that runs on the device. MethodPlan (server/plan/method_plan.h) is the other half: what
-// it costs and how far it errs.
-// A new method is a folder beside this file, its shaders and one line in list.h (docs/extending.md).
+// Method: the half of a medium method that runs on the device. MethodPlan (server/plan/method_plan.h) is the other
+// half: what it costs and how far it errs. A new method is a folder beside this file, its shaders and one line in
+// list.h (docs/extending.md).
 #pragma once
 
 #include <memory>
@@ -17,8 +17,8 @@ namespace brume {
 struct MethodNeeds {
     bool particle_light = false; // True: it reads MediumView::light
     bool one_medium = false;     // True: it reads particles in recordTick() only, so all eyes see the same list of them
-    bool draws = true;           // True: it writes RenderTarget::radiance, and may be given every 2nd, 4th or 8th pixel only.
-                                 // False: it makes a field that Compose samples
+    bool draws = true; // True: it writes RenderTarget::radiance, and may be given every 2nd, 4th or 8th pixel only.
+                       // False: it makes a field that Compose samples
 };
 
 class Method {
@@ -26,19 +26,19 @@ public:
     virtual ~Method() = default;
     virtual MethodNeeds needs() const { return {}; }
 
-    // Grows buffers for a submission's eyes and returns its groups in the order of drawing. Called once per submission, before
-    // recordTick(), while nothing of the method is on the device. Precondition: there are eyes and particles. The result is
-    // valid until the next call.
+    // Grows buffers for a submission's eyes and returns its groups in the order of drawing. Called once per submission,
+    // before recordTick(), while nothing of the method is on the device. Precondition: there are eyes and particles.
+    // The result is valid until the next call.
     virtual std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) {
         drawnOneByOne(eyes, groups_);
         return groups_;
     }
-    // Records what all eyes of the submission share. `medium`: the first eye's list, which with MethodNeeds::one_medium is
-    // everyone's. Ends with its writes visible to compute.
+    // Records what all eyes of the submission share. `medium`: the first eye's list, which with MethodNeeds::one_medium
+    // is everyone's. Ends with its writes visible to compute.
     virtual void recordTick(gpu::Commands& /*commands*/, const TickInputs& /*tick*/, const MediumView& /*medium*/) {}
-    // Records the medium of one group: into its target, over the background that compute passes have written there, or into
-    // its field. The group comes from prepare(); with MethodNeeds::draws it may also be a coarse picture of one eye.
-    // Ends with its writes visible to compute.
+    // Records the medium of one group: into its target, over the background that compute passes have written there, or
+    // into its field. The group comes from prepare(); with MethodNeeds::draws it may also be a coarse picture of one
+    // eye. Ends with its writes visible to compute.
     virtual void recordGroup(gpu::Commands& commands, const ViewGroup& group) = 0;
 
 protected:
@@ -54,7 +54,8 @@ struct MethodContext {
     SceneFeatures features;
 };
 
-// Throws gpu::Error for an unknown name; its text lists the known ones. Precondition: checkSettings() is empty (plans.h).
+// Throws gpu::Error for an unknown name; its text lists the known ones. Precondition: checkSettings() is empty
+// (plans.h).
 std::unique_ptr<Method> makeMethod(const MethodContext& context);
 
 } // namespace brume

@@ -9,9 +9,9 @@
 
 namespace brume {
 
-#define BRUME_METHOD(name)                                                                                                       \
-    namespace methods::name {                                                                                                    \
-    const MethodPlan& plan();                                                                                                    \
+#define BRUME_METHOD(name)                                                                                             \
+    namespace methods::name {                                                                                          \
+    const MethodPlan& plan();                                                                                          \
     }
 #include "server/methods/list.h"
 #undef BRUME_METHOD

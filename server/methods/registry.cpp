@@ -4,17 +4,17 @@
 
 namespace brume {
 
-#define BRUME_METHOD(name)                                                                                                       \
-    namespace methods::name {                                                                                                    \
-    const MethodPlan& plan();                                                                                                    \
-    std::unique_ptr<Method> make(const MethodContext& context);                                                                  \
+#define BRUME_METHOD(name)                                                                                             \
+    namespace methods::name {                                                                                          \
+    const MethodPlan& plan();                                                                                          \
+    std::unique_ptr<Method> make(const MethodContext& context);                                                        \
     }
 #include "server/methods/list.h"
 #undef BRUME_METHOD
 
 std::unique_ptr<Method> makeMethod(const MethodContext& context) {
     const MethodPlan* wanted = planOf(context.settings.method);
-#define BRUME_METHOD(name)                                                                                                       \
+#define BRUME_METHOD(name)                                                                                             \
     if (wanted == &methods::name::plan()) return methods::name::make(context);
 #include "server/methods/list.h"
 #undef BRUME_METHOD

@@ -43,7 +43,8 @@ pm::MetricFamily processCpu() {
 pm::MetricFamily processMemory() {
     double all_pages = 0, resident_pages = 0;
     std::ifstream("/proc/self/statm") >> all_pages >> resident_pages;
-    return gauge("process_resident_memory_bytes", "Memory that is in RAM.", resident_pages * double(::sysconf(_SC_PAGESIZE)));
+    return gauge("process_resident_memory_bytes", "Memory that is in RAM.",
+                 resident_pages * double(::sysconf(_SC_PAGESIZE)));
 }
 
 pm::MetricFamily openDescriptors() {
@@ -114,15 +115,15 @@ private:
 
 // How many viewers are at each of a few values; all of them, also where nobody is.
 template <class Of>
-void count(pm::MetricFamily& family, std::vector<pm::ClientMetric::Label> label, const char* name, uint32_t lo, uint32_t hi,
-           const std::vector<Viewer::Link>& links, Of of) {
+void count(pm::MetricFamily& family, std::vector<pm::ClientMetric::Label> label, const char* name, uint32_t lo,
+           uint32_t hi, const std::vector<Viewer::Link>& links, Of of) {
     label.push_back({name, ""});
     for (uint32_t value = lo; value <= hi; ++value) {
         pm::ClientMetric metric;
         label.back().value = std::to_string(value);
         metric.label = label;
-        metric.gauge.value =
-            double(std::count_if(links.begin(), links.end(), [&](const Viewer::Link& link) { return of(link) == value; }));
+        metric.gauge.value = double(
+            std::count_if(links.begin(), links.end(), [&](const Viewer::Link& link) { return of(link) == value; }));
         family.metric.push_back(std::move(metric));
     }
 }
@@ -137,7 +138,8 @@ pm::MetricFamily windows(const std::vector<Viewer::Link>& links, uint32_t most) 
 pm::MetricFamily qualities(const std::vector<Viewer::Link>& links) {
     pm::MetricFamily family{
         "brume_viewers_by_quality", "Viewers by the steps of quality given up; 0: none.", pm::MetricType::Gauge, {}};
-    count(family, {{"limit", "link"}}, "step", 0, QualityControl::kSteps - 1, links, [](const auto& link) { return link.level; });
+    count(family, {{"limit", "link"}}, "step", 0, QualityControl::kSteps - 1, links,
+          [](const auto& link) { return link.level; });
     count(family, {{"limit", "device"}}, "step", 0, QualityControl::kDeviceSteps - 1, links,
           [](const auto& link) { return link.device_level; });
     return family;
@@ -184,14 +186,18 @@ struct Metrics::Families {
                                  .Help("What a frame of all viewers takes of the device, over --frame-budget.")
                                  .Register(registry)
                                  .Add({});
-    pm::Family<pm::Counter>& device = pm::BuildCounter()
-                                          .Name("brume_device_seconds_total")
-                                          .Help("Device time of passes: once a batch for all its viewers, and for each view.")
-                                          .Register(registry);
+    pm::Family<pm::Counter>& device =
+        pm::BuildCounter()
+            .Name("brume_device_seconds_total")
+            .Help("Device time of passes: once a batch for all its viewers, and for each view.")
+            .Register(registry);
     pm::Counter& shared_passes = device.Add({{"part", "shared"}});
     pm::Counter& view_passes = device.Add({{"part", "view"}});
-    pm::Counter& bytes =
-        pm::BuildCounter().Name("brume_frame_bytes_total").Help("Bytes of frames handed to sockets.").Register(registry).Add({});
+    pm::Counter& bytes = pm::BuildCounter()
+                             .Name("brume_frame_bytes_total")
+                             .Help("Bytes of frames handed to sockets.")
+                             .Register(registry)
+                             .Add({});
     pm::Family<pm::Histogram>& stages = pm::BuildHistogram()
                                             .Name("brume_stage_seconds")
                                             .Help("Time of a frame in each stage; gpu is part of render.")
@@ -206,10 +212,14 @@ struct Metrics::Families {
                               .Help("Work that viewers share, per tick: commands, simulation, light.")
                               .Register(registry)
                               .Add({}, kSeconds);
-    pm::Family<pm::Counter>& refused =
-        pm::BuildCounter().Name("brume_refused_total").Help("Messages and connections refused, by reason.").Register(registry);
-    pm::Family<pm::Counter>& requests =
-        pm::BuildCounter().Name("brume_http_requests_total").Help("HTTP requests by route and status.").Register(registry);
+    pm::Family<pm::Counter>& refused = pm::BuildCounter()
+                                           .Name("brume_refused_total")
+                                           .Help("Messages and connections refused, by reason.")
+                                           .Register(registry);
+    pm::Family<pm::Counter>& requests = pm::BuildCounter()
+                                            .Name("brume_http_requests_total")
+                                            .Help("HTTP requests by route and status.")
+                                            .Register(registry);
     Busy busy;
     pm::Gauge& connections =
         pm::BuildGauge().Name("brume_connections").Help("Open connections of any kind.").Register(registry).Add({});
@@ -252,7 +262,9 @@ void Metrics::superseded(uint64_t frames) {
     if (frames > 0) families_->superseded.Increment(double(frames));
 }
 
-void Metrics::refused(std::string_view reason) { families_->refused.Add({{"reason", std::string(reason)}}).Increment(); }
+void Metrics::refused(std::string_view reason) {
+    families_->refused.Add({{"reason", std::string(reason)}}).Increment();
+}
 
 void Metrics::requested(std::string_view route, unsigned status) {
     families_->requests.Add({{"route", std::string(route)}, {"status", std::to_string(status)}}).Increment();
@@ -272,18 +284,22 @@ std::string Metrics::text(const Audience& audience) const {
     }
 
     auto all = families_->registry.Collect();
-    all.push_back(gauge("brume_viewers", "Viewers of the scene: pages, clients, streams and snapshots.", double(viewers.size())));
+    all.push_back(
+        gauge("brume_viewers", "Viewers of the scene: pages, clients, streams and snapshots.", double(viewers.size())));
     all.push_back(gauge("brume_frames_in_flight", "Frames handed out and not yet acknowledged.", in_flight));
     all.push_back(gauge("brume_tick", "Tick of the simulation.", double(report->tick)));
     all.push_back(gauge("brume_particles", "Live particles.", report->particles));
-    all.push_back(gauge("brume_particle_memory_bytes", "CPU memory that the particles take.", double(report->memory.particles)));
-    all.push_back(gauge("brume_device_memory_bytes", "Device memory in use.", double(report->memory.device)));
-    all.push_back(gauge("brume_device_memory_peak_bytes", "The most there ever was.", double(report->memory.device_peak)));
-    all.push_back(gauge("brume_plan_error", "Predicted relative RMSE of the pictures.", report->plan.error));
     all.push_back(
-        gauge("brume_plan_relaxed", "Steps of accuracy given up under overload; 0 when there is none.", report->plan.relaxed));
+        gauge("brume_particle_memory_bytes", "CPU memory that the particles take.", double(report->memory.particles)));
+    all.push_back(gauge("brume_device_memory_bytes", "Device memory in use.", double(report->memory.device)));
+    all.push_back(
+        gauge("brume_device_memory_peak_bytes", "The most there ever was.", double(report->memory.device_peak)));
+    all.push_back(gauge("brume_plan_error", "Predicted relative RMSE of the pictures.", report->plan.error));
+    all.push_back(gauge("brume_plan_relaxed", "Steps of accuracy given up under overload; 0 when there is none.",
+                        report->plan.relaxed));
     all.push_back(gauge("brume_ready", "1 when frames can be had.", audience.ready ? 1 : 0));
-    all.push_back(gauge("brume_device_busy_ratio", "Part of the last ten seconds in which the device drew; 1: all of them.",
+    all.push_back(gauge("brume_device_busy_ratio",
+                        "Part of the last ten seconds in which the device drew; 1: all of them.",
                         families_->busy.ratio()));
     all.push_back(windows(links, audience.maxInFlight()));
     all.push_back(qualities(links));

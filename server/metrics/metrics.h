@@ -16,8 +16,8 @@ public:
 
     // --- the frame loop's side ---
     void ticked(float work_ms); // one tick of the shared work: commands, simulation, light
-    // The device is done with a batch: times of the passes that all views share, and of those of each view. `finer`: true for a
-    // batch with less error, because cameras rest.
+    // The device is done with a batch: times of the passes that all views share, and of those of each view. `finer`:
+    // true for a batch with less error, because cameras rest.
     void drawn(double shared_ms, double views_ms, bool finer = false);
     void budget(double used);                 // time of a frame of all viewers over the frame budget
     void encoded(uint32_t pictures);          // viewers with the same camera share one

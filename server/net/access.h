@@ -19,8 +19,9 @@ struct Authorization {
     std::string name;                       // of the token, for the log; may be empty
 };
 
-// Reads the token in the header `Authorization: Bearer ...` or, without one, the `token` of the query. Without a token key
-// everyone is operator. A refusal is HTTP 401 and one line if there is no good token, 403 if its role is below `least`.
+// Reads the token in the header `Authorization: Bearer ...` or, without one, the `token` of the query. Without a token
+// key everyone is operator. A refusal is HTTP 401 and one line if there is no good token, 403 if its role is below
+// `least`.
 std::variant<Authorization, Reply> authorize(std::string_view header, std::string_view query, Role least,
                                              const NetOptions& options);
 

@@ -45,7 +45,8 @@ public:
     void change(Set& set, const wire::Change& c) {
         const SceneSetting* setting = liveSetting(c.path()->string_view());
         if (!setting)
-            return refuse(wire::ErrorCode::unknown_name, "no such live setting; docs/scenes.md has those that there are");
+            return refuse(wire::ErrorCode::unknown_name,
+                          "no such live setting; docs/scenes.md has those that there are");
         SettingValue value = defaultOf(*setting);
         if (std::visit([&](auto& to) { return read(c, to); }, value))
             add(set, {setting->path, std::move(value)});
@@ -106,7 +107,8 @@ private:
         if (setting.path == "render.method") names = facts_.methods;
         if (setting.path == "render.quadrature") names = facts_.quadratures;
         if (std::find(names.begin(), names.end(), name) == names.end())
-            refuse(wire::ErrorCode::unknown_name, fmt::format("no such {}; there is {}", setting.key(), fmt::join(names, ", ")));
+            refuse(wire::ErrorCode::unknown_name,
+                   fmt::format("no such {}; there is {}", setting.key(), fmt::join(names, ", ")));
     }
     void refuse(wire::ErrorCode code, std::string text) {
         if (!refusal) refusal = Refusal{code, std::move(text)};
@@ -176,7 +178,8 @@ CommandBody readBody(const wire::Input& input, Reader& in) {
 } // namespace
 
 wire::Role roleFor(const CommandBody& body) {
-    if (std::holds_alternative<Impulse>(body) || std::holds_alternative<MoveVolume>(body)) return wire::Role::controller;
+    if (std::holds_alternative<Impulse>(body) || std::holds_alternative<MoveVolume>(body))
+        return wire::Role::controller;
     const auto* set = std::get_if<Set>(&body);
     const bool for_controllers = set && std::all_of(set->changes.begin(), set->changes.end(), [](const Change& one) {
                                      return one.setting->changed_by == ChangedBy::controllers;
@@ -187,7 +190,8 @@ wire::Role roleFor(const CommandBody& body) {
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts, wire::Role role) {
     Reader in(facts);
     CommandBody body = readBody(input, in);
-    if (const wire::Role least = roleFor(body); role < least) return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};
+    if (const wire::Role least = roleFor(body); role < least)
+        return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};
     if (in.refusal) return *std::move(in.refusal);
     return body;
 }

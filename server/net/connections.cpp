@@ -3,7 +3,8 @@
 namespace brume::net {
 namespace {
 
-constexpr size_t kMostLately = 4096; // addresses that are all busy at once: a flood from everywhere, and no more are let in
+constexpr size_t kMostLately =
+    4096; // addresses that are all busy at once: a flood from everywhere, and no more are let in
 
 } // namespace
 
@@ -11,7 +12,8 @@ bool Connections::comesTooOften(const std::string& network) {
     const auto now = TokenBucket::Time::now();
     auto bucket = accepted_.find(network);
     if (bucket == accepted_.end()) {
-        if (accepted_.size() >= kMostLately) std::erase_if(accepted_, [&](const auto& one) { return one.second.full(now); });
+        if (accepted_.size() >= kMostLately)
+            std::erase_if(accepted_, [&](const auto& one) { return one.second.full(now); });
         if (accepted_.size() >= kMostLately) return true;
         const double burst = std::max(limits_.accept_rate * limits_.burst_s, 1.0);
         bucket = accepted_.emplace(network, TokenBucket(limits_.accept_rate, burst)).first;
@@ -19,7 +21,8 @@ bool Connections::comesTooOften(const std::string& network) {
     return !bucket->second.take(now);
 }
 
-std::unique_ptr<ConnectionSlot> Connections::take(const std::string& address, const std::string& network, Refused* why) {
+std::unique_ptr<ConnectionSlot> Connections::take(const std::string& address, const std::string& network,
+                                                  Refused* why) {
     const std::scoped_lock lock(mutex_);
     const auto refuse = [&](Refused reason) {
         if (why) *why = reason;

@@ -34,11 +34,12 @@ public:
     };
     explicit Connections(const Limits& limits) : limits_(limits) {}
 
-    // The right to one open connection. Null if all slots are taken, or all of this address, or if the address comes too often;
-    // `why` says which. `network` is what counts as one address: of IPv6 the first 64 bits, which one site has to itself.
-    // Slots must not outlive this object.
+    // The right to one open connection. Null if all slots are taken, or all of this address, or if the address comes
+    // too often; `why` says which. `network` is what counts as one address: of IPv6 the first 64 bits, which one site
+    // has to itself. Slots must not outlive this object.
     enum class Refused { nothing, full, rate };
-    std::unique_ptr<ConnectionSlot> take(const std::string& address, const std::string& network, Refused* why = nullptr);
+    std::unique_ptr<ConnectionSlot> take(const std::string& address, const std::string& network,
+                                         Refused* why = nullptr);
 
     // New limits for later connections. Open ones stay.
     void setLimits(const Limits& limits);

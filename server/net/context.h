@@ -34,15 +34,15 @@ struct ServerState {
     Metrics& metrics;
     Pages pages;
     Connections connections;
-    std::atomic<bool> draining{false};              // true: /readyz fails, all else goes on
-    std::atomic<bool> stopping{false};              // true: connections end, and new ones are not served
-    std::string go_to;                              // the URL that viewers are sent to; written before `stopping`, read after
+    std::atomic<bool> draining{false}; // true: /readyz fails, all else goes on
+    std::atomic<bool> stopping{false}; // true: connections end, and new ones are not served
+    std::string go_to;                 // the URL that viewers are sent to; written before `stopping`, read after
     std::atomic<uint32_t> streams{0}, snapshots{0}; // open now
     std::atomic<uint32_t> contexts{0};              // alive now
 };
 
-// One for every set of options that the server has had. A connection keeps the one with which it was accepted, so a context lives
-// as long as it is the newest or has a connection.
+// One for every set of options that the server has had. A connection keeps the one with which it was accepted, so a
+// context lives as long as it is the newest or has a connection.
 struct Context {
     Context(NetOptions with, std::shared_ptr<Tls> certificate, ServerState& server)
         : options(std::move(with)), tls(std::move(certificate)), audience(server.audience), metrics(server.metrics),

@@ -19,7 +19,8 @@ using boost::system::error_code;
 // The completion token of every asynchronous operation: co_await gives a tuple whose first element is the error.
 inline constexpr auto kToken = asio::as_tuple(asio::use_awaitable);
 
-// For co_spawn. Expected errors are values, so an exception is a fault of this program: it ends one connection and is logged.
+// For co_spawn. Expected errors are values, so an exception is a fault of this program: it ends one connection and is
+// logged.
 inline constexpr auto kLogFailure =
     [](std::exception_ptr failure) { // NOLINT(performance-unnecessary-value-param): what Asio calls it with
         try {
@@ -36,7 +37,8 @@ public:
 
     // On the executor only.
     void notify() { timer_.cancel(); }
-    asio::awaitable<void> wait(std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max()) {
+    asio::awaitable<void>
+    wait(std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max()) {
         timer_.expires_at(until);
         co_await timer_.async_wait(kToken);
     }

@@ -34,10 +34,10 @@ constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the la
 // The status line and the headers, without length and the empty line.
 std::string headOf(const Reply& reply, std::string_view connection) {
     const beast::string_view reason = http::obsolete_reason(http::status(reply.status));
-    std::string head =
-        fmt::format("HTTP/1.1 {} {}\r\nServer: brume/{}\r\nConnection: {}\r\nContent-Type: {}\r\n"
-                    "X-Content-Type-Options: nosniff\r\n",
-                    reply.status, std::string_view(reason.data(), reason.size()), BRUME_VERSION, connection, reply.content_type);
+    std::string head = fmt::format("HTTP/1.1 {} {}\r\nServer: brume/{}\r\nConnection: {}\r\nContent-Type: {}\r\n"
+                                   "X-Content-Type-Options: nosniff\r\n",
+                                   reply.status, std::string_view(reason.data(), reason.size()), BRUME_VERSION,
+                                   connection, reply.content_type);
     for (const auto& [name, value] : reply.headers) head += fmt::format("{}: {}\r\n", name, value);
     return head;
 }
@@ -133,7 +133,8 @@ asio::awaitable<bool> HttpConnection::secure() {
 asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     const std::string_view target(request.target().data(), request.target().size());
     const size_t question = std::min(target.find('?'), target.size());
-    const std::string_view path = target.substr(0, question), query = target.substr(std::min(question + 1, target.size()));
+    const std::string_view path = target.substr(0, question),
+                           query = target.substr(std::min(question + 1, target.size()));
 
     const bool operators = path == "/metrics" || path == "/viewers";
     const bool guarded = path == "/ws" || path == "/snapshot.jpg" || path == "/stream.mjpg" || operators;
@@ -143,8 +144,8 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     }
     if (guarded) {
         const auto bearer = request[http::field::authorization];
-        auto checked =
-            authorize({bearer.data(), bearer.size()}, query, operators ? Role::operator_ : Role::viewer, context_->options);
+        auto checked = authorize({bearer.data(), bearer.size()}, query, operators ? Role::operator_ : Role::viewer,
+                                 context_->options);
         if (auto* refusal = std::get_if<Reply>(&checked)) {
             context_->metrics.refused(refusal->status == 401 ? "token" : "forbidden");
             return send(request, "refused", std::move(*refusal));
@@ -156,7 +157,8 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     }
     if (path == "/healthz" || path == "/readyz" || operators) return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
-    return send(request, "page", context_->pages.serve(path, {tag.data(), tag.size()}, context_->options.allowed_origins));
+    return send(request, "page",
+                context_->pages.serve(path, {tag.data(), tag.size()}, context_->options.allowed_origins));
 }
 
 Reply HttpConnection::health(std::string_view path) const {
@@ -219,7 +221,8 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::
     {
         const Counted open(context_->snapshots);
         const bool room = open.number() <= context_->options.max_snapshots;
-        const auto handle = room ? ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1) : nullptr;
+        const auto handle =
+            room ? ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1) : nullptr;
         if (!handle) {
             context_->metrics.refused("snapshots");
             co_return co_await send503("too many snapshots or viewers: try again later");
@@ -241,7 +244,8 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::
 }
 
 // Motion JPEG: every part is followed by its boundary at once, so that a reader shows it without waiting for the next.
-asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query, Authorization authorization) {
+asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query,
+                                             Authorization authorization) {
     const auto send503 = [&](const char* line) {
         Reply reply = lineReply(503, line);
         reply.headers = {{"Retry-After", "5"}};
@@ -256,7 +260,8 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
 
     const Counted open(context_->streams);
     const bool room = open.number() <= context_->options.max_streams;
-    const auto handle = room ? ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1) : nullptr;
+    const auto handle =
+        room ? ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1) : nullptr;
     if (!handle) {
         context_->metrics.refused("streams");
         co_return co_await send503("too many streams or viewers: try again later");

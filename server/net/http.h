@@ -8,8 +8,8 @@
 
 namespace brume::net {
 
-// Serves the connection on the stream's executor, which must be a strand of its own, and begins with the TLS handshake if the
-// stream has TLS. Returns at once.
+// Serves the connection on the stream's executor, which must be a strand of its own, and begins with the TLS handshake
+// if the stream has TLS. Returns at once.
 void serveHttp(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot);
 
 } // namespace brume::net

@@ -15,8 +15,8 @@ struct NetOptions {
     std::filesystem::path web_root;   // the built page
     // Origins ("https://clouds.example") whose pages may open the WebSocket besides our own; "*" for any.
     std::vector<std::string> allowed_origins;
-    // Names, without port, that requests may have in their Host header, besides those that hostAllowed() takes by itself
-    // (origin.h). For a server without a token key: with one the Host header is not looked at.
+    // Names, without port, that requests may have in their Host header, besides those that hostAllowed() takes by
+    // itself (origin.h). For a server without a token key: with one the Host header is not looked at.
     std::vector<std::string> hosts;
     uint32_t threads = 1; // threads that serve connections; one is enough for the default number of viewers
 

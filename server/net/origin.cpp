@@ -60,7 +60,8 @@ bool hostAllowed(std::string_view host, const NetOptions& options) {
     if (name->starts_with('[')) return name->ends_with(']') && isAddress(AF_INET6, name->substr(1, name->size() - 2));
     if (isAddress(AF_INET, *name)) return true;
     if (sameText(*name, options.listen)) return true;
-    return std::any_of(options.hosts.begin(), options.hosts.end(), [&](const std::string& one) { return sameText(one, *name); });
+    return std::any_of(options.hosts.begin(), options.hosts.end(),
+                       [&](const std::string& one) { return sameText(one, *name); });
 }
 
 bool siteAllowed(std::string_view site, std::string_view origin, std::string_view referer,
@@ -70,7 +71,8 @@ bool siteAllowed(std::string_view site, std::string_view origin, std::string_vie
 
 bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed) {
     if (origin.empty() || listed(origin, allowed)) return true;
-    for (const auto& [scheme, port] : {std::pair<std::string_view, std::string_view>{"http://", ":80"}, {"https://", ":443"}})
+    for (const auto& [scheme, port] :
+         {std::pair<std::string_view, std::string_view>{"http://", ":80"}, {"https://", ":443"}})
         if (origin.size() > scheme.size() && sameText(origin.substr(0, scheme.size()), scheme))
             return !host.empty() && sameText(withoutPort(origin.substr(scheme.size()), port), withoutPort(host, port));
     return false;

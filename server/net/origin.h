@@ -1,8 +1,9 @@
 // What a browser's request says of itself: the host it means to ask, and the page that asks.
 //
-// Without a token key everyone who reaches the server is operator, so a web page must not reach it through its visitor's browser.
-// A page whose name is made to lead to this machine (DNS rebinding) shows by its Host header; a page that embeds its pictures
-// shows by Sec-Fetch-Site; a page that opens the WebSocket shows by its Origin. Other programs send none of these but Host.
+// Without a token key everyone who reaches the server is operator, so a web page must not reach it through its
+// visitor's browser. A page whose name is made to lead to this machine (DNS rebinding) shows by its Host header; a page
+// that embeds its pictures shows by Sec-Fetch-Site; a page that opens the WebSocket shows by its Origin. Other programs
+// send none of these but Host.
 #pragma once
 
 #include <string>
@@ -18,7 +19,8 @@ namespace brume::net {
 bool hostAllowed(std::string_view host, const NetOptions& options);
 
 // True if a page of `origin` may open the WebSocket: without an origin, for a page that this very host served
-// ("https://clouds:8080" with Host "clouds:8080"), for an origin in `allowed`, and for every origin if `allowed` holds "*".
+// ("https://clouds:8080" with Host "clouds:8080"), for an origin in `allowed`, and for every origin if `allowed` holds
+// "*".
 bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed);
 
 // False if the browser says that a page of another site makes this request (`site`, the header Sec-Fetch-Site, is

@@ -14,8 +14,8 @@ auto packText(Builder& b, std::string_view text) { return b.CreateString(text.da
 auto packPlan(Builder& b, const SceneReport& report) {
     const RenderSettings& used = report.plan.settings;
     const auto method = packText(b, used.method), quadrature = packText(b, used.quadrature);
-    return wire::CreatePlan(b, method, quadrature, used.rate, used.slabs, float(report.plan.error), float(report.plan.ms),
-                            report.plan.relaxed);
+    return wire::CreatePlan(b, method, quadrature, used.rate, used.slabs, float(report.plan.error),
+                            float(report.plan.ms), report.plan.relaxed);
 }
 
 } // namespace
@@ -30,8 +30,8 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
         const auto methods = packStrings(b, facts.methods), quadratures = packStrings(b, facts.quadratures);
         const auto resume = packText(b, viewer.key());
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
-                                   float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera, methods,
-                                   quadratures, resume, viewer.resumed(), role);
+                                   float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera,
+                                   methods, quadratures, resume, viewer.resumed(), role);
     });
 }
 
@@ -42,13 +42,15 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers) {
         const auto method = packText(b, report.render.method), quadrature = packText(b, report.render.quadrature);
         std::vector<flatbuffers::Offset<wire::PassTime>> passes;
         passes.reserve(report.passes.size());
-        for (const PassTime& pass : report.passes) passes.push_back(wire::CreatePassTime(b, packText(b, pass.name), pass.ms));
+        for (const PassTime& pass : report.passes)
+            passes.push_back(wire::CreatePassTime(b, packText(b, pass.name), pass.ms));
         const auto packed_passes = b.CreateVector(passes);
         const auto plan = packPlan(b, report);
-        return wire::CreateSceneState(b, report.tick, report.state_hash, viewers, report.particles, report.paused, &to_light,
-                                      &irradiance, report.light.rotate, report.medium.extinction, report.medium.falloff,
-                                      report.medium.anisotropy, report.medium.asymmetry, &albedo, method, quadrature,
-                                      report.render.steps, report.render.exposure, packed_passes, plan);
+        return wire::CreateSceneState(b, report.tick, report.state_hash, viewers, report.particles, report.paused,
+                                      &to_light, &irradiance, report.light.rotate, report.medium.extinction,
+                                      report.medium.falloff, report.medium.anisotropy, report.medium.asymmetry, &albedo,
+                                      method, quadrature, report.render.steps, report.render.exposure, packed_passes,
+                                      plan);
     });
 }
 
@@ -69,9 +71,10 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
             drawn[view] = toWire(frustumOf(eye, request.width, request.height));
             frusta[view] = &drawn[view];
         }
-        return wire::CreateFrame(b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us, &position,
-                                 &orientation, request.pose.fov_y, request.width, request.height, request.quality, &stages,
-                                 jpeg_bytes, frusta[0], frusta[1], frame.png ? wire::Encoding::png : wire::Encoding::jpeg);
+        return wire::CreateFrame(b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us,
+                                 &position, &orientation, request.pose.fov_y, request.width, request.height,
+                                 request.quality, &stages, jpeg_bytes, frusta[0], frusta[1],
+                                 frame.png ? wire::Encoding::png : wire::Encoding::jpeg);
     });
 }
 

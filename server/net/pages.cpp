@@ -37,7 +37,8 @@ std::string_view typeOf(const fs::path& file) {
         {".md", "text/plain; charset=utf-8"},
     }};
     const std::string extension = file.extension().string();
-    const auto found = std::find_if(kTypes.begin(), kTypes.end(), [&](const auto& type) { return type.first == extension; });
+    const auto found =
+        std::find_if(kTypes.begin(), kTypes.end(), [&](const auto& type) { return type.first == extension; });
     return found == kTypes.end() ? "application/octet-stream" : found->second;
 }
 
@@ -52,7 +53,8 @@ std::optional<fs::path> relativePath(std::string_view encoded) {
         const size_t end = std::min(rest.find('/'), rest.size());
         const std::string_view segment = rest.substr(0, end);
         // No climbing, no hidden files, nothing that another system might take for a separator.
-        if (segment.empty() || segment.front() == '.' || segment.find_first_of(std::string_view("\\\0:", 3)) != segment.npos)
+        if (segment.empty() || segment.front() == '.' ||
+            segment.find_first_of(std::string_view("\\\0:", 3)) != segment.npos)
             return {};
         out /= segment;
         if (end == rest.size()) return out;
@@ -73,10 +75,11 @@ std::optional<fs::path> inside(const fs::path& root, const fs::path& file) {
 
 } // namespace
 
-Reply Pages::serve(std::string_view path, std::string_view if_none_match, const std::vector<std::string>& framed_by) const {
+Reply Pages::serve(std::string_view path, std::string_view if_none_match,
+                   const std::vector<std::string>& framed_by) const {
     Reply reply = read(path, if_none_match);
-    // Everything that the page loads and runs is a file of ours. It connects to this server, and to whichever one a goodbye
-    // names.
+    // Everything that the page loads and runs is a file of ours. It connects to this server, and to whichever one a
+    // goodbye names.
     std::string policy = "default-src 'self'; connect-src http: https: ws: wss:; object-src 'none'; base-uri 'none'; "
                          "form-action 'none'; frame-ancestors 'self'";
     for (const std::string& origin : framed_by) policy += " " + origin;
@@ -88,9 +91,11 @@ Reply Pages::serve(std::string_view path, std::string_view if_none_match, const 
 Reply Pages::read(std::string_view path, std::string_view if_none_match) const {
     const auto relative = relativePath(path);
     const auto file = relative ? inside(root_, *relative) : std::nullopt;
-    if (!file && path == "/") return lineReply(404, "the page is not built: run ./dev, or give its folder with --web-root");
+    if (!file && path == "/")
+        return lineReply(404, "the page is not built: run ./dev, or give its folder with --web-root");
     if (!file)
-        return lineReply(404, "no such page; there is / /ws /healthz /readyz /metrics /viewers /snapshot.jpg /stream.mjpg");
+        return lineReply(404,
+                         "no such page; there is / /ws /healthz /readyz /metrics /viewers /snapshot.jpg /stream.mjpg");
 
     std::error_code error;
     const uintmax_t size = fs::file_size(*file, error);

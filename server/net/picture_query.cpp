@@ -36,8 +36,12 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
     float width = options.default_width, height = options.default_height, quality = options.default_quality;
     SceneCamera camera = facts.camera;
     for (const auto& [name, value] : *fields) {
-        const auto number = [&, &text = value](float& into, Limits allowed) { return readNumbers(text, &into, 1, allowed); };
-        const auto refuse = [&, &what = name](const std::string& allowed) { return fmt::format("{} must be {}", what, allowed); };
+        const auto number = [&, &text = value](float& into, Limits allowed) {
+            return readNumbers(text, &into, 1, allowed);
+        };
+        const auto refuse = [&, &what = name](const std::string& allowed) {
+            return fmt::format("{} must be {}", what, allowed);
+        };
         const auto range = [&](Limits allowed) { return refuse(fmt::format("{} ... {}", allowed.lo, allowed.hi)); };
         const Limits side{kMinSide, double(options.max_side)}, rate{0.1, options.max_stream_fps}, jpeg{1, 100};
         if (name == "w") {
@@ -57,7 +61,8 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
         } else if (name == "views") {
             if (value != "1") return refuse("1: a JPEG shows one eye; both come over the WebSocket");
         } else if (name != "token") { // whose is the door's (access.h)
-            return fmt::format("no setting called {}; there is w h quality fps fov position target", oneLine(name.substr(0, 32)));
+            return fmt::format("no setting called {}; there is w h quality fps fov position target",
+                               oneLine(name.substr(0, 32)));
         }
     }
     if (glm::distance(camera.position, camera.target) < 1e-3f) return "position and target must differ";

@@ -8,7 +8,8 @@ namespace brume::net {
 
 namespace http = boost::beast::http;
 
-std::optional<Reply> unfit(const boost::system::error_code& error, const RequestParser& parser, const NetOptions& options) {
+std::optional<Reply> unfit(const boost::system::error_code& error, const RequestParser& parser,
+                           const NetOptions& options) {
     const auto refuse = [](unsigned status, std::string line) {
         Reply reply = lineReply(status, std::move(line));
         reply.close = true; // what follows on this connection cannot be understood
@@ -16,8 +17,9 @@ std::optional<Reply> unfit(const boost::system::error_code& error, const Request
     };
     if (error == http::error::header_limit || error == http::error::buffer_overflow) {
         const bool in_first_line = parser.get().target().empty();
-        return in_first_line ? refuse(414, fmt::format("the path and query are over {} bytes", options.max_target_bytes))
-                             : refuse(431, fmt::format("the request's header is over {} bytes", options.max_header_bytes));
+        return in_first_line
+                   ? refuse(414, fmt::format("the path and query are over {} bytes", options.max_target_bytes))
+                   : refuse(431, fmt::format("the request's header is over {} bytes", options.max_header_bytes));
     }
     if (error == http::error::end_of_stream || error == http::error::partial_message) return {};
     if (error.category() == http::make_error_code(http::error::bad_method).category())
@@ -46,13 +48,15 @@ std::optional<Foreign> foreign(const HttpRequest& request, bool guarded, const N
     };
     const bool named = request.count(http::field::host) > 0;
     if (options.token_key.empty() && named && !hostAllowed(field(http::field::host), options))
-        return Foreign{lineReply(421, "this host name is not served: use the server's IP address, or allow the name with --host"),
-                       "host"};
+        return Foreign{
+            lineReply(421, "this host name is not served: use the server's IP address, or allow the name with --host"),
+            "host"};
     const auto site = request["Sec-Fetch-Site"];
     if (guarded && !siteAllowed({site.data(), site.size()}, field(http::field::origin), field(http::field::referer),
                                 options.allowed_origins))
-        return Foreign{lineReply(403, "a page of another site may not ask for this: allow its origin with --allow-origin"),
-                       "cross_site"};
+        return Foreign{
+            lineReply(403, "a page of another site may not ask for this: allow its origin with --allow-origin"),
+            "cross_site"};
     return {};
 }
 

@@ -14,9 +14,10 @@ namespace brume::net {
 using HttpRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 using RequestParser = boost::beast::http::request_parser<boost::beast::http::empty_body>;
 
-// The refusal of what is no request or of a kind that is not served here; `error` is that of reading its header. Empty for a good
-// request, and for a connection that is gone.
-std::optional<Reply> unfit(const boost::system::error_code& error, const RequestParser& parser, const NetOptions& options);
+// The refusal of what is no request or of a kind that is not served here; `error` is that of reading its header. Empty
+// for a good request, and for a connection that is gone.
+std::optional<Reply> unfit(const boost::system::error_code& error, const RequestParser& parser,
+                           const NetOptions& options);
 
 // The refusal of a request that another site's page may have made a visitor's browser send (origin.h).
 struct Foreign {

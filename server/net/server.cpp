@@ -28,11 +28,13 @@ namespace {
 
 constexpr int kMostUnsent = 32 << 10; // bytes that wait in the kernel
 
-constexpr std::string_view kNoRoom = "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nRetry-After: 5\r\n"
-                                     "Connection: close\r\n\r\ntoo many connections: try again later\n";
+constexpr std::string_view kNoRoom =
+    "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nRetry-After: 5\r\n"
+    "Connection: close\r\n\r\ntoo many connections: try again later\n";
 
-constexpr std::string_view kTooOften = "HTTP/1.1 429 Too Many Requests\r\nContent-Type: text/plain\r\nRetry-After: 1\r\n"
-                                       "Connection: close\r\n\r\ntoo many connections a second: try again later\n";
+constexpr std::string_view kTooOften =
+    "HTTP/1.1 429 Too Many Requests\r\nContent-Type: text/plain\r\nRetry-After: 1\r\n"
+    "Connection: close\r\n\r\ntoo many connections a second: try again later\n";
 
 Connections::Limits limitsOf(const NetOptions& options) {
     return {options.max_connections, options.max_connections_per_address, options.accept_rate, options.burst_s};
@@ -115,8 +117,8 @@ void NetServer::State::serve(tcp::socket socket) const {
     const auto remote = socket.remote_endpoint(error);
     if (error) return; // gone already
     socket.set_option(tcp::no_delay(true), error);
-    // Few bytes wait in the kernel, so that a newer frame can still take the place of an older one, and control messages pass
-    // both.
+    // Few bytes wait in the kernel, so that a newer frame can still take the place of an older one, and control
+    // messages pass both.
     const int unsent = kMostUnsent;
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
     // What the kernel has taken from us but the peer does not: a peer that vanished, or shut its window for good.
@@ -129,11 +131,13 @@ void NetServer::State::serve(tcp::socket socket) const {
         context.metrics.refused(full ? "connections" : "accept_rate");
         if (context.tls) return; // who expects TLS reads no plain words
         socket.non_blocking(true, error);
-        socket.write_some(asio::buffer(full ? kNoRoom : kTooOften), error); // fits a fresh socket's buffer; nobody waits for it
+        socket.write_some(asio::buffer(full ? kNoRoom : kTooOften),
+                          error); // fits a fresh socket's buffer; nobody waits for it
         return;
     }
     beast::tcp_stream tcp(std::move(socket));
-    serveHttp(shared_context, context.tls ? ByteStream(std::move(tcp), context.tls->context) : ByteStream(std::move(tcp)),
+    serveHttp(shared_context,
+              context.tls ? ByteStream(std::move(tcp), context.tls->context) : ByteStream(std::move(tcp)),
               std::move(slot));
 }
 
@@ -147,7 +151,8 @@ void NetServer::start() {
     const auto context = s.context();
     const NetOptions& options = context->options;
     error_code error;
-    const auto found = tcp::resolver(s.io).resolve(options.listen, std::to_string(options.port), tcp::resolver::passive, error);
+    const auto found =
+        tcp::resolver(s.io).resolve(options.listen, std::to_string(options.port), tcp::resolver::passive, error);
     if (error) throw cannotListen(options, error);
     const tcp::endpoint endpoint = *found.begin();
     s.acceptor.open(endpoint.protocol(), error);

@@ -13,23 +13,26 @@ namespace brume {
 
 class NetServer {
 public:
-    // `audience` and `metrics` outlive the server. Throws std::runtime_error, in one line, if the certificate cannot be used.
+    // `audience` and `metrics` outlive the server. Throws std::runtime_error, in one line, if the certificate cannot be
+    // used.
     NetServer(net::NetOptions options, Audience& audience, Metrics& metrics);
     ~NetServer(); // stops at once
 
-    // Listens and serves on threads of its own. Throws std::runtime_error, in one line that says what to do, if it cannot.
+    // Listens and serves on threads of its own. Throws std::runtime_error, in one line that says what to do, if it
+    // cannot.
     void start();
     // The port in use, after start().
     uint16_t port() const;
-    // Sets the options of later connections, except where the server listens, its threads and the page's folder. Reads the
-    // certificate anew; if that fails, nothing changes and std::runtime_error is thrown. From the thread that called start().
+    // Sets the options of later connections, except where the server listens, its threads and the page's folder. Reads
+    // the certificate anew; if that fails, nothing changes and std::runtime_error is thrown. From the thread that
+    // called start().
     void setOptions(net::NetOptions options);
     // Sets of options that are kept: the newest, and those of open connections. For tests.
     uint32_t contexts() const;
     // /readyz fails from now on; all else goes on.
     void drain();
-    // Closes the port, tells every viewer goodbye and, unless it is empty, the URL `go_to`, and waits for the connections to
-    // end; after `grace` they are cut. A second call does nothing.
+    // Closes the port, tells every viewer goodbye and, unless it is empty, the URL `go_to`, and waits for the
+    // connections to end; after `grace` they are cut. A second call does nothing.
     void stop(std::chrono::milliseconds grace, std::string go_to = {});
 
 private:

@@ -63,7 +63,8 @@ void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point n
         return;
     }
     refuse(wire::ErrorCode::unexpected,
-           fmt::format("{} {}", wire::EnumNameBody(message->type()), watching ? "is the server's to send" : "came before Hello"),
+           fmt::format("{} {}", wire::EnumNameBody(message->type()),
+                       watching ? "is the server's to send" : "came before Hello"),
            now, out);
 }
 
@@ -103,7 +104,8 @@ void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Effe
     granted_.takes_png = hello.lossless();
     granted_.quality = hello.quality() == 0 ? options_.default_quality : hello.quality();
     state_ = State::watching;
-    out.push_back(Admit{printable(hello.client()), granted_, hello.resume() ? hello.resume()->str().substr(0, kLongestKey) : ""});
+    out.push_back(
+        Admit{printable(hello.client()), granted_, hello.resume() ? hello.resume()->str().substr(0, kLongestKey) : ""});
 }
 
 void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects& out) {
@@ -113,8 +115,8 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
                 .eye_separation = pose.eye_separation()};
     if (!isUsable(wanted))
         return refuse(wire::ErrorCode::out_of_range,
-                      fmt::format("a pose has finite numbers, a unit orientation, fov_y in 0.01 ... 3.1 and eye_separation in "
-                                  "{} ... {} m",
+                      fmt::format("a pose has finite numbers, a unit orientation, fov_y in 0.01 ... 3.1 and "
+                                  "eye_separation in {} ... {} m",
                                   limits::kEyeSeparation.lo, limits::kEyeSeparation.hi),
                       now, out);
     for (int i = 0; i < 3; ++i)
@@ -130,7 +132,8 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
 
     if (pose.width() != 0 || pose.height() != 0) {
         const PictureSize size = fitSize(
-            {pose.width() != 0 ? pose.width() : granted_.width, pose.height() != 0 ? pose.height() : granted_.height}, options_);
+            {pose.width() != 0 ? pose.width() : granted_.width, pose.height() != 0 ? pose.height() : granted_.height},
+            options_);
         granted_.width = size.width;
         granted_.height = size.height;
     }
@@ -149,7 +152,8 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
     }
     held_ = request;
     if (pose_complaints_.take(now))
-        out.push_back(SendError{wire::ErrorCode::too_fast, fmt::format("more than {:g} poses a second", options_.pose_rate)});
+        out.push_back(
+            SendError{wire::ErrorCode::too_fast, fmt::format("more than {:g} poses a second", options_.pose_rate)});
 }
 
 void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effects& out) {
@@ -157,15 +161,17 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
     if (input_seq_ && seq != *input_seq_ + 1) {
         const uint32_t due = *input_seq_ + 1;
         if (int32_t(seq - due) > 0) input_seq_ = seq; // a gap: go on from here; a repetition changes nothing
-        return refuse(wire::ErrorCode::unexpected, fmt::format("input {} came where {} was due", seq, due), now, out, seq);
+        return refuse(wire::ErrorCode::unexpected, fmt::format("input {} came where {} was due", seq, due), now, out,
+                      seq);
     }
     input_seq_ = seq;
     if (!inputs_.take(now))
-        return refuse(wire::ErrorCode::too_fast, fmt::format("more than {:g} inputs a second", options_.input_rate), now, out,
-                      seq);
+        return refuse(wire::ErrorCode::too_fast, fmt::format("more than {:g} inputs a second", options_.input_rate),
+                      now, out, seq);
 
     auto command = readCommand(input, facts_, role_);
-    if (auto* refusal = std::get_if<Refusal>(&command)) return refuse(refusal->code, std::move(refusal->text), now, out, seq);
+    if (auto* refusal = std::get_if<Refusal>(&command))
+        return refuse(refusal->code, std::move(refusal->text), now, out, seq);
     out.push_back(EnqueueCommand{seq, std::get<CommandBody>(std::move(command))});
 }
 
@@ -175,7 +181,8 @@ void SessionRules::malformed(const char* text, Clock::time_point now, Effects& o
         close(kCloseProtocol, fmt::format("{} malformed messages", kMaxMalformed), out);
 }
 
-void SessionRules::refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Effects& out, uint32_t input_seq) {
+void SessionRules::refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Effects& out,
+                          uint32_t input_seq) {
     out.push_back(SendError{code, std::move(text), input_seq});
     if (!refusals_.take(now)) close(kClosePolicy, "too many refused messages", out);
 }

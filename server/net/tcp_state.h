@@ -7,8 +7,8 @@
 namespace brume::net {
 
 struct TcpState {
-    // The smoothed round trip minus the least one: how long segments wait on the way, independent of the program at the other
-    // end. Infinite if the kernel does not say, so that only other measurements count.
+    // The smoothed round trip minus the least one: how long segments wait on the way, independent of the program at the
+    // other end. Infinite if the kernel does not say, so that only other measurements count.
     std::chrono::duration<float, std::milli> queue = std::chrono::duration<float, std::milli>::max();
     bool backlog = true; // true: bytes wait in the kernel for the link
 };

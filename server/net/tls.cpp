@@ -8,10 +8,12 @@ namespace brume::net {
 
 namespace ssl = boost::asio::ssl;
 
-Tls::Tls(const std::filesystem::path& certificate, const std::filesystem::path& key) : context(ssl::context::tls_server) {
+Tls::Tls(const std::filesystem::path& certificate, const std::filesystem::path& key)
+    : context(ssl::context::tls_server) {
     boost::system::error_code error;
     const auto check = [&](const char* option, const std::filesystem::path& file) {
-        if (error) throw std::runtime_error(fmt::format("{} {}: {}; allowed: PEM", option, file.string(), error.message()));
+        if (error)
+            throw std::runtime_error(fmt::format("{} {}: {}; allowed: PEM", option, file.string(), error.message()));
     };
     SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_2_VERSION);
     // Nobody needs another handshake on an open connection, which costs us more than who asks for it.

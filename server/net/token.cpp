@@ -34,7 +34,8 @@ std::optional<std::string> fromBase64Url(std::string_view text) {
     std::replace(padded.begin(), padded.end(), '_', '/');
     padded.append((4 - padded.size() % 4) % 4, '=');
     std::vector<unsigned char> out(padded.size());
-    const int length = EVP_DecodeBlock(out.data(), reinterpret_cast<const unsigned char*>(padded.data()), int(padded.size()));
+    const int length =
+        EVP_DecodeBlock(out.data(), reinterpret_cast<const unsigned char*>(padded.data()), int(padded.size()));
     const size_t padding = padded.size() - text.size();
     if (length < 0 || padding > 2) return {};
     return std::string(out.begin(), out.begin() + length - std::ptrdiff_t(padding)); // zeros stand for the padding
@@ -43,8 +44,8 @@ std::optional<std::string> fromBase64Url(std::string_view text) {
 std::string signatureOf(std::string_view payload, std::string_view key) {
     unsigned char mac[EVP_MAX_MD_SIZE];
     unsigned int size = 0;
-    HMAC(EVP_sha256(), key.data(), int(key.size()), reinterpret_cast<const unsigned char*>(payload.data()), payload.size(), mac,
-         &size);
+    HMAC(EVP_sha256(), key.data(), int(key.size()), reinterpret_cast<const unsigned char*>(payload.data()),
+         payload.size(), mac, &size);
     return base64Url(mac, size);
 }
 
@@ -58,7 +59,9 @@ constexpr int64_t kLastSecond = 253'402'300'799;
 } // namespace
 
 // What flatc calls them in C++ avoids the language's keywords.
-const char* nameOf(Role role) { return role == Role::viewer ? "viewer" : role == Role::controller ? "controller" : "operator"; }
+const char* nameOf(Role role) {
+    return role == Role::viewer ? "viewer" : role == Role::controller ? "controller" : "operator";
+}
 
 std::optional<Role> roleNamed(std::string_view name) {
     for (const Role role : wire::EnumValuesRole())
@@ -75,8 +78,9 @@ std::optional<Claims> readClaims(std::string_view payload) {
     bool any_time = false, any_role = false;
     for (const auto& [key, value] : json.items()) {
         if (key == "exp" && value.is_number_integer()) {
-            const auto seconds =
-                value.is_number_unsigned() && value.get<uint64_t>() > uint64_t(kLastSecond) ? int64_t(-1) : value.get<int64_t>();
+            const auto seconds = value.is_number_unsigned() && value.get<uint64_t>() > uint64_t(kLastSecond)
+                                     ? int64_t(-1)
+                                     : value.get<int64_t>();
             if (seconds < 0 || seconds > kLastSecond) return {};
             claims.expires = Seconds(std::chrono::seconds(seconds));
             any_time = true;
@@ -106,7 +110,8 @@ std::variant<Claims, TokenFault> readToken(std::string_view token, std::string_v
     const auto claims = readClaims(payload);
     if (!claims) return "the token's content is not of the form that is documented";
     if (now >= claims->expires + kClockSkew) return "the token has expired";
-    if (claims->expires > now + kLongestToken + kClockSkew) return "the token is good for more than 24 h, which none may be";
+    if (claims->expires > now + kLongestToken + kClockSkew)
+        return "the token is good for more than 24 h, which none may be";
     return *claims;
 }
 

@@ -1,6 +1,7 @@
 // Signed tokens, which say what role their holder has. Anyone with the key can make them.
 //
-//   base64url({"exp":1767225600,"name":"ann","role":"viewer"}) "." base64url(HMAC-SHA256(key, all that is before the dot))
+//   base64url({"exp":1767225600,"name":"ann","role":"viewer"}) "." base64url(HMAC-SHA256(key, all that is before the
+//   dot))
 //
 // base64url of RFC 4648, without padding. `exp`: seconds since 1970, UTC; `name`, for the log, may be missing.
 #pragma once
@@ -32,12 +33,12 @@ struct Claims {
 // Why a token is refused: one line.
 using TokenFault = const char*;
 
-// The claims in the part before the dot, without checking signature or time. Empty if a field is missing, unknown or out of its
-// limits.
+// The claims in the part before the dot, without checking signature or time. Empty if a field is missing, unknown or
+// out of its limits.
 std::optional<Claims> readClaims(std::string_view payload);
 
-// The claims of a token that was made with this key and is good now. Checks length, signature, content and time, in this order.
-// Any text may be given. The time it takes does not depend on how much of the signature is right.
+// The claims of a token that was made with this key and is good now. Checks length, signature, content and time, in
+// this order. Any text may be given. The time it takes does not depend on how much of the signature is right.
 std::variant<Claims, TokenFault> readToken(std::string_view token, std::string_view key, Seconds now);
 
 // Precondition: the name has at most kMostTokenName printable ASCII characters.

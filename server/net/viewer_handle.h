@@ -10,8 +10,8 @@ namespace brume::net {
 
 class ViewerHandle {
 public:
-    // Null if the audience is full. `audience` and `metrics` outlive the handle. `notify` is called when a frame is ready; the
-    // destructor waits for a call that runs. `max_in_flight` and `key` as in Audience::join.
+    // Null if the audience is full. `audience` and `metrics` outlive the handle. `notify` is called when a frame is
+    // ready; the destructor waits for a call that runs. `max_in_flight` and `key` as in Audience::join.
     static std::unique_ptr<ViewerHandle> join(Audience& audience, Metrics& metrics, std::function<void()> notify,
                                               uint32_t max_in_flight = 0, const std::string& key = {}) {
         auto viewer = audience.join(std::move(notify), max_in_flight, key);

@@ -1,4 +1,5 @@
-// Every viewer as it is now, for operators. Prometheus does not get this: labels of viewers, who come and go, would never end.
+// Every viewer as it is now, for operators. Prometheus does not get this: labels of viewers, who come and go, would
+// never end.
 #pragma once
 
 #include <string>
@@ -7,9 +8,10 @@
 
 namespace brume::net {
 
-// {"viewers": [{"id", "size", "eyes", "window_frames", "frames_in_flight", "bytes_in_flight", "round_trip_ms", "queue_ms",
-// "quality": {"jpeg", "half", "every", "link_step", "device_step"}, "frames_per_second", "frames": {"rendered", "sent",
-// "superseded"}, "stages_ms": {"wait": {"p50", "p95", "p99"}, ...}}]}, at most --max-viewers of them.
+// {"viewers": [{"id", "size", "eyes", "window_frames", "frames_in_flight", "bytes_in_flight", "round_trip_ms",
+// "queue_ms", "quality": {"jpeg", "half", "every", "link_step", "device_step"}, "frames_per_second", "frames":
+// {"rendered", "sent", "superseded"}, "stages_ms": {"wait": {"p50", "p95", "p99"}, ...}}]}, at most --max-viewers of
+// them.
 std::string viewersJson(const Audience& audience);
 
 } // namespace brume::net

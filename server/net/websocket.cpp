@@ -32,12 +32,14 @@ float millisecondsSince(Clock::time_point start) {
     return std::chrono::duration<float, std::milli>(Clock::now() - start).count();
 }
 
-// Three coroutines on the connection's strand: run() reads, write() writes, beat() keeps the time. Each holds the session alive.
+// Three coroutines on the connection's strand: run() reads, write() writes, beat() keeps the time. Each holds the
+// session alive.
 class WebSocketSession final : public Connection, public std::enable_shared_from_this<WebSocketSession> {
 public:
     WebSocketSession(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot,
                      Authorization authorization)
-        : context_(std::move(context)), slot_(std::move(slot)), ws_(std::move(stream)), authorization_(std::move(authorization)),
+        : context_(std::move(context)), slot_(std::move(slot)), ws_(std::move(stream)),
+          authorization_(std::move(authorization)),
           rules_(context_->options, context_->audience.facts(), Clock::now(), authorization_),
           event_(std::make_shared<Event>(ws_.get_executor())), taken_(std::make_shared<Event>(ws_.get_executor())),
           heartbeat_(ws_.get_executor()) {}
@@ -134,7 +136,8 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
     while (!ended_) {
         const auto [error, size] = co_await ws_.async_read(buffer, kToken);
         if (error) {
-            if (error == websocket::error::message_too_big) context_->metrics.refused("oversized"); // Beast closed with 1009
+            if (error == websocket::error::message_too_big)
+                context_->metrics.refused("oversized"); // Beast closed with 1009
             // While we are closing, the writer sees the handshake through.
             if (!closing_) {
                 if (error != websocket::error::closed && handle_) handle_->markLost();
@@ -366,7 +369,8 @@ void WebSocketSession::finish(std::string_view why) {
 
 void serveWebSocket(std::shared_ptr<const Context> context, ByteStream stream, const HttpRequest& request,
                     std::unique_ptr<ConnectionSlot> slot, Authorization authorization) {
-    std::make_shared<WebSocketSession>(context, std::move(stream), std::move(slot), std::move(authorization))->start(request);
+    std::make_shared<WebSocketSession>(context, std::move(stream), std::move(slot), std::move(authorization))
+        ->start(request);
 }
 
 } // namespace brume::net

@@ -10,8 +10,8 @@
 
 namespace brume::net {
 
-// Answers the upgrade and serves the session on the stream's executor. Returns at once. Precondition: the request asks for a
-// WebSocket and for brume.v1, and `authorization` is its own.
+// Answers the upgrade and serves the session on the stream's executor. Returns at once. Precondition: the request asks
+// for a WebSocket and for brume.v1, and `authorization` is its own.
 void serveWebSocket(std::shared_ptr<const Context> context, ByteStream stream, const HttpRequest& request,
                     std::unique_ptr<ConnectionSlot> slot, Authorization authorization);
 

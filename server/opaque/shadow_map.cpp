@@ -17,7 +17,8 @@ OpaqueShadow::OpaqueShadow(const gpu::Device& device) : device_(device) {
 
 bool OpaqueShadow::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
                           const gpu::Buffer& buffer, std::span<const gpu::Opaque> objects) {
-    if (image_ && tick.sun.to_light == last_.sun.to_light && tick.map.opaque_size == last_.map.opaque_size) return false;
+    if (image_ && tick.sun.to_light == last_.sun.to_light && tick.map.opaque_size == last_.map.opaque_size)
+        return false;
     last_ = tick;
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "opaque shadow");
@@ -25,8 +26,8 @@ bool OpaqueShadow::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     if (!image_ || image_.extent().width != tick.map.opaque_size) {
         image_ = gpu::Image(device_,
                             {VK_FORMAT_R32_SFLOAT, size,
-                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                                 VK_IMAGE_USAGE_TRANSFER_DST_BIT},
+                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                                 VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT},
                             "opaque shadow");
         gpu::toGeneral(cmd, image_);
     }

@@ -1,4 +1,5 @@
-// Opaque shadow map: how high along to_light the topmost box or sphere is, seen from the light; -1e30 where there is none.
+// Opaque shadow map: how high along to_light the topmost box or sphere is, seen from the light; -1e30 where there is
+// none.
 #pragma once
 
 #include <span>
@@ -13,10 +14,10 @@ class OpaqueShadow {
 public:
     explicit OpaqueShadow(const gpu::Device& device);
 
-    // Records the map unless light and size are those of the last time; objects do not move. `buffer` holds `objects` as
-    // gpu::Opaque[gpu::kMostObjects]. As ShadowVolume::record otherwise.
-    bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick, const gpu::Buffer& buffer,
-                std::span<const gpu::Opaque> objects);
+    // Records the map unless light and size are those of the last time; objects do not move. `buffer` holds `objects`
+    // as gpu::Opaque[gpu::kMostObjects]. As ShadowVolume::record otherwise.
+    bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+                const gpu::Buffer& buffer, std::span<const gpu::Opaque> objects);
 
     const gpu::Image& image() const { return image_; }
 

@@ -18,8 +18,8 @@ Surfaces::Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw) 
         graphics.blend = gpu::Blend::replace;
         draw_ = gpu::GraphicsProgram(device, shaders, graphics, constants);
     } else {
-        compute_ =
-            gpu::ComputeProgram(device, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"}, {planes, boxes, spheres});
+        compute_ = gpu::ComputeProgram(device, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
+                                       {planes, boxes, spheres});
     }
 }
 
@@ -36,8 +36,9 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) const {
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
-        compute_.bind(commands, {in.medium->tick, in.eye, objects, light, casters, gpu::storageImage(5, in.target->radiance),
-                                 gpu::storageImage(6, in.target->view_depth)});
+        compute_.bind(commands,
+                      {in.medium->tick, in.eye, objects, light, casters, gpu::storageImage(5, in.target->radiance),
+                       gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }
     gpu::everythingBefore(cmd);

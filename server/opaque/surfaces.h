@@ -8,8 +8,8 @@ namespace brume {
 
 class Surfaces {
 public:
-    // Compiled for the scene's objects: kinds that it has none of cost nothing. CPU drivers draw several times faster into
-    // targets than they store to images; on some GPUs compute is far faster than draws.
+    // Compiled for the scene's objects: kinds that it has none of cost nothing. CPU drivers draw several times faster
+    // into targets than they store to images; on some GPUs compute is far faster than draws.
     Surfaces(const gpu::Device& device, const Scene& scene) : Surfaces(device, scene, device.isCpu()) {}
     Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw);
 

@@ -76,7 +76,8 @@ json fieldsOf(Body body) {
 json fieldsOf(const Set& set) {
     json changes = json::array();
     for (const Change& change : set.changes)
-        changes.push_back({change.setting->path, std::visit([](const auto& value) { return valueOf(value); }, change.value)});
+        changes.push_back(
+            {change.setting->path, std::visit([](const auto& value) { return valueOf(value); }, change.value)});
     return changes;
 }
 
@@ -112,7 +113,8 @@ CommandBody bodyOf(const std::string& name, const json& fields) {
         for (const auto& [old, table] : kOldSets) {
             if (name != old) continue;
             Set set;
-            for (const auto& [key, value] : fields.items()) set.changes.push_back(changeOf(std::string(table) + key, value));
+            for (const auto& [key, value] : fields.items())
+                set.changes.push_back(changeOf(std::string(table) + key, value));
             return set;
         }
         throw std::runtime_error("no command is called " + name);

@@ -104,7 +104,8 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& in) const {
         const size_t line = node.source().begin.line;
         const CLI::Option* option = app_.get_option_no_throw("--" + key);
         if (!option || !option->get_configurable())
-            throw fail(line, fmt::format("{}: no such key; allowed: those that brume-server --print-config prints", key));
+            throw fail(line,
+                       fmt::format("{}: no such key; allowed: those that brume-server --print-config prints", key));
         CLI::ConfigItem item{{}, key, {}};
         const toml::array* list = node.as_array();
         if (list && takesSeveral(*option))
@@ -116,7 +117,8 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& in) const {
         else if (const auto word = wordOf(node))
             item.inputs = {*word};
         else
-            throw fail(line, fmt::format("{}: allowed: one value{}", key, takesSeveral(*option) ? ", or an array of them" : ""));
+            throw fail(line, fmt::format("{}: allowed: one value{}", key,
+                                         takesSeveral(*option) ? ", or an array of them" : ""));
         if (isFlag(*option) && !node.is_boolean()) throw fail(line, fmt::format("{}: allowed: true or false", key));
         if (item.inputs.empty() || option->count() > 0 || !environmentValue(*option).empty()) continue;
         lines_[key] = line;
@@ -134,7 +136,8 @@ std::string ConfigFile::sourceOf(const std::string& complaint) const {
 std::vector<std::string> valuesOf(const CLI::Option& option) {
     if (option.count() > 0) return option.reduced_results();
     const std::string& value = option.get_default_str();
-    if (isFlag(option)) return value.empty() ? std::vector<std::string>{"false"} : std::vector<std::string>{}; // else in words
+    if (isFlag(option))
+        return value.empty() ? std::vector<std::string>{"false"} : std::vector<std::string>{}; // else in words
     if (value.empty() || value == "[]" || value == "{}") return {};
     return {value};
 }
@@ -148,7 +151,8 @@ std::string tomlOf(const CLI::Option& option) {
 }
 
 std::string writeConfig(const CLI::App& app) {
-    std::string out = "# brume-server: every option as it stands. A flag goes before the environment, that before this file.\n";
+    std::string out =
+        "# brume-server: every option as it stands. A flag goes before the environment, that before this file.\n";
     for (const std::string& group : app.get_groups()) {
         std::string lines;
         for (const CLI::Option* option : app.get_options({})) {
@@ -156,8 +160,8 @@ std::string writeConfig(const CLI::App& app) {
             const std::string value = tomlOf(*option);
             lines += fmt::format("\n# {}\n", option->get_description());
             if (!isFlag(*option)) lines += fmt::format("# {}\n", option->get_type_name());
-            lines += fmt::format("{}{} ={}{}\n", value.empty() ? "# " : "", option->get_single_name(), value.empty() ? "" : " ",
-                                 value);
+            lines += fmt::format("{}{} ={}{}\n", value.empty() ? "# " : "", option->get_single_name(),
+                                 value.empty() ? "" : " ", value);
         }
         if (!lines.empty()) out += fmt::format("\n# --- {} ---\n{}", group, lines);
     }

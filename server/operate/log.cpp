@@ -22,10 +22,10 @@ public:
         char time[32];
         const size_t length = std::strftime(time, sizeof time, "%Y-%m-%dT%H:%M:%S", &utc);
         const auto text = [](const auto& view) { return std::string(view.data(), view.size()); };
-        const nlohmann::json line{
-            {"time", fmt::format("{}.{:03}Z", std::string_view(time, length), duration_cast<milliseconds>(since).count() % 1000)},
-            {"level", text(spdlog::level::to_string_view(message.level))},
-            {"message", text(message.payload)}};
+        const nlohmann::json line{{"time", fmt::format("{}.{:03}Z", std::string_view(time, length),
+                                                       duration_cast<milliseconds>(since).count() % 1000)},
+                                  {"level", text(spdlog::level::to_string_view(message.level))},
+                                  {"message", text(message.payload)}};
         const std::string written = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
         out.append(written.data(), written.data() + written.size());
     }

@@ -9,7 +9,8 @@ bool RecordedTicks::take(Clock::time_point, std::vector<Command>& commands) {
     if (!next_) return false;
     ++tick_;
     collect();
-    for (const RecordedTick& record : records_) commands.insert(commands.end(), record.commands.begin(), record.commands.end());
+    for (const RecordedTick& record : records_)
+        commands.insert(commands.end(), record.commands.begin(), record.commands.end());
     return true;
 }
 

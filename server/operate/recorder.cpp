@@ -22,7 +22,8 @@ Recorder::~Recorder() { end("stopped"); }
 void Recorder::ticked(const Simulation& simulation, std::span<const Command> commands) {
     if (!out_) return;
     const RecordedTick before = std::exchange(last_, {simulation.tick(), simulation.stateHash(), {}, {}, {}});
-    if (options_.frames > 0 && !pictures_) pictures_ = std::make_unique<OwnFrames>(device_, scene_, simulation.capacity());
+    if (options_.frames > 0 && !pictures_)
+        pictures_ = std::make_unique<OwnFrames>(device_, scene_, simulation.capacity());
     const bool picture = options_.frames > 0 && last_.tick > 0 && last_.tick % options_.frames == 0;
     if (commands.empty() && !picture && last_.tick % kHashEvery != 0) return;
     RecordedTick record = last_;

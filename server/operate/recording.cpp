@@ -54,7 +54,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
     if (!error || error == std::errc::no_such_file_or_directory)
         fd_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
     if (fd_ < 0)
-        throw RecordingError(fmt::format("{}: cannot be recorded to: {}", file_, error ? error.message() : std::strerror(errno)));
+        throw RecordingError(
+            fmt::format("{}: cannot be recorded to: {}", file_, error ? error.message() : std::strerror(errno)));
     try {
         writeBytes(magicLine() + '\n');
         hash_ = magicLine();
@@ -112,7 +113,8 @@ void RecordingWriter::writeBytes(const std::string& bytes) {
 
 // --- reading ---
 
-RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file.string()), in_(file, std::ios::binary) {
+RecordingReader::RecordingReader(const std::filesystem::path& file)
+    : file_(file.string()), in_(file, std::ios::binary) {
     std::error_code error;
     if (!in_ || !std::filesystem::is_regular_file(file, error))
         throw RecordingError(file_ + ": cannot be read; allowed: a file that brume-server --record wrote");
@@ -125,8 +127,9 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
     if (!text) fail("cut within its head: there is nothing to replay");
     try {
         const json head = json::parse(*text);
-        head_ = {head.at("scene").get<std::string>(), head.at("file").get<std::string>(), head.at("text").get<std::string>(),
-                 head.at("overrides").get<std::vector<std::string>>(), head.at("server").get<std::string>()};
+        head_ = {head.at("scene").get<std::string>(), head.at("file").get<std::string>(),
+                 head.at("text").get<std::string>(), head.at("overrides").get<std::vector<std::string>>(),
+                 head.at("server").get<std::string>()};
     } catch (const json::exception& e) {
         fail(fmt::format("not a recording's head: {}", e.what()));
     }

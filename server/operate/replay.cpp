@@ -15,7 +15,8 @@ class Replay {
 public:
     Replay(const ReplayOptions& options, std::ostream& out)
         : options_(options), out_(out), recording_(options.file),
-          scene_(sceneOf(recording_.head().text, recording_.head().file, recording_.head().overrides)), simulation_(scene_) {
+          scene_(sceneOf(recording_.head().text, recording_.head().file, recording_.head().overrides)),
+          simulation_(scene_) {
         if (options.frames == 0) return;
         device_ = std::make_unique<gpu::Device>(options.device);
         pictures_ = std::make_unique<OwnFrames>(*device_, scene_, simulation_.capacity());
@@ -30,16 +31,19 @@ public:
             step(commands);
             check(ticks.records());
         }
-        if (recording_.cut()) out_ << fmt::format("{}: its last line is incomplete and left out\n", options_.file.string());
-        out_ << fmt::format("replayed {} ticks with {} commands: {} states{} as recorded; {}\n", simulation_.tick(), commands_,
-                            states_, frames_ > 0 ? fmt::format(" and {} frames", frames_) : "",
-                            last_.end.empty() ? "the server was killed or still records" : "the recording ended: " + last_.end);
+        if (recording_.cut())
+            out_ << fmt::format("{}: its last line is incomplete and left out\n", options_.file.string());
+        out_ << fmt::format("replayed {} ticks with {} commands: {} states{} as recorded; {}\n", simulation_.tick(),
+                            commands_, states_, frames_ > 0 ? fmt::format(" and {} frames", frames_) : "",
+                            last_.end.empty() ? "the server was killed or still records"
+                                              : "the recording ended: " + last_.end);
     }
 
 private:
     void check(std::span<const RecordedTick> records) {
         for (const RecordedTick& record : records) {
-            if (simulation_.stateHash() != record.state_hash) differ("state", simulation_.stateHash(), record.state_hash);
+            if (simulation_.stateHash() != record.state_hash)
+                differ("state", simulation_.stateHash(), record.state_hash);
             if (record.frame && picture_ && *picture_ != *record.frame) differ("frame", *picture_, *record.frame);
             ++states_;
             frames_ += record.frame && picture_;
@@ -58,9 +62,9 @@ private:
 
     [[noreturn]] void differ(const char* what, uint64_t here, uint64_t recorded) const {
         out_.flush();
-        throw RecordingError(fmt::format("{}: the first difference is at tick {}: {} {}, recorded {}; tick {} was as recorded",
-                                         options_.file.string(), simulation_.tick(), what, hexOf(here), hexOf(recorded),
-                                         last_.tick));
+        throw RecordingError(
+            fmt::format("{}: the first difference is at tick {}: {} {}, recorded {}; tick {} was as recorded",
+                        options_.file.string(), simulation_.tick(), what, hexOf(here), hexOf(recorded), last_.tick));
     }
 
     const ReplayOptions options_;

@@ -1,5 +1,5 @@
-// The groups of brume-server's options, a file for each. A function binds a group's options to where their values go, and the
-// order in which they are called is that of --help.
+// The groups of brume-server's options, a file for each. A function binds a group's options to where their values go,
+// and the order in which they are called is that of --help.
 #pragma once
 
 #include "server/options.h"
@@ -16,8 +16,8 @@ void addDeviceOptions(OptionTable& table, ServerOptions& o);
 void addLogOptions(OptionTable& table, ServerOptions& o);
 void addRecordOptions(OptionTable& table, ServerOptions& o);
 
-// Reads the token key. Throws std::runtime_error, in one line, when the trust options contradict each other, and when other
-// machines could connect without a key and nobody said --open.
+// Reads the token key. Throws std::runtime_error, in one line, when the trust options contradict each other, and when
+// other machines could connect without a key and nobody said --open.
 void readTrust(ServerOptions& o);
 
 // --make-token, and what belongs to it.

@@ -6,7 +6,8 @@ void addLimitOptions(OptionTable& table, ServerOptions& o) {
     OptionGroup g(table, "Limits");
     g.option("--max-viewers", o.max_viewers, "MJPEG streams and snapshots count").range(1, 1000).live();
     g.option("--max-in-flight", o.max_in_flight, "frames a viewer may leave unacknowledged").range(1, 16);
-    g.mebibytes("--memory", o.frame.memory, "that particles may take on the CPU and on the device; a scene with more is refused")
+    g.mebibytes("--memory", o.frame.memory,
+                "that particles may take on the CPU and on the device; a scene with more is refused")
         .range(1u, 65536u);
     g.option("--max-connections", o.net.max_connections, "open sockets").range(1, 65535).live();
     g.option("--max-connections-per-address", o.net.max_connections_per_address, "open sockets of one address")
@@ -14,8 +15,12 @@ void addLimitOptions(OptionTable& table, ServerOptions& o) {
         .live();
     g.option("--max-streams", o.net.max_streams, "MJPEG streams at a time").range(0, 1000).live();
     g.option("--max-snapshots", o.net.max_snapshots, "snapshots at a time").range(0, 1000).live();
-    g.option("--max-pixels", o.net.max_pixels, "of one picture; a larger wish is scaled down").range(256, 8192 * 8192).live();
-    g.option("--max-message-bytes", o.net.max_message_bytes, "of one message from a viewer").range(1024, 1 << 20).live();
+    g.option("--max-pixels", o.net.max_pixels, "of one picture; a larger wish is scaled down")
+        .range(256, 8192 * 8192)
+        .live();
+    g.option("--max-message-bytes", o.net.max_message_bytes, "of one message from a viewer")
+        .range(1024, 1 << 20)
+        .live();
     g.option("--quality", o.net.default_quality, "JPEG quality unless a viewer wishes another")
         .standing(std::to_string(o.net.default_quality))
         .range(1, 100)

@@ -14,7 +14,8 @@ std::string checkHost(const std::string& name) {
 
 // It ends up in a header of the page's replies, among others.
 std::string checkOrigin(const std::string& origin) {
-    const bool plain = std::all_of(origin.begin(), origin.end(), [](char c) { return c > ' ' && c < 0x7f && c != ';'; });
+    const bool plain =
+        std::all_of(origin.begin(), origin.end(), [](char c) { return c > ' ' && c < 0x7f && c != ';'; });
     return plain ? "" : "allowed: an origin such as https://clouds.example, or *";
 }
 

@@ -75,11 +75,13 @@ NewOption OptionGroup::option(const char* name, Value& value, const char* about)
 }
 
 NewOption OptionGroup::several(const char* name, std::vector<std::string>& values, char delimiter, const char* about) {
-    return add(
-        table_.app.add_option(name, values, about)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->delimiter(delimiter));
+    return add(table_.app.add_option(name, values, about)
+                   ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+                   ->delimiter(delimiter));
 }
 
-NewOption OptionGroup::milliseconds(const char* name, std::chrono::milliseconds& value, const char* about, uint32_t least) {
+NewOption OptionGroup::milliseconds(const char* name, std::chrono::milliseconds& value, const char* about,
+                                    uint32_t least) {
     const auto take = [&value](uint32_t ms) { value = std::chrono::milliseconds(ms); };
     return add(table_.app.add_option_function<uint32_t>(name, take, about))
         .standing(std::to_string(value.count()))
@@ -89,7 +91,9 @@ NewOption OptionGroup::milliseconds(const char* name, std::chrono::milliseconds&
 
 NewOption OptionGroup::mebibytes(const char* name, uint64_t& bytes, const char* about) {
     const auto take = [&bytes](uint32_t mib) { bytes = uint64_t{mib} << 20; };
-    return add(table_.app.add_option_function<uint32_t>(name, take, about)).standing(std::to_string(bytes >> 20)).unit("MIB");
+    return add(table_.app.add_option_function<uint32_t>(name, take, about))
+        .standing(std::to_string(bytes >> 20))
+        .unit("MIB");
 }
 
 NewOption OptionGroup::perSecond(const char* name, double& value, const char* about) {

@@ -7,8 +7,8 @@ namespace {
 
 // Viewers are told this URL: it holds no user or password, and a header or a log line can carry it.
 std::string checkUrl(const std::string& url) {
-    const bool scheme =
-        url.starts_with("http://") || url.starts_with("https://") || url.starts_with("ws://") || url.starts_with("wss://");
+    const bool scheme = url.starts_with("http://") || url.starts_with("https://") || url.starts_with("ws://") ||
+                        url.starts_with("wss://");
     const bool plain = std::all_of(url.begin(), url.end(), [](char c) { return c > ' ' && c < 0x7f && c != '@'; });
     if (url.empty() || (scheme && plain && url.size() <= 1024)) return {};
     return "allowed: a URL of http, https, ws or wss, without user and password, of 1024 characters at most";

@@ -21,7 +21,8 @@ std::string checkName(const std::string& name) {
 
 void addTrustOptions(OptionTable& table, ServerOptions& o) {
     OptionGroup g(table, "Trust");
-    g.option("--token-key", o.token_key, "file with the secret of tokens: what a viewer may do is in its token").unit("FILE");
+    g.option("--token-key", o.token_key, "file with the secret of tokens: what a viewer may do is in its token")
+        .unit("FILE");
     g.flag("--open", o.open, "without a key let other machines in: everyone who comes may do everything");
     g.option("--tls-certificate", o.net.tls_certificate, "certificate chain for TLS, PEM; with --tls-key").unit("FILE");
     g.option("--tls-key", o.net.tls_key, "its private key, PEM").unit("FILE");
@@ -42,10 +43,11 @@ void readTrust(ServerOptions& o) {
 
 void addTokenOptions(OptionTable& table, TokenRequest& request) {
     OptionGroup g(table, nullptr);
-    const NewOption make = g.option("--make-token", request.role, "print a token of this role, made with --token-key, and end")
-                               .flagOnly()
-                               .oneOf({"viewer", "controller", "operator"})
-                               .unit("ROLE");
+    const NewOption make =
+        g.option("--make-token", request.role, "print a token of this role, made with --token-key, and end")
+            .flagOnly()
+            .oneOf({"viewer", "controller", "operator"})
+            .unit("ROLE");
     g.option("--valid-for", request.valid_s, "of that token")
         .flagOnly()
         .needs(make)
@@ -57,7 +59,8 @@ void addTokenOptions(OptionTable& table, TokenRequest& request) {
 std::string makeToken(const TokenRequest& request, const std::string& key) {
     if (key.empty()) throw std::runtime_error("--make-token needs --token-key FILE, the server's");
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-    return net::makeToken({*net::roleNamed(request.role), now + std::chrono::seconds(request.valid_s), request.name}, key);
+    return net::makeToken({*net::roleNamed(request.role), now + std::chrono::seconds(request.valid_s), request.name},
+                          key);
 }
 
 } // namespace brume

@@ -51,7 +51,8 @@ CostModel builtInCosts() {
 }
 
 std::filesystem::path defaultCostFolder() {
-    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return std::filesystem::path(cache) / "brume";
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+        return std::filesystem::path(cache) / "brume";
     if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "brume";
     return ".";
 }
@@ -86,8 +87,10 @@ CostModel loadCosts(const std::filesystem::path& file, std::string& complaint) {
     return model;
 }
 
-void saveCosts(const std::filesystem::path& file, const CostModel& model, std::string_view device, std::string_view driver) {
-    nlohmann::ordered_json out{{"version", kVersion}, {"device", device}, {"driver", driver}, {"unit", "ns per unit of work"}};
+void saveCosts(const std::filesystem::path& file, const CostModel& model, std::string_view device,
+               std::string_view driver) {
+    nlohmann::ordered_json out{
+        {"version", kVersion}, {"device", device}, {"driver", driver}, {"unit", "ns per unit of work"}};
     for (const CostInfo* cost : allCosts()) out[cost->key] = model[*cost];
     std::error_code error;
     std::filesystem::create_directories(file.parent_path(), error);

@@ -54,6 +54,7 @@ std::filesystem::path costFile(const std::filesystem::path& folder, std::string_
 CostModel loadCosts(const std::filesystem::path& file, std::string& complaint);
 
 // Writes the file and makes its folder. Throws std::runtime_error, one line.
-void saveCosts(const std::filesystem::path& file, const CostModel& model, std::string_view device, std::string_view driver);
+void saveCosts(const std::filesystem::path& file, const CostModel& model, std::string_view device,
+               std::string_view driver);
 
 } // namespace brume

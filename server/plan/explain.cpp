@@ -8,8 +8,8 @@ namespace brume {
 namespace {
 
 std::string row(const std::string& what, const Candidate& c, size_t views, const std::string& why) {
-    return fmt::format("  {:<44} {:>8.2f} {:>8.2f} {:>8.3f} {:>7.4f}  {}\n", what, c.shared_ms, c.views_ms / double(views),
-                       100 * c.error, c.flip, why);
+    return fmt::format("  {:<44} {:>8.2f} {:>8.2f} {:>8.3f} {:>7.4f}  {}\n", what, c.shared_ms,
+                       c.views_ms / double(views), 100 * c.error, c.flip, why);
 }
 
 std::string absent(const SceneFeatures& f) {
@@ -30,8 +30,8 @@ std::string wayText(const RenderSettings& settings) { return planOf(settings.met
 
 std::string summary(const Plan& plan) {
     const Candidate& c = plan.chosen;
-    return fmt::format("{}: {:.3f} % predicted, {:.1f} ms a view, {:.1f} ms shared{}", wayText(c.settings), 100 * c.error,
-                       c.views_ms / double(plan.views), c.shared_ms,
+    return fmt::format("{}: {:.3f} % predicted, {:.1f} ms a view, {:.1f} ms shared{}", wayText(c.settings),
+                       100 * c.error, c.views_ms / double(plan.views), c.shared_ms,
                        plan.relaxed ? fmt::format(", coarser by {} steps", plan.relaxed) : "");
 }
 
@@ -46,7 +46,8 @@ std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel&
     out += fmt::format("memory      of the particles at most {:.1f} MiB of the CPU's, {:.1f} MiB of the device's\n",
                        double(memory.cpu) / (1 << 20), double(memory.device) / (1 << 20));
     out += fmt::format("plan        {}{}\n", wayText(s),
-                       plan.within ? "" : "; NOT within the budget: nothing is; this is the cheapest of the most accurate");
+                       plan.within ? ""
+                                   : "; NOT within the budget: nothing is; this is the cheapest of the most accurate");
     for (const PlanScene::Shadow& shadow : inputs.scene.shadows)
         if (shadow.wanted == s.shadow_error)
             out += fmt::format("shadow map  {}x{} texels, {} planes, error {:.3f} %\n", shadow.resolution.texels.x,

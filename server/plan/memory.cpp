@@ -12,16 +12,18 @@
 namespace brume {
 namespace {
 
-constexpr uint64_t kParticle = sizeof(gpu::Particle), kMerged = kParticle * 3 / 4; // a medium worth merging has no more left
-constexpr uint64_t kCpu = 2 * uint64_t(Column::count) * sizeof(float)              // now, and as at the start
+constexpr uint64_t kParticle = sizeof(gpu::Particle),
+                   kMerged = kParticle * 3 / 4;                       // a medium worth merging has no more left
+constexpr uint64_t kCpu = 2 * uint64_t(Column::count) * sizeof(float) // now, and as at the start
                           + 3 * kParticle + kMerged // of this submission, of the last, ordered, merged
                           + 2 * sizeof(uint64_t)    // SpatialOrder's keys
                           + kParticle;              // a look of the plan
 constexpr uint64_t kSubmissions = 3;
-constexpr uint64_t kBitsOfBins = (409 + 278 + 7) / 8; // lines of tiles: of slabs at 1920 x 1080, of the largest shadow map
+constexpr uint64_t kBitsOfBins =
+    (409 + 278 + 7) / 8; // lines of tiles: of slabs at 1920 x 1080, of the largest shadow map
 constexpr uint64_t kDevice = kParticle + kMerged * 5 / 4 + kSubmissions * (kParticle + kMerged) // uploads
                              + sizeof(gpu::LightParticle) + 2 * sizeof(gpu::ParticleLight)      // of both lists
-                             + 4 * sizeof(uint32_t)                                             // sort: keys and values, twice
+                             + 4 * sizeof(uint32_t) // sort: keys and values, twice
                              + kBitsOfBins;
 
 uint64_t deviceBytes() { // of one particle

@@ -48,8 +48,8 @@ public:
     // Appends all ways to render the scene: copies of `way` in which every setting left open (0) has a value.
     // `asked`: true if the scene names this method. `refused` gets one line if the scene allows none of the ways, or
     // not the coarsest.
-    virtual void addWays(const PlanScene& /*scene*/, const RenderSettings& way, bool asked, std::vector<RenderSettings>& ways,
-                         std::string& /*refused*/) const {
+    virtual void addWays(const PlanScene& /*scene*/, const RenderSettings& way, bool asked,
+                         std::vector<RenderSettings>& ways, std::string& /*refused*/) const {
         if (asked) ways.push_back(way);
     }
     // Adds its work: once per tick for all viewers, and for one view. Precondition: no setting is left open.
@@ -60,7 +60,9 @@ public:
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
     // The next coarser settings in a direction; nothing if there are none.
-    virtual std::optional<RenderSettings> coarser(const RenderSettings& /*settings*/, Coarser /*direction*/) const { return {}; }
+    virtual std::optional<RenderSettings> coarser(const RenderSettings& /*settings*/, Coarser /*direction*/) const {
+        return {};
+    }
     // Settings with a fraction of the error, for still pictures.
     virtual RenderSettings finer(const RenderSettings& settings) const { return settings; }
 };

@@ -13,7 +13,8 @@ constexpr double kSpare = 0.8;
 
 double Overload::median() const {
     auto sorted = newest_;
-    const auto end = sorted.begin() + std::min(frames_, sorted.size()), middle = sorted.begin() + (end - sorted.begin()) / 2;
+    const auto end = sorted.begin() + std::min(frames_, sorted.size()),
+               middle = sorted.begin() + (end - sorted.begin()) / 2;
     std::nth_element(sorted.begin(), middle, end);
     return *middle;
 }

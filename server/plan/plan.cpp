@@ -15,16 +15,16 @@
 namespace brume {
 namespace {
 
-// What is in use stays while it is at most so much dearer, and its error so much larger, than what would be chosen anew: a camera
-// on the edge between two ways does not change them every tick.
+// What is in use stays while it is at most so much dearer, and its error so much larger, than what would be chosen
+// anew: a camera on the edge between two ways does not change them every tick.
 constexpr double kDearer = 1.25, kWorse = 1.1;
 // Where nothing holds the budgets: the cheapest of those whose error is at most so many times the least that there is.
 constexpr double kNearBest = 1.1;
 // Overload trades error away up to so many times the budget.
 constexpr double kMostRelaxed = 10;
 
-// All combinations of what is left open, for the methods that `wanted_method` allows. `refused`: one line on a method that the
-// scene does not allow.
+// All combinations of what is left open, for the methods that `wanted_method` allows. `refused`: one line on a method
+// that the scene does not allow.
 std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& wanted_method, std::string& refused) {
     std::vector<RenderSettings> ways;
     for (const MethodPlan* method : inputs.methods) {
@@ -37,10 +37,13 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
     return ways;
 }
 
-// Pixels of a deviation above which the coarsest rate is finer than needs be: other views would get too many rays by it.
+// Pixels of a deviation above which the coarsest rate is finer than needs be: other views would get too many rays by
+// it.
 constexpr double kMostDeviation = double(std::end(kRates)[-1]) / double(kRaysPerDeviation);
 
-double errorOf(const RenderSettings& way, const ViewWork& view) { return view.sees() ? planOf(way.method)->error(way, view) : 0; }
+double errorOf(const RenderSettings& way, const ViewWork& view) {
+    return view.sees() ? planOf(way.method)->error(way, view) : 0;
+}
 
 // True: views have their own rates, since nobody asked for one and no shaders have to be compiled for long.
 bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings) {
@@ -61,7 +64,8 @@ public:
             const bool fits = own <= kMostDeviation, had = deviation_ > 0 && deviation_ <= kMostDeviation;
             if (deviation_ == 0 || (fits ? !had || own > deviation_ : !had && own < deviation_)) deviation_ = own;
         }
-        for (const PlanScene::Shadow& shadow : scene_.shadows) shadow_ms_.push_back(shadowWork(scene_, shadow).ms(model));
+        for (const PlanScene::Shadow& shadow : scene_.shadows)
+            shadow_ms_.push_back(shadowWork(scene_, shadow).ms(model));
     }
 
     // A candidate for each shadow map that the settings allow.
@@ -90,7 +94,8 @@ public:
 private:
     size_t shadowOf(const RenderSettings& settings) const {
         const auto same = [&](const PlanScene::Shadow& s) { return s.wanted == settings.shadow_error; };
-        return size_t(std::find_if(scene_.shadows.begin(), std::prev(scene_.shadows.end()), same) - scene_.shadows.begin());
+        return size_t(std::find_if(scene_.shadows.begin(), std::prev(scene_.shadows.end()), same) -
+                      scene_.shadows.begin());
     }
     // The way with the view's own rate.
     RenderSettings in(const ViewWork& view, RenderSettings way) const {
@@ -108,8 +113,8 @@ private:
     }
     Candidate with(Candidate c, size_t shadow) const {
         c.settings.shadow_error = scene_.shadows[shadow].wanted;
-        c.error =
-            c.error > 0 ? std::hypot(c.error, lightError(scene_.shadows[shadow].resolution.error)) : 0; // 0: nothing is seen
+        c.error = c.error > 0 ? std::hypot(c.error, lightError(scene_.shadows[shadow].resolution.error))
+                              : 0; // 0: nothing is seen
         c.flip = flipOf(c.error, inside_);
         c.shared_ms += shadow_ms_[shadow];
         return c;
@@ -125,16 +130,16 @@ private:
 };
 
 bool sameWay(const RenderSettings& a, const RenderSettings& b) {
-    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.grid == b.grid && a.quadrature == b.quadrature &&
-           a.steps == b.steps && a.shadow_error == b.shadow_error;
+    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.grid == b.grid &&
+           a.quadrature == b.quadrature && a.steps == b.steps && a.shadow_error == b.shadow_error;
 }
 
 // Smaller is better: whether it is outside the budgets, and then what counts there.
 using Rank = std::tuple<int, double, double>;
 
 // The best of each method and rate but the chosen one, with why it was not taken.
-std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candidate& chosen, const RenderSettings& wanted,
-                                const std::function<Rank(const Candidate&)>& rank) {
+std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candidate& chosen,
+                                const RenderSettings& wanted, const std::function<Rank(const Candidate&)>& rank) {
     std::vector<Candidate> others;
     for (const Candidate& c : all) {
         RenderSettings otherwise = c.settings; // another shadow map alone is no other way
@@ -175,8 +180,8 @@ std::vector<const MethodPlan*> allMethods() { return {methodPlans().begin(), met
 // The map's estimate is a mean over views; some see up to 1.4 times as much of it.
 double lightError(double estimated) { return 1.25 * estimated; }
 
-// FLIP's definition for an error e of the luminance Y all over a picture: 0.0575 (38.7 Y^(1/3) e)^0.7, which is 0.56 e^0.7 for Y
-// = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
+// FLIP's definition for an error e of the luminance Y all over a picture: 0.0575 (38.7 Y^(1/3) e)^0.7, which is 0.56
+// e^0.7 for Y = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
 double flipOf(double error, bool inside) { return std::min((inside ? 0.65 : 0.5) * std::pow(error, 0.7), 1.0); }
 
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed) {
@@ -207,7 +212,9 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     }
     for (const RenderSettings& way : ways) prices.add(way, all);
 
-    const auto holds = [&](const Candidate& c) { return c.error <= double(wanted.error) && c.flip <= double(wanted.flip); };
+    const auto holds = [&](const Candidate& c) {
+        return c.error <= double(wanted.error) && c.flip <= double(wanted.flip);
+    };
     const auto by_error = [](const Candidate& a, const Candidate& b) { return a.error < b.error; };
     const double least = std::min_element(all.begin(), all.end(), by_error)->error;
     const auto rank = [&](const Candidate& c) -> Rank {
@@ -215,11 +222,11 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         return c.error <= kNearBest * least ? Rank{1, c.ms(), c.error} : Rank{2, c.error, c.ms()};
     };
     plan.views = inputs.views.size();
-    plan.chosen =
-        *std::min_element(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
+    plan.chosen = *std::min_element(all.begin(), all.end(),
+                                    [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
     if (inputs.before) {
-        const auto used =
-            std::find_if(all.begin(), all.end(), [&](const Candidate& c) { return sameWay(c.settings, *inputs.before); });
+        const auto used = std::find_if(all.begin(), all.end(),
+                                       [&](const Candidate& c) { return sameWay(c.settings, *inputs.before); });
         const bool stays = used != all.end() && used->ms() <= kDearer * plan.chosen.ms() &&
                            used->error <= kWorse * std::max(plan.chosen.error, double(wanted.error)) &&
                            used->flip <= kWorse * std::max(plan.chosen.flip, double(wanted.flip));

@@ -79,7 +79,8 @@ Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms)
     inputs_.methods = allMethods();
 }
 
-const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed, Time now) {
+const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
+                                        Time now) {
     const bool look = changed || looked_ == Time{};
     if (look || !sameSizes(views, inputs_.views)) renew(simulation, views, look, now);
     return plan_.chosen.settings;
@@ -134,14 +135,15 @@ void Planner::took(double ms, Time now) {
     worst_ = std::max(worst_, level);
     if (before == 0) {
         overloaded_since_ = now;
-        spdlog::warn("frames take too long ({:.1f} ms): accuracy is given up, step by step; first {}", ms, summary(plan_));
+        spdlog::warn("frames take too long ({:.1f} ms): accuracy is given up, step by step; first {}", ms,
+                     summary(plan_));
     } else if (level == 0) {
         const auto lasted = std::chrono::duration_cast<std::chrono::seconds>(now - overloaded_since_);
-        spdlog::warn("accuracy is back after {} s, at worst coarser by {} steps: {}", lasted.count(), std::exchange(worst_, 0),
-                     summary(plan_));
+        spdlog::warn("accuracy is back after {} s, at worst coarser by {} steps: {}", lasted.count(),
+                     std::exchange(worst_, 0), summary(plan_));
     } else {
-        spdlog::debug("{} ({:.1f} ms): {}", level > before ? "frames take too long" : "frames are short enough again", ms,
-                      summary(plan_));
+        spdlog::debug("{} ({:.1f} ms): {}", level > before ? "frames take too long" : "frames are short enough again",
+                      ms, summary(plan_));
     }
 }
 

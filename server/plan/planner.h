@@ -26,7 +26,8 @@ public:
 
     // The settings to render `views` with. Makes a new plan if settings changed (`changed`), or if number or sizes of
     // the views changed; otherwise it costs nothing.
-    const RenderSettings& settings(const Simulation& simulation, std::span<const PlanView> views, bool changed, Time now);
+    const RenderSettings& settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
+                                   Time now);
     // Makes a new plan for the coming frames every quarter of a second, since cameras and particles move. To be
     // called while the device works, so that no frame waits.
     void refresh(const Simulation& simulation, std::span<const PlanView> views, Time now);

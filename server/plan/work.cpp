@@ -25,7 +25,9 @@ Depths depthsOf(const MediumExtent& e, const Pose& pose) {
 }
 
 // m per m of view depth.
-double pixelOf(const Frustum& frustum, uint32_t height) { return (double(frustum.up) + double(frustum.down)) / double(height); }
+double pixelOf(const Frustum& frustum, uint32_t height) {
+    return (double(frustum.up) + double(frustum.down)) / double(height);
+}
 
 } // namespace
 
@@ -45,7 +47,8 @@ double Work::ms(const CostModel& model) const {
 }
 
 double cellsTouched(double lo, double hi, double size, double count) {
-    const double first = std::clamp(std::floor(lo / size), 0.0, count), last = std::clamp(std::floor(hi / size) + 1, 0.0, count);
+    const double first = std::clamp(std::floor(lo / size), 0.0, count),
+                 last = std::clamp(std::floor(hi / size) + 1, 0.0, count);
     return std::max(last - first, 0.0);
 }
 
@@ -55,7 +58,8 @@ Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
     Work work;
     work[costs::kUpload] = scene.particles;
     if (scene.features.casters)
-        work[costs::kOpaqueShadow] = double(scene.wanted.opaque_shadow_size) * scene.wanted.opaque_shadow_size * scene.casters;
+        work[costs::kOpaqueShadow] =
+            double(scene.wanted.opaque_shadow_size) * scene.wanted.opaque_shadow_size * scene.casters;
     planOf(settings.method)->addSharedWork(scene, settings, work);
     return work;
 }
@@ -84,7 +88,8 @@ double projectedDeviation(const MediumExtent& extent, const PlanView& view) {
     return double(extent.deviation) / (pixel * 0.5 * (depths.near + depths.far));
 }
 
-ViewWork::ViewWork(const PlanScene& scene, const PlanView& view) : scene_(scene), width_(view.width), height_(view.height) {
+ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
+    : scene_(scene), width_(view.width), height_(view.height) {
     const Frustum frustum = frustumOf(view.pose, view.width, view.height);
     pixel_ = pixelOf(frustum, view.height);
     const glm::mat3 axes = glm::mat3_cast(view.pose.orientation);
@@ -126,7 +131,9 @@ double ViewWork::raySpacing(uint32_t rate) const {
     return rate * pixel_ * 0.5 * (near_ + far_) / double(scene_.extent.deviation);
 }
 
-double ViewWork::slabThickness(uint32_t slabs) const { return (far_ - near_) / (slabs * double(scene_.extent.deviation)); }
+double ViewWork::slabThickness(uint32_t slabs) const {
+    return (far_ - near_) / (slabs * double(scene_.extent.deviation));
+}
 
 double ViewWork::deviationDepth() const { return scene_.extinction * double(scene_.extent.deviation); }
 

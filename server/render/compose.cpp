@@ -18,11 +18,15 @@ void Compose::prepare(std::span<const ViewGroup> groups) {
     for (const ViewGroup& group : groups)
         for (const gpu::View& view : group.views)
             words = std::max<VkDeviceSize>(words, view.shaded + shadedWords(view, group.step));
-    shaded_.atLeast(device_, words * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "shaded nodes");
+    shaded_.atLeast(device_, words * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device,
+                    "shaded nodes");
 }
 
-// Blocks of 8x2 pixels that a lane of compose.comp makes: whole cells of the field, so that its pixels share their look-ups.
-uint32_t Compose::blocksOf(uint32_t rate) const { return features_.opaque && (rate == 3 || rate == 6 || rate == 12) ? 3 : 1; }
+// Blocks of 8x2 pixels that a lane of compose.comp makes: whole cells of the field, so that its pixels share their
+// look-ups.
+uint32_t Compose::blocksOf(uint32_t rate) const {
+    return features_.opaque && (rate == 3 || rate == 6 || rate == 12) ? 3 : 1;
+}
 
 const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
     gpu::ComputeProgram& program = every_pixel_[v];
@@ -74,10 +78,11 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
                                                      .step = 1});
     const uint32_t blocks = drawn ? 1 : blocksOf(group.rate);
     for (uint32_t i = 0; i < group.count(); ++i) {
-        program.bind(commands, {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
-                                gpu::storageBuffer(3, *in.shared->planes), gpu::storageBuffer(4, drawn ? none_ : *group.field),
-                                gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
-                                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        program.bind(commands,
+                     {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
+                      gpu::storageBuffer(3, *in.shared->planes), gpu::storageBuffer(4, drawn ? none_ : *group.field),
+                      gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
+                      gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64 * blocks), gpu::groups(view.end - view.first, 16), 1);
     }
@@ -97,9 +102,10 @@ void Compose::shadeField(gpu::Commands& commands, const ViewGroup& group) {
                .rate = group.rate,
                .sources = group.sources,
                .step = group.step})
-        .bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, *group.field)});
-    vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8), gpu::groups(gpu::groups(rows, group.step) + 3, 8),
-                  group.count());
+        .bind(commands,
+              {in.medium->tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, *group.field)});
+    vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8),
+                  gpu::groups(gpu::groups(rows, group.step) + 3, 8), group.count());
     gpu::computeToCompute(cmd);
 }
 
@@ -124,7 +130,8 @@ void Compose::present(gpu::Commands& commands, const ViewGroup& group) {
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"},
                                       {{gpu::kIdStep, group.step}, {gpu::kIdFull, full_}});
-    program.bind(commands, {group.block, gpu::storageBuffer(3, *group.any->shared->planes), gpu::storageBuffer(4, shaded_)});
+    program.bind(commands,
+                 {group.block, gpu::storageBuffer(3, *group.any->shared->planes), gpu::storageBuffer(4, shaded_)});
     const uint32_t width = group.most([](const gpu::View& v) { return v.eye.size.x; });
     const uint32_t rows = group.most([](const gpu::View& v) { return v.end - v.first; });
     vkCmdDispatch(cmd, gpu::groups(width, 128), gpu::groups(rows, 32), group.count());

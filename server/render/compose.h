@@ -1,5 +1,5 @@
-// The last passes of pictures: background, medium, tone map, and the planes of bytes that the encoders take. Pixels whose medium
-// comes as a field are made here and never stored as radiance, unless somebody wants to read it.
+// The last passes of pictures: background, medium, tone map, and the planes of bytes that the encoders take. Pixels
+// whose medium comes as a field are made here and never stored as radiance, unless somebody wants to read it.
 #pragma once
 
 #include <map>
@@ -13,8 +13,8 @@ class Compose {
 public:
     Compose(const gpu::Device& device, const SceneFeatures& features);
 
-    // True: RenderTarget::radiance holds the composed picture afterwards; every group is then of one view, with step 1. A medium
-    // that was drawn is always there.
+    // True: RenderTarget::radiance holds the composed picture afterwards; every group is then of one view, with step 1.
+    // A medium that was drawn is always there.
     void keepRadiance(bool keep) { keep_ = keep; }
     bool keepsRadiance() const { return keep_; }
     // True: planes hold R, G, B of every pixel from now on; false: Y, Cb, Cr (picture.h).
@@ -22,15 +22,16 @@ public:
 
     // Makes room for the groups' shaded nodes. Precondition: nothing of this is on the device.
     void prepare(std::span<const ViewGroup> groups);
-    // Writes the planes of a group's views. The medium is in the group's field, or with what is behind it in the target. What is
-    // behind a field is in the target when the scene has opaque objects; else it is the sky.
+    // Writes the planes of a group's views. The medium is in the group's field, or with what is behind it in the
+    // target. What is behind a field is in the target when the scene has opaque objects; else it is the sky.
     void record(gpu::Commands& commands, const ViewGroup& group);
 
 private:
     struct Variant {
         bool drawn, keep, lobe, full;
         uint32_t rate, sources, step;
-        auto operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14 takes it for a 0
+        auto
+        operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14 takes it for a 0
     };
     uint32_t blocksOf(uint32_t rate) const;
     const gpu::ComputeProgram& everyPixel(const Variant& variant);

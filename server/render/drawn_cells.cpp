@@ -7,7 +7,8 @@
 namespace brume {
 namespace {
 
-// Error that a cubic may make of the length of medium in front of a surface, or in shadow: in standard deviations of the medium.
+// Error that a cubic may make of the length of medium in front of a surface, or in shadow: in standard deviations of
+// the medium.
 constexpr float kSame = 0.25f;
 
 } // namespace
@@ -15,7 +16,8 @@ constexpr float kSame = 0.25f;
 void DrawnCells::clear(gpu::Commands& commands, const EyeInputs& coarse) const {
     const VkClearColorValue nothing{{0, 0, 0, 1}};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    vkCmdClearColorImage(commands.handle(), coarse.target->radiance.handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1, &all);
+    vkCmdClearColorImage(commands.handle(), coarse.target->radiance.handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1,
+                         &all);
     gpu::everythingBefore(commands.handle());
 }
 

@@ -1,5 +1,5 @@
-// For scenes with opaque objects: the medium drawn at every step-th pixel only becomes that of the pixels between, except in
-// cells that the edge of a surface or of its shadow crosses.
+// For scenes with opaque objects: the medium drawn at every step-th pixel only becomes that of the pixels between,
+// except in cells that the edge of a surface or of its shadow crosses.
 #pragma once
 
 #include <map>
@@ -13,10 +13,11 @@ class DrawnCells {
 public:
     explicit DrawnCells(const gpu::Device& device) : device_(device) {}
 
-    // Before the medium is drawn at every step-th pixel: leaves the surfaces in that target's view depth, and no radiance.
+    // Before the medium is drawn at every step-th pixel: leaves the surfaces in that target's view depth, and no
+    // radiance.
     void clear(gpu::Commands& commands, const EyeInputs& coarse) const;
-    // Afterwards: interpolates it, over the background that the fine target holds. Pixels that are done get the view depth 0, so
-    // that a method which then draws all pixels adds nothing to them.
+    // Afterwards: interpolates it, over the background that the fine target holds. Pixels that are done get the view
+    // depth 0, so that a method which then draws all pixels adds nothing to them.
     void interpolate(gpu::Commands& commands, const EyeInputs& fine, const EyeInputs& coarse);
 
 private:

@@ -5,8 +5,8 @@
 
 namespace brume {
 
-void MergedMedia::choose(std::span<const gpu::Particle> ordered, bool moved, const gpu::Tick& tick, const MediumExtent& extent,
-                         std::span<const EyeRequest> eyes, float merge) {
+void MergedMedia::choose(std::span<const gpu::Particle> ordered, bool moved, const gpu::Tick& tick,
+                         const MediumExtent& extent, std::span<const EyeRequest> eyes, float merge) {
     of_eye_.assign(eyes.size(), nullptr);
     media_.clear();
     for (const auto& medium : all_) {
@@ -58,7 +58,8 @@ void MergedMedia::write(const gpu::Device& device, const gpu::Buffer& through, V
         const VkDeviceSize room = medium->particles.size() < bytes ? bytes + bytes / 4 : bytes; // it may grow a little
         medium->particles.atLeast(device, room, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                                   gpu::Memory::device, "merged particles");
-        std::copy(medium->list.begin(), medium->list.end(), through.mapped<gpu::Particle>(medium->list.size(), at).begin());
+        std::copy(medium->list.begin(), medium->list.end(),
+                  through.mapped<gpu::Particle>(medium->list.size(), at).begin());
         at += bytes;
     }
 }

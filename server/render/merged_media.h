@@ -1,5 +1,5 @@
-// The levels of detail (medium/levels.h) that the eyes of a submission ask for, on the device. Eyes that ask for the same level
-// share it.
+// The levels of detail (medium/levels.h) that the eyes of a submission ask for, on the device. Eyes that ask for the
+// same level share it.
 #pragma once
 
 #include <memory>
@@ -31,8 +31,8 @@ public:
         bool worth = false;      // True: it has fewer than three quarters of the particles
     };
 
-    // Chooses each eye's level: none for an eye that is near, or for which merging would save little. `ordered`: the tick's
-    // particles in SpatialOrder, `extent` of them. `moved`: True if they are not those of the last call.
+    // Chooses each eye's level: none for an eye that is near, or for which merging would save little. `ordered`: the
+    // tick's particles in SpatialOrder, `extent` of them. `moved`: True if they are not those of the last call.
     void choose(std::span<const gpu::Particle> ordered, bool moved, const gpu::Tick& tick, const MediumExtent& extent,
                 std::span<const EyeRequest> eyes, float merge);
     Medium* of(size_t eye) const { return of_eye_[eye]; }     // null: it sees the particles as they are

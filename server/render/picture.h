@@ -1,5 +1,5 @@
-// A finished picture as JPEG wants it: planes of full-range BT.601 Y, Cb, Cr bytes with 4:2:0 chroma. Or, for pictures that rest,
-// with all of its colour: planes of sRGB R, G, B bytes.
+// A finished picture as JPEG wants it: planes of full-range BT.601 Y, Cb, Cr bytes with 4:2:0 chroma. Or, for pictures
+// that rest, with all of its colour: planes of sRGB R, G, B bytes.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@ namespace brume {
 
 struct PlaneLayout {
     uint32_t width = 0, height = 0;
-    bool full = false;                                          // R, G, B of every pixel, each as the plane of Y is laid out
+    bool full = false; // R, G, B of every pixel, each as the plane of Y is laid out
     uint32_t lumaStride() const { return (width + 7) / 8 * 8; } // bytes
     uint32_t chromaStride() const { return lumaStride() / 2; }
     uint32_t chromaHeight() const { return (height + 1) / 2; }

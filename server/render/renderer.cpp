@@ -23,12 +23,13 @@ std::span<const PictureView> Submission::pictures() {
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(opaqueObjects(scene)), features_(compiledFor(scene, besides)),
-      upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device), particle_light_(device, capacity),
-      surfaces_(device, scene), depth_order_(device, capacity), compose_(device, features_), cells_(device),
-      linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST) {
-    objects_buffer_ =
-        gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
-                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "objects");
+      upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device),
+      particle_light_(device, capacity), surfaces_(device, scene), depth_order_(device, capacity),
+      compose_(device, features_), cells_(device), linear_(device, VK_FILTER_LINEAR),
+      nearest_(device, VK_FILTER_NEAREST) {
+    objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
+                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                                  gpu::Memory::upload, "objects");
     std::copy(objects_.begin(), objects_.end(), objects_buffer_.mapped<gpu::Opaque>(objects_.size()).begin());
     objects_buffer_.flush();
 }
@@ -76,8 +77,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.submitted();
 }
 
-// The method compiled for these settings. The two last used are kept: switching between two costs nothing, and memory is
-// bounded.
+// The method compiled for these settings. The two last used are kept: switching between two costs nothing, and memory
+// is bounded.
 Method& Renderer::methodFor(const RenderSettings& settings) {
     const MethodPlan* plan = planOf(settings.method);
     const uint32_t variant = plan ? plan->variant(settings) : 0;
@@ -96,7 +97,8 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
 }
 
 size_t Renderer::methodsKept() const {
-    return size_t(std::count_if(methods_.begin(), methods_.end(), [](const Made& made) { return made.method != nullptr; }));
+    return size_t(
+        std::count_if(methods_.begin(), methods_.end(), [](const Made& made) { return made.method != nullptr; }));
 }
 
 // Pixels between those that are drawn: 1, 2, 4 or 8, the steps that present.comp is written for.
@@ -118,10 +120,11 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
         throw gpu::Error("pictures of " + std::to_string(bytes >> 20) + " MiB together, the device allows " +
                          std::to_string(mostPictureBytes(device_) >> 20) + " MiB: ask for smaller ones");
     s.uniforms_.atLeast(device_, UniformBlocks::bytes(eyes.size()),
-                        VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "uniforms");
+                        VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
+                        "uniforms");
     s.planes_.atLeast(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "planes readback");
-    planes_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
-                    "planes");
+    planes_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                    gpu::Memory::device, "planes");
     VkDeviceSize at = 0;
     views_.assign(eyes.size(), {});
     for (size_t i = 0; i < eyes.size(); ++i) {
@@ -216,7 +219,8 @@ std::span<const ViewGroup> Renderer::groupsOf(Method& method) {
     return no_medium_;
 }
 
-// Surfaces are drawn for every picture that passes through the target, once for all bands of it: `before` was the last one.
+// Surfaces are drawn for every picture that passes through the target, once for all bands of it: `before` was the last
+// one.
 bool Renderer::needsSurfaces(const ViewGroup& group, const EyeInputs* before) const {
     return group.any != before && (!group.field || features_.opaque);
 }

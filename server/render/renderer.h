@@ -22,7 +22,8 @@
 
 namespace brume {
 
-// What one submission writes and reads on the CPU's side. Several may be alive: one on the device, others being encoded.
+// What one submission writes and reads on the CPU's side. Several may be alive: one on the device, others being
+// encoded.
 class Submission {
 public:
     Submission(const gpu::Device& device, const char* name) : commands(device, name) {}
@@ -55,7 +56,9 @@ public:
                 const RenderSettings* settings = nullptr, bool full = false);
 
     // Bytes of all pictures of one submission, at most: what the device lets a shader see of one buffer.
-    static uint64_t mostPictureBytes(const gpu::Device& device) { return device.properties().limits.maxStorageBufferRange; }
+    static uint64_t mostPictureBytes(const gpu::Device& device) {
+        return device.properties().limits.maxStorageBufferRange;
+    }
     // Bytes of the CPU's memory that lists of particles take here.
     uint64_t particleBytes() const { return upload_.cpuBytes(); }
     // Methods that are kept on the device, with their programs and buffers.
@@ -64,8 +67,8 @@ public:
     // For measurements: the next submission uploads and lights everything again, even if nothing has changed.
     void forget() { upload_.forget(); }
 
-    // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly. Needs
-    // keepRadiance(true) before the submission; methods with a field are slower then.
+    // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly.
+    // Needs keepRadiance(true) before the submission; methods with a field are slower then.
     void keepRadiance(bool keep) { compose_.keepRadiance(keep); }
     std::vector<glm::vec4> readRadiance();
 

@@ -7,17 +7,20 @@ namespace {
 
 // Weights of the values at -1, 0, 1, 2: as in shaders/present.comp.
 glm::vec4 cubic(float t) {
-    return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
+    return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2,
+            (t + 1) * t * (t - 1) / 6};
 }
 
 } // namespace
 
 void fitTarget(const gpu::Device& device, VkCommandBuffer cmd, RenderTarget& target, std::span<const EyeRequest> eyes) {
     VkExtent2D extent = target.radiance ? target.radiance.extent() : VkExtent2D{1, 1};
-    for (const EyeRequest& eye : eyes) extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height)};
+    for (const EyeRequest& eye : eyes)
+        extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height)};
     const VkExtent2D has = target.radiance ? target.radiance.extent() : VkExtent2D{};
     if (extent.width == has.width && extent.height == has.height) return;
-    const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    const VkImageUsageFlags usage =
+        VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     const VkImageUsageFlags copied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     target.radiance = gpu::Image(device, {kRadianceFormat, extent, usage | copied}, "radiance");
     target.view_depth = gpu::Image(device, {VK_FORMAT_R32_SFLOAT, extent, usage}, "view depth");

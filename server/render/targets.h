@@ -1,4 +1,5 @@
-// The images that eyes are drawn into one after the other: made as large as the largest, and read back for measurements.
+// The images that eyes are drawn into one after the other: made as large as the largest, and read back for
+// measurements.
 #pragma once
 
 #include <span>
@@ -10,11 +11,12 @@
 
 namespace brume {
 
-// 16 bits would not do for what accumulates: T near 1 rounds by 2.4e-4 there, so that a layer of optical depth 2e-4 changes
-// nothing, and ten thousand of those are T = 0.14.
+// 16 bits would not do for what accumulates: T near 1 rounds by 2.4e-4 there, so that a layer of optical depth 2e-4
+// changes nothing, and ten thousand of those are T = 0.14.
 inline constexpr VkFormat kRadianceFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
-// Makes the target hold the largest of `eyes`; what it held is lost when it grows. Precondition: the device does not use it.
+// Makes the target hold the largest of `eyes`; what it held is lost when it grows. Precondition: the device does not
+// use it.
 void fitTarget(const gpu::Device& device, VkCommandBuffer cmd, RenderTarget& target, std::span<const EyeRequest> eyes);
 
 // The first `size` pixels of the target's radiance, row by row. Waits for the device: slow, for tests and measurements.

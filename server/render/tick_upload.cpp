@@ -18,10 +18,11 @@ bool sameBits(std::span<const gpu::Particle> a, std::span<const gpu::Particle> b
 TickUpload::TickUpload(const gpu::Device& device, uint32_t capacity)
     : device_(device), capacity_(capacity),
       particles_(device, std::max(capacity, 1u) * sizeof(gpu::Particle),
-                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, "particles") {}
+                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device,
+                 "particles") {}
 
-void TickUpload::take(const Simulation& simulation, const Scene& scene, const SceneNow& now, std::span<const gpu::Opaque> objects,
-                      std::span<const EyeRequest> eyes, gpu::Buffer& staging) {
+void TickUpload::take(const Simulation& simulation, const Scene& scene, const SceneNow& now,
+                      std::span<const gpu::Opaque> objects, std::span<const EyeRequest> eyes, gpu::Buffer& staging) {
     now_.resize(simulation.liveCount());
     simulation.write(now_);
     moved_ = !sameBits(now_, then_);
@@ -39,8 +40,8 @@ void TickUpload::take(const Simulation& simulation, const Scene& scene, const Sc
     }
     levels_.choose(ordered, moved_, tick_, extent_, eyes, now.render.merge);
     const VkDeviceSize bytes = capacity_ * sizeof(gpu::Particle);
-    staging.atLeast(device_, std::max<VkDeviceSize>(bytes + levels_.uploadBytes(), 256), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
-                    gpu::Memory::upload, "particle upload");
+    staging.atLeast(device_, std::max<VkDeviceSize>(bytes + levels_.uploadBytes(), 256),
+                    VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::upload, "particle upload");
     if (moved_) std::copy(ordered.begin(), ordered.end(), staging.mapped<gpu::Particle>(ordered.size()).begin());
     levels_.write(device_, staging, bytes);
     staging.flush();

@@ -1,5 +1,5 @@
-// The particles of a tick on their way to the device: in the order of space where they are many, and as levels of detail for eyes
-// far away. Nothing is uploaded that the device has already.
+// The particles of a tick on their way to the device: in the order of space where they are many, and as levels of
+// detail for eyes far away. Nothing is uploaded that the device has already.
 #pragma once
 
 #include <span>
@@ -19,10 +19,10 @@ public:
     // For at most `capacity` particles.
     TickUpload(const gpu::Device& device, uint32_t capacity);
 
-    // Takes the simulation's particles for these eyes, and writes to `staging` what is new. `scene`, `now`, `objects`: as
-    // makeTick() wants them. Precondition: nothing of this is on the device.
-    void take(const Simulation& simulation, const Scene& scene, const SceneNow& now, std::span<const gpu::Opaque> objects,
-              std::span<const EyeRequest> eyes, gpu::Buffer& staging);
+    // Takes the simulation's particles for these eyes, and writes to `staging` what is new. `scene`, `now`, `objects`:
+    // as makeTick() wants them. Precondition: nothing of this is on the device.
+    void take(const Simulation& simulation, const Scene& scene, const SceneNow& now,
+              std::span<const gpu::Opaque> objects, std::span<const EyeRequest> eyes, gpu::Buffer& staging);
     // Writes the tick's blocks, and makes views of all lists. After take().
     void writeBlocks(const UniformBlocks& blocks);
     // Records the copies from `staging`. Ends with its writes visible to compute.

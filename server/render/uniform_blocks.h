@@ -1,6 +1,7 @@
 // Where the uniform blocks of one submission lie in its buffer:
 //
-//   | gpu::Tick | gpu::View, one per eye | gpu::Tick, one per level of detail | DrawnEye, one per eye, of the pixels drawn |
+//   | gpu::Tick | gpu::View, one per eye | gpu::Tick, one per level of detail | DrawnEye, one per eye, of the pixels
+//   drawn |
 #pragma once
 
 #include "server/gpu/program.h"
@@ -21,18 +22,27 @@ public:
 
     void setTick(const gpu::Tick& tick) const { buffer_.mapped<gpu::Tick>(1)[0] = tick; }
     void setPicture(uint32_t eye, const gpu::View& view) const { buffer_.mapped<gpu::View>(1, at(eye))[0] = view; }
-    void setLevel(uint32_t level, const gpu::Tick& tick) const { buffer_.mapped<gpu::Tick>(1, at(eyes_ + level))[0] = tick; }
-    void setDrawn(uint32_t eye, const DrawnEye& drawn) const { buffer_.mapped<DrawnEye>(1, at(2 * eyes_ + eye))[0] = drawn; }
+    void setLevel(uint32_t level, const gpu::Tick& tick) const {
+        buffer_.mapped<gpu::Tick>(1, at(eyes_ + level))[0] = tick;
+    }
+    void setDrawn(uint32_t eye, const DrawnEye& drawn) const {
+        buffer_.mapped<DrawnEye>(1, at(2 * eyes_ + eye))[0] = drawn;
+    }
 
     gpu::Resource tick() const { return gpu::uniformBuffer(0, buffer_, 0, sizeof(gpu::Tick)); }
     gpu::Resource picture(uint32_t eye) const { return gpu::storageBuffer(1, buffer_, at(eye), sizeof(gpu::View)); }
     gpu::Resource pictureEye(uint32_t eye) const { return gpu::uniformBuffer(1, buffer_, at(eye), sizeof(DrawnEye)); }
-    gpu::Resource level(uint32_t level) const { return gpu::uniformBuffer(0, buffer_, at(eyes_ + level), sizeof(gpu::Tick)); }
-    gpu::Resource drawnEye(uint32_t eye) const { return gpu::uniformBuffer(1, buffer_, at(2 * eyes_ + eye), sizeof(DrawnEye)); }
+    gpu::Resource level(uint32_t level) const {
+        return gpu::uniformBuffer(0, buffer_, at(eyes_ + level), sizeof(gpu::Tick));
+    }
+    gpu::Resource drawnEye(uint32_t eye) const {
+        return gpu::uniformBuffer(1, buffer_, at(2 * eyes_ + eye), sizeof(DrawnEye));
+    }
 
 private:
     static constexpr VkDeviceSize kBlockBytes = 256; // the largest alignment that Vulkan lets a device ask for
-    static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::View) <= kBlockBytes && offsetof(gpu::View, eye) == 0);
+    static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::View) <= kBlockBytes &&
+                  offsetof(gpu::View, eye) == 0);
     static VkDeviceSize at(uint32_t block) { return (block + 1) * kBlockBytes; }
 
     const gpu::Buffer& buffer_;

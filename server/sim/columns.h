@@ -33,7 +33,8 @@ struct Rows {
 class Columns {
 public:
     explicit Columns(uint32_t rows)
-        : stride_((size_t{rows} + kPage - 1) / kPage * kPage + kSkew), data_(stride_ * static_cast<size_t>(Column::count)) {}
+        : stride_((size_t{rows} + kPage - 1) / kPage * kPage + kSkew),
+          data_(stride_ * static_cast<size_t>(Column::count)) {}
 
     float* operator[](Column c) { return data_.data() + stride_ * static_cast<size_t>(c); }
     const float* operator[](Column c) const { return data_.data() + stride_ * static_cast<size_t>(c); }

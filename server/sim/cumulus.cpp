@@ -1,6 +1,6 @@
-// A cumulus: billows on billows (a fractal of spheres over a flat base), filled so that the inside is evenly dense and the detail
-// sits at the surface. A particle's size follows its depth below the surface, and the number of particles the inverse volume of
-// their size.
+// A cumulus: billows on billows (a fractal of spheres over a flat base), filled so that the inside is evenly dense and
+// the detail sits at the surface. A particle's size follows its depth below the surface, and the number of particles
+// the inverse volume of their size.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,8 +34,8 @@ std::vector<Billow> heaps(Random& random) {
     for (int i = 0; i < 4; ++i) {
         const glm::vec2 at = random.inDisc();
         const float height = 0.13f + 0.075f * static_cast<float>(i);
-        out.push_back(
-            {{0.03f + 0.16f * at.x, height, 0.09f * at.y}, random.uniform(0.9f, 1.1f) * (0.17f - 0.02f * static_cast<float>(i))});
+        out.push_back({{0.03f + 0.16f * at.x, height, 0.09f * at.y},
+                       random.uniform(0.9f, 1.1f) * (0.17f - 0.02f * static_cast<float>(i))});
     }
     return out;
 }
@@ -77,13 +77,16 @@ public:
     DepthGrid(const std::vector<Billow>& billows, glm::vec3 lowest, float cell)
         : lowest_(lowest), cell_(cell), depth_(size_t{1} << (3 * kBits), -1.0f) {
         for (const Billow& b : billows) {
-            const glm::ivec3 from = glm::max(glm::ivec3(glm::floor((b.centre - b.radius - lowest) / cell)), glm::ivec3(0));
-            const glm::ivec3 to = glm::min(glm::ivec3(glm::floor((b.centre + b.radius - lowest) / cell)), glm::ivec3(kSide - 1));
+            const glm::ivec3 from =
+                glm::max(glm::ivec3(glm::floor((b.centre - b.radius - lowest) / cell)), glm::ivec3(0));
+            const glm::ivec3 to =
+                glm::min(glm::ivec3(glm::floor((b.centre + b.radius - lowest) / cell)), glm::ivec3(kSide - 1));
             for (int z = from.z; z <= to.z; ++z)
                 for (int y = from.y; y <= to.y; ++y)
                     for (int x = from.x; x <= to.x; ++x) {
                         const glm::vec3 place = lowest + (glm::vec3(x, y, z) + 0.5f) * cell;
-                        const float depth = std::min(b.radius - glm::distance(place, b.centre), place.y); // the base is at y = 0
+                        const float depth =
+                            std::min(b.radius - glm::distance(place, b.centre), place.y); // the base is at y = 0
                         float& stored = depth_[morton(x, y, z)];
                         stored = std::max(stored, depth);
                     }
@@ -130,7 +133,9 @@ Placement cumulus(const Medium& medium) {
     const DepthGrid grid(billows, {-0.5f * side, 0, -0.5f * side}, side / DepthGrid::kSide);
 
     // A Gaussian reaches about two standard deviations of scale * falloff / 10: as far as its depth.
-    const auto scaleAt = [&](float depth) { return std::clamp(5 * depth / medium.falloff, medium.scale.lo, medium.scale.hi); };
+    const auto scaleAt = [&](float depth) {
+        return std::clamp(5 * depth / medium.falloff, medium.scale.lo, medium.scale.hi);
+    };
     std::vector<double> sum(grid.cells() + 1, 0); // of the numbers of particles per cell, relative
     for (size_t c = 0; c < grid.cells(); ++c) {
         const double scale = scaleAt(grid.depth(c));

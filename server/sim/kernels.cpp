@@ -7,14 +7,14 @@
 #include "common/scene_limits.h"
 #include "server/sim/sine.h"
 
-// One copy of a loop for AVX2 and one for any x86-64, chosen at start. Neither contracts nor reorders, so both give the same
-// bits. Not under sanitizers: the choice is made before their run-time is up.
+// One copy of a loop for AVX2 and one for any x86-64, chosen at start. Neither contracts nor reorders, so both give the
+// same bits. Not under sanitizers: the choice is made before their run-time is up.
 #if defined(__has_feature)
 #define BRUME_HAS_FEATURE(x) __has_feature(x)
 #else
 #define BRUME_HAS_FEATURE(x) 0
 #endif
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) &&                      \
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) &&            \
     !defined(__SANITIZE_THREAD__) && !BRUME_HAS_FEATURE(address_sanitizer) && !BRUME_HAS_FEATURE(thread_sanitizer)
 #define BRUME_CLONES __attribute__((target_clones("avx2", "default")))
 #else
@@ -42,7 +42,8 @@ BRUME_INLINE float smooth(float t) {
     return t * t * (3 - 2 * t);
 }
 
-BRUME_CLONES void springAxis(BRUME_OUT x, BRUME_OUT v, BRUME_IN home, size_t n, float volume, float pull, float damp, float dt) {
+BRUME_CLONES void springAxis(BRUME_OUT x, BRUME_OUT v, BRUME_IN home, size_t n, float volume, float pull, float damp,
+                             float dt) {
     for (size_t i = 0; i < n; ++i) {
         v[i] = (v[i] + pull * (home[i] + volume - x[i])) * damp;
         x[i] = x[i] + dt * v[i];
@@ -50,8 +51,8 @@ BRUME_CLONES void springAxis(BRUME_OUT x, BRUME_OUT v, BRUME_IN home, size_t n, 
 }
 
 // kLanes particles.
-BRUME_INLINE void plumeTile(BRUME_OUT x, BRUME_OUT y, BRUME_OUT z, BRUME_OUT vx, BRUME_OUT vy, BRUME_OUT vz, BRUME_OUT age,
-                            const PlumeStep& s, const Turbulence::Modes& modes) {
+BRUME_INLINE void plumeTile(BRUME_OUT x, BRUME_OUT y, BRUME_OUT z, BRUME_OUT vx, BRUME_OUT vy, BRUME_OUT vz,
+                            BRUME_OUT age, const PlumeStep& s, const Turbulence::Modes& modes) {
     alignas(64) float ux[kLanes] = {}, uy[kLanes] = {}, uz[kLanes] = {};
     for (const Mode& mode : modes) {
         for (size_t j = 0; j < kLanes; ++j) {
@@ -74,14 +75,15 @@ BRUME_INLINE void plumeTile(BRUME_OUT x, BRUME_OUT y, BRUME_OUT z, BRUME_OUT vx,
     }
 }
 
-BRUME_CLONES void plumeTiles(BRUME_OUT x, BRUME_OUT y, BRUME_OUT z, BRUME_OUT vx, BRUME_OUT vy, BRUME_OUT vz, BRUME_OUT age,
-                             size_t tiles, const PlumeStep& step, const Turbulence::Modes& modes) {
+BRUME_CLONES void plumeTiles(BRUME_OUT x, BRUME_OUT y, BRUME_OUT z, BRUME_OUT vx, BRUME_OUT vy, BRUME_OUT vz,
+                             BRUME_OUT age, size_t tiles, const PlumeStep& step, const Turbulence::Modes& modes) {
     const PlumeStep s = step;
-    for (size_t i = 0; i < tiles * kLanes; i += kLanes) plumeTile(x + i, y + i, z + i, vx + i, vy + i, vz + i, age + i, s, modes);
+    for (size_t i = 0; i < tiles * kLanes; i += kLanes)
+        plumeTile(x + i, y + i, z + i, vx + i, vy + i, vz + i, age + i, s, modes);
 }
 
-BRUME_CLONES void ageRun(BRUME_OUT scale, BRUME_OUT sigma, BRUME_IN age, BRUME_IN birth_scale, BRUME_IN weight, size_t n,
-                         const Ageing& ageing) {
+BRUME_CLONES void ageRun(BRUME_OUT scale, BRUME_OUT sigma, BRUME_IN age, BRUME_IN birth_scale, BRUME_IN weight,
+                         size_t n, const Ageing& ageing) {
     const float growth = ageing.growth, extinction = ageing.extinction, life = ageing.life;
     const float per_appear = 1 / std::min(Ageing::kAppear, 0.1f * life), per_dissolve = 1 / (Ageing::kDissolve * life);
     for (size_t i = 0; i < n; ++i) {
@@ -119,7 +121,8 @@ struct LowHigh {
     float lo, hi;
 };
 
-// A minimum and a maximum per lane, joined at the end: comparisons give the same result in any order. Precondition: n > 0.
+// A minimum and a maximum per lane, joined at the end: comparisons give the same result in any order. Precondition: n >
+// 0.
 BRUME_CLONES LowHigh lowHigh(BRUME_IN values, size_t n) {
     constexpr size_t kWide = 64; // more than GCC unrolls before it vectorises
     float lo[kWide], hi[kWide];
@@ -149,15 +152,17 @@ void springStep(Columns& c, Rows rows, const SpringStep& s) {
     const size_t b = rows.begin, n = rows.end - rows.begin;
     for (int axis = 0; axis < 3; ++axis) {
         const auto& [x, v, home] = kAxes[static_cast<size_t>(axis)];
-        springAxis(c[x] + b, c[v] + b, c[home] + b, n, s.volume[axis], s.dt * s.spring, 1 / (1 + s.dt * s.viscosity), s.dt);
+        springAxis(c[x] + b, c[v] + b, c[home] + b, n, s.volume[axis], s.dt * s.spring, 1 / (1 + s.dt * s.viscosity),
+                   s.dt);
     }
 }
 
 void plumeStep(Columns& c, Rows rows, const PlumeStep& s, const Turbulence::Modes& turbulence) {
-    constexpr std::array<Column, 7> kTaken{Column::x, Column::y, Column::z, Column::vx, Column::vy, Column::vz, Column::age};
+    constexpr std::array<Column, 7> kTaken{Column::x,  Column::y,  Column::z,  Column::vx,
+                                           Column::vy, Column::vz, Column::age};
     const size_t b = rows.begin, n = rows.end - rows.begin, tiles = n / kLanes, rest = n % kLanes;
-    plumeTiles(c[Column::x] + b, c[Column::y] + b, c[Column::z] + b, c[Column::vx] + b, c[Column::vy] + b, c[Column::vz] + b,
-               c[Column::age] + b, tiles, s, turbulence);
+    plumeTiles(c[Column::x] + b, c[Column::y] + b, c[Column::z] + b, c[Column::vx] + b, c[Column::vy] + b,
+               c[Column::vz] + b, c[Column::age] + b, tiles, s, turbulence);
     if (rest == 0) return;
     // The last tile is filled up beside the columns: the rows behind it belong to others.
     float tile[kTaken.size()][kLanes] = {};
@@ -168,14 +173,14 @@ void plumeStep(Columns& c, Rows rows, const PlumeStep& s, const Turbulence::Mode
 
 void age(Columns& c, Rows rows, const Ageing& ageing) {
     const size_t b = rows.begin;
-    ageRun(c[Column::scale] + b, c[Column::sigma] + b, c[Column::age] + b, c[Column::birth_scale] + b, c[Column::weight] + b,
-           rows.end - b, ageing);
+    ageRun(c[Column::scale] + b, c[Column::sigma] + b, c[Column::age] + b, c[Column::birth_scale] + b,
+           c[Column::weight] + b, rows.end - b, ageing);
 }
 
 void push(Columns& c, Rows rows, const Push& push) {
     const size_t b = rows.begin;
-    pushRun(c[Column::x] + b, c[Column::y] + b, c[Column::z] + b, c[Column::vx] + b, c[Column::vy] + b, c[Column::vz] + b,
-            rows.end - b, push);
+    pushRun(c[Column::x] + b, c[Column::y] + b, c[Column::z] + b, c[Column::vx] + b, c[Column::vy] + b,
+            c[Column::vz] + b, rows.end - b, push);
 }
 
 void setSigma(Columns& c, Rows rows, float extinction) {

@@ -19,7 +19,8 @@ Placement cube(const Medium& medium) {
 
 // Two tubes at right angles, the one along z above the one along x (seed 003 section 4.1.1).
 Placement tubes(const Medium& medium) {
-    const float radius = 0.12f * medium.extent, lift = 0.16f * medium.extent; // a gap of two thirds of a radius between them
+    const float radius = 0.12f * medium.extent,
+                lift = 0.16f * medium.extent; // a gap of two thirds of a radius between them
     Placement out;
     Random random(medium.seed);
     for (uint32_t i = 0; i < medium.count; ++i) {
@@ -40,7 +41,8 @@ Placement fromFile(const Medium& medium, glm::dvec3 origin) {
     out.scale = std::move(cloud.scale);
     out.sigma_t = std::move(cloud.sigma_t);
     out.albedo = std::move(cloud.albedo);
-    while (out.scale.size() < out.position.size()) out.scale.push_back(random.uniform(medium.scale.lo, medium.scale.hi));
+    while (out.scale.size() < out.position.size())
+        out.scale.push_back(random.uniform(medium.scale.lo, medium.scale.hi));
     return out;
 }
 

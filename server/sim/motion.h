@@ -1,5 +1,5 @@
-// Motion: what moves the particles of a scene, and how long they live. A motion of another kind is another class, made in
-// the constructor of Simulation::State.
+// Motion: what moves the particles of a scene, and how long they live. A motion of another kind is another class, made
+// in the constructor of Simulation::State.
 #pragma once
 
 #include <array>
@@ -27,7 +27,8 @@ public:
     virtual uint64_t runUp() const { return 0; }
     // Moves the living particles by kTickSeconds, retires some and adds others. Allocates nothing.
     virtual void step(Columns& columns, const MotionStep& step) = 0;
-    // Sets scale and sigma of the living particles. Called after every step and after every change of the extinction (1/m).
+    // Sets scale and sigma of the living particles. Called after every step and after every change of the extinction
+    // (1/m).
     virtual void settle(Columns& columns, float extinction) const = 0;
 
     // Rows of the living particles in at most two runs, in an order that is part of the state.

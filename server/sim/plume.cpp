@@ -8,10 +8,12 @@
 namespace brume {
 
 Plume::Plume(const Medium& medium)
-    : emitter_(medium.emitter), scale_(medium.scale), multiplier_(medium.multiplier), seed_(medium.seed), pool_(medium.count),
-      turbulence_(medium.seed, emitter_.turbulence, emitter_.eddy, emitter_.wind) {}
+    : emitter_(medium.emitter), scale_(medium.scale), multiplier_(medium.multiplier), seed_(medium.seed),
+      pool_(medium.count), turbulence_(medium.seed, emitter_.turbulence, emitter_.eddy, emitter_.wind) {}
 
-uint64_t Plume::runUp() const { return static_cast<uint64_t>(std::ceil(static_cast<double>(emitter_.life) / kTickSeconds)) + 1; }
+uint64_t Plume::runUp() const {
+    return static_cast<uint64_t>(std::ceil(static_cast<double>(emitter_.life) / kTickSeconds)) + 1;
+}
 
 std::array<Rows, 2> Plume::living() const {
     if (oldest_ == born_) return {};
@@ -39,12 +41,14 @@ void Plume::settle(Columns& columns, float extinction) const {
         age(columns, rows, {.life = emitter_.life, .growth = emitter_.growth, .extinction = extinction});
 }
 
-// What birth number n is like depends on the seed and n alone; where it is now, on how long ago within this step it came.
+// What birth number n is like depends on the seed and n alone; where it is now, on how long ago within this step it
+// came.
 void Plume::bear(Columns& columns, double now, glm::vec3 volume) {
     if (born_ - oldest_ == pool_) ++oldest_;
     const size_t row = born_ % pool_;
     Random random(seed_, born_);
-    const auto age = static_cast<float>(std::max(0.0, now - static_cast<double>(born_ + 1) / static_cast<double>(emitter_.rate)));
+    const auto age =
+        static_cast<float>(std::max(0.0, now - static_cast<double>(born_ + 1) / static_cast<double>(emitter_.rate)));
     const glm::vec2 on_disc = random.inDisc() * emitter_.radius;
     const glm::vec3 velocity = emitter_.velocity + random.inBall() * emitter_.spread;
     const glm::vec3 place = emitter_.position + volume + glm::vec3(on_disc.x, 0, on_disc.y) + velocity * age;

@@ -98,7 +98,8 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
             c[Column::home_z][i] = c[Column::z][i] = placed.position[i].z;
         }
         std::copy(placed.scale.begin(), placed.scale.end(), c[Column::scale]);
-        std::transform(placed.multiplier.begin(), placed.multiplier.end(), c[Column::weight], [](float m) { return m * 1e-4f; });
+        std::transform(placed.multiplier.begin(), placed.multiplier.end(), c[Column::weight],
+                       [](float m) { return m * 1e-4f; });
         motion = std::make_unique<Homes>(rows, !placed.sigma_t.empty());
         std::copy(placed.sigma_t.begin(), placed.sigma_t.end(), c[Column::sigma]);
         albedos = std::move(placed.albedo);
@@ -121,11 +122,13 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
 
 void Simulation::State::apply(const Impulse& c) {
     const float length = glm::length(c.direction);
-    if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-3f && length < 1e3f)) return;
+    if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-3f && length < 1e3f))
+        return;
     if (impulses++ >= kMostImpulses) return; // of a recording: CommandQueue refuses them
     const float strength = limits::kStrength.clamp(c.strength);
-    Push p{
-        .origin = clamped(c.origin, limits::kPlace), .direction = c.direction / length, .radius = now.simulation.impulse_radius};
+    Push p{.origin = clamped(c.origin, limits::kPlace),
+           .direction = c.direction / length,
+           .radius = now.simulation.impulse_radius};
     if (c.push == glm::vec3(0)) {
         p.away = strength * now.simulation.impulse_strength;
         p.along = p.direction * (0.5f * p.away); // mostly outward, and away from who pushes
@@ -158,7 +161,8 @@ glm::vec3 Simulation::State::volume() const {
     const double seconds = (static_cast<double>(steps) - static_cast<double>(first_step)) * kTickSeconds;
     const double turns = seconds / static_cast<double>(now.simulation.volume_period);
     const float sway = now.simulation.volume_swing * sineOfTurns(static_cast<float>(turns - std::floor(turns)));
-    return clamped(moved + now.simulation.volume_velocity * static_cast<float>(seconds) + glm::vec3(sway, 0, 0), limits::kPlace);
+    return clamped(moved + now.simulation.volume_velocity * static_cast<float>(seconds) + glm::vec3(sway, 0, 0),
+                   limits::kPlace);
 }
 
 void Simulation::State::advance() {
@@ -178,8 +182,8 @@ void Simulation::State::settle() {
     hash = hashed();
 }
 
-// What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for. Live settings come
-// type after type: in this order recordings of version 1 have them.
+// What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for. Live
+// settings come type after type: in this order recordings of version 1 have them.
 uint64_t Simulation::State::hashed() {
     StateHash out;
     out.add(origin);

@@ -9,8 +9,8 @@ namespace brume {
 
 namespace {
 
-// Kolmogorov: velocity goes with wavelength^(1/3), the turn-over rate with wavelength^(-2/3). Octave by octave, relative to the
-// first.
+// Kolmogorov: velocity goes with wavelength^(1/3), the turn-over rate with wavelength^(-2/3). Octave by octave,
+// relative to the first.
 constexpr std::array<float, Turbulence::kOctaves> kSpeed{1.0f, 0.793701f, 0.629961f};
 constexpr std::array<float, Turbulence::kOctaves> kRate{1.0f, 1.587401f, 2.519842f};
 

@@ -8,8 +8,8 @@
 namespace brume {
 namespace {
 
-// True when a viewer's panel would show something else. What moves by itself (tick, particles, a turning light) waits for the
-// report of the second.
+// True when a viewer's panel would show something else. What moves by itself (tick, particles, a turning light) waits
+// for the report of the second.
 bool settingsDiffer(const SceneReport& a, const SceneReport& b) {
     const bool turning = a.light.rotate != 0 && a.light.rotate == b.light.rotate;
     return a.paused != b.paused || (!turning && a.light.to_light != b.light.to_light) ||
@@ -82,7 +82,8 @@ void Audience::leave(const std::shared_ptr<Viewer>& viewer, bool lost) {
         if (viewers_.empty()) frame_ms_ = 0;
         const auto now = Clock::now();
         std::erase_if(lost_, [&](const auto& one) { return one.second.until <= now; });
-        if (lost && lost_.size() < kMostLost) lost_[viewer->key()] = {viewer->id(), viewer->pose(), now + kComesBackWithin};
+        if (lost && lost_.size() < kMostLost)
+            lost_[viewer->key()] = {viewer->id(), viewer->pose(), now + kComesBackWithin};
     }
     viewer->close(); // outside the lock: it waits for the viewer's notify, which may ask us
 }

@@ -19,7 +19,9 @@ History::Percentiles History::of(size_t stage) const {
         if (const float ms = ring_[i].stages[stage]; !std::isnan(ms)) sorted.push_back(ms);
     if (sorted.empty()) return {};
     std::sort(sorted.begin(), sorted.end());
-    const auto at = [&](double part) { return sorted[std::max(size_t(std::ceil(part * double(sorted.size()))), size_t(1)) - 1]; };
+    const auto at = [&](double part) {
+        return sorted[std::max(size_t(std::ceil(part * double(sorted.size()))), size_t(1)) - 1];
+    };
     return {at(0.5), at(0.95), at(0.99)};
 }
 
@@ -28,8 +30,8 @@ float History::rate(Clock::time_point now) const {
     Clock::time_point oldest = now - kRateOver;
     // More than are remembered: over the time that those took.
     if (frames_ > kFrames) oldest = std::max(oldest, ring_[frames_ % kFrames].at);
-    const auto newer =
-        std::count_if(ring_.begin(), ring_.begin() + std::ptrdiff_t(count), [&](const Sample& s) { return s.at > oldest; });
+    const auto newer = std::count_if(ring_.begin(), ring_.begin() + std::ptrdiff_t(count),
+                                     [&](const Sample& s) { return s.at > oldest; });
     const float seconds = std::chrono::duration<float>(now - oldest).count();
     return seconds > 0 ? float(newer) / seconds : 0;
 }

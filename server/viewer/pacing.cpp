@@ -104,7 +104,8 @@ size_t Pacing::bytesInFlight() const {
 
 Clock::duration Pacing::silence(Clock::time_point now) const {
     for (const Frame& frame : flight_)
-        if (frame.sent != Clock::time_point{}) return std::max(now - std::max(frame.sent, last_ack_), Clock::duration::zero());
+        if (frame.sent != Clock::time_point{})
+            return std::max(now - std::max(frame.sent, last_ack_), Clock::duration::zero());
     return Clock::duration::zero();
 }
 

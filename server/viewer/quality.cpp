@@ -28,7 +28,8 @@ QualityStep QualityControl::step() const {
 bool QualityControl::observeDevice(const DeviceLoad& load, Clock::time_point now) {
     // One step better makes the picture four times as large, or only comes more often.
     const double more = device_level_ == 1 && !stepAt(level_).half ? 3 * load.own_ms : 0;
-    const bool over = load.exhausted && load.whole_ms > kTooMuch * load.budget_ms && load.own_ms * load.viewers > load.budget_ms;
+    const bool over =
+        load.exhausted && load.whole_ms > kTooMuch * load.budget_ms && load.own_ms * load.viewers > load.budget_ms;
     const bool room = load.whole_ms == 0 || load.whole_ms + more < kSpare * load.budget_ms;
     if (!room) room_since_ = now;
     if (over && device_level_ + 1 < kDeviceSteps) {
@@ -43,8 +44,8 @@ bool QualityControl::observeDevice(const DeviceLoad& load, Clock::time_point now
 }
 
 bool QualityControl::observe(const Observation& seen, Clock::time_point now) {
-    seen_ = {std::max(seen_.queue_ms, seen.queue_ms), seen_.held_back || seen.held_back, seen_.superseded || seen.superseded,
-             seen.device ? seen.device : seen_.device};
+    seen_ = {std::max(seen_.queue_ms, seen.queue_ms), seen_.held_back || seen.held_back,
+             seen_.superseded || seen.superseded, seen.device ? seen.device : seen_.device};
     if (seen_.queue_ms > kQueueClean || seen_.held_back || seen_.superseded) clean_since_ = now;
     if (now - acted_ < kActEvery) return false;
     const uint32_t before = level_;

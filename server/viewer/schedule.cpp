@@ -43,8 +43,8 @@ Clock::time_point Schedule::deadline(const DrawRequest& request, Clock::duration
     return std::max(turn.drawn + interval, turn.since);
 }
 
-std::span<const uint32_t> Schedule::choose(std::span<const DrawRequest> requests, const Limits& limits, Clock::time_point now,
-                                           Clock::duration tick) {
+std::span<const uint32_t> Schedule::choose(std::span<const DrawRequest> requests, const Limits& limits,
+                                           Clock::time_point now, Clock::duration tick) {
     for (const DrawRequest& request : requests) {
         Turn& turn = turns_[request.viewer];
         if (!turn.waits) turn.waits = true, turn.since = now;
@@ -52,16 +52,19 @@ std::span<const uint32_t> Schedule::choose(std::span<const DrawRequest> requests
         turn.pixels = request.pixels;
     }
     std::erase_if(turns_, [&](const auto& one) { return now - one.second.seen > kForget; });
-    active_ =
-        uint32_t(std::count_if(turns_.begin(), turns_.end(), [&](const auto& one) { return now - one.second.seen <= kActive; }));
+    active_ = uint32_t(
+        std::count_if(turns_.begin(), turns_.end(), [&](const auto& one) { return now - one.second.seen <= kActive; }));
 
     deadlines_.clear();
     for (const DrawRequest& request : requests) deadlines_.push_back(deadline(request, tick));
     order_.resize(requests.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    std::stable_sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) { return deadlines_[a] < deadlines_[b]; });
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](uint32_t a, uint32_t b) { return deadlines_[a] < deadlines_[b]; });
 
-    const auto cost = [&](const DrawRequest& request) { return limits.dearer * predict(request.viewer, request.pixels); };
+    const auto cost = [&](const DrawRequest& request) {
+        return limits.dearer * predict(request.viewer, request.pixels);
+    };
     const auto fill = [&](double budget) {
         chosen_.clear();
         drawn_.assign(requests.size(), 0);

@@ -16,10 +16,11 @@ bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
 } // namespace
 
 bool samePictures(const PoseRequest& a, const PoseRequest& b) {
-    return a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation && a.pose.fov_y == b.pose.fov_y &&
-           a.pose.eye_separation == b.pose.eye_separation && a.pose.frustum == b.pose.frustum &&
-           a.pose.right_frustum == b.pose.right_frustum && a.width == b.width && a.height == b.height && a.views == b.views &&
-           a.quality == b.quality && a.fine == b.fine && a.lossless == b.lossless;
+    return a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation &&
+           a.pose.fov_y == b.pose.fov_y && a.pose.eye_separation == b.pose.eye_separation &&
+           a.pose.frustum == b.pose.frustum && a.pose.right_frustum == b.pose.right_frustum && a.width == b.width &&
+           a.height == b.height && a.views == b.views && a.quality == b.quality && a.fine == b.fine &&
+           a.lossless == b.lossless;
 }
 
 Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> notify)
@@ -84,7 +85,8 @@ Clock::duration Viewer::observe(Clock::time_point now, bool backlog) {
     const std::scoped_lock lock(mutex_);
     const uint32_t level = quality_.level();
     quality_.observe(
-        {pacing_.queueMs(), held_back_, backlog && counts_.superseded > superseded_seen_, std::exchange(device_, {})}, now);
+        {pacing_.queueMs(), held_back_, backlog && counts_.superseded > superseded_seen_, std::exchange(device_, {})},
+        now);
     if (quality_.level() < level) pacing_.probe();
     held_back_ = false;
     superseded_seen_ = counts_.superseded;
@@ -110,7 +112,8 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
     request.lowered = quality_.level() > 0 || quality_.deviceLevel() > 0;
     request.quality = std::min(request.quality, step.quality);
     if (step.half)
-        request.width = std::max<uint16_t>(request.width / 2, 1), request.height = std::max<uint16_t>(request.height / 2, 1);
+        request.width = std::max<uint16_t>(request.width / 2, 1),
+        request.height = std::max<uint16_t>(request.height / 2, 1);
     if (made_ && !always_ && scene && scene == scene_ && samePictures(*made_, request)) {
         // PNG is large: not over a link that has queued, where the next pose's picture would wait behind it.
         const bool lossless = made_detail_ == Detail::fine && request.takes_png && !pacing_.bytes();
@@ -133,7 +136,8 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
     return request;
 }
 
-std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_point now, std::optional<uint64_t> scene) {
+std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_point now,
+                                        std::optional<uint64_t> scene) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || (pose_ && pose_->hidden)) return {};
     skipped_ = 0;
@@ -153,7 +157,8 @@ void Viewer::deliver(FramePtr frame) {
         if (closed_) return;
         ++counts_.rendered;
         // Frames may leave the encoder out of order: one that a newer frame has overtaken is of no use.
-        const bool overtaken = (counts_.sent > 0 && !isNewer(frame->id, sent_)) || (frame_ && !isNewer(frame->id, frame_->id));
+        const bool overtaken =
+            (counts_.sent > 0 && !isNewer(frame->id, sent_)) || (frame_ && !isNewer(frame->id, frame_->id));
         if (overtaken || frame_) {
             pacing_.dropped(overtaken ? frame->id : frame_->id);
             ++counts_.superseded;

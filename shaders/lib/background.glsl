@@ -62,7 +62,8 @@ Hit nearest(vec3 dir, uint may) {
 vec3 lit(Hit hit, vec3 x) {
     const vec3 n = hit.normal;
     const float cosine = dot(n, tick.sun.to_light);
-    const vec3 sky = mix(tick.sky_horizon, 0.5 * (tick.sky_horizon + tick.sky_zenith), 0.5 + 0.5 * n.y) * (0.5 + 0.5 * n.y);
+    const vec3 sky =
+        mix(tick.sky_horizon, 0.5 * (tick.sky_horizon + tick.sky_zenith), 0.5 + 0.5 * n.y) * (0.5 + 0.5 * n.y);
     float direct = max(cosine, 0) / 3.14159265;
     if (kBoxes + kSpheres > 0)
         if (direct > 0) {

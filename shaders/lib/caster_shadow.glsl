@@ -45,7 +45,8 @@ vec2 shadowOf(Opaque o, vec3 origin, vec3 dir) {
         for (int j = -1; j < 3; ++j) {
             if (j == i) continue;
             const float wj = j < 0 ? 1 : w[j];
-            const float c = j < 0 ? x[i] - o.half_size[i] : (x[i] - o.half_size[i]) * wj - (x[j] + o.half_size[j]) * w[i];
+            const float c =
+                j < 0 ? x[i] - o.half_size[i] : (x[i] - o.half_size[i]) * wj - (x[j] + o.half_size[j]) * w[i];
             const float m = j < 0 ? d[i] : d[i] * wj - d[j] * w[i];
             bound(range, c, m);
         }

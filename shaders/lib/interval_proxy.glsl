@@ -11,8 +11,9 @@ struct IntervalProxy {
 };
 
 // Vertices of the particle's regular tetrahedron relative to its centre, for scale 1.
-const vec3 kTetrahedron[4] = vec3[](vec3(0.57735026919), vec3(0.57735026919, -0.57735026919, -0.57735026919),
-                                    vec3(-0.57735026919, 0.57735026919, -0.57735026919), vec3(-0.57735026919, -0.57735026919, 0.57735026919));
+const vec3 kTetrahedron[4] =
+    vec3[](vec3(0.57735026919), vec3(0.57735026919, -0.57735026919, -0.57735026919),
+           vec3(-0.57735026919, 0.57735026919, -0.57735026919), vec3(-0.57735026919, -0.57735026919, 0.57735026919));
 
 #include "shaders/lib/frustum.glsl"
 
@@ -71,7 +72,8 @@ IntervalProxy intervalProxy(vec3 c, float scale) {
     // Four points of a plane have one affine dependency. The points with positive and those with negative
     // coefficients span two sets that meet in one point (Radon): a vertex inside the triangle of the others, or the
     // crossing of a quadrilateral's diagonals.
-    const float weight[4] = float[](twiceArea(p[1], p[2], p[3]), -twiceArea(p[0], p[2], p[3]), twiceArea(p[0], p[1], p[3]), -twiceArea(p[0], p[1], p[2]));
+    const float weight[4] = float[](twiceArea(p[1], p[2], p[3]), -twiceArea(p[0], p[2], p[3]),
+                                    twiceArea(p[0], p[1], p[3]), -twiceArea(p[0], p[1], p[2]));
     uint above[4], below[4];
     uint aboves = 0, belows = 0;
     float sum_above = 0, sum_below = 0, inverse_above = 0, inverse_below = 0;

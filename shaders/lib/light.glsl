@@ -20,14 +20,16 @@ float lightDepth(vec3 in_volume) {
 
 // Visibility of the light past opaque objects from a light-space point: 1 or 0, from one texel without filter.
 float visibility(vec3 at) {
-    const vec2 texel = (at.xy - tick.map.opaque_lo) / (tick.map.opaque_hi - tick.map.opaque_lo) * float(tick.map.opaque_size);
+    const vec2 texel =
+        (at.xy - tick.map.opaque_lo) / (tick.map.opaque_hi - tick.map.opaque_lo) * float(tick.map.opaque_size);
     if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.map.opaque_size)))) return 1;
     return at.z >= texelFetch(opaque_shadow, ivec2(texel), 0).r ? 1 : 0;
 }
 
 // Visibility for surfaces: filtered over the four nearest texels; `bias` (m) moves the point toward the light.
 float visibilityFiltered(vec3 at, float bias) {
-    const vec2 texel = (at.xy - tick.map.opaque_lo) / (tick.map.opaque_hi - tick.map.opaque_lo) * float(tick.map.opaque_size) - 0.5;
+    const vec2 texel =
+        (at.xy - tick.map.opaque_lo) / (tick.map.opaque_hi - tick.map.opaque_lo) * float(tick.map.opaque_size) - 0.5;
     if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.map.opaque_size - 1)))) return 1;
     const ivec2 t = ivec2(texel);
     const vec2 f = texel - vec2(t);

@@ -17,7 +17,8 @@ ivec2 span(float lo, float hi, uint count) {
 // sheet of this lane's particle; first > last if it reaches none. `lines`: number of columns, rows and sheets. Called
 // by all lanes. It writes few lines if particles that are neighbours in memory are also neighbours in space.
 void writeBins(uint from, ivec2 reach[3], uvec3 lines) {
-    const uint all = lines.x + lines.y + lines.z, words = gl_NumWorkGroups.x, word = gl_WorkGroupID.x, page = word / kPage;
+    const uint all = lines.x + lines.y + lines.z, words = gl_NumWorkGroups.x, word = gl_WorkGroupID.x,
+               page = word / kPage;
     uint first = 0; // first line of the axis
     for (uint axis = 0; axis < 3; ++axis) {
         const bool some = reach[axis].x <= reach[axis].y;

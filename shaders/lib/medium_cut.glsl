@@ -26,11 +26,13 @@ uint castersMet(ivec2 pixel, uint pixels) {
     uint met = kFurther;
     for (uint o = grid.first_caster; o < min(tick.opaque_count, grid.first_caster + 31); ++o) {
         const vec3 p = eye.position - objects[o].centre, q = p - dot(p, l) * l;
-        const float radius = 1.001 * (objects[o].kind == kSphere ? objects[o].half_size.x : length(objects[o].half_size));
+        const float radius =
+            1.001 * (objects[o].kind == kSphere ? objects[o].half_size.x : length(objects[o].half_size));
         const float z = -dot(q, d) / dd, closest = length(q + z * d); // of the middle ray
         // The least of |q + z d| - spread z, where z > 0.
         const bool ahead = z * narrow * sqrt(dd) + closest * sqrt(k2) > 0;
-        if (k2 >= 1 || (ahead ? closest * narrow - spread * z : length(q)) <= radius) met |= 1u << (o - grid.first_caster);
+        if (k2 >= 1 || (ahead ? closest * narrow - spread * z : length(q)) <= radius)
+            met |= 1u << (o - grid.first_caster);
     }
     return met;
 }
@@ -41,13 +43,15 @@ MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
     cut.casters = kHasCasters ? castersMet(pixel, pixels) : 0;
     for (uint c = 0; c <= kSources; ++c) cut.ended[c].below = -1;
     for (uint c = 0; c < kLit; ++c) cut.shadow_begin[c].below = cut.shadow_end[c].below = -1;
-    if (kHasOpaque) cut.ends = fieldColumns(kRate == 1 ? fieldEnds() : fieldSpline(kSources + 1), run.at, spline(run.at.down));
+    if (kHasOpaque)
+        cut.ends = fieldColumns(kRate == 1 ? fieldEnds() : fieldSpline(kSources + 1), run.at, spline(run.at.down));
     return cut;
 }
 
 // Subtracts the light that objects' shadows remove before `end` (face). Shadows are visited nearest first, so that
 // overlaps count once: the nearest two, then those that begin behind them.
-void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, MediumRun run, vec3 dir, float end, float part) {
+void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, MediumRun run, vec3 dir, float end,
+                     float part) {
     const vec2 none = vec2(1e30, 0);
     vec2 first = none, second = none;
     float from = 0;
@@ -70,7 +74,8 @@ void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, M
         }
         for (uint c = 0; c < kLit; ++c) {
             const uint set = fieldSetOf(c + 1);
-            const float lost = fieldAt(cut.shadow_end[c], set, run.at, first.y, part) - fieldAt(cut.shadow_begin[c], set, run.at, first.x, part);
+            const float lost = fieldAt(cut.shadow_end[c], set, run.at, first.y, part) -
+                               fieldAt(cut.shadow_begin[c], set, run.at, first.x, part);
             scattered[c] = max(scattered[c] - lost, 0);
         }
         from = first.y;
@@ -81,12 +86,14 @@ void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, M
 
 // Changes the values of a whole ray (wholeRay()) to those of the pixel's own ray. `dir`: ray direction of unit view
 // depth.
-void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 across, inout float depth, inout float scattered[kMostSources]) {
+void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 across, inout float depth,
+            inout float scattered[kMostSources]) {
     const float part = fieldPart(pixel.x), z = texelFetch(view_depth, pixel, 0).r;
     const float end = clamp(faceAt(z), 0, float(grid.slabs));
     if (abs(dot(across, cut.ends) - end) > kSameFace) {
         depth = max(fieldAt(cut.ended[0], fieldSetOf(0), run.at, end, part), 0);
-        for (uint c = 0; c < kSources; ++c) scattered[c] = max(fieldAt(cut.ended[c + 1], fieldSetOf(c + 1), run.at, end, part), 0);
+        for (uint c = 0; c < kSources; ++c)
+            scattered[c] = max(fieldAt(cut.ended[c + 1], fieldSetOf(c + 1), run.at, end, part), 0);
     }
     if (kHasCasters && depth > 0) leaveOutShadows(scattered, cut, run, dir, end, part);
 }

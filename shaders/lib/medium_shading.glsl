@@ -41,7 +41,8 @@ RayParticle rayParticle(vec3 centre) {
     ray.b2 = dot(off, off);
     ray.begin = eye.near_depth * per_depth;
     ray.end = kHasOpaque ? texelFetch(view_depth, ivec2(gl_FragCoord.xy), 0).r * per_depth : 1e30;
-    ray.volume_per_m = inverse_length * (map_rays.ray + gl_FragCoord.x * map_rays.right + gl_FragCoord.y * map_rays.down);
+    ray.volume_per_m =
+        inverse_length * (map_rays.ray + gl_FragCoord.x * map_rays.right + gl_FragCoord.y * map_rays.down);
     return ray;
 }
 

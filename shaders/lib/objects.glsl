@@ -1,8 +1,12 @@
 // Intersections of rays with opaque objects. Include after a buffer `Opaque objects[]` and the tick are declared.
 
 // Rotates a vector into an object's own axes (yaw about +Y).
-vec3 toObject(Opaque o, vec3 v) { return vec3(o.yaw_cos * v.x - o.yaw_sin * v.z, v.y, o.yaw_sin * v.x + o.yaw_cos * v.z); }
-vec3 fromObject(Opaque o, vec3 v) { return vec3(o.yaw_cos * v.x + o.yaw_sin * v.z, v.y, -o.yaw_sin * v.x + o.yaw_cos * v.z); }
+vec3 toObject(Opaque o, vec3 v) {
+    return vec3(o.yaw_cos * v.x - o.yaw_sin * v.z, v.y, o.yaw_sin * v.x + o.yaw_cos * v.z);
+}
+vec3 fromObject(Opaque o, vec3 v) {
+    return vec3(o.yaw_cos * v.x + o.yaw_sin * v.z, v.y, -o.yaw_sin * v.x + o.yaw_cos * v.z);
+}
 
 const float kMiss = 1e30; // also the view depth of the sky
 

@@ -16,7 +16,9 @@ uint lumaWords() { return (eye.size.x + 7) / 8 * 2; } // words of a row of Y; a 
 uint crWords() { return lumaWords() / 2 * ((eye.size.y + 1) / 2); } // words from a position in Cb to the same in Cr
 // Word index of 8 neighbouring pixels of Y, and of the 4 values of Cb of 8 x 2 pixels. `from`: index of the picture.
 uint lumaWord(uint from, uint row, uint block) { return from + row * lumaWords() + block * 2; }
-uint chromaWord(uint from, uint row, uint block) { return from + eye.size.y * lumaWords() + row * (lumaWords() / 2) + block; }
+uint chromaWord(uint from, uint row, uint block) {
+    return from + eye.size.y * lumaWords() + row * (lumaWords() / 2) + block;
+}
 // With kFull: word index of 8 neighbouring pixels in the plane of R, G or B (0, 1, 2).
 uint fullWord(uint from, uint plane, uint row, uint block) { return lumaWord(from, plane * eye.size.y + row, block); }
 // sRGB from Y, Cb, Cr (JFIF, 128 added to Cb and Cr).

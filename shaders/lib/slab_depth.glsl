@@ -1,5 +1,6 @@
-// Where slabs lie along a ray: view depth (m) of faces and middles, and the face of a view depth. Face 0 is the near one of slab 0, face s + 1
-// the far one of slab s. Only this file knows that slabs are equally thick. Include after `grid` is declared.
+// Where slabs lie along a ray: view depth (m) of faces and middles, and the face of a view depth. Face 0 is the near
+// one of slab 0, face s + 1 the far one of slab s. Only this file knows that slabs are equally thick. Include after
+// `grid` is declared.
 
 float slabThickness(uint slab) { return grid.thickness; }
 float faceDepth(uint face) { return grid.depth + float(face) * grid.thickness; }

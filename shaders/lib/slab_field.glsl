@@ -52,7 +52,8 @@ float fieldPart(int pixel) { return float(uint(pixel + int(kRate)) % kRate) / fl
 vec4 fieldAcross(int pixel) { return kRate == 1 ? vec4(1, 0, 0, 0) : spline(fieldPart(pixel)); }
 
 FieldRun fieldRun(ivec2 pixel) {
-    const uvec2 cell = uvec2(pixel + int(kRate)) / kRate + grid.margin - uvec2(0, grid.first_row) - (kRate == 1 ? 1 : 2);
+    const uvec2 cell =
+        uvec2(pixel + int(kRate)) / kRate + grid.margin - uvec2(0, grid.first_row) - (kRate == 1 ? 1 : 2);
     return FieldRun(cell.y * grid.nodes.x + cell.x, fieldPart(pixel.y));
 }
 

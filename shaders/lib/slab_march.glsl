@@ -36,8 +36,8 @@ void march() {
         if (ahead < 2) continue;
         const uint s = ahead - 2;
         if (s == 0) before = 3 * here.x - 3 * next.x + then.x; // the first slab curves as the second
-        // Integral over the slab of the parabola through three middles: one sample alone would err where the near plane or a wall
-        // cuts the medium.
+        // Integral over the slab of the parabola through three middles: one sample alone would err where the near
+        // plane or a wall cuts the medium.
         const float slab = max(here.x + (before - 2 * here.x + next.x) / 24, 0) * (ray_length * slabThickness(s));
         if (slab > 0) {
             const float face = faceDepth(s);

@@ -63,7 +63,8 @@ void addThin(Run s) {
                 const uint p = p0 + r;
                 const float depth = e[r] >= log_cut ? exp2(e[r]) : 0;
                 const float along = along0 + float(r) * s.along.y, slope = slope0 + float(r) * s.slope.y;
-                const float light = s.light + s.curvature * (s.log_line - e[r]) + slope * (along * inverse_square[p] - depth * shift * inverse_length[p]);
+                const float light = s.light + s.curvature * (s.log_line - e[r]) +
+                                    slope * (along * inverse_square[p] - depth * shift * inverse_length[p]);
                 const float opacity = depth * thinOpacity(depth);
                 add(p, s.albedo, opacity, opacity * clamp(light, 0, 1));
             }
@@ -87,8 +88,9 @@ void addCut(Run s, float side) {
                 // erfc(|y|) by Abramowitz and Stegun 7.1.26, error 1.5e-7
                 const float gaussian = exp2(-kLog2e * y * y);
                 const float t = 1 / (1 + 0.3275911 * abs(y));
-                const float tail = gaussian * t *
-                                   (0.254829592 + t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429))));
+                const float tail =
+                    gaussian * t *
+                    (0.254829592 + t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429))));
                 const float left = y < 0 ? 2 - tail : tail;
                 const float half_line = e[r] >= log_cut ? 0.5 * exp2(e[r]) : 0;
                 const float depth = half_line * left, part = thinOpacity(depth), opacity = depth * part;
@@ -97,8 +99,8 @@ void addCut(Run s, float side) {
                 // Light hidden by the nearer part: as on a whole line, with left / 2 as variance.
                 const float mean = side * moment - 0.5 * kShift * opacity * depth * left;
                 const float slope = (slope0 + float(r) * s.slope.y) * inverse_length[p];
-                const float lit = opacity * (s.light + s.curvature * (s.log_line - e[r]) + slope * closest) + slope * inverse_k * mean +
-                                  kLog2e * s.curvature * y * moment;
+                const float lit = opacity * (s.light + s.curvature * (s.log_line - e[r]) + slope * closest) +
+                                  slope * inverse_k * mean + kLog2e * s.curvature * y * moment;
                 add(p, s.albedo, opacity, clamp(lit, 0, opacity));
             }
         }
@@ -136,12 +138,17 @@ void addAny(Run s, bool cut, bool look_up) {
                 float light;
                 if (look_up) {
                     const float ratio = exp(-0.6826894921370859 * depth); // ratio of T_V at the points; erf(1/sqrt 2)
-                    const float near = clamp(moments.mean - moments.deviation, a, c), far = clamp(moments.mean + moments.deviation, a, c);
-                    light = (lightArriving(p, closest + near / s.k) + ratio * lightArriving(p, closest + far / s.k)) / (1 + ratio);
+                    const float near = clamp(moments.mean - moments.deviation, a, c),
+                                far = clamp(moments.mean + moments.deviation, a, c);
+                    light = (lightArriving(p, closest + near / s.k) + ratio * lightArriving(p, closest + far / s.k)) /
+                            (1 + ratio);
                 } else {
-                    const float q = clamp(moments.mean - 1.4142135623730951 * moments.deviation * scatterShift(depth), a, c);
+                    const float q =
+                        clamp(moments.mean - 1.4142135623730951 * moments.deviation * scatterShift(depth), a, c);
                     const float squares = moments.mean * moments.mean + moments.deviation * moments.deviation - 0.5;
-                    light = clamp(s.light + s.curvature * (s.log_line - e[r] + kLog2e * squares) + (s.slope.x + float(p) * s.slope.y) * inverse_length[p] * (closest + q / s.k), 0, 1);
+                    light = clamp(s.light + s.curvature * (s.log_line - e[r] + kLog2e * squares) +
+                                      (s.slope.x + float(p) * s.slope.y) * inverse_length[p] * (closest + q / s.k),
+                                  0, 1);
                 }
                 const float opaque_part = opacity(depth);
                 add(p, s.albedo, opaque_part, opaque_part * light);

@@ -33,7 +33,9 @@ uint listMembers(uint from, uint chunk, uvec3 line, uint words) {
     [[unroll]] for (uint w = 0; w < kWords; ++w) {
         const uint word = chunk + lane * kWords + w;
         bits[w] = 0;
-        if (word < words) bits[w] = bins[from + line.x * words + word] & bins[from + line.y * words + word] & bins[from + line.z * words + word];
+        if (word < words)
+            bits[w] = bins[from + line.x * words + word] & bins[from + line.y * words + word] &
+                      bins[from + line.z * words + word];
         mine += bitCount(bits[w]);
     }
     found[lane] = mine;
@@ -44,7 +46,8 @@ uint listMembers(uint from, uint chunk, uvec3 line, uint words) {
         count += found[l];
     }
     [[unroll]] for (uint w = 0; w < kWords; ++w)
-        for (; bits[w] != 0; bits[w] &= bits[w] - 1) list[before++] = (chunk + lane * kWords + w) * 32 + findLSB(bits[w]);
+        for (; bits[w] != 0; bits[w] &= bits[w] - 1)
+            list[before++] = (chunk + lane * kWords + w) * 32 + findLSB(bits[w]);
     barrier();
     return count;
 }
@@ -58,8 +61,10 @@ struct Splat {
 // The member that lane `j` of the subgroup holds. `at`: the tile's first point on the lane's plane, in the units of
 // SlabMember::centre.
 Splat splat(SlabMember mine, uint j, vec3 at, float spacing) {
-    const vec3 d = at - vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j), subgroupBroadcast(mine.centre.z, j));
-    const float across = subgroupBroadcast(mine.across, j), along = subgroupBroadcast(mine.along, j), sigma = subgroupBroadcast(mine.sigma, j);
+    const vec3 d = at - vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j),
+                             subgroupBroadcast(mine.centre.z, j));
+    const float across = subgroupBroadcast(mine.across, j), along = subgroupBroadcast(mine.along, j),
+                sigma = subgroupBroadcast(mine.sigma, j);
     Splat s;
     const float spread = across * spacing * spacing;
     s.ratio = exp2(-2 * spread);
@@ -78,11 +83,13 @@ Splat splat(SlabMember mine, uint j, vec3 at, float spacing) {
 
 // Adds a member without recurrences, which would start from 0 if a particle is much smaller than the tile.
 void addSmall(inout float sum[kPoints], SlabMember mine, uint j, vec3 at, float spacing) {
-    const vec3 d = at - vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j), subgroupBroadcast(mine.centre.z, j));
+    const vec3 d = at - vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j),
+                             subgroupBroadcast(mine.centre.z, j));
     const float across = subgroupBroadcast(mine.across, j);
     const float here = subgroupBroadcast(mine.sigma, j) * exp2(-subgroupBroadcast(mine.along, j) * d.z * d.z);
     float columns[kSlabTile];
-    [[unroll]] for (uint x = 0; x < kSlabTile; ++x) columns[x] = here * exp2(-across * (d.x + float(x) * spacing) * (d.x + float(x) * spacing));
+    [[unroll]] for (uint x = 0; x < kSlabTile; ++x)
+        columns[x] = here * exp2(-across * (d.x + float(x) * spacing) * (d.x + float(x) * spacing));
     [[unroll]] for (uint y = 0; y < kSlabTile; ++y) {
         const float row = exp2(-across * (d.y + float(y) * spacing) * (d.y + float(y) * spacing));
         [[unroll]] for (uint x = 0; x < kSlabTile; ++x) sum[y * kSlabTile + x] += row * columns[x];

@@ -1,5 +1,5 @@
-// Ids of the shaders' specialization constants, one list compiled as C++ and as GLSL. An id has the same meaning in all shaders.
-// Shaders write `layout(constant_id = kIdStep) const uint kStep = 4;`, C++ writes `{gpu::kIdStep, step}`.
+// Ids of the shaders' specialization constants, one list compiled as C++ and as GLSL. An id has the same meaning in all
+// shaders. Shaders write `layout(constant_id = kIdStep) const uint kStep = 4;`, C++ writes `{gpu::kIdStep, step}`.
 #ifndef BRUME_SHARED_CONSTANTS_H
 #define BRUME_SHARED_CONSTANTS_H
 
@@ -21,7 +21,7 @@ const uint kIdBoxes = 7u;
 const uint kIdSpheres = 8u;
 
 // The volumetric shadow map.
-const uint kIdShadowLanes = 9u;       // lanes that work on one tile together, texels of its width; a power of two, at most 8
+const uint kIdShadowLanes = 9u; // lanes that work on one tile together, texels of its width; a power of two, at most 8
 const uint kIdShadowGroupLanes = 10u; // lanes of a workgroup
 
 // Method `isv`.

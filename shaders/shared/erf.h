@@ -37,8 +37,8 @@ BRUME_FN real erf(real x) {
     const real tail = real(1) - erfcAbs(x);
     const real y = min(x * x, real(1));
     const real series =
-        real(1) -
-        y * (real(1.0 / 3.0) - y * (real(0.1) - y * (real(1.0 / 42.0) - y * (real(1.0 / 216.0) - y * real(1.0 / 1320.0)))));
+        real(1) - y * (real(1.0 / 3.0) -
+                       y * (real(0.1) - y * (real(1.0 / 42.0) - y * (real(1.0 / 216.0) - y * real(1.0 / 1320.0)))));
     return y < real(0.25) ? real(1.1283791670955126) * x * series : (x < real(0) ? -tail : tail);
 }
 
@@ -57,7 +57,8 @@ BRUME_FN real erfDifference(real a, real h, real tail_a, real tail_c) {
     const real r = h * h;
     const real second = (real(2) * s - r) * real(1.0 / 12.0);
     const real fourth = (s * (real(4) * s - real(12) * r) + real(3) * r * r) * real(1.0 / 480.0);
-    const real sixth = (s * (s * (s - real(7.5) * r) + real(11.25) * r * r) - real(1.875) * r * r * r) * real(1.0 / 5040.0);
+    const real sixth =
+        (s * (s * (s - real(7.5) * r) + real(11.25) * r * r) - real(1.875) * r * r * r) * real(1.0 / 5040.0);
     const real series = real(1.1283791670955126) * h * exp(-m * m) * (real(1) + (second + (fourth + sixth)));
     const real wide = erfBetween(a, tail_a, a + h, tail_c);
     return h < real(0.5) && s < real(0.5) ? series : wide;
@@ -72,8 +73,9 @@ BRUME_FN real erfDifference(real a, real h) {
 // q >= 0 with erfc(q) = y, for y in [0, 1]; y below 1e-37 counts as 1e-37 (q = 9.1). Absolute error 3e-7 and rounding.
 BRUME_FN real erfcInverse(real y) {
     const real t = sqrt(-log(real(0.5) * max(y, real(1e-37))));
-    const real p = real(-2.19187404458) +
-                   t * (real(-5.86487963478) + t * (real(4.61009052695) + t * (real(6.02925898287) + t * real(0.832248362454))));
+    const real p =
+        real(-2.19187404458) +
+        t * (real(-5.86487963478) + t * (real(4.61009052695) + t * (real(6.02925898287) + t * real(0.832248362454))));
     const real q = real(1) + t * (real(6.42974035556) + t * (real(6.04842249221) + t * real(0.83199420457)));
     return max(p / q, real(0));
 }

@@ -16,7 +16,8 @@ BRUME_FN real phaseHenyeyGreenstein(BRUME_VEC3 travel_in, BRUME_VEC3 travel_out,
 
 // The medium's phase function: (1 - a) / 4 pi + a HG(g), anisotropy a in [0, 1].
 BRUME_FN real phaseMixture(BRUME_VEC3 travel_in, BRUME_VEC3 travel_out, real anisotropy, real g) {
-    return (real(1) - anisotropy) * real(0.07957747154594767) + anisotropy * phaseHenyeyGreenstein(travel_in, travel_out, g);
+    return (real(1) - anisotropy) * real(0.07957747154594767) +
+           anisotropy * phaseHenyeyGreenstein(travel_in, travel_out, g);
 }
 
 BRUME_PHYSICS_END

@@ -20,11 +20,11 @@ using std::sqrt;
 
 #define BRUME_PHYSICS_BEGIN namespace brume::physics {
 #define BRUME_PHYSICS_END }
-#define BRUME_FN                                                                                                                 \
-    template <typename real>                                                                                                     \
+#define BRUME_FN                                                                                                       \
+    template <typename real>                                                                                           \
     inline
-#define BRUME_STRUCT                                                                                                             \
-    template <typename real>                                                                                                     \
+#define BRUME_STRUCT                                                                                                   \
+    template <typename real>                                                                                           \
     struct
 #define BRUME_OF(Name) Name<real>
 #define BRUME_VEC3 glm::vec<3, real, glm::defaultp>

@@ -51,7 +51,8 @@ BRUME_FN real legendreWeight(int i, int n) {
 
 // The part of an interval's optical depth at which a part xi of its opacity is reached; in [0, 1] for xi in (0, 1).
 BRUME_FN real depthPart(real depth, real xi) {
-    const real series = xi * (real(1) - depth * (real(1) - xi) * (real(0.5) - depth * (real(1) - real(2) * xi) / real(6)));
+    const real series =
+        xi * (real(1) - depth * (real(1) - xi) * (real(0.5) - depth * (real(1) - real(2) * xi) / real(6)));
     const real full = -log(max((real(1) - xi) + xi * exp(-depth), real(1e-37))) / max(depth, real(0.05));
     return depth < real(0.05) ? series : full;
 }
@@ -117,14 +118,17 @@ BRUME_FN BRUME_OF(ScatterNode) truncatedHermiteNode(BRUME_OF(GaussianSegment) se
     const real ratio = exp(real(-0.6826894921370859) * segment.depth);
     BRUME_OF(ScatterNode) node;
     node.weight = (i == 0 ? real(1) : ratio) / (real(1) + ratio) * opacity(segment.depth);
-    const real q = clamp(moments.mean + (i == 0 ? -moments.deviation : moments.deviation), segment.a, segment.a + segment.h);
+    const real q =
+        clamp(moments.mean + (i == 0 ? -moments.deviation : moments.deviation), segment.a, segment.a + segment.h);
     node.z = min(q - segment.a, segment.h) / segment.k;
     return node;
 }
 
 // Distance, in sqrt(2) standard deviations, of the mean point of scattering before the Gaussian's mean on a segment.
 // Exact for thin segments; on whole lines the error is below 1e-3 up to a depth of 2.5, and 0.05 up to 10.
-BRUME_FN real scatterShift(real depth) { return real(0.19947114020071635) * depth / sqrt(real(1) + real(0.029) * depth * depth); }
+BRUME_FN real scatterShift(real depth) {
+    return real(0.19947114020071635) * depth / sqrt(real(1) + real(0.029) * depth * depth);
+}
 
 BRUME_PHYSICS_END
 

@@ -10,7 +10,9 @@ BRUME_PHYSICS_BEGIN
 // with `variance` less 1/6: its mean error vanishes, and the RMS error is 2.5 times smaller for cells of at most a
 // standard deviation. The result is at least 3/4 of `variance`: that is best for cells of 1.4 standard deviations and
 // more, where no choice helps much.
-BRUME_FN real sharpened(real variance) { return max(max(variance - real(1.0 / 6.0), real(0.75) * variance), real(1e-12)); }
+BRUME_FN real sharpened(real variance) {
+    return max(max(variance - real(1.0 / 6.0), real(0.75) * variance), real(1e-12));
+}
 
 BRUME_PHYSICS_END
 

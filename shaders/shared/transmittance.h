@@ -9,8 +9,9 @@ BRUME_PHYSICS_BEGIN
 
 // Taylor series of (1 - e^-x) / x; relative error 5e-8 at |x| = 1/4, where callers switch to the plain form.
 BRUME_FN real phiSeries(real x) {
-    return real(1) - x * (real(1.0 / 2.0) -
-                          x * (real(1.0 / 6.0) - x * (real(1.0 / 24.0) - x * (real(1.0 / 120.0) - x * real(1.0 / 720.0)))));
+    return real(1) -
+           x * (real(1.0 / 2.0) -
+                x * (real(1.0 / 6.0) - x * (real(1.0 / 24.0) - x * (real(1.0 / 120.0) - x * real(1.0 / 720.0)))));
 }
 
 // phi(x) = (1 - e^-x) / x; phi(0) = 1.
@@ -30,12 +31,15 @@ BRUME_FN real opacity(real x) {
 BRUME_FN real depthOfOpacity(real y) {
     const real z = y / (real(2) - y);
     const real z2 = z * z;
-    const real series = real(2) * z * (real(1) + z2 * (real(1.0 / 3.0) + z2 * (real(1.0 / 5.0) + z2 * real(1.0 / 7.0))));
+    const real series =
+        real(2) * z * (real(1) + z2 * (real(1.0 / 3.0) + z2 * (real(1.0 / 5.0) + z2 * real(1.0 / 7.0))));
     return y < real(0.25) ? series : -log(max(real(1) - y, real(1e-37)));
 }
 
 // The constant of the particle: k = sqrt(50) / (scale * falloff), 1/m.
-BRUME_FN real gaussianK(real scale, real falloff) { return real(7.0710678118654755) / max(scale * falloff, real(1e-18)); }
+BRUME_FN real gaussianK(real scale, real falloff) {
+    return real(7.0710678118654755) / max(scale * falloff, real(1e-18));
+}
 
 // exp(-k^2 b^2): the part of the peak on a line that passes the centre at distance b (b2 = b^2, m^2).
 BRUME_FN real gaussianAcross(real k, real b2) { return exp(-(k * b2) * k); }

@@ -123,7 +123,8 @@ TEST_F(OnDevice, TruthIsNearTheRenderersPictureAndKept) {
     EXPECT_TRUE(errors.comparable());
     EXPECT_LT(errors.relative_rmse, 0.03) << describe(errors);
     (void)truth.of(stage, poseOf("30m", stage.scene(), stage.simulation()), {48, 27});
-    EXPECT_EQ(std::distance(fs::directory_iterator(cache), fs::directory_iterator()), 2) << "another camera, another picture";
+    EXPECT_EQ(std::distance(fs::directory_iterator(cache), fs::directory_iterator()), 2)
+        << "another camera, another picture";
 }
 
 TEST_F(OnDevice, FrameCountsPassesFragmentsAndMemory) {
@@ -216,7 +217,8 @@ set = ["medium.count=10"]
 )";
     Truth truth(here / "cache");
     json results = {{"device", "d"}, {"command", "c"}};
-    results["series"] = runSweep(device(), loadSweep(here / "s.toml"), truth, {.seconds = 0, .least = 2, .only = "", .ticks = 0});
+    results["series"] =
+        runSweep(device(), loadSweep(here / "s.toml"), truth, {.seconds = 0, .least = 2, .only = "", .ticks = 0});
     const json& rows = results["series"][0]["rows"];
     ASSERT_EQ(rows.size(), 4u);
     EXPECT_EQ(rows[0]["frames"], 2);
@@ -237,8 +239,9 @@ set = ["medium.count=10"]
     writeReport(results, here, "r");
     std::stringstream text;
     text << std::ifstream(here / "r.md").rdbuf();
-    for (const char* expected : {"## Ways <1>", "| two |", "| 4 | 1 |", "![time against error](r-ways-1-cloud-outside-48x27.svg)",
-                                 "## JPEG", "## Shadow map", "16 x 16 x 7", "## Orbit"})
+    for (const char* expected :
+         {"## Ways <1>", "| two |", "| 4 | 1 |", "![time against error](r-ways-1-cloud-outside-48x27.svg)", "## JPEG",
+          "## Shadow map", "16 x 16 x 7", "## Orbit"})
         EXPECT_NE(text.str().find(expected), std::string::npos) << expected;
     EXPECT_TRUE(fs::exists(here / "r-ways-1-cloud-outside-48x27.svg"));
     const std::string compared = compareResults(results, results);

@@ -32,7 +32,8 @@ TEST_P(NativeSlabsTest, PictureIsThatOfSlabs) {
         for (int again = 0; again < 2; ++again) { // nothing of the picture before is left
             native.render();
             const Errors errors = compare(native.picture(), slabs, {}, mediumMask(slabs));
-            EXPECT_LT(errors.relative_rmse, kNativeAgrees) << view.scene << ' ' << view.camera << ": " << describe(errors);
+            EXPECT_LT(errors.relative_rmse, kNativeAgrees)
+                << view.scene << ' ' << view.camera << ": " << describe(errors);
             EXPECT_LT(errors.worst.error, 0.02) << view.scene << ' ' << view.camera << ": " << describe(errors);
         }
         EXPECT_GT(native.samples(), 0u);

@@ -1,5 +1,5 @@
-// How far what is shown lags behind the camera while it turns, with and without prediction and reprojection, over a way that is 100 ms
-// longer than loopback: node tests/browser/latency.mjs [SECONDS A RUN] [RUNS]. Writes a table.
+// How far what is shown lags behind the camera while it turns, with and without prediction and reprojection, over a
+// way that is 100 ms longer than loopback: node tests/browser/latency.mjs [SECONDS A RUN] [RUNS]. Writes a table.
 import { connected, openPage, startBrowser, until } from './pages.mjs';
 import { startDelay } from './delay.mjs';
 import { startServer } from './server.mjs';
@@ -17,9 +17,10 @@ const WAYS = [
   { name: 'predicted, turned and moved', query: 'reproject=plane&predict=1' },
 ];
 
-// Runs in the page. At every movement of the mouse, after the camera has followed it and before anything is drawn: what the screen shows
-// against where the camera is, in radians: `turned`, between the orientations; `aside`, between where the point that is orbited is seen
-// and where it belongs. The latter of `turned` pictures is exact, of `turned and moved` ones 0 by construction where the camera orbits.
+// Runs in the page. At every movement of the mouse, after the camera has followed it and before anything is drawn:
+// what the screen shows against where the camera is, in radians: `turned`, between the orientations; `aside`, between
+// where the point that is orbited is seen and where it belongs. The latter of `turned` pictures is exact, of `turned
+// and moved` ones 0 by construction where the camera orbits.
 function watch(mode) {
   const samples = [];
   const conjugate = ([x, y, z, w]) => [-x, -y, -z, w];
@@ -73,7 +74,8 @@ function collect({ width, height }, everyMs) {
   requestAnimationFrame(look);
 }
 
-// Runs in the page: the root of the mean square difference, in steps of 255, of each to the server's own picture of that camera.
+// Runs in the page: the root of the mean square difference, in steps of 255, of each to the server's own picture of
+// that camera.
 async function judge({ width, height }, size) {
   const errors = [];
   const { pictures } = window;

@@ -16,9 +16,9 @@ export async function startBrowser() {
   return chromium.launch({ executablePath: CHROMIUM, args, headless: true });
 }
 
-// A page of its own context, as another person would have, closed with the test `t`. Errors in it and requests to elsewhere
-// fail the test when it leaves; `sentTo` is the one other server that it may know.
-// `script` runs in the page before its own.
+// A page of its own context, as another person would have, closed with the test `t`. Errors in it and requests to
+// elsewhere fail the test when it leaves; `sentTo` is the one other server that it may know. `script` runs in the
+// page before its own.
 export async function openPage(t, browser, url, { script, sentTo, ...options } = {}) {
   const context = await browser.newContext({ viewport: VIEWPORT, ...options });
   t.after(() => context.close());
@@ -129,8 +129,8 @@ export async function pixels(page) {
   }, SAMPLES);
 }
 
-// The window with everything hidden but that element of the body, as PNG in base64. The page's policy forbids style elements, so
-// the style is set by script.
+// The window with everything hidden but that element of the body, as PNG in base64. The page's policy forbids style
+// elements, so the style is set by script.
 export async function screenshotOf(page, selector) {
   const style = (text) =>
     page.evaluate((rules) => {

@@ -14,8 +14,8 @@ after(async () => {
   await browser?.close();
 });
 
-// A headless browser never hides a page. This does what one with a screen does: window.see(false) stops animation frames and says
-// that the document is hidden, window.see(true) lets them go on.
+// A headless browser never hides a page. This does what one with a screen does: window.see(false) stops animation
+// frames and says that the document is hidden, window.see(true) lets them go on.
 const hideable = `(() => {
   let hidden = false;
   const held = [];

@@ -64,8 +64,10 @@ void ply(Bytes input) {
             promise(size == 0 || size == points, "a list is empty or complete");
         for (const glm::vec3& at : cloud.position) promise(within(at, limits::kPlace), "a place within limits");
         for (const float scale : cloud.scale) promise(limits::kScale.holds(double(scale)), "a size within limits");
-        for (const float sigma_t : cloud.sigma_t) promise(limits::kSigmaT.holds(double(sigma_t)), "an extinction within limits");
-        for (const glm::vec3& albedo : cloud.albedo) promise(within(albedo, limits::kColour), "an albedo within limits");
+        for (const float sigma_t : cloud.sigma_t)
+            promise(limits::kSigmaT.holds(double(sigma_t)), "an extinction within limits");
+        for (const glm::vec3& albedo : cloud.albedo)
+            promise(within(albedo, limits::kColour), "an albedo within limits");
     } catch (const SceneError& error) {
         promiseOneLine(error.what(), kLongestRefusal);
     }

@@ -25,7 +25,8 @@ size_t read(const wire::Parsed& parsed) {
     if (const auto* welcome = parsed.as<wire::Welcome>()) {
         bytes += seen(welcome->server()) + seen(welcome->scene()) + seen(welcome->device());
         bytes += seen(welcome->methods()) + seen(welcome->quadratures());
-        promise(welcome->camera() && welcome->camera()->position() && welcome->camera()->target(), "required fields are there");
+        promise(welcome->camera() && welcome->camera()->position() && welcome->camera()->target(),
+                "required fields are there");
     }
     if (const auto* state = parsed.as<wire::SceneState>()) {
         bytes += seen(state->method()) + seen(state->quadrature());
@@ -33,7 +34,8 @@ size_t read(const wire::Parsed& parsed) {
         if (state->passes())
             for (const auto* pass : *state->passes()) bytes += seen(pass->name());
     }
-    if (const auto* pose = parsed.as<wire::Pose>()) promise(pose->position() && pose->orientation(), "required fields are there");
+    if (const auto* pose = parsed.as<wire::Pose>())
+        promise(pose->position() && pose->orientation(), "required fields are there");
     if (const auto* input = parsed.as<wire::Input>()) promise(input->command() != nullptr, "required fields are there");
     if (const auto* frame = parsed.as<wire::Frame>()) {
         promise(frame->position() && frame->orientation() && frame->stages(), "required fields are there");

@@ -23,7 +23,8 @@ inline void promise(bool holds, const char* what, std::string_view shown = {}) {
 inline void promiseOneLine(std::string_view text, size_t longest) {
     promise(!text.empty(), "a message says something");
     promise(text.size() <= longest, "a message is not endless", text);
-    for (const char c : text) promise(static_cast<unsigned char>(c) >= ' ' && c != 127, "a message is one printable line", text);
+    for (const char c : text)
+        promise(static_cast<unsigned char>(c) >= ' ' && c != 127, "a message is one printable line", text);
 }
 
 inline std::string_view textOf(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }

@@ -50,9 +50,11 @@ void query(Bytes input) {
     const size_t question = std::min(target.find('?'), target.size());
     page(target.substr(0, question));
     picture(target.substr(std::min(question + 1, target.size())));
-    if (const auto decoded = net::percentDecode(target)) promise(decoded->size() <= target.size(), "decoding does not grow");
+    if (const auto decoded = net::percentDecode(target))
+        promise(decoded->size() <= target.size(), "decoding does not grow");
     if (net::originAllowed(origin, host, {}) && !origin.empty())
-        promise(origin.size() > host.size() || host.ends_with(":80") || host.ends_with(":443"), "only a page of our own host");
+        promise(origin.size() > host.size() || host.ends_with(":80") || host.ends_with(":443"),
+                "only a page of our own host");
 }
 
 } // namespace brume::fuzz

@@ -1,5 +1,5 @@
-// Every target over the seeds that its fuzzing starts from, whole, cut short, and with single bits flipped: what compilers
-// without libFuzzer can do. A broken promise ends the program.
+// Every target over the seeds that its fuzzing starts from, whole, cut short, and with single bits flipped: what
+// compilers without libFuzzer can do. A broken promise ends the program.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -51,7 +51,8 @@ TEST_P(FuzzSeeds, KeepEveryPromise) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Targets, FuzzSeeds, testing::ValuesIn(kTargets), [](const auto& target) { return target.param.name; });
+INSTANTIATE_TEST_SUITE_P(Targets, FuzzSeeds, testing::ValuesIn(kTargets),
+                         [](const auto& target) { return target.param.name; });
 
 } // namespace
 } // namespace brume::fuzz

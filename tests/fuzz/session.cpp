@@ -1,5 +1,5 @@
-// An input is a sequence of records: kind, a wait, and what the kind has. Whole messages as they are; and messages made of the
-// fuzzer's numbers, which reach behind the verifier.
+// An input is a sequence of records: kind, a wait, and what the kind has. Whole messages as they are; and messages made
+// of the fuzzer's numbers, which reach behind the verifier.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -54,7 +54,8 @@ public:
         const Pose& pose = e.request.pose;
         promise(isUsable(pose) && within(pose.position, limits::kPlace), "a pose is usable");
         promise(std::abs(glm::length(pose.orientation) - 1) < 1e-3f, "an orientation is unit");
-        promise(isDrawable(pose.frustum) && isDrawable(pose.right_frustum), "a frustum shows something, and not all around");
+        promise(isDrawable(pose.frustum) && isDrawable(pose.right_frustum),
+                "a frustum shows something, and not all around");
         promise(pose.eye_separation >= 0 && pose.eye_separation <= 10, "eyes stand apart as people's, or giants'");
         promise(double(++shows_) <= allowance(options_.pose_rate), "poses keep to their rate");
     }
@@ -100,14 +101,16 @@ private:
         promise(setting.allowed.holds(value), "a number within limits");
     }
     void allowed(const SceneSetting& setting, const glm::vec3& value) const {
-        promise(setting.form == Form::direction ? isUnit(value) : within(value, setting.allowed), "a vector within limits");
+        promise(setting.form == Form::direction ? isUnit(value) : within(value, setting.allowed),
+                "a vector within limits");
     }
     void allowed(const SceneSetting& setting, const std::string& value) const {
-        promise(value == (setting.path == "render.method" ? facts_.methods : facts_.quadratures).at(0), "a name that there is");
+        promise(value == (setting.path == "render.method" ? facts_.methods : facts_.quadratures).at(0),
+                "a name that there is");
     }
     void picture(const PoseRequest& request) const {
-        promise(request.width >= net::kMinSide && request.height >= net::kMinSide && request.width <= options_.max_side &&
-                    request.height <= options_.max_side,
+        promise(request.width >= net::kMinSide && request.height >= net::kMinSide &&
+                    request.width <= options_.max_side && request.height <= options_.max_side,
                 "a picture's sides within limits");
         promise(uint32_t(request.width) * request.height <= options_.max_pixels, "a picture's pixels within limits");
         promise(request.views == 1 || request.views == 2, "one eye or two");
@@ -154,7 +157,8 @@ wire::Packed input(Numbers& in, const SceneFacts& facts) {
             const auto all = sceneSettings();
             const std::string path(all[in.take<uint8_t>() % all.size()].path);
             const auto text = name(in, facts.methods[0]);
-            const std::vector changes{wire::CreateChangeDirect(b, path.c_str(), a, which % 2 ? &one : nullptr, text.c_str())};
+            const std::vector changes{
+                wire::CreateChangeDirect(b, path.c_str(), a, which % 2 ? &one : nullptr, text.c_str())};
             return as(wire::CreateSetDirect(b, &changes));
         }
         if (which % 5 == 0) return as(wire::CreateImpulse(b, &one, &two, which < 128 ? &three : nullptr, a));
@@ -172,7 +176,8 @@ wire::Packed pose(Numbers& in) {
     const wire::Vec3 position = vector(in);
     // Any number of sixteenths is rarely a unit quaternion.
     const auto turned = in.take<uint8_t>();
-    const float x = turned < 200 ? std::sin(float(turned)) : number(in), w = turned < 200 ? std::cos(float(turned)) : number(in);
+    const float x = turned < 200 ? std::sin(float(turned)) : number(in),
+                w = turned < 200 ? std::cos(float(turned)) : number(in);
     const wire::Quat orientation(x, 0, 0, w);
     const float fov_y = number(in), eyes = number(in);
     const auto width = in.take<uint16_t>(), height = in.take<uint16_t>();
@@ -183,8 +188,8 @@ wire::Packed pose(Numbers& in) {
     };
     const wire::Frustum one = frusta & 1 ? frustum() : wire::Frustum(), two = frusta & 2 ? frustum() : wire::Frustum();
     return wire::pack([&](Builder& b) {
-        return wire::CreatePose(b, seq, 7, &position, &orientation, fov_y, eyes, width, height, frusta & 1 ? &one : nullptr,
-                                frusta & 2 ? &two : nullptr);
+        return wire::CreatePose(b, seq, 7, &position, &orientation, fov_y, eyes, width, height,
+                                frusta & 1 ? &one : nullptr, frusta & 2 ? &two : nullptr);
     });
 }
 

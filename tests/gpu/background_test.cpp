@@ -35,8 +35,8 @@ protected:
         eye.ray_down = glm::vec3(pixelDirection(pose, width, height, 0, 1)) - eye.ray;
         eye.ray -= 0.5f * (eye.ray_right + eye.ray_down);
         const gpu::Buffer objects(device(), gpu::kMostObjects * sizeof(gpu::Opaque),
-                                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
-                                  "objects");
+                                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                  gpu::Memory::upload, "objects");
         std::copy(all.begin(), all.end(), objects.mapped<gpu::Opaque>(all.size()).begin());
         const gpu::Buffer medium(device(), std::max<size_t>(particles.size(), 1) * sizeof(gpu::Particle),
                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "particles");
@@ -89,7 +89,8 @@ TEST_F(BackgroundTest, ManyObjects) {
     Random random(7);
     scene.planes = {{-3, glm::vec3(0.5f)}};
     for (int i = 0; i < 64; ++i) {
-        scene.boxes.push_back({random.inCube(6), glm::vec3(0.2f) + random.inCube(0.1f), random.uniform(0, 3), glm::vec3(0.5f)});
+        scene.boxes.push_back(
+            {random.inCube(6), glm::vec3(0.2f) + random.inCube(0.1f), random.uniform(0, 3), glm::vec3(0.5f)});
         scene.spheres.push_back({random.inCube(6), random.uniform(0.05f, 0.4f), glm::vec3(0.5f)});
     }
     const Pose pose = lookAt({1, 3, 15}, {0, 0, 0}, 0.8f);
@@ -107,7 +108,8 @@ TEST_F(BackgroundTest, ManyObjects) {
             const double c = std::cos(double(box.yaw)), s = std::sin(double(box.yaw));
             const auto toBox = [&](glm::dvec3 v) { return glm::dvec3(c * v.x - s * v.z, v.y, s * v.x + c * v.z); };
             const glm::dvec3 o = toBox(eye - glm::dvec3(box.centre)), d = toBox(dir), half = 0.5 * glm::dvec3(box.size);
-            const glm::dvec3 one = (-half - o) / d, two = (half - o) / d, in = glm::min(one, two), out = glm::max(one, two);
+            const glm::dvec3 one = (-half - o) / d, two = (half - o) / d, in = glm::min(one, two),
+                             out = glm::max(one, two);
             const double enter = std::max({in.x, in.y, in.z}), leave = std::min({out.x, out.y, out.z});
             if (enter < leave) depth = std::min(depth, enter);
         }
@@ -152,12 +154,13 @@ TEST_F(BackgroundTest, EdgesAreFourSamples) {
         for (uint32_t y = 0; y < height; ++y)
             for (uint32_t x = 0; x < width; ++x) {
                 double lit = 0, unclear = 0;
-                for (const glm::dvec2 offset : {glm::dvec2(-0.375, -0.125), glm::dvec2(0.125, -0.375), glm::dvec2(0.375, 0.125),
-                                                glm::dvec2(-0.125, 0.375)}) {
-                    const glm::dvec3 dir =
-                        pixelDirection(pose, width, height, x, y) +
-                        offset.x * (pixelDirection(pose, width, height, x + 1, y) - pixelDirection(pose, width, height, x, y)) +
-                        offset.y * (pixelDirection(pose, width, height, x, y + 1) - pixelDirection(pose, width, height, x, y));
+                for (const glm::dvec2 offset : {glm::dvec2(-0.375, -0.125), glm::dvec2(0.125, -0.375),
+                                                glm::dvec2(0.375, 0.125), glm::dvec2(-0.125, 0.375)}) {
+                    const glm::dvec3 dir = pixelDirection(pose, width, height, x, y) +
+                                           offset.x * (pixelDirection(pose, width, height, x + 1, y) -
+                                                       pixelDirection(pose, width, height, x, y)) +
+                                           offset.y * (pixelDirection(pose, width, height, x, y + 1) -
+                                                       pixelDirection(pose, width, height, x, y));
                     const double at = dir.x / -dir.z * 10; // where the ray meets the wall's front
                     lit += at < 0 ? 0.25 : 0;
                     unclear += std::abs(at) < 1e-4;

@@ -43,7 +43,9 @@ Point thick(glm::vec3 centre, float scale, double depth, float falloff) {
 
 double allowed(double distance, double k, double depth) { return 3e-6 + 2e-7 * distance * k * depth; }
 
-double subpixel(const gpu::Device& device) { return std::ldexp(1.0, -int(device.properties().limits.subPixelPrecisionBits)); }
+double subpixel(const gpu::Device& device) {
+    return std::ldexp(1.0, -int(device.properties().limits.subPixelPrecisionBits));
+}
 
 std::vector<gpu::Particle> particlesOf(const Scene& scene) {
     const Simulation simulation(scene);
@@ -63,7 +65,8 @@ Ray rayThrough(const Pose& pose, uint32_t width, uint32_t height, uint32_t x, ui
 
 Interval insideTetrahedron(const reference::Blob& blob, const Ray& ray) {
     Interval inside{ray.begin, kFar};
-    for (const glm::dvec3& vertex : {glm::dvec3(1, 1, 1), glm::dvec3(1, -1, -1), glm::dvec3(-1, 1, -1), glm::dvec3(-1, -1, 1)}) {
+    for (const glm::dvec3& vertex :
+         {glm::dvec3(1, 1, 1), glm::dvec3(1, -1, -1), glm::dvec3(-1, 1, -1), glm::dvec3(-1, -1, 1)}) {
         const glm::dvec3 outward = -vertex / std::sqrt(3.0); // of the face opposite to it, a third of the scale away
         const double away = glm::dot(outward, ray.w), room = blob.scale / 3 + glm::dot(outward, blob.centre - ray.eye);
         if (away > 0) inside.end = std::min(inside.end, room / away);
@@ -73,9 +76,10 @@ Interval insideTetrahedron(const reference::Blob& blob, const Ray& ray) {
     return inside;
 }
 
-Interval insideTetrahedronDrawn(const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height, uint32_t x,
-                                uint32_t y, glm::dvec2 off) {
-    const glm::dvec3 corner = pixelDirection(pose, width, height, 0, 0), here = pixelDirection(pose, width, height, x, y);
+Interval insideTetrahedronDrawn(const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height,
+                                uint32_t x, uint32_t y, glm::dvec2 off) {
+    const glm::dvec3 corner = pixelDirection(pose, width, height, 0, 0),
+                     here = pixelDirection(pose, width, height, x, y);
     const glm::dvec3 there = here + off.x * (pixelDirection(pose, width, height, 1, 0) - corner) +
                              off.y * (pixelDirection(pose, width, height, 0, 1) - corner);
     const double scale = glm::length(here) / glm::length(there); // of distances, where view depths are the same
@@ -122,14 +126,16 @@ double simpson(const reference::Blob& blob, const Ray& ray, Interval interval, i
 
 double transmittanceSpace(const reference::Blob& blob, const Ray& ray, Interval interval, int points,
                           const std::function<double(double)>& light_depth) {
-    const std::vector<double> nodes[] = {{0}, {-std::sqrt(1.0 / 3), std::sqrt(1.0 / 3)}, {-std::sqrt(0.6), 0, std::sqrt(0.6)}};
+    const std::vector<double> nodes[] = {
+        {0}, {-std::sqrt(1.0 / 3), std::sqrt(1.0 / 3)}, {-std::sqrt(0.6), 0, std::sqrt(0.6)}};
     const std::vector<double> weights[] = {{1}, {0.5, 0.5}, {5.0 / 18, 4.0 / 9, 5.0 / 18}};
     const double whole = -std::expm1(-depthOn(blob, ray, interval));
     const Crossing c = cross(blob, ray);
     double sum = 0;
     for (int i = 0; i < points; ++i) {
         const double y = whole * 0.5 * (1 + nodes[points - 1][size_t(i)]); // the opacity reached at the node
-        double lo = std::max(interval.begin, c.closest - 6 / blob.k), hi = std::min(interval.end, c.closest + 6 / blob.k);
+        double lo = std::max(interval.begin, c.closest - 6 / blob.k),
+               hi = std::min(interval.end, c.closest + 6 / blob.k);
         for (int halving = 0; halving < 60; ++halving) {
             const double middle = 0.5 * (lo + hi);
             (-std::expm1(-depthOn(blob, ray, {interval.begin, middle})) < y ? lo : hi) = middle;

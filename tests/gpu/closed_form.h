@@ -29,7 +29,8 @@ Point thick(glm::vec3 centre, float scale, double depth, float falloff);
 // depth by up to 0.86 k tau per metre.
 double allowed(double distance, double k, double depth);
 
-// Steps, in pixels, of the places to which the device rounds the vertices of what it draws: 1/256 on lavapipe, at most 1/16.
+// Steps, in pixels, of the places to which the device rounds the vertices of what it draws: 1/256 on lavapipe, at most
+// 1/16.
 double subpixel(const gpu::Device& device);
 
 // The scene's particles, as the renderer gets them and as the reference does.
@@ -53,8 +54,8 @@ Interval insideTetrahedron(const reference::Blob& blob, const Ray& ray);
 Interval wholeRay(const Ray& ray);
 // The interval that a pixel looks up if the particle's proxy is drawn `off` (pixels) away: a ray has the view depths
 // of its neighbour that far away.
-Interval insideTetrahedronDrawn(const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height, uint32_t x,
-                                uint32_t y, glm::dvec2 off);
+Interval insideTetrahedronDrawn(const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height,
+                                uint32_t x, uint32_t y, glm::dvec2 off);
 
 // Optical depth on the interval; 0 if it is empty.
 double depthOn(const reference::Blob& blob, const Ray& ray, Interval interval);

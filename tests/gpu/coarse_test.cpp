@@ -10,10 +10,12 @@ namespace {
 
 class CoarseTest : public GpuTest {};
 
-std::vector<uint8_t> bytesOf(const PictureView& picture) { return {picture.bytes, picture.bytes + picture.layout.bytes()}; }
+std::vector<uint8_t> bytesOf(const PictureView& picture) {
+    return {picture.bytes, picture.bytes + picture.layout.bytes()};
+}
 
-// Pixels between shaded ones follow by interpolation. The bound is of rounding: two values that differ by less than half a level
-// may become neighbouring bytes, no others.
+// Pixels between shaded ones follow by interpolation. The bound is of rounding: two values that differ by less than
+// half a level may become neighbouring bytes, no others.
 TEST_F(CoarseTest, ShadingSomePixelsIsAsGoodAsShadingAll) {
     struct Case {
         const char* tone_map;
@@ -64,9 +66,9 @@ TEST_F(CoarseTest, ShadingSomePixelsIsAsGoodAsShadingAll) {
     }
 }
 
-// Methods that draw may draw every second, fourth or eighth pixel of a scene without objects: the cubic between them errs as the
-// fourth power of their distance in standard deviations of the medium, which is 12 pixels here. Tetrahedra have edges; theirs is
-// worse.
+// Methods that draw may draw every second, fourth or eighth pixel of a scene without objects: the cubic between them
+// errs as the fourth power of their distance in standard deviations of the medium, which is 12 pixels here. Tetrahedra
+// have edges; theirs is worse.
 TEST_F(CoarseTest, DrawingSomePixelsIsAlmostDrawingAll) {
     const EyeRequest eye{lookAt({0, 2, 26}, {0, 0, 0}, 0.8f), 641, 359};
     for (const char* method : {"sphere", "tiles", "isv"}) {
@@ -135,11 +137,11 @@ std::vector<glm::vec4> radianceOf(const gpu::Device& device, const Scene& scene,
     return renderer.readRadiance();
 }
 
-// With objects the medium alone is drawn at some pixels, and at all where surfaces or shadows end in it. These methods ask at two
-// or five points of a particle whether light reaches it: in shafts of shadow their picture has steps from particle to particle
-// that are part of their own error, 1.6 % against the reference and no larger with fewer pixels. Where such a step lies is all
-// that changes: 0.5, 0.7 and 0.9 % were measured from outside, half of it from inside, and 5 % of the brightest at the worst
-// pixel; with surfaces and shafts interpolated across it is 10, 14 and 17 %.
+// With objects the medium alone is drawn at some pixels, and at all where surfaces or shadows end in it. These methods
+// ask at two or five points of a particle whether light reaches it: in shafts of shadow their picture has steps from
+// particle to particle that are part of their own error, 1.6 % against the reference and no larger with fewer pixels.
+// Where such a step lies is all that changes: 0.5, 0.7 and 0.9 % were measured from outside, half of it from inside,
+// and 5 % of the brightest at the worst pixel; with surfaces and shafts interpolated across it is 10, 14 and 17 %.
 TEST_F(CoarseTest, DrawingSomePixelsKeepsEdgesOfObjectsAndShadows) {
     Scene scene = loadScene("server/scenes/props.toml");
     scene.render.shadow_size = 64;
@@ -165,7 +167,8 @@ TEST_F(CoarseTest, DrawingSomePixelsKeepsEdgesOfObjectsAndShadows) {
         }
 }
 
-// The second eye of a head is drawn in the order of both, which changes as much as StereoTest.OneSortServesBothEyes says.
+// The second eye of a head is drawn in the order of both, which changes as much as StereoTest.OneSortServesBothEyes
+// says.
 TEST_F(CoarseTest, TwoEyesDrawSomePixelsInOneOrder) {
     Scene scene = loadScene("server/scenes/props.toml");
     scene.render.shadow_size = 64;

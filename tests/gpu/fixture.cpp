@@ -34,8 +34,8 @@ private:
     int count_ = 0;
 };
 
-// What the tests of a program share. It goes with the last test, not with the program: by then the validation layer has gone
-// before it.
+// What the tests of a program share. It goes with the last test, not with the program: by then the validation layer has
+// gone before it.
 class Shared : public testing::Environment {
 public:
     std::optional<gpu::Device> device, without_mesh;
@@ -80,8 +80,8 @@ Scene sceneOf(const std::vector<Point>& points, float falloff) {
         << "\nproperty float x\nproperty float y\nproperty float z\nproperty float scale\nproperty float sigma_t\n"
            "property float red\nproperty float green\nproperty float blue\nend_header\n";
     for (const Point& p : points)
-        ply << p.centre.x << ' ' << p.centre.y << ' ' << p.centre.z << ' ' << p.scale << ' ' << p.sigma_t << ' ' << p.albedo.x
-            << ' ' << p.albedo.y << ' ' << p.albedo.z << '\n';
+        ply << p.centre.x << ' ' << p.centre.y << ' ' << p.centre.z << ' ' << p.scale << ' ' << p.sigma_t << ' '
+            << p.albedo.x << ' ' << p.albedo.y << ' ' << p.albedo.z << '\n';
     Scene scene;
     scene.name = "points";
     scene.medium.layout = Layout::file;
@@ -125,7 +125,8 @@ void waitFor(const gpu::Commands& commands) {
     }
 }
 
-void submitAndWait(Renderer& renderer, Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes) {
+void submitAndWait(Renderer& renderer, Submission& submission, const Simulation& simulation,
+                   std::span<const EyeRequest> eyes) {
     renderer.submit(submission, simulation, eyes);
     waitFor(submission.commands);
 }

@@ -71,7 +71,8 @@ private:
 std::vector<Point> randomPoints(uint32_t count, float extent, float scale, float sigma_t, uint32_t seed = 1);
 
 // Renders in one submission, and waits for it.
-void submitAndWait(Renderer& renderer, Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes);
+void submitAndWait(Renderer& renderer, Submission& submission, const Simulation& simulation,
+                   std::span<const EyeRequest> eyes);
 Picture render(const gpu::Device& device, const Scene& scene, const Pose& pose, uint32_t width, uint32_t height);
 
 // Direction of the ray through a pixel's centre, scaled to unit view depth, in double.

@@ -1,4 +1,5 @@
-// The frame loop with a real device and no network: from poses to encoded frames, and what happens to a picture that cannot be.
+// The frame loop with a real device and no network: from poses to encoded frames, and what happens to a picture that
+// cannot be.
 #include <condition_variable>
 #include <mutex>
 

@@ -19,13 +19,13 @@ protected:
         const Frustum whole = frustumOf(pose, kWhole, kTall);
         const float pixel = 2 * whole.up / float(kTall);
         const auto tangent = [&](uint32_t at, float side) { return float(at) * pixel - side; };
-        pose.frustum = {-tangent(crop.x, whole.left), tangent(crop.x + crop.width, whole.left), -tangent(crop.y, whole.up),
-                        tangent(crop.y + crop.height, whole.up)};
+        pose.frustum = {-tangent(crop.x, whole.left), tangent(crop.x + crop.width, whole.left),
+                        -tangent(crop.y, whole.up), tangent(crop.y + crop.height, whole.up)};
         return pose;
     }
 
-    // Largest difference of radiance, as a part of the brightest, or of transmittance; `margin`: pixels at the sides that do not
-    // count.
+    // Largest difference of radiance, as a part of the brightest, or of transmittance; `margin`: pixels at the sides
+    // that do not count.
     static double apart(const Picture& whole, const Picture& part, const Crop& crop, uint32_t margin) {
         double brightest = 1e-9, worst = 0, least = 1, most = 0;
         for (const glm::vec4& p : whole.pixels) brightest = std::max(brightest, double(std::max({p.r, p.g, p.b})));
@@ -55,8 +55,8 @@ const Pose kPoses[] = {lookAt({0, 2, 16}, {0, 0, 0}, 0.9f), lookAt({0.5f, 0.3f, 
 // Off the axis to one side; around it; none of it.
 const Crop kCrops[] = {{0, 16, 96, 80}, {48, 64, 128, 80}, {112, 96, 80, 64}};
 
-// The same rays to rounding. A place is rounded to 1e-6 m, tau changes by at most 6 per m along an edge of a proxy: 1e-4 is ten
-// times what is left of that.
+// The same rays to rounding. A place is rounded to 1e-6 m, tau changes by at most 6 per m along an edge of a proxy:
+// 1e-4 is ten times what is left of that.
 TEST_F(FrustumTest, SeesWhatALargerSymmetricOneSees) {
     const std::pair<const char*, const char*> ways[] = {{"sphere", ""},      {"isv", "simpson"}, {"tiles", "hermite"},
                                                         {"tiles", "cached"}, {"slabs", ""},      {"grid", ""}};
@@ -73,7 +73,8 @@ TEST_F(FrustumTest, SeesWhatALargerSymmetricOneSees) {
         }
 }
 
-// Splines through few rays begin elsewhere: the coefficients' tails at the sides, 0.27^2 of a node's at the first pixel, are cut.
+// Splines through few rays begin elsewhere: the coefficients' tails at the sides, 0.27^2 of a node's at the first
+// pixel, are cut.
 TEST_F(FrustumTest, SeesTheSameThroughFewRays) {
     for (const char* method : {"slabs", "grid"}) {
         Scene with = scene(method, "");

@@ -30,8 +30,9 @@ protected:
     }
 };
 
-// The same picture as planes for JPEG: brightness of every pixel, and the mean colour of every four. Bounds: R, G and B are
-// rounded to whole levels, so a weighted sum of them is off by half of one, and so is what is compared with: one level together.
+// The same picture as planes for JPEG: brightness of every pixel, and the mean colour of every four. Bounds: R, G and B
+// are rounded to whole levels, so a weighted sum of them is off by half of one, and so is what is compared with: one
+// level together.
 TEST_F(FullColourTest, IsThePictureOfThePlanes) {
     struct Case {
         const char *scene, *method;
@@ -78,8 +79,8 @@ TEST_F(FullColourTest, IsThePictureOfThePlanes) {
                         const double luma = 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
                         blue += (p[2] - luma) / 1.772 / 4, red += (p[0] - luma) / 1.402 / 4;
                     }
-                    // Of a band-limited picture the planes hold the chroma between the four, not their mean: off by what it
-                    // curves.
+                    // Of a band-limited picture the planes hold the chroma between the four, not their mean: off by
+                    // what it curves.
                     ASSERT_NEAR(cb[y * layout.chromaStride() + x], 128 + blue, 1.6) << x << ' ' << y;
                     ASSERT_NEAR(cr[y * layout.chromaStride() + x], 128 + red, 1.6) << x << ' ' << y;
                 }
@@ -115,18 +116,19 @@ TEST_F(FullColourTest, PngKeepsEveryBitAndJpegAllOfTheColour) {
     const std::vector<uint8_t> jpeg = JpegEncoder().encode(picture, 90);
     const std::unique_ptr<void, int (*)(void*)> decoder(tjInitDecompress(), tjDestroy);
     int width = 0, height = 0, sampling = 0, colours = 0;
-    ASSERT_EQ(tjDecompressHeader3(decoder.get(), jpeg.data(), static_cast<unsigned long>(jpeg.size()), &width, &height, &sampling,
-                                  &colours),
+    ASSERT_EQ(tjDecompressHeader3(decoder.get(), jpeg.data(), static_cast<unsigned long>(jpeg.size()), &width, &height,
+                                  &sampling, &colours),
               0);
     EXPECT_EQ(width, int(eye.width));
     EXPECT_EQ(height, int(eye.height));
     EXPECT_EQ(sampling, TJSAMP_444);
-    ASSERT_EQ(tjDecompress2(decoder.get(), jpeg.data(), static_cast<unsigned long>(jpeg.size()), read.data(), width, 0, height,
-                            TJPF_RGB, 0),
+    ASSERT_EQ(tjDecompress2(decoder.get(), jpeg.data(), static_cast<unsigned long>(jpeg.size()), read.data(), width, 0,
+                            height, TJPF_RGB, 0),
               0);
     double squares = 0;
     for (size_t i = 0; i < read.size(); ++i) squares += std::pow(double(read[i]) - double(expected.bytes[i]), 2);
-    // Quality 90 quantises brightness in steps of 2 to 20 levels, most of all where there is little: a uniform error of four.
+    // Quality 90 quantises brightness in steps of 2 to 20 levels, most of all where there is little: a uniform error of
+    // four.
     EXPECT_LT(std::sqrt(squares / double(read.size())), 4 / std::sqrt(12.0) * 2);
 }
 

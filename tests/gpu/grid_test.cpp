@@ -1,5 +1,5 @@
-// Method grid: what is sampled from its nodes against exact Gaussians, convergence with the spacing, independence of viewers,
-// what it refuses.
+// Method grid: what is sampled from its nodes against exact Gaussians, convergence with the spacing, independence of
+// viewers, what it refuses.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,8 @@ double spline(double t) { // cubic B-spline
 }
 double triangle(double t) { return std::max(0.0, 1 - std::abs(t)); }
 
-// Largest error of a Gaussian of standard deviation 1 and peak 1 that nodes `h` apart hold, wherever it lies among them.
+// Largest error of a Gaussian of standard deviation 1 and peak 1 that nodes `h` apart hold, wherever it lies among
+// them.
 double largestError(double h, bool cubic) {
     const double held = 1 - h * h / (cubic ? 3 : 6), peak = 1 / std::sqrt(held);
     double worst = 0;
@@ -69,7 +70,8 @@ TEST_F(GridTest, OneParticleConvergesToItsClosedForm) {
             for (uint32_t y = 0; y < kHeight; ++y)
                 for (uint32_t x = 0; x < kWidth; ++x) {
                     const Ray ray = rayThrough(pose, kWidth, kHeight, x, y);
-                    error = std::max(error, std::abs(double(picture.at(x, y).a) - std::exp(-depthOn(blob, ray, wholeRay(ray)))));
+                    error = std::max(
+                        error, std::abs(double(picture.at(x, y).a) - std::exp(-depthOn(blob, ray, wholeRay(ray)))));
                 }
         }
         const double h = double(spacing), one_axis = h < double(kCubicBelow) ? std::pow(h, 4) / 85 : h * h / 11;
@@ -102,9 +104,11 @@ TEST_F(GridTest, ManyParticlesAreThoseOfSlabs) {
                         errors += std::pow(double(grid.pixels[i][c]) - double(exact.pixels[i][c]), 2);
                     }
                 ASSERT_GT(squares, 0.01);
-                // What server/plan expects of pictures where sampling is linear; where it is cubic, a tenth of what one axis of
-                // the smallest particles errs by, h = 0.26 of theirs, is too little to tell from float at 800 m.
-                EXPECT_LT(std::sqrt(errors / squares), spacing > 0.4f ? 3e-3 : 5e-5) << pose.position.x << ' ' << coloured;
+                // What server/plan expects of pictures where sampling is linear; where it is cubic, a tenth of what one
+                // axis of the smallest particles errs by, h = 0.26 of theirs, is too little to tell from float at 800
+                // m.
+                EXPECT_LT(std::sqrt(errors / squares), spacing > 0.4f ? 3e-3 : 5e-5)
+                    << pose.position.x << ' ' << coloured;
             }
         }
     }
@@ -148,7 +152,8 @@ TEST_F(GridTest, ViewersAndHistoryChangeNothing) {
 // Sparse: two heaps far apart, nothing between them is written, and nothing of what lay there before is seen.
 TEST_F(GridTest, EmptyBricksAreEmpty) {
     std::vector<Point> points = randomPoints(200, 10, 1.5f, 1.5f, 5), heaps;
-    for (int i = 0; i < 60; ++i) heaps.push_back({points[i].centre * 0.1f + glm::vec3(i % 2 ? 4.5f : -4.5f), 1.5f, 0.5f});
+    for (int i = 0; i < 60; ++i)
+        heaps.push_back({points[i].centre * 0.1f + glm::vec3(i % 2 ? 4.5f : -4.5f), 1.5f, 0.5f});
     const Pose pose = lookAt({0, 3, 16}, {0, 0, 0}, 0.9f);
     see(sceneOf(points, 1.6f), pose, 0.3f); // fills bricks
     const Scene scene = sceneOf(heaps, 1.6f);
@@ -161,8 +166,8 @@ TEST_F(GridTest, EmptyBricksAreEmpty) {
     EXPECT_GT(clear, 300);
 }
 
-// The first, the last but one and the last of a million, all others faint in a heap: each is where it was put, and no part of the
-// heap is lost.
+// The first, the last but one and the last of a million, all others faint in a heap: each is where it was put, and no
+// part of the heap is lost.
 TEST_F(GridTest, AMillionParticles) {
     constexpr uint32_t kCount = 1'000'000;
     const glm::vec3 places[] = {{-2, 1, 0}, {2, 1, 0}, {-2, -1, 0}};
@@ -179,7 +184,8 @@ TEST_F(GridTest, AMillionParticles) {
     const Picture picture = render(device(), scene, pose, kWidth, kHeight);
     const auto blobs = blobsOf(scene);
     const float pixels = 0.5f * kHeight / (9 * std::tan(0.25f)); // to a metre
-    for (const glm::vec3 place : {places[0], places[1], places[2], glm::vec3(0), glm::vec3(0.4f, 0.3f, 0), glm::vec3(0, 2, 0)}) {
+    for (const glm::vec3 place :
+         {places[0], places[1], places[2], glm::vec3(0), glm::vec3(0.4f, 0.3f, 0), glm::vec3(0, 2, 0)}) {
         const auto x = uint32_t(0.5f * kWidth + pixels * place.x), y = uint32_t(0.5f * kHeight - pixels * place.y);
         const Ray ray = rayThrough(pose, kWidth, kHeight, x, y);
         double depth = 0;

@@ -35,10 +35,12 @@ protected:
         const glm::dvec3 corner = pixelDirection(pose, kWidth, kHeight, 0, 0);
         const glm::dvec3 right = pixelDirection(pose, kWidth, kHeight, 1, 0) - corner,
                          down = pixelDirection(pose, kWidth, kHeight, 0, 1) - corner;
-        // The transmittance of a pixel that looks up its interval `off` (pixels) away, where the proxy's vertices are off.
+        // The transmittance of a pixel that looks up its interval `off` (pixels) away, where the proxy's vertices are
+        // off.
         const auto exact = [&](uint32_t x, uint32_t y, glm::dvec2 off) {
             const Ray ray = rayThrough(pose, kWidth, kHeight, x, y);
-            const glm::dvec3 here = pixelDirection(pose, kWidth, kHeight, x, y), there = here + off.x * right + off.y * down;
+            const glm::dvec3 here = pixelDirection(pose, kWidth, kHeight, x, y),
+                             there = here + off.x * right + off.y * down;
             const double scale = glm::length(here) / glm::length(there); // of distances, where view depths are the same
             const Interval inside = insideTetrahedron(blob, {ray.eye, glm::normalize(there), ray.begin / scale});
             return std::exp(-depthOn(blob, ray, {inside.begin * scale, inside.end * scale}));
@@ -52,8 +54,9 @@ protected:
                 for (int c = 0; c < 4; ++c) EXPECT_TRUE(std::isfinite(got[c])) << x << ' ' << y;
                 const double error = std::abs(double(got.a) - here);
                 double explained = 0;
-                for (const glm::dvec2 off : {glm::dvec2(1, 0), glm::dvec2(1, 1), glm::dvec2(0, 1), glm::dvec2(-1, 1),
-                                             glm::dvec2(-1, 0), glm::dvec2(-1, -1), glm::dvec2(0, -1), glm::dvec2(1, -1)})
+                for (const glm::dvec2 off :
+                     {glm::dvec2(1, 0), glm::dvec2(1, 1), glm::dvec2(0, 1), glm::dvec2(-1, 1), glm::dvec2(-1, 0),
+                      glm::dvec2(-1, -1), glm::dvec2(0, -1), glm::dvec2(1, -1)})
                     if (error > kFloat) explained = std::max(explained, std::abs(exact(x, y, most * off) - here));
                 const double excess = error - explained;
                 if (!(excess <= seen.excess)) seen.excess = excess; // NaN too
@@ -71,7 +74,8 @@ TEST_F(IsvTest, TransmittanceFromOutside) {
         const Point point{random.inCube(3), random.uniform(0.5f, 3), random.uniform(0.3f, 4)};
         const glm::vec3 away = random.direction() * point.scale;
         const glm::vec3 from = point.centre + away * random.uniform(1.3f, 4);
-        const glm::vec3 to = point.centre + random.inCube(i % 2 ? 0.2f : 2 * point.scale); // also past the picture's edge
+        const glm::vec3 to =
+            point.centre + random.inCube(i % 2 ? 0.2f : 2 * point.scale); // also past the picture's edge
         const Pose pose = lookAt(from, to, random.uniform(0.5f, 1.2f));
         if (verticesBehind(point, pose) > 0) continue;
         const Seen seen = compare(point, i % 3 ? 8 : 1.6f, pose);
@@ -84,8 +88,8 @@ TEST_F(IsvTest, TransmittanceFromOutside) {
 
 // --- both paths ---
 
-// The vertices are the same, but a driver may place them in the picture an ulp apart: Mesa's vertex path contracts what its mesh
-// path rounds.
+// The vertices are the same, but a driver may place them in the picture an ulp apart: Mesa's vertex path contracts what
+// its mesh path rounds.
 TEST_F(GpuTest, MeshAndVertexShadersDrawTheSame) {
     // Mesa's CPU driver has mesh shaders; on a device without them both pictures are drawn the same way.
     EXPECT_TRUE(device().hasMeshShaders() || device().name().find("llvmpipe") == std::string::npos);
@@ -108,11 +112,13 @@ TEST_F(GpuTest, MeshAndVertexShadersDrawTheSame) {
         const Picture mesh = plain().see(scene, pose, kWidth, kHeight),
                       vertices = plainWithoutMesh().see(scene, pose, kWidth, kHeight);
         float lowest = 1, brightest = 0;
-        for (const glm::vec4& pixel : mesh.pixels) lowest = std::min(lowest, pixel.a), brightest = std::max(brightest, pixel.r);
+        for (const glm::vec4& pixel : mesh.pixels)
+            lowest = std::min(lowest, pixel.a), brightest = std::max(brightest, pixel.r);
         for (size_t i = 0; i < mesh.pixels.size(); ++i) {
             ASSERT_NEAR(mesh.pixels[i].a, vertices.pixels[i].a, 2e-6f) << pose.position.z << ": " << i;
             for (int c = 0; c < 3; ++c)
-                ASSERT_NEAR(mesh.pixels[i][c], vertices.pixels[i][c], 5e-6f * brightest) << pose.position.z << ": " << i;
+                ASSERT_NEAR(mesh.pixels[i][c], vertices.pixels[i][c], 5e-6f * brightest)
+                    << pose.position.z << ": " << i;
         }
         EXPECT_LT(lowest, 0.99f) << pose.position.z;
     }
@@ -123,11 +129,13 @@ TEST_F(GpuTest, MeshAndVertexShadersDrawTheSame) {
 struct Rule {
     const char* name;
     uint32_t steps;
-    double bounds[2]; // on the error against the rule's limit, relative to the largest value, for optical depth 0.5 and 3
+    double
+        bounds[2]; // on the error against the rule's limit, relative to the largest value, for optical depth 0.5 and 3
 };
 
-// A picture is the rule's sum; and the sum approaches its limit: for Simpson's rule the integral with light depth linear between
-// entry and exit, for the analytical form the integral with light depth linear in the view depth, else the integral itself.
+// A picture is the rule's sum; and the sum approaches its limit: for Simpson's rule the integral with light depth
+// linear between entry and exit, for the analytical form the integral with light depth linear in the view depth, else
+// the integral itself.
 TEST_F(GpuTest, QuadraturesAreTheirDefinitionsAndConverge) {
     const Rule rules[] = {{"simpson", 1, {0.9, 0.9}},          {"simpson", 2, {0.13, 0.14}},
                           {"simpson", 10, {1e-5, 2e-5}},       {"transmittance", 1, {0.1, 0.2}},
@@ -161,8 +169,11 @@ TEST_F(GpuTest, QuadraturesAreTheirDefinitionsAndConverge) {
                     const Interval inside = insideTetrahedron(blobs[0], ray);
                     if (inside.length() < 0.05) return {}; // silhouettes are another test's
                     const auto light = [&](double t) { return field.depth(ray.at(t)); };
-                    const double in = light(inside.begin), out = light(inside.end), whole = depthOn(blobs[0], ray, inside);
-                    const auto along_ray = [&](double t) { return glm::mix(in, out, (t - inside.begin) / inside.length()); };
+                    const double in = light(inside.begin), out = light(inside.end),
+                                 whole = depthOn(blobs[0], ray, inside);
+                    const auto along_ray = [&](double t) {
+                        return glm::mix(in, out, (t - inside.begin) / inside.length());
+                    };
                     const auto along_depth = [&](double t) {
                         return glm::mix(in, out, depthOn(blobs[0], ray, {inside.begin, t}) / whole);
                     };
@@ -189,8 +200,8 @@ TEST_F(GpuTest, QuadraturesAreTheirDefinitionsAndConverge) {
                             if (const std::optional<Sums> next = sumsAt(there.x, there.y))
                                 slope = std::max(slope, std::abs(next->sum - here->sum));
                     }
-                // The shadow volume interpolates between texels of 1/33 and planes of 1/16 of 1/k: h^2/8 of second derivatives of
-                // at most 2 k^2 tau in two directions and 0.49 k^2 tau along the light.
+                // The shadow volume interpolates between texels of 1/33 and planes of 1/16 of 1/k: h^2/8 of second
+                // derivatives of at most 2 k^2 tau in two directions and 0.49 k^2 tau along the light.
                 const double interpolation = depths[d] * (4 / (33.0 * 33) + 0.49 / (16.0 * 16)) / 8;
                 EXPECT_LT(worst, largest * (interpolation + 1e-4) + slope * rounding);
                 EXPECT_LT(worst_of_rule, largest * rule.bounds[d]);

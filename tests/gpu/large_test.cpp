@@ -22,7 +22,8 @@ Scene largeScene(const char* method) {
     return scene;
 }
 
-Picture pictureOf(const gpu::Device& device, const Scene& scene, const Simulation& simulation, std::span<const EyeRequest> eyes) {
+Picture pictureOf(const gpu::Device& device, const Scene& scene, const Simulation& simulation,
+                  std::span<const EyeRequest> eyes) {
     Renderer renderer(device, scene, simulation.capacity());
     renderer.keepRadiance(true);
     Submission submission(device, "large");
@@ -42,13 +43,14 @@ double difference(const Picture& value, const Picture& reference) {
     return std::sqrt(error / sum);
 }
 
-const EyeRequest kFar{lookAt({30, 40, 150}, {0, 0, 0}, 0.8f), 96, 54}, kNear{lookAt({2, 3, 12}, {0, 0, 0}, 0.8f), 48, 27};
+const EyeRequest kFar{lookAt({30, 40, 150}, {0, 0, 0}, 0.8f), 96, 54},
+    kNear{lookAt({2, 3, 12}, {0, 0, 0}, 0.8f), 48, 27};
 
 class LargeTest : public GpuTest {};
 
-// Seen as points, which a pixel is not: a medium four pixels wide, in cells of half a pixel and of one, up to seven standard
-// deviations of its particles. Merging keeps second moments, so what a cell's own shape adds goes at least with the square of its
-// side. Measured 0.56 % and 1.93 %, the same with all methods.
+// Seen as points, which a pixel is not: a medium four pixels wide, in cells of half a pixel and of one, up to seven
+// standard deviations of its particles. Merging keeps second moments, so what a cell's own shape adds goes at least
+// with the square of its side. Measured 0.56 % and 1.93 %, the same with all methods.
 TEST_F(LargeTest, MergedPicturesErrWithinTheirBound) {
     for (const char* method : {"slabs", "tiles", "sphere"}) {
         Scene scene = largeScene(method);
@@ -68,8 +70,8 @@ TEST_F(LargeTest, MergedPicturesErrWithinTheirBound) {
     }
 }
 
-// Of particles far below a pixel a picture of rays through pixels' centres is noise. What they mean is the pixel's mean, here of
-// 9x9 rays: merged media are nearer to it.
+// Of particles far below a pixel a picture of rays through pixels' centres is noise. What they mean is the pixel's
+// mean, here of 9x9 rays: merged media are nearer to it.
 TEST_F(LargeTest, MergedDustIsNearerToThePixelsMean) {
     constexpr uint32_t kFiner = 9;
     Scene scene = largeScene("slabs");
@@ -105,8 +107,10 @@ TEST_F(LargeTest, CompanyChangesNothing) {
         const EyeRequest farther{lookAt({0, 0, -400}, {0, 0, 0}, 0.8f), 96, 54};
         const Picture near = pictureOf(device(), scene, simulation, {&kNear, 1});
         const Picture far = pictureOf(device(), scene, simulation, {&kFar, 1});
-        EXPECT_TRUE(pictureOf(device(), scene, simulation, std::array{kFar, farther, kNear}).pixels == near.pixels) << method;
-        EXPECT_TRUE(pictureOf(device(), scene, simulation, std::array{kNear, farther, kFar}).pixels == far.pixels) << method;
+        EXPECT_TRUE(pictureOf(device(), scene, simulation, std::array{kFar, farther, kNear}).pixels == near.pixels)
+            << method;
+        EXPECT_TRUE(pictureOf(device(), scene, simulation, std::array{kNear, farther, kFar}).pixels == far.pixels)
+            << method;
     }
 }
 

@@ -40,13 +40,14 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
                   AT(Tick, map.hi),       AT(Tick, map.opaque_size), AT(Tick, map.opaque_lo),  AT(Tick, map.opaque_hi),
                   AT(Tick, map.texels),   AT(Tick, opaque_count),    AT(Tick, sky_zenith),     AT(Tick, sky_horizon),
                   AT(Tick, map.u),        AT(Tick, map.v),           AT(Tick, map.plane)});
-    expect(2000,
-           {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y), AT(Eye, back),
-            AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right), AT(Eye, ray_down)});
+    expect(2000, {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y),
+                  AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right),
+                  AT(Eye, ray_down)});
     const auto second = [&](uint32_t first, size_t size, std::initializer_list<size_t> offsets) {
         expect(first + uint32_t(size / 4), offsets);
     };
-    second(3000, sizeof(Particle), {AT(Particle, centre), AT(Particle, scale), AT(Particle, albedo), AT(Particle, sigma_t)});
+    second(3000, sizeof(Particle),
+           {AT(Particle, centre), AT(Particle, scale), AT(Particle, albedo), AT(Particle, sigma_t)});
     second(4000, sizeof(Opaque),
            {AT(Opaque, centre), AT(Opaque, kind), AT(Opaque, half_size), AT(Opaque, yaw_cos), AT(Opaque, albedo),
             AT(Opaque, yaw_sin)});
@@ -81,7 +82,8 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
                   AT(DrawArguments, groups_z)});
 #undef AT
 
-    const Buffer words(device(), expected.size() * 4, kUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::readback, "words");
+    const Buffer words(device(), expected.size() * 4, kUsage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::readback,
+                       "words");
     const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, layouts_comp, "layouts"});
     Commands commands(device(), "layouts");
     const VkCommandBuffer cmd = commands.begin();
@@ -100,7 +102,8 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
 TEST_F(GpuTest, EveryBindingOfARecordingIsKept) {
     constexpr uint32_t kBindings = 600, kWords = 64; // 256 bytes: any device allows such offsets
     const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, sort_scan_comp, "sort_scan"});
-    const Buffer buffer(device(), kBindings * kWords * 4, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::readback, "counts");
+    const Buffer buffer(device(), kBindings * kWords * 4, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::readback,
+                        "counts");
     Commands commands(device(), "many bindings");
     for (uint32_t recording = 0; recording < 3; ++recording) {
         const auto words = buffer.mapped<uint32_t>(size_t(kBindings) * kWords);
@@ -137,7 +140,8 @@ TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
     const ShaderCode slabs{VK_SHADER_STAGE_COMPUTE_BIT, slabs_comp, "slabs"};
     EXPECT_NO_THROW(ComputeProgram(device(), slabs, {{kIdSheet, 8}})); // the size of its workgroups
     const auto unknown_id = [&] { ComputeProgram(device(), slabs, {{kIdSheet, 8}, {kIdStep, 4}}); };
-    EXPECT_EQ(refusal(unknown_id), "slabs: no shader has a specialization constant with the id 20 (shaders/shared/constants.h)");
+    EXPECT_EQ(refusal(unknown_id),
+              "slabs: no shader has a specialization constant with the id 20 (shaders/shared/constants.h)");
 
     // Of two stages, one that has the constant is enough.
     const ShaderCode stages[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
@@ -167,8 +171,8 @@ TEST_F(GpuTest, AProgramRefusesBuffersLargerThanTheDeviceCanBind) {
     const auto bind = [&](VkDeviceSize tick, VkDeviceSize particles) { // bytes; nothing is dispatched
         const glm::uvec4 push{};
         program.bind(commands,
-                     {uniformBuffer(0, buffer, 0, tick), storageBuffer(2, buffer, 0, particles), storageBuffer(3, buffer),
-                      storageBuffer(4, buffer)},
+                     {uniformBuffer(0, buffer, 0, tick), storageBuffer(2, buffer, 0, particles),
+                      storageBuffer(3, buffer), storageBuffer(4, buffer)},
                      push);
     };
     EXPECT_NO_THROW(bind(256, 256));
@@ -199,8 +203,9 @@ TEST_F(GpuTest, AProgramRefusesWrongBindings) {
     const Buffer buffer(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::device, "some");
     Commands commands(device(), "wrong");
     commands.begin();
-    EXPECT_THROW(program.bind(commands, {storageBuffer(2, buffer)}), Error);                           // the others are missing
-    EXPECT_THROW(program.bind(commands, {storageBuffer(0, buffer), storageBuffer(2, buffer)}), Error); // 0 is a uniform buffer
+    EXPECT_THROW(program.bind(commands, {storageBuffer(2, buffer)}), Error); // the others are missing
+    EXPECT_THROW(program.bind(commands, {storageBuffer(0, buffer), storageBuffer(2, buffer)}),
+                 Error); // 0 is a uniform buffer
     commands.submit();
     waitFor(commands);
 }

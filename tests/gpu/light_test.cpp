@@ -9,11 +9,13 @@
 namespace brume::test {
 namespace {
 
-// Height along to_light at which a light ray through a point of light space first meets a box, below -1e29 when it misses.
+// Height along to_light at which a light ray through a point of light space first meets a box, below -1e29 when it
+// misses.
 double heightOfBox(const Box& box, const gpu::Tick& tick, glm::dvec2 at) {
     const double c = std::cos(double(box.yaw)), s = std::sin(double(box.yaw));
     const auto toBox = [&](glm::dvec3 v) { return glm::dvec3(c * v.x - s * v.z, v.y, s * v.x + c * v.z); };
-    const glm::dvec3 origin = toBox(fromLightSpace(tick, {at, 0.0}) - glm::dvec3(box.centre)), up = toBox(tick.sun.to_light);
+    const glm::dvec3 origin = toBox(fromLightSpace(tick, {at, 0.0}) - glm::dvec3(box.centre)),
+                     up = toBox(tick.sun.to_light);
     double bottom = -1e30, top = 1e30;
     for (int axis = 0; axis < 3; ++axis) {
         const double a = (-0.5 * double(box.size[axis]) - origin[axis]) / up[axis],
@@ -34,7 +36,8 @@ double heightOfSphere(const Sphere& sphere, const gpu::Tick& tick, glm::dvec2 at
 TEST_F(GpuTest, OpaqueShadowMapHoldsTheHeightsOfTheTopmost) {
     Scene scene = sceneOf({Point{}});
     scene.planes = {{-3, glm::vec3(0.5f)}}; // casts nothing
-    scene.boxes = {{{1, 2, 0}, {3, 0.5f, 1}, 0.7f, glm::vec3(0.5f)}, {{-2, -1, 1}, {1, 2, 1.5f}, -0.3f, glm::vec3(0.5f)}};
+    scene.boxes = {{{1, 2, 0}, {3, 0.5f, 1}, 0.7f, glm::vec3(0.5f)},
+                   {{-2, -1, 1}, {1, 2, 1.5f}, -0.3f, glm::vec3(0.5f)}};
     scene.spheres = {{{0, 0.5f, 2}, 1.2f, glm::vec3(0.5f)}, {{1.5f, 4, 0}, 0.4f, glm::vec3(0.5f)}};
     OpaqueShadow shadow(device());
     for (const uint32_t size : {37u, 256u})
@@ -60,7 +63,8 @@ TEST_F(GpuTest, OpaqueShadowMapHoldsTheHeightsOfTheTopmost) {
                     const glm::dvec2 at = glm::mix(glm::dvec2(tick.map.opaque_lo), glm::dvec2(tick.map.opaque_hi),
                                                    (glm::dvec2(x, y) + 0.5) / double(size));
                     constexpr double kNothing = -1e6; // what lies below counts as this
-                    const double exact = std::max(height(at), kNothing), got = std::max(double(map[y * size + x]), kNothing);
+                    const double exact = std::max(height(at), kNothing),
+                                 got = std::max(double(map[y * size + x]), kNothing);
                     double change = 0; // within a tenth of a millimetre
                     for (const glm::dvec2 d :
                          {glm::dvec2(1e-4, 0), glm::dvec2(-1e-4, 0), glm::dvec2(0, 1e-4), glm::dvec2(0, -1e-4)})
@@ -89,7 +93,8 @@ TEST_F(GpuTest, GroundLiesInTheShadowOfTheMedium) {
     scene.planes = {{0, {0.5f, 0.4f, 0.3f}}};
     scene.lights[0].irradiance = {2, 3, 4};
     scene.render.shadow_size = 512;
-    const glm::vec3 to_light = scene.lights[0].to_light, middle = -30 / to_light.y * glm::vec3(to_light.x, 0, to_light.z);
+    const glm::vec3 to_light = scene.lights[0].to_light,
+                    middle = -30 / to_light.y * glm::vec3(to_light.x, 0, to_light.z);
     const Pose pose = lookAt(middle + glm::vec3(1, 9, 6), middle, 1.2f); // the medium is overhead
     const Picture picture = render(device(), scene, pose, kWidth, kHeight);
     const auto blobs = blobsOf(scene);
@@ -102,7 +107,8 @@ TEST_F(GpuTest, GroundLiesInTheShadowOfTheMedium) {
             // Bilinear texels of 1/67 of 1/k: h^2/8 of the second derivative 2 k^2 tau, in two directions.
             const double error = 2.3 * 4 / (67.0 * 67 * 8);
             for (int c = 0; c < 3; ++c) {
-                const double open = double(scene.planes[0].albedo[c] * scene.lights[0].irradiance[c] * to_light.y) / kPi;
+                const double open =
+                    double(scene.planes[0].albedo[c] * scene.lights[0].irradiance[c] * to_light.y) / kPi;
                 ASSERT_NEAR(double(picture.at(x, y)[c]), open * through, open * error) << x << ' ' << y;
             }
             ASSERT_EQ(picture.at(x, y).a, 1);
@@ -131,9 +137,9 @@ TEST_F(GpuTest, GroundAndFacesUnderABoxAndASphere) {
     };
     const Box& box = scene.boxes[0];
     const auto trace = [&](double px, double py) -> Hit {
-        const glm::dvec3 w =
-            glm::normalize(glm::dquat(pose.orientation) * glm::dvec3((px / width * 2 - 1) * std::tan(0.45) * width / height,
-                                                                     (1 - py / height * 2) * std::tan(0.45), -1));
+        const glm::dvec3 w = glm::normalize(glm::dquat(pose.orientation) *
+                                            glm::dvec3((px / width * 2 - 1) * std::tan(0.45) * width / height,
+                                                       (1 - py / height * 2) * std::tan(0.45), -1));
         const glm::dvec3 eye(pose.position);
         double nearest = -eye.y / w.y;
         Hit hit{0, to_light.y, eye + nearest * w};
@@ -187,7 +193,8 @@ TEST_F(GpuTest, GroundAndFacesUnderABoxAndASphere) {
             if (lit != 0 && lit != 1) continue; // the shadow's edge
             const double albedo = hit.object == 0 ? 0.5 : hit.object == 4 ? 0.75 : 0.25;
             ASSERT_NEAR(double(picture.at(x, y).r), lit * albedo * hit.cosine / kPi, 1e-5)
-                << x << ' ' << y << " of object " << hit.object << " at " << hit.x.x << ' ' << hit.x.y << ' ' << hit.x.z;
+                << x << ' ' << y << " of object " << hit.object << " at " << hit.x.x << ' ' << hit.x.y << ' '
+                << hit.x.z;
             ++seen[hit.object];
             shadowed += lit == 0 && hit.object == 0;
         }
@@ -217,7 +224,8 @@ TEST_F(GpuTest, NoLightBehindABoxAndAllOfItBesideIt) {
             for (size_t i = 0; i < with.pixels.size(); ++i) {
                 const glm::vec4 expected =
                     point.centre == hidden.centre ? glm::vec4(0, 0, 0, plain_one.pixels[i].a) : plain_one.pixels[i];
-                for (int c = 0; c < 4; ++c) ASSERT_NEAR(with.pixels[i][c], expected[c], 1e-6f) << point.centre.y << ": " << i;
+                for (int c = 0; c < 4; ++c)
+                    ASSERT_NEAR(with.pixels[i][c], expected[c], 1e-6f) << point.centre.y << ": " << i;
                 largest = std::max(largest, with.pixels[i].r);
             }
             EXPECT_LT(plain_one.at(32, 24).a, 0.8f);

@@ -42,11 +42,12 @@ protected:
         const Scene scene = sceneOf({point}, falloff);
         const reference::Blob blob = blobsOf(scene)[0];
         double worst = 0;
-        forPixels(plain().see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
-            const double error = std::abs(got.a - std::exp(-depthOn(blob, ray, wholeRay(ray))));
-            EXPECT_TRUE(std::isfinite(got.r) && std::isfinite(got.a)) << x << ' ' << y;
-            if (!(error <= worst)) worst = error;
-        });
+        forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
+                  [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                      const double error = std::abs(got.a - std::exp(-depthOn(blob, ray, wholeRay(ray))));
+                      EXPECT_TRUE(std::isfinite(got.r) && std::isfinite(got.a)) << x << ' ' << y;
+                      if (!(error <= worst)) worst = error;
+                  });
         return worst;
     }
 };
@@ -59,7 +60,8 @@ TEST_F(MediumTest, SphereHasTheTransmittanceOfItsGaussian) {
             for (const glm::vec3 from :
                  {glm::vec3(0, 0, 6), glm::vec3(-3, 2, 1.5f), glm::vec3(0.1f, -2.5f, 0), glm::vec3(80, 60, -50)}) {
                 const double distance = double(glm::length(from));
-                const Pose pose = lookAt(point.centre + from, point.centre + 0.02f * from, distance > 20 ? 0.05f : 0.9f);
+                const Pose pose =
+                    lookAt(point.centre + from, point.centre + 0.02f * from, distance > 20 ? 0.05f : 0.9f);
                 EXPECT_LT(worstTransmittance(point, falloff, pose), allowed(distance, k, depth))
                     << depth << ' ' << falloff << ' ' << from.x;
             }
@@ -68,11 +70,12 @@ TEST_F(MediumTest, SphereHasTheTransmittanceOfItsGaussian) {
     EXPECT_LT(worstTransmittance(far, 1.6f, lookAt({0, 300, 0}, far.centre, 0.01f)), allowed(2000, 0.74, 3));
 }
 
-// With the coarsest cut-off the sphere's rim shows: inside of it the depth is all there, outside of it there is nothing.
+// With the coarsest cut-off the sphere's rim shows: inside of it the depth is all there, outside of it there is
+// nothing.
 TEST_F(MediumTest, ProxiesCoverTheirSpheresAndNoMore) {
     constexpr double kCut = 1e-4; // the most that one particle may leave out
-    const double rounding =
-        std::max(0.0, subpixel(device()) - 1.0 / 256); // of proxies' vertices, pixels, beyond what the rim's 1e-3 allows for
+    const double rounding = std::max(
+        0.0, subpixel(device()) - 1.0 / 256); // of proxies' vertices, pixels, beyond what the rim's 1e-3 allows for
     Random random(11);
     int inside = 0, straddling = 0;
     for (int i = 0; i < 100; ++i) {
@@ -98,8 +101,9 @@ TEST_F(MediumTest, ProxiesCoverTheirSpheresAndNoMore) {
             double whole = 0, chord = 0;
             if (b < reach) {
                 const double half = std::sqrt(reach * reach - b * b);
-                chord = depthOn(blob, ray, {std::max(ray.begin, closest - half), closest + half}); // where something may be cut
-                whole = closest - half > ray.begin ? depthOn(blob, ray, wholeRay(ray)) : chord;    // where nothing can be
+                chord = depthOn(blob, ray,
+                                {std::max(ray.begin, closest - half), closest + half}); // where something may be cut
+                whole = closest - half > ray.begin ? depthOn(blob, ray, wholeRay(ray)) : chord; // where nothing can be
                 inside += chord > 0;
             }
             const double error = std::min(std::abs(got.a - std::exp(-whole)), std::abs(got.a - std::exp(-chord)));
@@ -110,8 +114,8 @@ TEST_F(MediumTest, ProxiesCoverTheirSpheresAndNoMore) {
     EXPECT_GT(straddling, 10);
 }
 
-// The eye a little outside of a large sphere, where the light's axes leave it outside the medium's bounds: what lies in front is
-// seen, what lies behind is not, though the line through it meets the sphere.
+// The eye a little outside of a large sphere, where the light's axes leave it outside the medium's bounds: what lies in
+// front is seen, what lies behind is not, though the line through it meets the sphere.
 TEST_F(MediumTest, NothingIsSeenBehindTheEye) {
     const float falloff = 1.6f, scale = 20;
     const Point point = thick({0, 0, 0}, scale, 2, falloff);
@@ -128,12 +132,14 @@ TEST_F(MediumTest, NothingIsSeenBehindTheEye) {
                 const float angle = float(turn * kPi / 12);
                 const Pose pose = lookAt(side * float(away * reach),
                                          side * (float(away * reach) - std::cos(angle)) + up * std::sin(angle), fov);
-                forPixels(plain().see(scene, pose, 32, 24), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
-                    const double exact = std::exp(-depthOn(blob, ray, wholeRay(ray)));
-                    ASSERT_NEAR(got.a, exact, allowed(reach, k, 2)) << away << ' ' << turn << ' ' << fov << ": " << x << ' ' << y;
-                    covered += exact < 0.99;
-                    behind += depthOn(blob, ray, {-1e6, 1e6}) > 0.01 && exact > 0.99;
-                });
+                forPixels(plain().see(scene, pose, 32, 24), pose,
+                          [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                              const double exact = std::exp(-depthOn(blob, ray, wholeRay(ray)));
+                              ASSERT_NEAR(got.a, exact, allowed(reach, k, 2))
+                                  << away << ' ' << turn << ' ' << fov << ": " << x << ' ' << y;
+                              covered += exact < 0.99;
+                              behind += depthOn(blob, ray, {-1e6, 1e6}) > 0.01 && exact > 0.99;
+                          });
             }
     EXPECT_GT(covered, 1000);
     EXPECT_GT(behind, 1000);
@@ -153,24 +159,28 @@ TEST_F(MediumTest, SphereScattersByTwoPoints) {
                 const auto blobs = blobsOf(scene);
                 const reference::LightField field(blobs, glm::normalize(glm::dvec3(scene.lights[0].to_light)));
                 double worst = 0, worst_of_rule = 0, largest = 0;
-                forPixels(plain().see(scene, pose, 24, 18), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
-                    const auto light = [&](double t) { return field.depth(ray.at(t)); };
-                    const double defined = twoPoints(blobs[0], ray, wholeRay(ray), light);
-                    worst = std::max(worst, std::abs(got.r * 4 * kPi - defined));
-                    const double exact = scatteredOn(blobs[0], ray, wholeRay(ray), light);
-                    worst_of_rule = std::max(worst_of_rule, std::abs(defined - exact));
-                    largest = std::max(largest, exact);
-                });
-                // Interpolation in the shadow volume as in the test of isv's quadratures; its texels are 1/31 of 1/k here.
+                forPixels(plain().see(scene, pose, 24, 18), pose,
+                          [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
+                              const auto light = [&](double t) { return field.depth(ray.at(t)); };
+                              const double defined = twoPoints(blobs[0], ray, wholeRay(ray), light);
+                              worst = std::max(worst, std::abs(got.r * 4 * kPi - defined));
+                              const double exact = scatteredOn(blobs[0], ray, wholeRay(ray), light);
+                              worst_of_rule = std::max(worst_of_rule, std::abs(defined - exact));
+                              largest = std::max(largest, exact);
+                          });
+                // Interpolation in the shadow volume as in the test of isv's quadratures; its texels are 1/31 of 1/k
+                // here.
                 const double interpolation = depth * (4 / (31.0 * 31) + 0.49 / (15.0 * 15)) / 8;
-                EXPECT_LT(worst, largest * (interpolation + 1e-4)) << depth << ' ' << to_light.z << ' ' << pose.position.z;
+                EXPECT_LT(worst, largest * (interpolation + 1e-4))
+                    << depth << ' ' << to_light.z << ' ' << pose.position.z;
                 EXPECT_LT(worst_of_rule, largest * bound) << depth << ' ' << to_light.z << ' ' << pose.position.z;
             }
 }
 
 // --- the whole ---
 
-// The reference scene against the same model in double precision: particles one by one, far to near, each shadowed by all.
+// The reference scene against the same model in double precision: particles one by one, far to near, each shadowed by
+// all.
 TEST_F(MediumTest, CloudAgreesWithTheDoublePrecisionReference) {
     constexpr int kSmallWidth = 28, kSmallHeight = 18;
     Scene scene = loadScene("server/scenes/cloud.toml");
@@ -186,8 +196,8 @@ TEST_F(MediumTest, CloudAgreesWithTheDoublePrecisionReference) {
                  {{"isv", "transmittance", 2}, 0.018}};
     for (const Pose& pose : {lookAt({0, 2, 26}, {0, 0, 0}, 0.8f), lookAt({-9, 4, 12}, {1, 0, 0}, 0.9f)}) {
         const auto exactly = [&](reference::Model model) {
-            return reference::render({particles, double(scene.medium.falloff), 0, 0}, scene.lights[0], pose, kSmallWidth,
-                                     kSmallHeight, model);
+            return reference::render({particles, double(scene.medium.falloff), 0, 0}, scene.lights[0], pose,
+                                     kSmallWidth, kSmallHeight, model);
         };
         const reference::Picture whole = exactly(reference::Model::sequential),
                                  cut = exactly(reference::Model::sequential_tetrahedron);
@@ -200,7 +210,8 @@ TEST_F(MediumTest, CloudAgreesWithTheDoublePrecisionReference) {
                       [&](glm::dvec4 got, const Ray&, uint32_t x, uint32_t y) {
                           radiance.push_back(got);
                           // The cut-off; and with isv, the rounding of a hundred silhouettes.
-                          EXPECT_NEAR(got.a, exact.transmittance[y * kSmallWidth + x], is_whole ? 1e-3 : 2e-3) << x << ' ' << y;
+                          EXPECT_NEAR(got.a, exact.transmittance[y * kSmallWidth + x], is_whole ? 1e-3 : 2e-3)
+                              << x << ' ' << y;
                       });
             EXPECT_LT(reference::relativeRmse(radiance, exact.radiance), bound) << way.method << ' ' << way.quadrature;
         }
@@ -209,7 +220,8 @@ TEST_F(MediumTest, CloudAgreesWithTheDoublePrecisionReference) {
 
 // --- furnaces ---
 
-// Albedo 1 under uniform light from everywhere, in front of a sky as bright: 1 everywhere, whatever there is and in which order.
+// Albedo 1 under uniform light from everywhere, in front of a sky as bright: 1 everywhere, whatever there is and in
+// which order.
 TEST_F(MediumTest, AmbientFurnace) {
     Scene scene = sceneOf(randomPoints(300, 8, 3, 1.5f), 1.6f);
     scene.lights.clear();
@@ -222,12 +234,13 @@ TEST_F(MediumTest, AmbientFurnace) {
         choose(scene, way);
         for (const Pose& pose : poses) {
             double thickest = 1;
-            forPixels(stage.see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray&, uint32_t x, uint32_t y) {
-                // Up to 300 roundings of half an ulp of 1.
-                for (int c = 0; c < 3; ++c)
-                    ASSERT_NEAR(got[c], 1, 2e-5) << way.method << ' ' << way.quadrature << ' ' << x << ' ' << y;
-                thickest = std::min(thickest, got.a);
-            });
+            forPixels(
+                stage.see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray&, uint32_t x, uint32_t y) {
+                    // Up to 300 roundings of half an ulp of 1.
+                    for (int c = 0; c < 3; ++c)
+                        ASSERT_NEAR(got[c], 1, 2e-5) << way.method << ' ' << way.quadrature << ' ' << x << ' ' << y;
+                    thickest = std::min(thickest, got.a);
+                });
             EXPECT_LT(thickest, 0.3);
         }
     }
@@ -295,7 +308,8 @@ TEST_F(MediumTest, TheLobeScalesEveryPixel) {
                              d = 1 + g * g - 2 * g * cosine;
                 const double ratio = 1 - a + a * (1 - g * g) / (d * std::sqrt(d));
                 const double plain_one = double(isotropic.at(x, y).r);
-                ASSERT_NEAR(got.r, plain_one * ratio, 1e-5 * plain_one * ratio) << a << ' ' << g << ' ' << x << ' ' << y;
+                ASSERT_NEAR(got.r, plain_one * ratio, 1e-5 * plain_one * ratio)
+                    << a << ' ' << g << ' ' << x << ' ' << y;
                 ASSERT_EQ(float(got.a), isotropic.at(x, y).a);
             });
         }

@@ -1,4 +1,5 @@
-// Light cached on the particles: the fit against double precision, and which particles the edges of opaque shadows meet.
+// Light cached on the particles: the fit against double precision, and which particles the edges of opaque shadows
+// meet.
 #include <algorithm>
 #include <cmath>
 
@@ -16,30 +17,32 @@ std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& 
     const gpu::Tick tick = tickOf(scene, particles);
     const std::vector<gpu::Opaque> opaque = opaqueObjects(scene);
     const gpu::Buffer objects(device, gpu::kMostObjects * sizeof(gpu::Opaque),
-                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
-                              "objects");
+                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                              gpu::Memory::upload, "objects");
     std::copy(opaque.begin(), opaque.end(), objects.mapped<gpu::Opaque>(opaque.size()).begin());
     const auto count = uint32_t(particles.size());
-    const gpu::Buffer back(device, count * sizeof(gpu::ParticleLight), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
-                           "light readback");
+    const gpu::Buffer back(device, count * sizeof(gpu::ParticleLight), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                           gpu::Memory::readback, "light readback");
     ShadowVolume volume(device, count);
     ParticleLight light(device, count);
     const gpu::Sampler linear(device, VK_FILTER_LINEAR);
-    recordAndWait(device, tick, particles, [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
-        volume.record(commands, block, tick, buffer);
-        light.record(commands, {block, &objects, &buffer, &volume.image(), &linear}, count, scene.render.light_tolerance);
-        gpu::computeToTransfer(commands.handle());
-        const VkBufferCopy copy{0, 0, back.size()};
-        vkCmdCopyBuffer(commands.handle(), light.buffer().handle(), back.handle(), 1, &copy);
-        gpu::transferToHost(commands.handle());
-    });
+    recordAndWait(device, tick, particles,
+                  [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
+                      volume.record(commands, block, tick, buffer);
+                      light.record(commands, {block, &objects, &buffer, &volume.image(), &linear}, count,
+                                   scene.render.light_tolerance);
+                      gpu::computeToTransfer(commands.handle());
+                      const VkBufferCopy copy{0, 0, back.size()};
+                      vkCmdCopyBuffer(commands.handle(), light.buffer().handle(), back.handle(), 1, &copy);
+                      gpu::transferToHost(commands.handle());
+                  });
     back.invalidate();
     const auto mapped = back.mapped<gpu::ParticleLight>(count);
     return {mapped.begin(), mapped.end()};
 }
 
-// The mean and the gradient of the exact light at six points; and how near that is to least squares over the particle's Gaussian,
-// of which 27 points of Gauss and Hermite tell the truth to fifth order.
+// The mean and the gradient of the exact light at six points; and how near that is to least squares over the particle's
+// Gaussian, of which 27 points of Gauss and Hermite tell the truth to fifth order.
 TEST_F(GpuTest, ParticleLightIsTheLeastSquaresFit) {
     Scene scene = sceneOf(randomPoints(300, 8, 4, 0.05f), 1.6f);
     scene.render.light_tolerance = 1;
@@ -77,7 +80,8 @@ TEST_F(GpuTest, ParticleLightIsTheLeastSquaresFit) {
             darkest = std::min(darkest, mean);
             steepest = std::max(steepest, glm::length(slope));
         }
-        EXPECT_LT(defined, 0.03); // of 1: the volumetric shadow map, made for a typical error of 0.003, ten times that at worst
+        EXPECT_LT(defined,
+                  0.03); // of 1: the volumetric shadow map, made for a typical error of 0.003, ten times that at worst
         EXPECT_LT(std::sqrt(mean_error), 0.01);
         EXPECT_LT(std::sqrt(slope_error), 0.015);
         EXPECT_LT(darkest, 0.4);
@@ -99,7 +103,8 @@ bool isHidden(const Scene& scene, glm::dvec3 x) {
         const glm::dvec3 from = toBox(x - glm::dvec3(box.centre)), up = toBox(l);
         double begin = 0, end = 1e9;
         for (int axis = 0; axis < 3; ++axis) {
-            const double half = 0.5 * double(box.size[axis]), inverse = 1 / (std::abs(up[axis]) < 1e-12 ? 1e-12 : up[axis]);
+            const double half = 0.5 * double(box.size[axis]),
+                         inverse = 1 / (std::abs(up[axis]) < 1e-12 ? 1e-12 : up[axis]);
             const double a = (-half - from[axis]) * inverse, b = (half - from[axis]) * inverse;
             begin = std::max(begin, std::min(a, b));
             end = std::min(end, std::max(a, b));
@@ -132,7 +137,8 @@ TEST_F(GpuTest, ParticlesOnTheEdgeOfAShadowAreFound) {
         const auto lights = lightOf(device(), scene, particles);
         for (size_t i = 0; i < particles.size(); ++i) {
             const gpu::Particle& p = particles[i];
-            const double radius = std::max(double(physics::supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut)), 0.0);
+            const double radius =
+                std::max(double(physics::supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut)), 0.0);
             int hidden = 0;
             constexpr int kSamples = 400;
             for (int n = 0; n < kSamples; ++n) {

@@ -31,7 +31,9 @@ glm::dvec3 yCbCr(glm::dvec3 rgb) {
     return {y, 128 + (rgb.b - y) / 1.772, 128 + (rgb.r - y) / 1.402};
 }
 
-std::vector<uint8_t> bytesOf(const PictureView& picture) { return {picture.bytes, picture.bytes + picture.layout.bytes()}; }
+std::vector<uint8_t> bytesOf(const PictureView& picture) {
+    return {picture.bytes, picture.bytes + picture.layout.bytes()};
+}
 
 class PictureTest : public GpuTest {
 protected:
@@ -47,8 +49,8 @@ protected:
             for (uint32_t x = 0; x < (layout.width + 1) / 2; ++x) {
                 glm::dvec3 mean(0); // pixels beyond the edge repeat it
                 for (uint32_t i = 0; i < 4; ++i)
-                    mean +=
-                        0.25 * yCbCr(at(std::min(2 * x + i % 2, layout.width - 1), std::min(2 * y + i / 2, layout.height - 1)));
+                    mean += 0.25 * yCbCr(at(std::min(2 * x + i % 2, layout.width - 1),
+                                            std::min(2 * y + i / 2, layout.height - 1)));
                 ASSERT_NEAR(cb[y * layout.chromaStride() + x], mean.y, 1) << x << ' ' << y;
                 ASSERT_NEAR(cr[y * layout.chromaStride() + x], mean.z, 1) << x << ' ' << y;
             }
@@ -63,8 +65,8 @@ protected:
 };
 
 TEST_F(PictureTest, PlanesOfAConstantSky) {
-    for (const glm::vec3 sky : {glm::vec3(0), glm::vec3(1), glm::vec3(0.18f, 0.5f, 0.02f), glm::vec3(1e-3f, 2e-3f, 4e-3f),
-                                glm::vec3(9, 0.1f, 0), glm::vec3(0, 0, 1e4f)}) {
+    for (const glm::vec3 sky : {glm::vec3(0), glm::vec3(1), glm::vec3(0.18f, 0.5f, 0.02f),
+                                glm::vec3(1e-3f, 2e-3f, 4e-3f), glm::vec3(9, 0.1f, 0), glm::vec3(0, 0, 1e4f)}) {
         Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});
         scene.sky = {sky, sky, glm::vec3(0)};
         Renderer renderer(device(), scene, 1);
@@ -74,15 +76,15 @@ TEST_F(PictureTest, PlanesOfAConstantSky) {
                 scene.render.tone_map = tone_map;
                 scene.render.exposure = exposure;
                 std::vector<EyeRequest> eyes;
-                for (const auto& [width, height] :
-                     {std::pair(1u, 1u), std::pair(2u, 1u), std::pair(17u, 9u), std::pair(33u, 31u), std::pair(16u, 16u)})
+                for (const auto& [width, height] : {std::pair(1u, 1u), std::pair(2u, 1u), std::pair(17u, 9u),
+                                                    std::pair(33u, 31u), std::pair(16u, 16u)})
                     eyes.push_back({Pose{}, width, height});
                 submitAndWait(renderer, submission, Simulation(scene), eyes);
                 const auto pictures = submission.pictures();
                 ASSERT_EQ(pictures.size(), eyes.size());
                 for (const PictureView& picture : pictures) {
-                    SCOPED_TRACE(testing::Message()
-                                 << tone_map << " sky " << sky.r << ' ' << sky.g << ' ' << sky.b << ", " << picture.layout.width);
+                    SCOPED_TRACE(testing::Message() << tone_map << " sky " << sky.r << ' ' << sky.g << ' ' << sky.b
+                                                    << ", " << picture.layout.width);
                     expectPlanes(picture, [&](uint32_t, uint32_t) { return displayed(sky, scene.render); });
                 }
             }
@@ -94,7 +96,8 @@ TEST_F(PictureTest, PlanesOfACloud) {
     Renderer renderer(device(), scene, 500);
     renderer.keepRadiance(true);
     Submission submission(device(), "cloud");
-    for (const auto& [width, height] : {std::pair(1u, 1u), std::pair(17u, 9u), std::pair(33u, 31u), std::pair(90u, 64u)}) {
+    for (const auto& [width, height] :
+         {std::pair(1u, 1u), std::pair(17u, 9u), std::pair(33u, 31u), std::pair(90u, 64u)}) {
         SCOPED_TRACE(width);
         const EyeRequest eye{lookAt({0, 2, 26}, {0, 0, 0}, 0.8f), width, height};
         submitAndWait(renderer, submission, Simulation(scene), {&eye, 1});
@@ -123,8 +126,8 @@ TEST_F(PictureTest, JpegGivesTheColoursBack) {
         ASSERT_EQ(got_height, int(height));
         EXPECT_EQ(subsampling, TJSAMP_420);
         std::vector<uint8_t> rgb(size_t(width) * height * 3);
-        ASSERT_EQ(tjDecompress2(decoder.get(), jpeg.data(), static_cast<unsigned long>(jpeg.size()), rgb.data(), got_width, 0,
-                                got_height, TJPF_RGB, 0),
+        ASSERT_EQ(tjDecompress2(decoder.get(), jpeg.data(), static_cast<unsigned long>(jpeg.size()), rgb.data(),
+                                got_width, 0, got_height, TJPF_RGB, 0),
                   0);
         double squares = 0, worst = 0;
         for (size_t i = 0; i < radiance.pixels.size(); ++i) {
@@ -133,8 +136,8 @@ TEST_F(PictureTest, JpegGivesTheColoursBack) {
             squares += glm::dot(got - expected, got - expected) / 3;
             worst = std::max(worst, std::abs(yCbCr(got).x - yCbCr(expected).x));
         }
-        // Quality 95 quantises brightness in steps of 2 to 12 levels; colour has a quarter of the pixels, which the smallest
-        // picture's few steep ones show.
+        // Quality 95 quantises brightness in steps of 2 to 12 levels; colour has a quarter of the pixels, which the
+        // smallest picture's few steep ones show.
         EXPECT_LT(worst, width < 100 ? 8 : 4) << width;
         EXPECT_LT(std::sqrt(squares / double(radiance.pixels.size())), width < 100 ? 6 : 1.5) << width;
     }
@@ -176,7 +179,8 @@ TEST_F(EyesTest, ThePictureDoesNotDependOnTheCompany) {
         };
         Renderer renderer(device(), scene, simulation.capacity());
         std::vector<std::vector<uint8_t>> alone;
-        for (const EyeRequest& eye : eyes()) alone.push_back(planesOf(renderer, {eye})[0]); // its targets grow as they go
+        for (const EyeRequest& eye : eyes())
+            alone.push_back(planesOf(renderer, {eye})[0]); // its targets grow as they go
         EXPECT_EQ(planesOf(renderer, eyes()), alone) << method;
         EXPECT_EQ(planesOf(renderer, eyes()), alone) << method << ", again";
         std::vector<EyeRequest> backwards = eyes();
@@ -188,7 +192,8 @@ TEST_F(EyesTest, ThePictureDoesNotDependOnTheCompany) {
     }
 }
 
-// Eyes whose passes run together are as many as their buffers hold: more than one group, none of which may see another's rest.
+// Eyes whose passes run together are as many as their buffers hold: more than one group, none of which may see
+// another's rest.
 TEST_F(EyesTest, SixtyFourTogetherSeeWhatOneSees) {
     Scene scene = loadScene("server/scenes/cloud.toml");
     scene.render.method = "slabs";
@@ -199,7 +204,8 @@ TEST_F(EyesTest, SixtyFourTogetherSeeWhatOneSees) {
     Renderer renderer(device(), scene, simulation.capacity());
     Submission submission(device(), "eyes");
     std::vector<EyeRequest> many;
-    for (int i = 0; i < 64; ++i) many.push_back({lookAt({26 * std::sin(0.1f * float(i)), 2, 26}, {0, 0, 0}, 0.8f), 320, 180});
+    for (int i = 0; i < 64; ++i)
+        many.push_back({lookAt({26 * std::sin(0.1f * float(i)), 2, 26}, {0, 0, 0}, 0.8f), 320, 180});
     submitAndWait(renderer, submission, simulation, many);
     std::vector<std::vector<uint8_t>> together;
     for (const PictureView& picture : submission.pictures()) together.push_back(bytesOf(picture));
@@ -222,8 +228,8 @@ TEST_F(EyesTest, RadianceHasTheSameBitsOnEveryRun) {
 
 // --- what rests ---
 
-// Particles are uploaded and the light is made when they change, and then the picture is that of a renderer that has seen nothing
-// before.
+// Particles are uploaded and the light is made when they change, and then the picture is that of a renderer that has
+// seen nothing before.
 TEST_F(PictureTest, WhatRestsIsNotLitAgain) {
     Scene scene = loadScene("server/scenes/props.toml");
     scene.render.method = "sphere";

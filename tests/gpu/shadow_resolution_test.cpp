@@ -16,7 +16,8 @@ std::vector<gpu::Particle> cloud(int count, float scale, float sigma_t, glm::vec
     return particles;
 }
 
-ShadowResolution follow(const std::vector<gpu::Particle>& particles, glm::vec3 extent, const RenderSettings& settings = {}) {
+ShadowResolution follow(const std::vector<gpu::Particle>& particles, glm::vec3 extent,
+                        const RenderSettings& settings = {}) {
     return shadowResolution(settings, ShadowedMedium(particles, 1, kAxes), extent);
 }
 
@@ -115,8 +116,8 @@ TEST(ShadowResolutionTest, IsBounded) {
 TEST(ShadowResolutionTest, SamplesStandForAll) {
     const auto some = cloud(4096, 2, 0.04f, glm::vec3(5)), many = cloud(100000, 2, 0.04f * 4096 / 100000, glm::vec3(5));
     const ShadowedMedium a(some, 1, kAxes), b(many, 1, kAxes);
-    // As thick, but 24 times as many: the body's part stays, the random part shrinks by the square root, which the samples show
-    // to a hundredth or two.
+    // As thick, but 24 times as many: the body's part stays, the random part shrinks by the square root, which the
+    // samples show to a hundredth or two.
     const double fewer = std::sqrt(4096.0 / 100000);
     EXPECT_LT(b.planeError(0.1), a.planeError(0.1));
     EXPECT_GT(b.planeError(0.1), 0.95 * fewer * a.planeError(0.1));

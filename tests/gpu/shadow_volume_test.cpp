@@ -14,7 +14,8 @@ struct Stored {
     double column;           // optical depth through its centre, before it is stored narrower
 
     Stored(const gpu::Tick& tick, const gpu::Particle& p) {
-        const glm::dvec3 cell = glm::dvec3(tick.map.hi - tick.map.lo) / glm::dvec3(tick.map.texels, tick.map.slices - 1.0),
+        const glm::dvec3 cell =
+                             glm::dvec3(tick.map.hi - tick.map.lo) / glm::dvec3(tick.map.texels, tick.map.slices - 1.0),
                          c(p.centre);
         at = glm::dvec3(glm::dot(c, glm::dvec3(tick.map.x)) - double(tick.map.lo.x),
                         glm::dot(c, glm::dvec3(tick.map.y)) - double(tick.map.lo.y),
@@ -44,8 +45,8 @@ protected:
         return texelsOf(volume_, scene, particles, tick);
     }
 
-    static std::vector<float> texelsOf(ShadowVolume& volume, const Scene& scene, const std::vector<gpu::Particle>& particles,
-                                       gpu::Tick& tick) {
+    static std::vector<float> texelsOf(ShadowVolume& volume, const Scene& scene,
+                                       const std::vector<gpu::Particle>& particles, gpu::Tick& tick) {
         tick = tickOf(scene, particles);
         recordAndWait(device(), tick, particles,
                       [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
@@ -78,11 +79,13 @@ protected:
         for (const gpu::Particle& p : particles) all.emplace_back(tick, p);
         // What particles leave out beyond their reach, at most `cut` each.
         const double left_out = double(tick.cut) * double(particles.size());
-        // Float: a place errs by two ulps of its distance, which changes exp(-d^2 / 2 s^2) by d / s^2 times that, d up to 6 s.
+        // Float: a place errs by two ulps of its distance, which changes exp(-d^2 / 2 s^2) by d / s^2 times that, d up
+        // to 6 s.
         double relative = 2e-5;
         for (const gpu::Particle& p : particles)
-            relative = std::max(relative, 6 * 2.4e-7 * double(glm::length(p.centre) + glm::length(tick.map.lo) + p.scale) /
-                                              (0.1 * 0.86 * double(p.scale) * double(tick.falloff)));
+            relative =
+                std::max(relative, 6 * 2.4e-7 * double(glm::length(p.centre) + glm::length(tick.map.lo) + p.scale) /
+                                       (0.1 * 0.86 * double(p.scale) * double(tick.falloff)));
         double largest = 0;
         for (uint32_t plane = 0; plane < tick.map.slices; ++plane)
             for (uint32_t y = 0; y < tick.map.texels.y; y += stride)
@@ -155,7 +158,8 @@ TEST_F(ShadowVolumeTest, NoParticleIsLostOrCountedTwice) {
     const Scene scene = lit({0.2f, 1, -0.1f}, 64, 9);
     std::vector<gpu::Particle> many;
     Random random(3);
-    for (int i = 0; i < 2777; ++i) many.push_back({random.inCube(4), 0.5f, glm::vec3(1), 0.01f * (1 + 0.001f * float(i))});
+    for (int i = 0; i < 2777; ++i)
+        many.push_back({random.inCube(4), 0.5f, glm::vec3(1), 0.01f * (1 + 0.001f * float(i))});
     expectSums(scene, many, 7);
 }
 
@@ -167,7 +171,8 @@ TEST_F(ShadowVolumeTest, MassIsKept) {
         const double s = 0.16 * double(p.scale);
         mass += std::pow(2 * kPi, 1.5) * double(p.sigma_t) * s * s * s;
     }
-    for (const uint32_t size : {64u, 101u, 256u}) { // texels of at most 0.9 standard deviations: sums are integrals to 1e-5
+    for (const uint32_t size :
+         {64u, 101u, 256u}) { // texels of at most 0.9 standard deviations: sums are integrals to 1e-5
         gpu::Tick tick;
         const std::vector<float> texels = texelsOf(lit({0.3f, 0.8f, 0.5f}, size, 5), particles, tick);
         const glm::dvec2 texel = glm::dvec2(tick.map.hi - tick.map.lo) / glm::dvec2(tick.map.texels);
@@ -177,8 +182,8 @@ TEST_F(ShadowVolumeTest, MassIsKept) {
     }
 }
 
-// Bilinear interpolation of one particle's last plane: the RMS error is 2.5 times below the (h/s)^2 / 8 of stored true values,
-// and what shadow_resolution.cpp reckons with.
+// Bilinear interpolation of one particle's last plane: the RMS error is 2.5 times below the (h/s)^2 / 8 of stored true
+// values, and what shadow_resolution.cpp reckons with.
 TEST_F(ShadowVolumeTest, InterpolationErrsByNoMoreThanItIsReckonedToErr) {
     const gpu::Particle one{{0.1f, 0, 0.2f}, 3, glm::vec3(1), 0.7f};
     const double s = 0.16 * 3, column = std::sqrt(2 * kPi) * 0.7 * s;
@@ -209,8 +214,8 @@ TEST_F(ShadowVolumeTest, InterpolationErrsByNoMoreThanItIsReckonedToErr) {
     }
 }
 
-// Every way in which this device can work on the map: a tile's lanes are of one subgroup. Fewer lanes make narrower tiles, which
-// leave out a little more and add in another order.
+// Every way in which this device can work on the map: a tile's lanes are of one subgroup. Fewer lanes make narrower
+// tiles, which leave out a little more and add in another order.
 TEST_F(ShadowVolumeTest, AnyShape) {
     Scene scene = loadScene("server/scenes/cloud.toml");
     scene.render.cutoff = 1e-5f;
@@ -227,8 +232,10 @@ TEST_F(ShadowVolumeTest, AnyShape) {
             const std::vector<float> texels = texelsOf(other, scene, particles, tick);
             ASSERT_EQ(texels.size(), usual.size());
             const bool same_tiles = lanes == ShadowVolume::shapeFor(device()).lanes;
-            const float left_out = same_tiles ? 0 : tick.cut * float(particles.size()), relative = same_tiles ? 0 : 2e-6f;
-            for (size_t i = 0; i < usual.size(); ++i) ASSERT_NEAR(texels[i], usual[i], left_out + relative * usual[i]) << i;
+            const float left_out = same_tiles ? 0 : tick.cut * float(particles.size()),
+                        relative = same_tiles ? 0 : 2e-6f;
+            for (size_t i = 0; i < usual.size(); ++i)
+                ASSERT_NEAR(texels[i], usual[i], left_out + relative * usual[i]) << i;
         }
     }
 }

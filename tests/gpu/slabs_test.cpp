@@ -42,13 +42,14 @@ constexpr double kDeviation = 0.1 * 9 * 1.6; // m
 const Pose kPose = lookAt({3, 2, 34}, {0, 0, 0}, 0.35f);
 double spacing(uint32_t rate) { return rate * 2 * std::tan(0.175) / kHeight * 34 / kDeviation; }
 
-// A cubic B-spline through an isolated Gaussian errs by 0.013 q^4.5 along one axis for spacings q of 0.4 to 1 deviations; along
-// two by half as much again. What the cut-off of the particles' far tails leaves is the rest.
+// A cubic B-spline through an isolated Gaussian errs by 0.013 q^4.5 along one axis for spacings q of 0.4 to 1
+// deviations; along two by half as much again. What the cut-off of the particles' far tails leaves is the rest.
 TEST_F(SlabsTest, RaysOfEveryRateErrByTheirSpacing) {
     Stage stage(device(), soft(), 60);
     for (const uint32_t rate : {2u, 3u, 4u, 6u, 7u, 8u}) {
         const double q = spacing(rate);
-        EXPECT_LT(error(stage, soft(), rate, kPose), 0.02 * std::pow(q, 4.5) + 3e-4) << rate << " pixels, " << q << " deviations";
+        EXPECT_LT(error(stage, soft(), rate, kPose), 0.02 * std::pow(q, 4.5) + 3e-4)
+            << rate << " pixels, " << q << " deviations";
     }
     EXPECT_GT(error(stage, soft(), 16, kPose), 0.01) << "rays too far apart are not seen by this test";
 }
@@ -60,12 +61,13 @@ TEST_F(SlabsTest, RaysThatEndOnASurfaceErrNoMore) {
     Stage stage(device(), scene, 60);
     for (const uint32_t rate : {2u, 4u, 6u, 7u}) {
         const double q = spacing(rate);
-        EXPECT_LT(error(stage, scene, rate, kPose), 0.02 * std::pow(q, 4.5) + 5e-4) << rate << " pixels, " << q << " deviations";
+        EXPECT_LT(error(stage, scene, rate, kPose), 0.02 * std::pow(q, 4.5) + 5e-4)
+            << rate << " pixels, " << q << " deviations";
     }
 }
 
-// At the rim of a medium rays that meet it lie beside rays that meet nothing: what is scattered there is a share of what there
-// is, and all that reaches the light's map is lit.
+// At the rim of a medium rays that meet it lie beside rays that meet nothing: what is scattered there is a share of
+// what there is, and all that reaches the light's map is lit.
 TEST_F(SlabsTest, TheRimOfAThinMediumIsAsBrightAsItIsDense) {
     Scene scene = sceneOf({thick({0, 0, 0}, 9, 0.02, 1.6f)}, 1.6f);
     scene.render = soft().render;
@@ -88,8 +90,9 @@ TEST_F(SlabsTest, TheRimOfAThinMediumIsAsBrightAsItIsDense) {
     }
 }
 
-// Where shadows overlap the light is missing once, however many casters there are, in whatever order, and wherever others are.
-// Casters hang above what is seen, others (more than one word's bits) throw their shadows beside the medium.
+// Where shadows overlap the light is missing once, however many casters there are, in whatever order, and wherever
+// others are. Casters hang above what is seen, others (more than one word's bits) throw their shadows beside the
+// medium.
 TEST_F(SlabsTest, ShadowsThatOverlapCountOnce) {
     Scene once = soft();
     once.lights[0].to_light = glm::normalize(glm::vec3(0.2f, 1, 0.1f));
@@ -148,7 +151,8 @@ TEST_F(SlabsTest, APictureMayHaveItsOwnRate) {
         }
 }
 
-// Of scenes with objects some rates are made in wider blocks: every pixel is still where it belongs, up to the right edge.
+// Of scenes with objects some rates are made in wider blocks: every pixel is still where it belongs, up to the right
+// edge.
 TEST_F(SlabsTest, BlocksOfEveryWidthShowTheSamePicture) {
     Scene scene = loadScene("server/scenes/props.toml");
     scene.render.method = "slabs";

@@ -59,7 +59,8 @@ protected:
         const std::vector<uint32_t> expected = expectedOrder(depths);
         ASSERT_EQ(std::vector<uint32_t>(sorted.values.begin(), sorted.values.begin() + std::ptrdiff_t(expected.size())),
                   expected);
-        for (size_t i = expected.size(); i < keys.size(); ++i) EXPECT_EQ(sorted.keys[i], gpu::kDropped) << i; // the NaN come last
+        for (size_t i = expected.size(); i < keys.size(); ++i)
+            EXPECT_EQ(sorted.keys[i], gpu::kDropped) << i; // the NaN come last
     }
 };
 
@@ -87,8 +88,8 @@ TEST_F(SortTest, EqualDepthsKeepTheirOrder) {
 TEST_F(SortTest, ZerosInfinitiesAndNaN) {
     constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
     constexpr float kTiny = std::numeric_limits<float>::denorm_min(), kHuge = std::numeric_limits<float>::max();
-    expectSorted(
-        {0.0f, -0.0f, kNan, kInf, -kInf, 1.0f, -kNan, -1.0f, kTiny, -kTiny, kHuge, -kHuge, -0.0f, 0.0f, kInf, -kInf, kNan});
+    expectSorted({0.0f, -0.0f, kNan, kInf, -kInf, 1.0f, -kNan, -1.0f, kTiny, -kTiny, kHuge, -kHuge, -0.0f, 0.0f, kInf,
+                  -kInf, kNan});
     EXPECT_EQ(gpu::sortKeyFarToNear(0.0f), gpu::sortKeyFarToNear(-0.0f));
     EXPECT_NE(gpu::sortKeyFarToNear(-kInf), gpu::kDropped);
 }

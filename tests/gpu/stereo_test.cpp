@@ -21,7 +21,8 @@ protected:
 
     static std::array<EyeRequest, 2> head(Pose pose, float separation) {
         pose.eye_separation = separation;
-        return {EyeRequest{eyePose(pose, 0, 2), kWidth, kHeight}, EyeRequest{eyePose(pose, 1, 2), kWidth, kHeight, true}};
+        return {EyeRequest{eyePose(pose, 0, 2), kWidth, kHeight},
+                EyeRequest{eyePose(pose, 1, 2), kWidth, kHeight, true}};
     }
 
     // Of the second eye; how many sorts were recorded.
@@ -51,9 +52,9 @@ protected:
     }
 };
 
-// What one order for both changes: two particles whose distances differ by less than the eyes do may be drawn the other way
-// around. As far apart as a person's eyes, and as far as is allowed at all; from outside and from inside, where it is most: 2e-4
-// and 1.7e-3 were measured, the methods' own errors are 0.03 and more.
+// What one order for both changes: two particles whose distances differ by less than the eyes do may be drawn the other
+// way around. As far apart as a person's eyes, and as far as is allowed at all; from outside and from inside, where it
+// is most: 2e-4 and 1.7e-3 were measured, the methods' own errors are 0.03 and more.
 TEST_F(StereoTest, OneSortServesBothEyes) {
     for (const char* method : {"isv", "sphere", "tiles"})
         for (const Pose& pose : {lookAt({0, 2, 26}, {0, 0, 0}, 0.8f), lookAt({1, 0.5f, 2}, {0, 0, -2}, 1.2f)})
@@ -66,7 +67,8 @@ TEST_F(StereoTest, OneSortServesBothEyes) {
                 EXPECT_EQ(shared.sorts, 1);
                 EXPECT_EQ(own.sorts, 2);
                 const double error = relativeRmse(shared.radiance, own.radiance);
-                EXPECT_LT(error, separation < 0.1f ? 5e-4 : 4e-3) << method << ' ' << separation << " from " << pose.position.z;
+                EXPECT_LT(error, separation < 0.1f ? 5e-4 : 4e-3)
+                    << method << ' ' << separation << " from " << pose.position.z;
             }
 }
 

@@ -1,4 +1,5 @@
-// Method tiles: against sphere, whose sum it makes in the other order; light cached on the particles; where rays end; sizes.
+// Method tiles: against sphere, whose sum it makes in the other order; light cached on the particles; where rays end;
+// sizes.
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +25,8 @@ protected:
     };
     static Difference compare(const Picture& a, const Picture& b) {
         double brightest = 0;
-        for (const glm::vec4& pixel : a.pixels) brightest = std::max(brightest, double(std::max({pixel.r, pixel.g, pixel.b})));
+        for (const glm::vec4& pixel : a.pixels)
+            brightest = std::max(brightest, double(std::max({pixel.r, pixel.g, pixel.b})));
         Difference worst;
         for (size_t i = 0; i < a.pixels.size(); ++i) {
             const glm::dvec4 apart = glm::abs(glm::dvec4(a.pixels[i]) - glm::dvec4(b.pixels[i]));
@@ -52,8 +54,9 @@ const Pose kPoses[] = {lookAt({0, 2, 20}, {0, 0, 0}, 0.7f),   lookAt({1, 0, 2}, 
                        lookAt({0.3f, 0.2f, 0}, {0, 0, 1}, 2), lookAt({0, 30, 0}, {0, 0, 0}, 0.4f),
                        lookAt({4, 3, 5}, {9, 9, 0}, 2.6f),    lookAt({300, 200, 700}, {0, 0, 0}, 0.02f)};
 
-// What two methods may differ by that add 300 particles in opposite orders: of each the roundings of its opacity, of the product
-// and of the sum. And places, rounded to an ulp of the distance: see allowed() for T, light changes by up to 3 k there.
+// What two methods may differ by that add 300 particles in opposite orders: of each the roundings of its opacity, of
+// the product and of the sum. And places, rounded to an ulp of the distance: see allowed() for T, light changes by up
+// to 3 k there.
 constexpr double kRounding = 300 * 2.0 / double(1 << 24);
 double rounding(const Pose& pose) { return kRounding + 6 * 2e-7 * double(glm::length(pose.position)); }
 
@@ -64,7 +67,8 @@ TEST_F(TilesTest, HermiteIsWhatSphereDraws) {
             scene.medium.anisotropy = lobe;
             scene.medium.asymmetry = 0.6f;
             scene.render.least_transmittance = 0;
-            const Difference d = compare(see(plain(), scene, "sphere", "", pose), see(plain(), scene, "tiles", "hermite", pose));
+            const Difference d =
+                compare(see(plain(), scene, "sphere", "", pose), see(plain(), scene, "tiles", "hermite", pose));
             EXPECT_LT(d.transmittance, rounding(pose)) << pose.position.x << ' ' << lobe;
             EXPECT_LT(d.radiance, rounding(pose)) << pose.position.x << ' ' << lobe;
             EXPECT_LT(d.darkest, 0.5) << pose.position.x;
@@ -75,14 +79,16 @@ TEST_F(TilesTest, HermiteIsWhatSphereDraws) {
 TEST_F(TilesTest, HermiteIsWhatSphereDrawsAmongObjects) {
     Scene scene = sceneOf(colourful(5), 1.6f);
     scene.planes = {{-2, glm::vec3(0.5f)}};
-    scene.boxes = {{{1, 2, 0}, {3, 0.5f, 1}, 0.7f, glm::vec3(0.5f)}, {{-2, -1, 1}, {1, 2, 1.5f}, -0.3f, glm::vec3(0.5f)}};
+    scene.boxes = {{{1, 2, 0}, {3, 0.5f, 1}, 0.7f, glm::vec3(0.5f)},
+                   {{-2, -1, 1}, {1, 2, 1.5f}, -0.3f, glm::vec3(0.5f)}};
     scene.spheres = {{{0, 0.5f, 3}, 0.9f, glm::vec3(0.5f)}};
     scene.sky = {glm::vec3(0.3f, 0.5f, 0.9f), glm::vec3(0.7f), glm::vec3(0.2f)};
     scene.render.least_transmittance = 0;
     Stage stage(device(), scene, 300);
     for (const Pose& pose : kPoses) {
         if (pose.position.y < 1) continue; // below the ground's middle
-        const Picture sphere = see(stage, scene, "sphere", "", pose), tiles = see(stage, scene, "tiles", "hermite", pose);
+        const Picture sphere = see(stage, scene, "sphere", "", pose),
+                      tiles = see(stage, scene, "tiles", "hermite", pose);
         const Difference d = compare(sphere, tiles);
         EXPECT_LT(d.transmittance, 2 * rounding(pose)) << pose.position.x; // surfaces too have places
         // A point on the edge of the opaque map's texel is rounded to either side: one point of one particle each.
@@ -97,21 +103,23 @@ TEST_F(TilesTest, CachedWithoutToleranceIsHermite) {
     for (const Pose& pose : kPoses) {
         Scene scene = sceneOf(colourful(7), 1.6f);
         scene.render.light_tolerance = 0;
-        const Difference d = compare(see(plain(), scene, "tiles", "hermite", pose), see(plain(), scene, "tiles", "cached", pose));
+        const Difference d =
+            compare(see(plain(), scene, "tiles", "hermite", pose), see(plain(), scene, "tiles", "cached", pose));
         EXPECT_LT(d.transmittance, 1e-6) << pose.position.x; // two pipelines' roundings
         EXPECT_LT(d.radiance, 1e-5) << pose.position.x;
     }
 }
 
-// A particle where the light falls off evenly: in the half shadow of one ten times its size. Its line whole, cut by the near
-// plane, by the ground through its middle, by both.
+// A particle where the light falls off evenly: in the half shadow of one ten times its size. Its line whole, cut by the
+// near plane, by the ground through its middle, by both.
 TEST_F(TilesTest, CachedIsExactWhereLightIsLinear) {
     const Point blocker = thick({0, 0, 0}, 10, 1.5, 1.6f);
     const double k = std::sqrt(50.0) / 16;
     for (const bool ground : {false, true})
         for (const glm::vec3 to_light : {glm::vec3(0, 1, 0), glm::normalize(glm::vec3(1, 2, 1))}) {
             const glm::vec3 side = glm::normalize(glm::cross(to_light, glm::vec3(0.2f, 0.1f, 1)));
-            const glm::vec3 at = side * float(std::sqrt(0.5) / k) - to_light * 9.0f; // where a Gaussian's slope is largest
+            const glm::vec3 at =
+                side * float(std::sqrt(0.5) / k) - to_light * 9.0f; // where a Gaussian's slope is largest
             Scene scene = sceneOf({blocker, thick(at, 1, 1, 1.6f)}, 1.6f);
             if (ground) scene.planes = {{at.y, glm::vec3(0)}};
             Stage stage(device(), scene, 2);
@@ -145,8 +153,8 @@ TEST_F(TilesTest, CachedIsExactWhereLightIsLinear) {
                             largest = std::max(largest, exact);
                         }
                     EXPECT_GT(largest, 0.02 * depth) << ground << ' ' << away;
-                    // The blocker's light bends by (0.22 / 1.6)^2 / 2 of itself within 1/k of the particle. Its own shadow is a
-                    // polynomial but for terms of third order, up to depth / 6 where half of it is seen.
+                    // The blocker's light bends by (0.22 / 1.6)^2 / 2 of itself within 1/k of the particle. Its own
+                    // shadow is a polynomial but for terms of third order, up to depth / 6 where half of it is seen.
                     EXPECT_LT(error / largest, 0.01 + depth / 6) << depth << ' ' << ground << ' ' << away;
                 }
             }
@@ -170,7 +178,8 @@ TEST_F(TilesTest, OneAlbedoIsAsMany) {
     }
 }
 
-// What a ray leaves out at its end is no more than the setting, of transmittance and of the brightest that can lie there.
+// What a ray leaves out at its end is no more than the setting, of transmittance and of the brightest that can lie
+// there.
 TEST_F(TilesTest, RaysEndWhereLittleIsSeen) {
     std::vector<Point> points;
     for (int i = 0; i < 100; ++i) points.push_back(thick({0, 0, -0.5f * float(i)}, 6, 0.2, 1.6f));
@@ -200,7 +209,8 @@ TEST_F(TilesTest, AMillionParticlesInTwoMegapixels) {
     constexpr uint32_t kCount = 1'000'000;
     std::vector<Point> points;
     Random random(1);
-    for (uint32_t i = 0; i + 4 < kCount; ++i) points.push_back(thick(random.inCube(2) + glm::vec3(0, 0, 60), 0.1f, 1e-6, 0.3f));
+    for (uint32_t i = 0; i + 4 < kCount; ++i)
+        points.push_back(thick(random.inCube(2) + glm::vec3(0, 0, 60), 0.1f, 1e-6, 0.3f));
     const glm::vec3 places[] = {{-9, 4, 0}, {9, 4, 0}, {-9, -4, 0}, {9, -4, 0}};
     for (const glm::vec3 place : places) points.push_back(thick(place, 3, 1, 0.3f));
     Scene scene = sceneOf(points, 0.3f);

@@ -46,10 +46,13 @@ TEST_F(HardTest, PlacesThatAreNotNumbers) {
         const Log log;
         const Picture rest = plain().see(with, pose, 48, 36);
         EXPECT_NE(log.text().find("dropped 5 of 65 points"), std::string::npos) << log.text();
-        judge("NaN and infinite places in a PLY: pixels that differ from those without", way, differing(clean, rest), 0);
-        judge("place -0 in a PLY: pixels that differ from those of 0", way, differing(clean, plain().see(zero, pose, 48, 36)), 0);
+        judge("NaN and infinite places in a PLY: pixels that differ from those without", way, differing(clean, rest),
+              0);
+        judge("place -0 in a PLY: pixels that differ from those of 0", way,
+              differing(clean, plain().see(zero, pose, 48, 36)), 0);
         double finite = 0;
-        for (const glm::vec4& pixel : rest.pixels) finite = worse(finite, double(0 * (pixel.r + pixel.g + pixel.b + pixel.a)));
+        for (const glm::vec4& pixel : rest.pixels)
+            finite = worse(finite, double(0 * (pixel.r + pixel.g + pixel.b + pixel.a)));
         EXPECT_EQ(finite, 0) << way.name();
     }
 }
@@ -70,8 +73,9 @@ TEST_F(HardTest, NoParticleAtAll) {
     }
 }
 
-// The first, the last but one and the last particle by themselves, all others faint in a heap beside them: each must be where it
-// was put, and no part of the heap lost. Naive: 16-bit indices, a grid of one dimension, a group count of 65536.
+// The first, the last but one and the last particle by themselves, all others faint in a heap beside them: each must be
+// where it was put, and no part of the heap lost. Naive: 16-bit indices, a grid of one dimension, a group count of
+// 65536.
 class CountTest : public HardTest {
 protected:
     static constexpr uint32_t kSide = 32;
@@ -95,13 +99,15 @@ protected:
             else if (from_end == 1)
                 points.push_back(thick(atPixel(last_but_one.x, last_but_one.y), 3, 3, kInside));
             else
-                points.push_back(thick(atPixel(rest.x, rest.y) + depth_in_heap, 0.6f, heap / count, kInside)); // of a few pixels
+                points.push_back(
+                    thick(atPixel(rest.x, rest.y) + depth_in_heap, 0.6f, heap / count, kInside)); // of a few pixels
         }
         Scene scene = sceneOf(points, kInside);
         scene.render.shadow_size = 16;
         scene.render.shadow_slices = 2;
         scene.render.grid = 0.08f;
-        scene.render.merge = 0; // each of them is looked for; what merging changes is measured in tests/gpu/large_test.cpp
+        scene.render.merge =
+            0; // each of them is looked for; what merging changes is measured in tests/gpu/large_test.cpp
         Simulation simulation(scene);
         Renderer renderer(device(), scene, simulation.capacity());
         renderer.keepRadiance(true);
@@ -147,8 +153,8 @@ protected:
             submitAndWait(renderer, submission, simulation, {&eye, 1});
             const Picture picture{kSide, kSide, renderer.readRadiance()};
             const double k = std::sqrt(50.0) / double(0.6f * kInside);
-            // Places as seen from 100 m, tau T at most 1/e; the cut-off; and of each layer the roundings of 1 - its opacity and
-            // of the product, 1.5 * 2^-24 of T.
+            // Places as seen from 100 m, tau T at most 1/e; the cut-off; and of each layer the roundings of 1 - its
+            // opacity and of the product, 1.5 * 2^-24 of T.
             for (const Expected& one : expected)
                 judge(name, way, std::abs(double(picture.at(one.at.x, one.at.y).a) - one.transmittance),
                       allowed(100, k, 1) + one.layers * 1.5 / double(1 << 24) * one.transmittance);

@@ -39,12 +39,13 @@ TEST_F(HardTest, ZeroExtinctionLeavesTheBackground) {
         }
 }
 
-// Naive: blends into 8 or 16 bits, where a layer of 1e-4 rounds to nothing and the picture stays clear; or drops particles below
-// a fixed depth (the seed: 1e-3), which here is all of them.
+// Naive: blends into 8 or 16 bits, where a layer of 1e-4 rounds to nothing and the picture stays clear; or drops
+// particles below a fixed depth (the seed: 1e-3), which here is all of them.
 TEST_F(HardTest, TenThousandThinLayers) {
     constexpr int kLayers = 10000;
     static_assert(kRadianceFormat == VK_FORMAT_R32G32B32A32_SFLOAT, "16-bit targets lose these layers");
-    // Each layer rounds 1 - its opacity (2^-25) and the product (2^-24); equal layers round alike, so the errors add up.
+    // Each layer rounds 1 - its opacity (2^-25) and the product (2^-24); equal layers round alike, so the errors add
+    // up.
     const double rounding = kLayers * 1.5 / double(1 << 24);
     const Pose pose = lookAt({0, 0, 3}, {0, 0, 0}, 0.02f);
     for (const double depth : {1e-4, 1e-3}) {
@@ -71,12 +72,14 @@ TEST_F(HardTest, TenThousandThinLayers) {
             const std::string name = "10^4 layers of depth " + std::string(depth < 5e-4 ? "1e-4" : "1e-3");
             judge(name + ": transmittance, relative", way, error, rounding + places);
             judge(name + ": furnace", way, furnace, rounding); // half an ulp of 1 for each sum and each product
-            EXPECT_NEAR(middle, std::exp(-kLayers * depth), (rounding + places) * middle) << way.name(); // 0.368 and e^-10
+            EXPECT_NEAR(middle, std::exp(-kLayers * depth), (rounding + places) * middle)
+                << way.name(); // 0.368 and e^-10
         }
     }
 }
 
-// Naive: exp(+depth) overflows, 0 * inf is NaN; Simpson's rule meets the thin lit rim with one node and makes light of nothing.
+// Naive: exp(+depth) overflows, 0 * inf is NaN; Simpson's rule meets the thin lit rim with one node and makes light of
+// nothing.
 TEST_F(HardTest, OneParticleAsThickAsAWall) {
     const Pose pose = lookAt({0, 0, 70}, {0, 0, 0}, 0.15f);
     for (const double depth : {20.0, 200.0, 1e4})
@@ -91,22 +94,24 @@ TEST_F(HardTest, OneParticleAsThickAsAWall) {
                     double error = 0, created = 0;
                     const Picture picture = plain().see(scene, pose, kWidth, kHeight);
                     forPixels(picture, pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
-                        error = worse(error, std::abs(got.a - std::exp(-depthOn(blob, ray, supportOf(way, blob, ray)))));
+                        error =
+                            worse(error, std::abs(got.a - std::exp(-depthOn(blob, ray, supportOf(way, blob, ray)))));
                         // Albedo 1 and irradiance 1 / p: more than 1 - T would be light out of nothing.
                         created = worse(created, std::max(got.r - (1 - got.a), -got.r));
                     });
-                    // T changes by T tau 2k (k b) a metre: at most 0.37 * 2k * 3.1, for k b where tau is 1. Places err by 1.4e-5
-                    // m.
+                    // T changes by T tau 2k (k b) a metre: at most 0.37 * 2k * 3.1, for k b where tau is 1. Places err
+                    // by 1.4e-5 m.
                     if (falloff == kInside) // silhouettes of cut ones are another test's
                         judge("depth 20 ... 10^4 in one particle: transmittance", way, error,
                               3e-6 + 1.4e-5 * 0.37 * 6.2 * blob.k);
-                    judge("depth 20 ... 10^4 in one particle: light out of nothing", way, created, 1e-6); // roundings of 1
+                    judge("depth 20 ... 10^4 in one particle: light out of nothing", way, created,
+                          1e-6); // roundings of 1
                 }
             }
 }
 
-// Light from beyond the particle: what it loses on the way in, the view loses on the way out, and T_L T_V is the same everywhere.
-// Naive: the printed form divides by t + tau1 - tau0, which is 0.
+// Light from beyond the particle: what it loses on the way in, the view loses on the way out, and T_L T_V is the same
+// everywhere. Naive: the printed form divides by t + tau1 - tau0, which is 0.
 TEST_F(HardTest, LightDepthThatCancelsViewDepth) {
     const Pose pose = lookAt({0, 0, 7}, {0, 0, 0}, 0.15f);
     for (const double depth : {1e-3, 0.5, 3.0, 40.0}) {
@@ -119,25 +124,28 @@ TEST_F(HardTest, LightDepthThatCancelsViewDepth) {
         for (const Way& way : ways()) {
             choose(scene, way);
             double error = 0;
-            forPixels(
-                plain().see(scene, pose, kWidth, kHeight), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
-                    if (depthOn(blobs[0], ray, wholeRay(ray)) < 1e-2 * depth) return;
-                    const double rule = scatteredBy(way, blobs[0], ray, [&](glm::dvec3 at) { return field.depth(at); });
-                    // Simpson's nodes move with the interval's ends.
-                    const double elsewhere = drawnElsewhere(way, blobs[0], pose, kWidth, kHeight, x, y, [&](Interval inside) {
-                        return scatteredBy(way, blobs[0], ray, inside, [&](glm::dvec3 at) { return field.depth(at); });
-                    });
-                    error = worse(error, std::abs(got.r / rule - 1) - elsewhere / rule);
-                    if (x == kWidth / 2 && y == kHeight / 2 && way.quadrature == "analytic") {
-                        EXPECT_NEAR(rule, depth * std::exp(-depth),
-                                    (1e-6 + 1e-7 * depth) * rule); // exact for this rule, depth in float
-                    }
-                });
-            // Shadow texels of 1/30 of 1/k and planes of 1/15: h^2/8 of second derivatives of at most 2 k^2 tau in two directions
-            // and 0.49 k^2 tau along the light. An error of the depth is one of the radiance, relatively.
+            forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
+                      [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
+                          if (depthOn(blobs[0], ray, wholeRay(ray)) < 1e-2 * depth) return;
+                          const double rule =
+                              scatteredBy(way, blobs[0], ray, [&](glm::dvec3 at) { return field.depth(at); });
+                          // Simpson's nodes move with the interval's ends.
+                          const double elsewhere =
+                              drawnElsewhere(way, blobs[0], pose, kWidth, kHeight, x, y, [&](Interval inside) {
+                                  return scatteredBy(way, blobs[0], ray, inside,
+                                                     [&](glm::dvec3 at) { return field.depth(at); });
+                              });
+                          error = worse(error, std::abs(got.r / rule - 1) - elsewhere / rule);
+                          if (x == kWidth / 2 && y == kHeight / 2 && way.quadrature == "analytic") {
+                              EXPECT_NEAR(rule, depth * std::exp(-depth),
+                                          (1e-6 + 1e-7 * depth) * rule); // exact for this rule, depth in float
+                          }
+                      });
+            // Shadow texels of 1/30 of 1/k and planes of 1/15: h^2/8 of second derivatives of at most 2 k^2 tau in two
+            // directions and 0.49 k^2 tau along the light. An error of the depth is one of the radiance, relatively.
             const double volume = depth * (4 / (30.0 * 30) + 0.49 / (15.0 * 15)) / 8;
-            judge("light depth cancels view depth " + std::to_string(depth).substr(0, 5) + ": radiance, relative", way, error,
-                  ruleError(way) + volume + 1e-4 + 2 * allowed(7, blobs[0].k, depth));
+            judge("light depth cancels view depth " + std::to_string(depth).substr(0, 5) + ": radiance, relative", way,
+                  error, ruleError(way) + volume + 1e-4 + 2 * allowed(7, blobs[0].k, depth));
         }
     }
 }
@@ -157,13 +165,14 @@ TEST_F(HardTest, LightDepth200) {
         for (const glm::vec4& pixel : plain().see(hidden, pose, kWidth, kHeight).pixels)
             leaked = worse(leaked, std::abs(double(pixel.r)));
         EXPECT_GT(brightest, 0.02) << way.name();
-        // The blocker is so wide (1/k = 2.5 m) that over the whole lit particle, 0.8 m from its axis, its depth is above 180.
+        // The blocker is so wide (1/k = 2.5 m) that over the whole lit particle, 0.8 m from its axis, its depth is
+        // above 180.
         judge("light depth 200: light that leaks, of the open brightness", way, leaked / brightest, std::exp(-180.0));
     }
 }
 
-// Naive: 16-bit radiance ends at 65504, and a fixed point far below. Factors of two are exact in floating point: scaled light
-// must give scaled bits.
+// Naive: 16-bit radiance ends at 65504, and a fixed point far below. Factors of two are exact in floating point: scaled
+// light must give scaled bits.
 TEST_F(HardTest, RadianceOfAMillion) {
     const float million = 1 << 20;
     Scene dim = sceneOf(randomPoints(60, 6, 2, 0.8f), 1.6f);

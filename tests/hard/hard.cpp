@@ -34,12 +34,11 @@ class TableWriter : public testing::Environment {
         if (!file) return;
         std::ofstream out(file);
         out << "# Hard cases\n\n"
-               "Every method, in float32, on what breaks naive renderers: the largest error against an exact answer, and the\n"
-               "tolerance that the test demands; of several, the pair nearest to failing. What is compared, why it is hard and "
-               "where\n"
-               "the tolerance comes from stands with each case in `tests/hard`. Where a tetrahedron's faces cut a Gaussian, the "
-               "error\n"
-               "is what exceeds the rounding of its vertices to 1/256 pixel. Made by\n"
+               "Every method, in float32, on what breaks naive renderers: the largest error against an exact\n"
+               "answer, and the tolerance that the test demands; of several, the pair nearest to failing. What is\n"
+               "compared, why it is hard and where the tolerance comes from stands with each case in `tests/hard`.\n"
+               "Where a tetrahedron's faces cut a Gaussian, the error is what exceeds the rounding of its vertices\n"
+               "to 1/256 pixel. Made by\n"
                "`BRUME_HARD_TABLE=docs/results/hard-cases.md build/release/tests/hard_tests`.\n\n"
                "| case | method | error | tolerance |\n|---|---|---|---|\n";
         out << std::setprecision(2);
@@ -47,7 +46,8 @@ class TableWriter : public testing::Environment {
             if (!row.refused.empty())
                 out << "| " << row.hard_case << " | " << row.way << " | refused: " << row.refused << " | |\n";
             else
-                out << "| " << row.hard_case << " | " << row.way << " | " << row.error << " | " << row.tolerance << " |\n";
+                out << "| " << row.hard_case << " | " << row.way << " | " << row.error << " | " << row.tolerance
+                    << " |\n";
     }
 };
 
@@ -74,7 +74,8 @@ std::vector<Way> ways() {
 
 void choose(Scene& scene, const Way& way) {
     scene.render.method = way.method;
-    // As fine as they come, so that float32 is tested and not the grids' resolution, which other tests and sweeps measure.
+    // As fine as they come, so that float32 is tested and not the grids' resolution, which other tests and sweeps
+    // measure.
     scene.render.rate = 1;
     scene.render.slabs = 256;
     scene.render.grid = 0.08f;
@@ -106,7 +107,8 @@ CachedLight fitted(const reference::Blob& blob, const std::function<double(glm::
     for (int axis = 0; axis < 3; ++axis) {
         glm::dvec3 step(0);
         step[axis] = reach;
-        const double above = std::exp(-light_depth(blob.centre + step)), below = std::exp(-light_depth(blob.centre - step));
+        const double above = std::exp(-light_depth(blob.centre + step)),
+                     below = std::exp(-light_depth(blob.centre - step));
         fit.gradient[axis] = (above - below) / (2 * reach);
         bend[axis] = (above + below) / 2 - fit.centre;
     }
@@ -153,7 +155,8 @@ double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray, 
 }
 
 double ruleError(const Way& way) {
-    // Where the light is scattered on average is known to 0.02 / k where a line is cut, and T_L changes by itself within 1/k.
+    // Where the light is scattered on average is known to 0.02 / k where a line is cut, and T_L changes by itself
+    // within 1/k.
     if (way.quadrature == "cached") return 0.02;
     return way.method == "sphere" || !way.quadrature.empty() ? 0 : 0.15;
 }
@@ -166,7 +169,8 @@ bool HardTest::refused(const std::string& hard_case, const Way& way, const Scene
     const auto known = [&](const Row& row) {
         return row.hard_case == hard_case && row.way == way.name() && !row.refused.empty();
     };
-    if (!why.empty() && std::none_of(rows().begin(), rows().end(), known)) rows().push_back({hard_case, way.name(), 0, 0, why});
+    if (!why.empty() && std::none_of(rows().begin(), rows().end(), known))
+        rows().push_back({hard_case, way.name(), 0, 0, why});
     return !why.empty();
 }
 
@@ -179,15 +183,17 @@ void HardTest::judge(const std::string& hard_case, const std::string& way, doubl
             row = {hard_case, way, error, tolerance, {}};
         return;
     }
-    const auto same_case = [&](const Row& row) { return row.hard_case == hard_case; }; // the rows of a case stand together
+    const auto same_case = [&](const Row& row) {
+        return row.hard_case == hard_case;
+    }; // the rows of a case stand together
     const auto after = std::find_if(rows().rbegin(), rows().rend(), same_case).base();
     rows().insert(after == rows().begin() ? rows().end() : after, {hard_case, way, error, tolerance, {}});
 }
 
 double HardTest::rounding() { return std::max(0.0, subpixel(device()) - 1.0 / 256); }
 
-double HardTest::drawnElsewhere(const Way& way, const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height,
-                                uint32_t x, uint32_t y, const std::function<double(Interval)>& value) {
+double HardTest::drawnElsewhere(const Way& way, const reference::Blob& blob, const Pose& pose, uint32_t width,
+                                uint32_t height, uint32_t x, uint32_t y, const std::function<double(Interval)>& value) {
     const bool crossed = verticesBehind({glm::vec3(blob.centre), float(blob.scale)}, pose) > 0;
     if (!isCut(way) || crossed || rounding() == 0) return 0;
     const double here = value(insideTetrahedron(blob, rayThrough(pose, width, height, x, y)));

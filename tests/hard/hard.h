@@ -60,8 +60,8 @@ protected:
     // Each vertex of isv's proxy is up to rounding() away from its place. A pixel is a mean of its triangle's vertices,
     // so it is no farther away from where its interval belongs. 0 on a device that rounds to 1/256 pixel, for ways that
     // draw no intervals, and for a particle that the near plane crosses: its interval comes from its faces.
-    static double drawnElsewhere(const Way& way, const reference::Blob& blob, const Pose& pose, uint32_t width, uint32_t height,
-                                 uint32_t x, uint32_t y, const std::function<double(Interval)>& value);
+    static double drawnElsewhere(const Way& way, const reference::Blob& blob, const Pose& pose, uint32_t width,
+                                 uint32_t height, uint32_t x, uint32_t y, const std::function<double(Interval)>& value);
 
     // Calls check(pixel, ray, x, y) for every pixel.
     template <class Check>
@@ -78,9 +78,10 @@ protected:
     };
     // Compares every pixel's transmittance with the exact one of the scene's particles on its ray. The rasterizer
     // rounds vertices to 1/256 pixel, or to what rounding() says. For ways that cut the Gaussian at faces, the error
-    // that this explains is subtracted. `stride`: compares only every so many-th pixel; all others must still be finite.
-    static Seen transmittance(Stage& stage, Scene scene, const Way& way, const Pose& pose, uint32_t width, uint32_t height,
-                              uint32_t stride = 1);
+    // that this explains is subtracted. `stride`: compares only every so many-th pixel; all others must still be
+    // finite.
+    static Seen transmittance(Stage& stage, Scene scene, const Way& way, const Pose& pose, uint32_t width,
+                              uint32_t height, uint32_t stride = 1);
 };
 
 // The larger of the two; NaN if either is.

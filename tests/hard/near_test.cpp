@@ -24,7 +24,9 @@ constexpr double kFloat = 5e-5;
 class StageOfWay {
 public:
     explicit StageOfWay(const gpu::Device& device) : device_(device) {}
-    Stage& operator()(const Way& way) { return stages_.try_emplace(way.name(), device_, sceneOf({Point{}}), 1).first->second; }
+    Stage& operator()(const Way& way) {
+        return stages_.try_emplace(way.name(), device_, sceneOf({Point{}}), 1).first->second;
+    }
 
 private:
     const gpu::Device& device_;
@@ -36,8 +38,8 @@ TEST_F(HardTest, InsideOneParticle) {
     StageOfWay stage(device());
     for (const float falloff : {1.6f, 8.0f}) {
         const Point point{{1, -2, 3}, 1.5f, 1};
-        for (const glm::vec3 from : {glm::vec3(0), glm::vec3(0.2f, 0.1f, 0), glm::vec3(0, 0, 0.4f), glm::vec3(-0.2f, 0.1f, 0.3f),
-                                     glm::vec3(0, 0.28f, 0)})
+        for (const glm::vec3 from : {glm::vec3(0), glm::vec3(0.2f, 0.1f, 0), glm::vec3(0, 0, 0.4f),
+                                     glm::vec3(-0.2f, 0.1f, 0.3f), glm::vec3(0, 0.28f, 0)})
             for (const glm::vec3 direction : {glm::vec3(0, 0, -1), glm::vec3(1, 1, 0), glm::vec3(-1, 0.3f, 1)})
                 for (const float fov : {0.3f, 1.2f, 2.6f}) {
                     const glm::vec3 eye = point.centre + from;
@@ -60,7 +62,8 @@ TEST_F(HardTest, InsideAThousandParticles) {
         for (const Way& way : ways()) {
             const Seen seen = transmittance(stage, scene, way, lookAt({0, 0, 0}, direction, 1.2f), 24, 18);
             EXPECT_LT(seen.lowest, 0.2);
-            // A thousand roundings of 1.5 * 2^-24 of T, a thousand lengths that err by 1e-5 m at 1.2e-3/m, and the cut-off.
+            // A thousand roundings of 1.5 * 2^-24 of T, a thousand lengths that err by 1e-5 m at 1.2e-3/m, and the
+            // cut-off.
             judge("camera inside 1,000 particles: transmittance", way, seen.error,
                   1000 * (1.5 / double(1 << 24) + 1.2e-8) + 1e-6);
         }
@@ -114,8 +117,8 @@ TEST_F(HardTest, TheWayThroughAParticle) {
             for (size_t p = 0; p < frames[0].pixels.size(); ++p) {
                 brightest = std::max(brightest, double(frames[0].pixels[p].r));
                 if (i > 0) {
-                    jump =
-                        worse(jump, std::abs(std::log(double(frames[0].pixels[p].a)) - std::log(double(frames[1].pixels[p].a))));
+                    jump = worse(jump, std::abs(std::log(double(frames[0].pixels[p].a)) -
+                                                std::log(double(frames[1].pixels[p].a))));
                     one_step = worse(one_step, change(1, p));
                 }
                 if (i > 1) two_steps = worse(two_steps, change(2, p));
@@ -124,7 +127,8 @@ TEST_F(HardTest, TheWayThroughAParticle) {
         judge("moving through a particle, 2 cm a step: change of optical depth", way, jump, bound);
         // What is continuous changes half as much in half the time (more where it bends); a pop does not.
         EXPECT_GT(brightest, 0.02);
-        judge("moving through a particle: change of radiance in one step, of that in two", way, one_step / two_steps, 0.7);
+        judge("moving through a particle: change of radiance in one step, of that in two", way, one_step / two_steps,
+              0.7);
     }
 }
 
@@ -142,8 +146,10 @@ TEST_F(HardTest, TheNearPlaneCutsOneTwoOrThreeVertices) {
         ++cut[behind];
         for (const Way& way : ways()) {
             if (behind < 1 || behind > 3) continue;
-            const Seen seen = transmittance(stage(way), sceneNear({point}, i % 2 ? 1.6f : 8), way, pose, kWidth, kHeight);
-            judge("near plane cuts " + std::to_string(behind) + " of 4 vertices: transmittance", way, seen.error, kFloat);
+            const Seen seen =
+                transmittance(stage(way), sceneNear({point}, i % 2 ? 1.6f : 8), way, pose, kWidth, kHeight);
+            judge("near plane cuts " + std::to_string(behind) + " of 4 vertices: transmittance", way, seen.error,
+                  kFloat);
         }
     }
     for (const int behind : {1, 2, 3}) EXPECT_GE(cut[behind], 3) << behind;

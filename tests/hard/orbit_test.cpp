@@ -15,9 +15,10 @@ Pose poseOf(int frame) {
     return lookAt({9 * std::sin(angle), 1, 9 * std::cos(angle)}, {0, 0, 0}, 0.7f);
 }
 
-// Naive: particles sorted by a coarse or unstable key pop; depths clamped to whole slices flicker. The bound is on mean FLIP
-// beyond what the true picture changes: 0.002 is a tenth of what the true picture itself changes from frame to frame here, and
-// far below what is seen. Fewer changes than the true picture's would be a picture that lags: bounded as well.
+// Naive: particles sorted by a coarse or unstable key pop; depths clamped to whole slices flicker. The bound is on mean
+// FLIP beyond what the true picture changes: 0.002 is a tenth of what the true picture itself changes from frame to
+// frame here, and far below what is seen. Fewer changes than the true picture's would be a picture that lags: bounded
+// as well.
 TEST_F(HardTest, SlowOrbitThroughOverlaps) {
     Scene scene = sceneOf(randomPoints(60, 5, 2.5f, 0.5f), 1.6f);
     scene.lights[0].irradiance = glm::vec3(12);

@@ -23,13 +23,15 @@ TEST_F(HardTest, OddSizes) {
             Scene scene = someParticles();
             choose(scene, way);
             if (refused("1x1 and odd sizes: transmittance", way, scene)) continue;
-            const Seen seen = transmittance(plain(), scene, way, lookAt({0.3f, 0.2f, 9}, {0, 0, 0}, 0.7f), width, height);
-            judge("1x1 and odd sizes: transmittance", way, seen.error, 5 * allowed(9, k, 0.5)); // five lie on a ray at most
+            const Seen seen =
+                transmittance(plain(), scene, way, lookAt({0.3f, 0.2f, 9}, {0, 0, 0}, 0.7f), width, height);
+            judge("1x1 and odd sizes: transmittance", way, seen.error,
+                  5 * allowed(9, k, 0.5)); // five lie on a ray at most
         }
 }
 
-// 8192x8192 would be 1 GiB of radiance, as much to read it back: more than a small machine has. What a side of 8192 can break,
-// both long strips show; and a viewer who wishes for all of it gets what the server's limits allow.
+// 8192x8192 would be 1 GiB of radiance, as much to read it back: more than a small machine has. What a side of 8192 can
+// break, both long strips show; and a viewer who wishes for all of it gets what the server's limits allow.
 TEST_F(HardTest, PicturesOf8192) {
     for (const auto& [width, height] : {std::pair(8192u, 64u), std::pair(64u, 8192u)}) {
         Scene scene = someParticles();

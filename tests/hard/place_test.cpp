@@ -24,8 +24,8 @@ TEST_F(HardTest, FromTwoKilometres) {
     }
 }
 
-// Of two opaque particles the nearer one is seen, from either side and at any distance. Naive: the seed sorts 10000 - d^2 as an
-// unsigned number, which turns around at 100 m.
+// Of two opaque particles the nearer one is seen, from either side and at any distance. Naive: the seed sorts 10000 -
+// d^2 as an unsigned number, which turns around at 100 m.
 TEST_F(HardTest, TheNearerOneHidesTheFarther) {
     const float scale = 6, falloff = 1.6f;
     for (const float distance : {20.0f, 99.0f, 101.0f, 150.0f, 2000.0f})
@@ -44,7 +44,8 @@ TEST_F(HardTest, TheNearerOneHidesTheFarther) {
                     const double near = double(side > 0 ? seen.r : seen.g), far = double(side > 0 ? seen.g : seen.r);
                     EXPECT_GT(near, 0) << way.name() << ' ' << distance;
                     // e^-30 of the farther one's light comes through, and the cut tetrahedron's 1e-9.
-                    judge("order at 20 ... 2000 m: light of the hidden particle, of the nearer one's", way, far / near, 1e-6);
+                    judge("order at 20 ... 2000 m: light of the hidden particle, of the nearer one's", way, far / near,
+                          1e-6);
                 }
             }
         }
@@ -69,20 +70,23 @@ Scene written(const std::string& name, const std::vector<Point>& points, glm::dv
         ply << line << ' ' << p.scale << ' ' << p.sigma_t << '\n';
     }
     std::ofstream(folder / (name + ".toml"))
-        << (offset == glm::dvec3(0) ? "" : "origin = [" + place({0, 0, 0}) + "]\n") << "[medium]\nlayout = \"file\"\nfile = \""
-        << name << ".ply\"\n[[box]]\ncentre = [" << place({1, -2, 0.5}) << "]\n[[sphere]]\ncentre = [" << place({-2, 3, 0})
-        << "]\nradius = 0.5\n[camera]\nposition = [" << place({1, 2, 11}) << "]\ntarget = [" << place({0, 0.5, 0})
-        << "]\n[render]\nshadow_size = 64\n";
+        << (offset == glm::dvec3(0) ? "" : "origin = [" + place({0, 0, 0}) + "]\n")
+        << "[medium]\nlayout = \"file\"\nfile = \"" << name << ".ply\"\n[[box]]\ncentre = [" << place({1, -2, 0.5})
+        << "]\n[[sphere]]\ncentre = [" << place({-2, 3, 0}) << "]\nradius = 0.5\n[camera]\nposition = ["
+        << place({1, 2, 11}) << "]\ntarget = [" << place({0, 0.5, 0}) << "]\n[render]\nshadow_size = 64\n";
     return loadScene(folder / (name + ".toml"));
 }
 
 // Naive: float32 a million metres from zero has steps of 6 cm, and the picture crumbles.
 TEST_F(HardTest, AWorldAMillionMetresAway) {
     std::vector<Point> points = randomPoints(200, 8, 2, 0.7f);
-    for (Point& p : points) p.centre = glm::round(p.centre * 1024.0f) / 1024.0f; // so that the doubles of the far file are exact
+    for (Point& p : points)
+        p.centre = glm::round(p.centre * 1024.0f) / 1024.0f; // so that the doubles of the far file are exact
     Scene here = written("here", points, {0, 0, 0}), there = written("there", points, {1e6, -1e6, 1e6});
     Stage stage_here(device(), here, 200), stage_there(device(), there, 200);
-    const auto pose = [](const Scene& scene) { return lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y); };
+    const auto pose = [](const Scene& scene) {
+        return lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y);
+    };
     for (const Way& way : ways()) {
         choose(here, way);
         choose(there, way);

@@ -17,7 +17,8 @@ Scene sceneOfShape(const std::vector<Point>& points, float falloff) {
 // Float: places err by about 1e-6 m, ten times that where a ray grazes a face, and extinctions reach 4/m here.
 constexpr double kFloat = 5e-5;
 
-// From its axes of symmetry, where pixel centres fall on the edges inside the fan. Naive: drawn twice, T is squared; left out, 1.
+// From its axes of symmetry, where pixel centres fall on the edges inside the fan. Naive: drawn twice, T is squared;
+// left out, 1.
 TEST_F(HardTest, VertexOnEdgeEveryPixelOnce) {
     const Point point{{0, 0, 0}, 1, 1.5f};
     for (const glm::vec3 from :
@@ -53,37 +54,39 @@ TEST_F(HardTest, EdgeOn) {
                   transmittance(plain(), sceneOfShape({point}, 8), way, pose, kWidth, kHeight).error, kFloat);
 }
 
-// The smallest, the thinnest and the farthest that a scene may hold. Naive: their triangles have no area in float, and 1 / area
-// is not a number.
+// The smallest, the thinnest and the farthest that a scene may hold. Naive: their triangles have no area in float, and
+// 1 / area is not a number.
 TEST_F(HardTest, ZeroVolume) {
     const struct {
         Point point;
         Pose pose;
         float falloff;
-    } cases[] = {{{{0, 0, -4.9e4f}, 1e-3f, 1e4f}, lookAt({0, 0, 0}, {0, 0, -1}, 0.05f), 0.1f},
-                 {{{0, 0, -4.9e4f}, 1e-3f, 1e4f}, lookAt({0, 0, 0}, {0, 0, -1}, 0.05f), 10},
-                 {{{4.9e4f, -4.9e4f, 4.9e4f}, 1e-3f, 1e4f}, lookAt({-4.9e4f, 0, 0}, {4.9e4f, -4.9e4f, 4.9e4f}, 0.05f), 1.6f},
-                 {{{0, 0, 0}, 1e-3f, 1e-9f}, lookAt({0, 0, 3}, {0, 0, 0}, 0.6f), 1.6f}};
+    } cases[] = {
+        {{{0, 0, -4.9e4f}, 1e-3f, 1e4f}, lookAt({0, 0, 0}, {0, 0, -1}, 0.05f), 0.1f},
+        {{{0, 0, -4.9e4f}, 1e-3f, 1e4f}, lookAt({0, 0, 0}, {0, 0, -1}, 0.05f), 10},
+        {{{4.9e4f, -4.9e4f, 4.9e4f}, 1e-3f, 1e4f}, lookAt({-4.9e4f, 0, 0}, {4.9e4f, -4.9e4f, 4.9e4f}, 0.05f), 1.6f},
+        {{{0, 0, 0}, 1e-3f, 1e-9f}, lookAt({0, 0, 3}, {0, 0, 0}, 0.6f), 1.6f}};
     for (const auto& one : cases)
         for (const Way& way : ways()) {
             // Less than a thousandth of a pixel: nothing to see, at most where a pixel's centre happens to meet it.
-            const Seen seen = transmittance(plain(), sceneOfShape({one.point}, one.falloff), way, one.pose, kWidth, kHeight);
+            const Seen seen =
+                transmittance(plain(), sceneOfShape({one.point}, one.falloff), way, one.pose, kWidth, kHeight);
             judge("particles without volume: transmittance", way, seen.error, 1e-6);
         }
 }
 
-// u -> 0: a tenth of a millimetre. u -> huge: ten kilometres, seen from within and from beside. Naive: k^2 b^2 from 1 / u^2
-// overflows or cancels; erf(a + h) - erf(a) of a wide Gaussian is 0.
+// u -> 0: a tenth of a millimetre. u -> huge: ten kilometres, seen from within and from beside. Naive: k^2 b^2 from 1 /
+// u^2 overflows or cancels; erf(a + h) - erf(a) of a wide Gaussian is 0.
 TEST_F(HardTest, TheSmallestAndTheLargestWidth) {
     for (const Way& way : ways()) {
         const Point tiny{{0, 0, 0}, 1e-3f, 1e4f}; // u = 1e-4, depth 0.25
-        const Seen small =
-            transmittance(plain(), sceneOfShape({tiny}, 0.1f), way, lookAt({0, 0, 0.1f}, {0, 0, 0}, 0.004f), kWidth, kHeight);
+        const Seen small = transmittance(plain(), sceneOfShape({tiny}, 0.1f), way,
+                                         lookAt({0, 0, 0.1f}, {0, 0, 0}, 0.004f), kWidth, kHeight);
         judge("u = 10^-4 m: transmittance", way, small.error, allowed(0.1, 7.07e4, 0.25));
         EXPECT_LT(small.lowest, 0.8);
         const Point huge{{0, 0, 0}, 1e3f, 1e-3f}; // u = 1e4, depth 2.5 of the whole, 1.3 of the tetrahedron
-        for (const Pose& pose :
-             {lookAt({10, 20, 30}, {0, 0, 0}, 1), lookAt({0, 700, 0}, {500, 0, 0}, 1), lookAt({0, 0, 2900}, {0, 0, 0}, 0.8f)}) {
+        for (const Pose& pose : {lookAt({10, 20, 30}, {0, 0, 0}, 1), lookAt({0, 700, 0}, {500, 0, 0}, 1),
+                                 lookAt({0, 0, 2900}, {0, 0, 0}, 0.8f)}) {
             const Seen large = transmittance(plain(), sceneOfShape({huge}, 10), way, pose, kWidth, kHeight);
             // Lengths err by 10 ulps of a kilometre where a ray grazes a face, at 1e-3/m.
             judge("u = 10^4 m: transmittance", way, large.error, allowed(3000, 7.07e-4, 2.5) + 1e-6);
@@ -92,9 +95,9 @@ TEST_F(HardTest, TheSmallestAndTheLargestWidth) {
     }
 }
 
-// Particles of a tenth of a pixel. Naive: drops triangles that miss every pixel's centre on average (too clear), or widens them
-// to a pixel (too dark). A pixel's centre is one sample of what the pixel shows, so the mean must be that of eight times as fine
-// a picture.
+// Particles of a tenth of a pixel. Naive: drops triangles that miss every pixel's centre on average (too clear), or
+// widens them to a pixel (too dark). A pixel's centre is one sample of what the pixel shows, so the mean must be that
+// of eight times as fine a picture.
 TEST_F(HardTest, SmallerThanAPixel) {
     constexpr uint32_t kFine = 8;
     std::vector<Point> points;
@@ -102,8 +105,8 @@ TEST_F(HardTest, SmallerThanAPixel) {
     const float pixel = 2 * std::tan(0.25f) * 10 / 64; // m, at the distance of 10 m
     for (int i = 0; i < 20000; ++i) {
         const float radius = 0.1f * pixel; // a standard deviation is u / 10
-        points.push_back(thick({random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-0.5f, 0.5f)}, 10 * radius / kInside,
-                               double(random.uniform(0.2f, 2)), kInside));
+        points.push_back(thick({random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-0.5f, 0.5f)},
+                               10 * radius / kInside, double(random.uniform(0.2f, 2)), kInside));
     }
     Scene scene = sceneOfShape(points, kInside);
     Stage stage(device(), scene, uint32_t(points.size()));
@@ -127,8 +130,8 @@ TEST_F(HardTest, SmallerThanAPixel) {
             }
         EXPECT_GT(mean, 0.05);
         // Four standard deviations of the mean of that many independent samples.
-        judge("particles of 0.1 pixel: mean opacity against 64 samples a pixel, relative", way, std::abs(sampled / mean - 1),
-              4 * std::sqrt(within / (64 * 64)) / mean);
+        judge("particles of 0.1 pixel: mean opacity against 64 samples a pixel, relative", way,
+              std::abs(sampled / mean - 1), 4 * std::sqrt(within / (64 * 64)) / mean);
     }
 }
 

@@ -46,7 +46,8 @@ private:
     static inline RunningServer* server_ = nullptr;
 };
 
-// Returns once the only client of this server has presented frames: a server sends no third one before the first is acknowledged.
+// Returns once the only client of this server has presented frames: a server sends no third one before the first is
+// acknowledged.
 void waitForFrames(const RunningServer& server, double frames = 5) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (metric(server.port(), "brume_frames_total{fate=\"sent\"}").value_or(0) < frames) {
@@ -56,8 +57,9 @@ void waitForFrames(const RunningServer& server, double frames = 5) {
 }
 
 TEST_F(ClientProgram, FiveFramesAndTheirStatistics) {
-    const auto client = startClient({"--headless", "--url", url(), "--size", "320x180", "--frames", "5", "--path", "orbit",
-                                     "--camera", "20,2,0,0,0,0", "--impulse", "0:0,0,26,0,0,-1,0.5", "--out", out_.string()});
+    const auto client =
+        startClient({"--headless", "--url", url(), "--size", "320x180", "--frames", "5", "--path", "orbit", "--camera",
+                     "20,2,0,0,0,0", "--impulse", "0:0,0,26,0,0,-1,0.5", "--out", out_.string()});
     ASSERT_EQ(client->exitCode(), 0) << client->err();
     EXPECT_EQ(client->err(), "");
     EXPECT_NE(client->out().find("5 frames"), std::string::npos) << client->out();
@@ -100,10 +102,11 @@ TEST_F(ClientProgram, FiveFramesAndTheirStatistics) {
 }
 
 TEST_F(ClientProgram, StereoWritesBothEyes) {
-    const auto client = startClient({"--headless", "--stereo", "--url", url(), "--size", "160x96", "--frames", "2", "--quality",
-                                     "55", "--out", out_.string()});
+    const auto client = startClient({"--headless", "--stereo", "--url", url(), "--size", "160x96", "--frames", "2",
+                                     "--quality", "55", "--out", out_.string()});
     ASSERT_EQ(client->exitCode(), 0) << client->err();
-    for (const char* name : {"frame-00001-left.jpg", "frame-00001-right.jpg", "frame-00002-left.jpg", "frame-00002-right.jpg"})
+    for (const char* name :
+         {"frame-00001-left.jpg", "frame-00001-right.jpg", "frame-00002-left.jpg", "frame-00002-right.jpg"})
         EXPECT_GT(contrast(decoded(contentOf(out_ / name), 160, 96)), 8) << name;
     EXPECT_EQ(stats()["pictures"][0]["views"], 2);
     EXPECT_EQ(stats()["pictures"][0]["quality"], 55);
@@ -124,8 +127,8 @@ TEST_F(ClientProgram, CtrlCEndsTidilyWithStatistics) {
 
 TEST_F(ClientProgram, AServerThatStopsEndsInOneLineAndStatistics) {
     RunningServer server;
-    const auto client = startClient(
-        {"--headless", "--no-reconnect", "--url", server.url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
+    const auto client = startClient({"--headless", "--no-reconnect", "--url", server.url(), "--size", "160x96", "--out",
+                                     out_.string(), "--no-save"});
     waitForFrames(server);
     server.process().signal(SIGTERM);
     expectOneLine(*client, "goodbye");
@@ -173,7 +176,8 @@ TEST_F(ClientProgram, AKilledServerThatComesBackIsWatchedOnFromTheSamePlace) {
     server->process().signal(SIGKILL);
     ASSERT_TRUE(saysThatItTriesAgain(*client, "was lost")) << client->err();
     ASSERT_TRUE(server->process().exitCode());
-    server = std::make_unique<RunningServer>(std::vector<std::string>{"--port", port, "--set", "camera.position=[9,9,9]"});
+    server =
+        std::make_unique<RunningServer>(std::vector<std::string>{"--port", port, "--set", "camera.position=[9,9,9]"});
     waitForFrames(*server);
     client->signal(SIGINT);
     EXPECT_EQ(client->exitCode(), 0) << client->err();
@@ -185,13 +189,14 @@ TEST_F(ClientProgram, AKilledServerThatComesBackIsWatchedOnFromTheSamePlace) {
     EXPECT_EQ(s["connections"], 2);
     EXPECT_EQ(s["resumed"], 0) << "the new server knows nobody";
     ASSERT_GE(s["pictures"].size(), 6u); // three of each server at least were acknowledged
-    for (const Json& picture : s["pictures"]) EXPECT_EQ(picture["pose"]["position"], Json({0, 2, 26})); // of the first server
+    for (const Json& picture : s["pictures"])
+        EXPECT_EQ(picture["pose"]["position"], Json({0, 2, 26})); // of the first server
 }
 
 TEST_F(ClientProgram, AViewerWhoseConnectionIsLostIsTheSameAgain) {
     const RunningServer server({"--idle", "500"}); // ms
-    const auto client = startClient(
-        {"--headless", "--url", server.url(), "--size", "160x96", "--path", "orbit", "--out", out_.string(), "--no-save"});
+    const auto client = startClient({"--headless", "--url", server.url(), "--size", "160x96", "--path", "orbit",
+                                     "--out", out_.string(), "--no-save"});
     waitForFrames(server);
     client->signal(SIGSTOP); // a machine that sleeps
     const auto viewers = [&] { return metric(server.port(), "brume_viewers").value_or(-1); };
@@ -209,8 +214,8 @@ TEST_F(ClientProgram, AViewerWhoseConnectionIsLostIsTheSameAgain) {
 
 // What another try will not change ends it, though it has been in.
 TEST_F(ClientProgram, AServerThatStopsSendsItOnAndItComesBackWhenNobodyIsThere) {
-    auto server =
-        std::make_unique<RunningServer>(std::vector<std::string>{"--drain-time", "0", "--drain-to", "http://127.0.0.1:1/"});
+    auto server = std::make_unique<RunningServer>(
+        std::vector<std::string>{"--drain-time", "0", "--drain-to", "http://127.0.0.1:1/"});
     const std::string port = std::to_string(server->port());
     const auto client =
         startClient({"--headless", "--url", server->url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
@@ -219,18 +224,22 @@ TEST_F(ClientProgram, AServerThatStopsSendsItOnAndItComesBackWhenNobodyIsThere) 
     ASSERT_TRUE(server->process().exitCode());
     const RunningServer next({"--set", "camera.position=[9,9,9]"});
     // Nobody is at the first URL: back where it was, which sends it on again.
-    server = std::make_unique<RunningServer>(std::vector<std::string>{
-        "--port", port, "--drain-time", "0", "--drain-to", "http://127.0.0.1:" + std::to_string(next.port()) + "/?page#top"});
+    server = std::make_unique<RunningServer>(
+        std::vector<std::string>{"--port", port, "--drain-time", "0", "--drain-to",
+                                 "http://127.0.0.1:" + std::to_string(next.port()) + "/?page#top"});
     waitForFrames(*server);
     server->process().signal(SIGTERM);
     waitForFrames(next);
     client->signal(SIGINT);
     EXPECT_EQ(client->exitCode(), 0) << client->err();
-    EXPECT_NE(client->err().find("the server stops; trying ws://127.0.0.1:1/ws in "), std::string::npos) << client->err();
-    EXPECT_NE(client->err().find("; trying ws://127.0.0.1:" + std::to_string(next.port()) + "/ws in "), std::string::npos);
+    EXPECT_NE(client->err().find("the server stops; trying ws://127.0.0.1:1/ws in "), std::string::npos)
+        << client->err();
+    EXPECT_NE(client->err().find("; trying ws://127.0.0.1:" + std::to_string(next.port()) + "/ws in "),
+              std::string::npos);
     const Json s = stats();
     EXPECT_EQ(s["connections"], 3);
-    for (const Json& picture : s["pictures"]) EXPECT_EQ(picture["pose"]["position"], Json({0, 2, 26})); // of the first server
+    for (const Json& picture : s["pictures"])
+        EXPECT_EQ(picture["pose"]["position"], Json({0, 2, 26})); // of the first server
 }
 
 TEST_F(ClientProgram, AServerThatComesBackAndWantsATokenEndsIt) {
@@ -255,7 +264,8 @@ TEST_F(ClientProgram, EveryBadStartEndsInOneLine) {
     expectOneLine(*startClient({"--headless", "--url", "ws://127.0.0.1:1"}), "cannot connect");
     expectOneLine(*startClient({"--headless", "--url", "http://127.0.0.1"}), "bad url");
     expectOneLine(*startClient({"--headless", "--url", url() + "/nothing"}), "HTTP 404");
-    expectOneLine(*startClient({"--headless", "--url", url(), "--frames", "1", "--out", "/dev/null/frames"}), "/dev/null/frames");
+    expectOneLine(*startClient({"--headless", "--url", url(), "--frames", "1", "--out", "/dev/null/frames"}),
+                  "/dev/null/frames");
     expectOneLine(*startClient({"--no-such-flag"}), "--no-such-flag");
     expectOneLine(*startClient({"--size", "640"}), "--size");
     expectOneLine(*startClient({"--url", url()}, {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"}), "--headless");
@@ -271,8 +281,8 @@ TEST_F(ClientProgram, AWindowShowsFramesAndReconnects) {
 
     auto server = std::make_unique<RunningServer>();
     const std::string port = std::to_string(server->port());
-    const auto client =
-        startClient({"--url", server->url(), "--size", "160x96", "--stereo", "--out", out_.string(), "--no-save"}, dummy);
+    const auto client = startClient(
+        {"--url", server->url(), "--size", "160x96", "--stereo", "--out", out_.string(), "--no-save"}, dummy);
     waitForFrames(*server);
     server->process().signal(SIGKILL);
     ASSERT_TRUE(server->process().exitCode());

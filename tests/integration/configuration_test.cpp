@@ -38,7 +38,8 @@ protected:
     }
     static std::string lineOf(const std::string& config, const std::string& key) {
         std::smatch found;
-        return std::regex_search(config, found, std::regex("(^|\n)((# )?" + key + " =[^\n]*)")) ? found[2].str() : "no " + key;
+        return std::regex_search(config, found, std::regex("(^|\n)((# )?" + key + " =[^\n]*)")) ? found[2].str()
+                                                                                                : "no " + key;
     }
     void refused(const std::string& text, const std::string& words) const {
         put(text);
@@ -65,9 +66,10 @@ TEST_F(Configuration, AFlagGoesBeforeTheEnvironmentAndThatBeforeTheFile) {
     EXPECT_EQ(lineOf(config, "paused"), "paused = true");
     EXPECT_EQ(lineOf(config, "max-streams"), "max-streams = 8");
 
-    config = printed({"--config", file.string(), "--port", "1236"},
-                     {"BRUME_MAX_VIEWERS=6", "BRUME_PORT=1235", "BRUME_PAUSED=false", "BRUME_SET=medium.count=3\nmedium.seed=4",
-                      "BRUME_ALLOW_ORIGIN=https://a.example,https://b.example"});
+    config =
+        printed({"--config", file.string(), "--port", "1236"},
+                {"BRUME_MAX_VIEWERS=6", "BRUME_PORT=1235", "BRUME_PAUSED=false",
+                 "BRUME_SET=medium.count=3\nmedium.seed=4", "BRUME_ALLOW_ORIGIN=https://a.example,https://b.example"});
     EXPECT_EQ(lineOf(config, "max-viewers"), "max-viewers = 6");
     EXPECT_EQ(lineOf(config, "port"), "port = 1236");
     EXPECT_EQ(lineOf(config, "quality"), "quality = 70");
@@ -79,9 +81,10 @@ TEST_F(Configuration, AFlagGoesBeforeTheEnvironmentAndThatBeforeTheFile) {
 }
 
 TEST_F(Configuration, WhatIsPrintedIsReadBackAsTheSame) {
-    const std::string first = printed({"--max-viewers", "7", "--set", "light.irradiance=[1,2,3]", "--set", "name='a # \"b\"'",
-                                       "--allow-origin", "*", "--scene", "1e5", "--drain-to", "https://next.example/?a=b#c",
-                                       "--log-file", "a \"b\\c", "--exposure", "1.5", "--no-mesh-shaders"});
+    const std::string first =
+        printed({"--max-viewers", "7", "--set", "light.irradiance=[1,2,3]", "--set", "name='a # \"b\"'",
+                 "--allow-origin", "*", "--scene", "1e5", "--drain-to", "https://next.example/?a=b#c", "--log-file",
+                 "a \"b\\c", "--exposure", "1.5", "--no-mesh-shaders"});
     put(first);
     EXPECT_EQ(printed({"--config", file.string()}), first);
     EXPECT_NE(first.find("max-viewers = 7"), first.npos);
@@ -112,8 +115,8 @@ TEST_F(Configuration, AReloadChangesWhatItCanAndNamesTheRest) {
     Watcher first(server.endpoint());
     EXPECT_THROW(Watcher(server.endpoint()), std::runtime_error);
 
-    put("max-viewers = 2\nquality = 30\nallow-origin = ['https://a.example']\ninput-rate = 7\nscene-dir = '/elsewhere'\nport = "
-        "1\n");
+    put("max-viewers = 2\nquality = 30\nallow-origin = ['https://a.example']\ninput-rate = 7\nscene-dir = "
+        "'/elsewhere'\nport = 1\n");
     process.signal(SIGHUP);
     ASSERT_TRUE(says(process, "reload: 4 settings changed")) << process.err();
     const std::string log = process.err();
@@ -126,10 +129,10 @@ TEST_F(Configuration, AReloadChangesWhatItCanAndNamesTheRest) {
     EXPECT_TRUE(watch({&first, &second}, [&] { return second.frames.size() >= 2; }));
     const auto upgrade = [&](const std::string& origin) {
         HttpConnection connection(server.port());
-        connection.send(
-            "GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: brume.v1\r\nOrigin: " +
-            origin + "\r\n\r\n");
+        connection.send("GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: "
+                        "websocket\r\nSec-WebSocket-Version: 13\r\n"
+                        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: brume.v1\r\nOrigin: " +
+                        origin + "\r\n\r\n");
         return connection.readHead().status;
     };
     EXPECT_EQ(upgrade("https://a.example"), 101);
@@ -220,7 +223,8 @@ TEST_F(Configuration, TheDocumentedTableIsWhatTheServerHas) {
     EXPECT_GE(there.size(), 40u);
     for (const std::string& one : there) {
         std::string name = "BRUME_" + one;
-        std::transform(name.begin(), name.end(), name.begin(), [](char c) { return c == '-' ? '_' : char(std::toupper(c)); });
+        std::transform(name.begin(), name.end(), name.begin(),
+                       [](char c) { return c == '-' ? '_' : char(std::toupper(c)); });
         EXPECT_NE(said.find(name), said.npos) << name;
     }
 }

@@ -117,7 +117,8 @@ TEST_F(HostileViewer, NoiseIsAnsweredThenClosed) {
 TEST_F(HostileViewer, EveryTruncationAndBitFlipOfAMessageIsSurvived) {
     const wire::Vec3 position(0, 2, 26);
     const wire::Quat orientation(0, 0, 0, 1);
-    const auto pose = wire::pack([&](auto& b) { return wire::CreatePose(b, 1, 1, &position, &orientation, 0.8f, 0, 320, 180); });
+    const auto pose =
+        wire::pack([&](auto& b) { return wire::CreatePose(b, 1, 1, &position, &orientation, 0.8f, 0, 320, 180); });
     const auto bytes = wire::bytesOf(pose);
     std::vector<Bytes> broken;
     for (size_t length = 0; length < bytes.size(); length += 3)
@@ -174,7 +175,9 @@ TEST_F(HostileViewer, MessagesOutOfOrderAreAnswered) {
     viewer.say([](auto& b) { return wire::CreateAck(b, 4711); });
     expectError(viewer, ErrorCode::unexpected); // never sent
     const auto restart = [](uint32_t seq) {
-        return [seq](auto& b) { return wire::CreateInput(b, seq, 1, wire::Command::Restart, wire::CreateRestart(b).Union()); };
+        return [seq](auto& b) {
+            return wire::CreateInput(b, seq, 1, wire::Command::Restart, wire::CreateRestart(b).Union());
+        };
     };
     viewer.say(restart(1));
     viewer.say(restart(5));
@@ -196,8 +199,8 @@ TEST_F(HostileViewer, AnOlderPoseChangesNothing) {
     const auto say = [&](uint32_t seq, float x) {
         const wire::Vec3 position(x, 2, 26);
         const wire::Quat orientation(0, 0, 0, 1);
-        watcher.session.connection().send(
-            wire::bytesOf(wire::pack([&](auto& b) { return wire::CreatePose(b, seq, 1, &position, &orientation, 0.8f); })));
+        watcher.session.connection().send(wire::bytesOf(
+            wire::pack([&](auto& b) { return wire::CreatePose(b, seq, 1, &position, &orientation, 0.8f); })));
     };
     say(10, 1);
     ASSERT_TRUE(watch({&watcher}, [&] { return !watcher.frames.empty(); }));

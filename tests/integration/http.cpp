@@ -82,7 +82,8 @@ HttpReply HttpConnection::readReply() {
 
 HttpReply get(uint16_t port, const std::string& target) {
     HttpConnection connection(port);
-    connection.send("GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\nConnection: close\r\n\r\n");
+    connection.send("GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+                    "\r\nConnection: close\r\n\r\n");
     return connection.readReply();
 }
 

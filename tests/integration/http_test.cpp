@@ -58,8 +58,8 @@ TEST_F(Http, ThePageIsServed) {
 }
 
 TEST_F(Http, WhatIsNotThereIsNotFound) {
-    for (const char* target :
-         {"/nothing", "/../../../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/assets/../../../etc/passwd", "/assets"}) {
+    for (const char* target : {"/nothing", "/../../../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd",
+                               "/assets/../../../etc/passwd", "/assets"}) {
         const HttpReply reply = get(port(), target);
         EXPECT_EQ(reply.status, 404) << target;
         EXPECT_EQ(reply.body.find("root:"), std::string::npos) << target;
@@ -97,7 +97,8 @@ TEST_F(Http, MetricsCountWhatHappens) {
 TEST_F(Http, MetricsTimeTheDeviceAndTheProcess) {
     const auto value = [](const std::string& name) { return metric(port(), name).value_or(-1); };
     const std::string cpu = "process_cpu_seconds_total", batches = "brume_batches_total",
-                      views = "brume_device_seconds_total{part=\"view\"}", shared = "brume_device_seconds_total{part=\"shared\"}",
+                      views = "brume_device_seconds_total{part=\"view\"}",
+                      shared = "brume_device_seconds_total{part=\"shared\"}",
                       of_frames = "brume_stage_seconds_sum{stage=\"gpu\"}";
     const auto begin = std::chrono::steady_clock::now();
     const double cpu_before = value(cpu), batches_before = value(batches), views_before = value(views),
@@ -121,8 +122,8 @@ TEST_F(Http, MetricsTimeTheDeviceAndTheProcess) {
         EXPECT_GT(value("process_open_fds"), 20 + 3); // with the listener, the log and standard output
     }
     EXPECT_LT(value("process_open_fds"), value("process_max_fds"));
-    // The second in which frames were drawn counts as soon as it is over. Passes of one queue do not overlap; a batch that began
-    // before these ten seconds counts whole.
+    // The second in which frames were drawn counts as soon as it is over. Passes of one queue do not overlap; a batch
+    // that began before these ten seconds counts whole.
     const std::string busy = "brume_device_busy_ratio";
     while (value(busy) <= 0 && std::chrono::steady_clock::now() < begin + kPatience)
         std::this_thread::sleep_for(milliseconds(50));
@@ -164,7 +165,8 @@ TEST_F(Http, AStreamIsManyPictures) {
         EXPECT_GT(contrast(decoded(bytesOf(jpeg), 160, 96)), 8);
         ASSERT_EQ(connection.readLine(), "");
     }
-    // No faster than asked for: between the first and the last lie (parts - 1) periods, one of which may have begun before.
+    // No faster than asked for: between the first and the last lie (parts - 1) periods, one of which may have begun
+    // before.
     EXPECT_GE(std::chrono::steady_clock::now() - start, milliseconds(1000 / 20 * (parts - 2)));
 }
 

@@ -10,7 +10,8 @@
 namespace brume::test {
 namespace {
 
-// In so small a picture from so far that they merge: what is tested is that all of them load, move and are lit, not how fast.
+// In so small a picture from so far that they merge: what is tested is that all of them load, move and are lit, not how
+// fast.
 const std::vector<std::string> kMillion{"--scene",        "cloud-65535",
                                         "--set",          "medium.count=1000000",
                                         "--set",          "medium.scale=[0.4,0.8]",

@@ -136,7 +136,8 @@ TEST(Lifecycle, ExplainSaysThePlanOfEveryScene) {
         const auto process = startServer({"--scene", scene, "--explain", "--costs", "/nowhere"});
         EXPECT_EQ(process->exitCode(), 0) << process->err();
         const std::string out = process->out();
-        for (const char* what : {"built in", "relative RMSE 0.5 %", "memory  ", "plan  ", "shadow volume", "taken", "sphere"})
+        for (const char* what :
+             {"built in", "relative RMSE 0.5 %", "memory  ", "plan  ", "shadow volume", "taken", "sphere"})
             EXPECT_NE(out.find(what), out.npos) << what << '\n' << out;
         EXPECT_EQ(out.find("listening"), out.npos);
     }
@@ -173,8 +174,9 @@ TEST(Lifecycle, WhatOverloadAndOtherViewersNeedIsCompiledAhead) {
     if (bytesIn(cache) == 0) GTEST_SKIP() << "this driver keeps nothing there";
     // The plan's own rate, one that overload leads to; viewers of several sizes.
     for (const std::string rate : {"0", "12"}) {
-        Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0", "--ahead", "off", "--set", "render.rate=" + rate},
-                       environment);
+        Process server(
+            {BRUME_SERVER, "--scene", "cloud", "--port", "0", "--ahead", "off", "--set", "render.rate=" + rate},
+            environment);
         const auto port = server.lineStarting("listening on http://127.0.0.1:");
         ASSERT_TRUE(port) << server.err();
         const uintmax_t started = bytesIn(cache);
@@ -243,7 +245,8 @@ TEST(Lifecycle, HelpAndVersion) {
     for (const std::string flag : {"--help", "--version"}) {
         const auto process = startServer({flag});
         EXPECT_EQ(process->exitCode(), 0);
-        EXPECT_NE(process->out().find(flag == "--help" ? "--scene" : "brume-server"), std::string::npos) << process->out();
+        EXPECT_NE(process->out().find(flag == "--help" ? "--scene" : "brume-server"), std::string::npos)
+            << process->out();
         EXPECT_EQ(process->err(), "");
     }
 }

@@ -41,7 +41,8 @@ protected:
     fs::path out_;
 };
 
-// Counters come over the same link as the frames: while they are asked for, far viewers would stand still and look late.
+// Counters come over the same link as the frames: while they are asked for, far viewers would stand still and look
+// late.
 TEST_F(Load, ViewersGoOnWhileCountersAreAskedFor) {
     const RunningServer server;
     load::Options options;
@@ -119,8 +120,8 @@ TEST_F(Load, MeasuresARunningServer) {
 }
 
 TEST_F(Load, StartsAndStopsAServerAndTellsBrokenBudgets) {
-    const auto load = this->load(
-        {"--viewers", "1", "--seconds", "0.5", "--assert", "fps>=100000@1", "--assert", "p50<=0", "--assert", "cpu<=1000"});
+    const auto load = this->load({"--viewers", "1", "--seconds", "0.5", "--assert", "fps>=100000@1", "--assert",
+                                  "p50<=0", "--assert", "cpu<=1000"});
     EXPECT_EQ(load->exitCode(), 1);
     const std::string err = load->err();
     EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 2) << err;
@@ -136,7 +137,8 @@ TEST_F(Load, AFullServerSaysHowManyGotIn) {
 
 TEST_F(Load, AServerThatDiesEndsInOneLineAndKeepsWhatWasMeasured) {
     RunningServer server;
-    const auto load = this->load({"--server", server.url(), "--viewers", "1,2", "--seconds", "0.5", "--warm-up", "0.5"});
+    const auto load =
+        this->load({"--server", server.url(), "--viewers", "1,2", "--seconds", "0.5", "--warm-up", "0.5"});
     ASSERT_TRUE(load->lineStarting("| 1 |"));
     server.process().signal(SIGKILL);
     expectOneLine(*load, "brume-load: ");

@@ -85,7 +85,8 @@ TEST(MovingMedium, IsDrawnFinerWhereThereIsTime) {
     EXPECT_EQ(finer({"--frame-budget", "1"}), 0); // ms: no time
 }
 
-// One pose is enough for as long as the camera rests: its age is nothing that frames waited for, and they come no slower for it.
+// One pose is enough for as long as the camera rests: its age is nothing that frames waited for, and they come no
+// slower for it.
 TEST(MovingMedium, KeepsItsRateWhileTheCameraRests) {
     RunningServer server;
     Watcher watcher(server.endpoint(), {.width = 64, .height = 36, .views = 1, .quality = 80});
@@ -96,15 +97,16 @@ TEST(MovingMedium, KeepsItsRateWhileTheCameraRests) {
     EXPECT_LE(viewer["window_frames"], 4); // as a link without delay needs, not as frames seconds old would
 }
 
-// One large stereo picture, by the dearest method, beside four small ones. In one batch all would come as often as it does.
+// One large stereo picture, by the dearest method, beside four small ones. In one batch all would come as often as it
+// does.
 TEST(Fairness, ADearViewerDoesNotTakeTheOthersRate) {
     RunningServer server({"--frame-budget", "20", "--set", "render.error=0.003", "--set", "render.method=sphere"});
     Watcher dear(server.endpoint(), {.width = 1280, .height = 720, .views = 2, .quality = 50});
     std::vector<std::unique_ptr<Watcher>> small;
     std::vector<Watcher*> all{&dear};
     for (int i = 0; i < 4; ++i) {
-        small.push_back(
-            std::make_unique<Watcher>(server.endpoint(), client::Wishes{.width = 64, .height = 36, .views = 1, .quality = 50}));
+        small.push_back(std::make_unique<Watcher>(
+            server.endpoint(), client::Wishes{.width = 64, .height = 36, .views = 1, .quality = 50}));
         all.push_back(small.back().get());
     }
     for (size_t i = 0; i < all.size(); ++i) all[i]->look(lookAt({float(i), 2, 26}, {0, 0, 0}, 0.8f));
@@ -145,10 +147,10 @@ TEST(Metrics, AllThatAreDocumentedAreThere) {
     watcher.look(fromFront());
     ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 5; }));
     HttpConnection other(server.port());
-    other.send(
-        "GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nOrigin: https://elsewhere.example\r\nConnection: Upgrade\r\nUpgrade: "
-        "websocket\r\n"
-        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: brume.v1\r\n\r\n");
+    other.send("GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nOrigin: https://elsewhere.example\r\nConnection: "
+               "Upgrade\r\nUpgrade: websocket\r\n"
+               "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: "
+               "brume.v1\r\n\r\n");
     EXPECT_EQ(other.readReply().status, 403);
     const std::string there = get(server.port(), "/metrics").body;
 

@@ -18,7 +18,8 @@ const Pose kPose = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
 
 class Record : public testing::Test {
 protected:
-    const std::filesystem::path file = std::filesystem::temp_directory_path() / ("brume-session-" + std::to_string(getpid()));
+    const std::filesystem::path file =
+        std::filesystem::temp_directory_path() / ("brume-session-" + std::to_string(getpid()));
     void TearDown() override {
         std::filesystem::remove(file);
         std::filesystem::remove(file.string() + ".old");
@@ -50,7 +51,8 @@ TEST_F(Record, AKilledSessionOfTwoViewersReplaysToTheSameStatesAndPictures) {
     setPaused(b, true, {&a});
     setPaused(a, false, {&b});
     const uint64_t then = a.last().tick;
-    ASSERT_TRUE(watch({&a, &b}, [&] { return a.last().tick >= then + 130; })); // two recorded hashes and two pictures more
+    ASSERT_TRUE(
+        watch({&a, &b}, [&] { return a.last().tick >= then + 130; })); // two recorded hashes and two pictures more
     EXPECT_TRUE(a.errors.empty() && b.errors.empty());
     server.process().signal(SIGKILL);
     ASSERT_EQ(server.process().exitCode(), -SIGKILL);
@@ -69,7 +71,8 @@ TEST_F(Record, AKilledSessionOfTwoViewersReplaysToTheSameStatesAndPictures) {
         }
         first = out;
     }
-    // Every state that a viewer was told of is one of the replay's: the last recorded tick is near the last that was seen.
+    // Every state that a viewer was told of is one of the replay's: the last recorded tick is near the last that was
+    // seen.
     std::smatch ticks;
     ASSERT_TRUE(std::regex_search(first, ticks, std::regex("replayed ([0-9]+) ticks")));
     EXPECT_GE(std::stoull(ticks[1]) + 60, a.last().tick);
@@ -137,7 +140,8 @@ TEST_F(Record, WhatIsNoRecordingIsRefusedInOneLine) {
     bytes[bytes.size() - 20] ^= 4;
     test::expectOneLine(*replayOf(bytes), "damaged");
     test::expectOneLine(*startServer({"--replay", "/nowhere"}), "/nowhere");
-    test::expectOneLine(*startServer({"--record", "/nowhere/at/all", "--port", "0", "--scene", "cloud"}), "/nowhere/at/all");
+    test::expectOneLine(*startServer({"--record", "/nowhere/at/all", "--port", "0", "--scene", "cloud"}),
+                        "/nowhere/at/all");
 }
 
 } // namespace

@@ -132,7 +132,9 @@ TEST_F(SharedCloud, AnImpulseOfOneIsSeenByAll) {
 
     // Time stands still, so that only the impulse can change the state: the particles get their speed.
     pusher.session.sendImpulse({{0, 0, 26}, {0, 0, -1}, {0, 0, 0}, 10});
-    const auto pushed = [&](const Watcher& w) { return !w.frames.empty() && w.last().state_hash != a_before.state_hash; };
+    const auto pushed = [&](const Watcher& w) {
+        return !w.frames.empty() && w.last().state_hash != a_before.state_hash;
+    };
     ASSERT_TRUE(watch(all, [&] { return pushed(pusher) && pushed(a) && pushed(b); }));
     EXPECT_EQ(a.last().state_hash, b.last().state_hash);
     EXPECT_EQ(a.last().state_hash, pusher.last().state_hash);
@@ -157,7 +159,8 @@ TEST_F(SharedCloud, StereoIsTwoViewsOfOneTick) {
     stereo.look(head);
     left.look(eyePose(head, 0, 2));
     right.look(eyePose(head, 1, 2));
-    ASSERT_TRUE(watch(all, [&] { return firstFrom(stereo, still) && firstFrom(left, still) && firstFrom(right, still); }));
+    ASSERT_TRUE(
+        watch(all, [&] { return firstFrom(stereo, still) && firstFrom(left, still) && firstFrom(right, still); }));
 
     const Seen& frame = *firstFrom(stereo, still);
     ASSERT_EQ(frame.jpegs.size(), 2u);

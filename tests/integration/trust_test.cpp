@@ -108,7 +108,8 @@ TEST_F(Trust, TheProgramsTakeATokenOfAFileOrOfTheEnvironment) {
     const auto none = startProgram(BRUME_CLIENT, once);
     expectOneLine(*none, "401 Unauthorized: a token is needed");
 
-    const std::vector<std::string> load{"--server", server.url(), "--viewers", "2", "--seconds", "0.5", "--warm-up", "0"};
+    const std::vector<std::string> load{"--server",  server.url(), "--viewers", "2",
+                                        "--seconds", "0.5",        "--warm-up", "0"};
     arguments = load;
     arguments.insert(arguments.end(), {"--token-file", file});
     const auto crowd = startProgram(BRUME_LOAD, arguments);
@@ -118,8 +119,8 @@ TEST_F(Trust, TheProgramsTakeATokenOfAFileOrOfTheEnvironment) {
 
 TEST_F(Trust, ClientsVerifyTheServersCertificate) {
     Certificate certificate;
-    const auto process = startServer({"--port", "0", "--listen", "0.0.0.0", "--open", "--scene", "cloud", "--tls-certificate",
-                                      certificate.certificate(), "--tls-key", certificate.key()});
+    const auto process = startServer({"--port", "0", "--listen", "0.0.0.0", "--open", "--scene", "cloud",
+                                      "--tls-certificate", certificate.certificate(), "--tls-key", certificate.key()});
     const auto port = process->lineStarting("listening on https://0.0.0.0:");
     ASSERT_TRUE(port) << process->err();
     client::Endpoint server = client::parseUrl("wss://127.0.0.1:" + *port);
@@ -132,8 +133,8 @@ TEST_F(Trust, ClientsVerifyTheServersCertificate) {
     other.host = "127.0.0.2";
     EXPECT_NE(whyNot(other).find("its certificate is not trusted"), std::string::npos) << whyNot(other);
 
-    const auto crowd = startProgram(BRUME_LOAD, {"--server", server.url(), "--ca", server.ca, "--viewers", "2", "--seconds",
-                                                 "0.5", "--warm-up", "0", "--decode"});
+    const auto crowd = startProgram(BRUME_LOAD, {"--server", server.url(), "--ca", server.ca, "--viewers", "2",
+                                                 "--seconds", "0.5", "--warm-up", "0", "--decode"});
     EXPECT_EQ(crowd->exitCode(), 0) << crowd->err();
 
     // Renewed while it runs: the open session goes on, the next gets the new one.

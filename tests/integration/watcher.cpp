@@ -19,8 +19,9 @@ uint32_t Watcher::look(const Pose& pose) {
 void Watcher::poll(milliseconds timeout) {
     for (auto message = session.next(timeout); message; message = session.next(milliseconds(0))) {
         if (const auto* frame = message->as<wire::Frame>()) {
-            Seen seen{frame->id(), frame->pose_seq(), frame->tick(), frame->state_hash(), frame->width(), frame->height(), {},
-                      {}};
+            Seen seen{
+                frame->id(), frame->pose_seq(), frame->tick(), frame->state_hash(), frame->width(), frame->height(), {},
+                {}};
             seen.quality = frame->quality();
             seen.render_ms = frame->stages()->render();
             seen.position = {frame->position()->x(), frame->position()->y(), frame->position()->z()};
@@ -84,7 +85,9 @@ client::Picture decoded(const client::Bytes& jpeg, int width, int height) {
     return picture;
 }
 
-client::Picture pictureOf(const Seen& frame, size_t view) { return decoded(frame.jpegs.at(view), frame.width, frame.height); }
+client::Picture pictureOf(const Seen& frame, size_t view) {
+    return decoded(frame.jpegs.at(view), frame.width, frame.height);
+}
 
 double difference(const client::Picture& a, const client::Picture& b) {
     if (a.rgb.size() != b.rgb.size()) throw std::runtime_error("pictures of different sizes");

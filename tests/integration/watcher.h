@@ -64,7 +64,8 @@ bool watch(const std::vector<Watcher*>& watchers, const std::function<bool()>& u
 uint64_t setPaused(Watcher& watcher, bool paused, const std::vector<Watcher*>& others = {});
 
 // Pairs of frames, one of each watcher, with the same tick; newest last.
-std::vector<std::pair<const Seen*, const Seen*>> commonTicks(const Watcher& a, const Watcher& b, uint64_t from_tick = 0);
+std::vector<std::pair<const Seen*, const Seen*>> commonTicks(const Watcher& a, const Watcher& b,
+                                                             uint64_t from_tick = 0);
 
 // Decodes a JPEG. Throws std::runtime_error unless it is a complete JPEG of this size.
 client::Picture decoded(const client::Bytes& jpeg, int width, int height);

@@ -54,13 +54,15 @@ long Certificate::renew() {
     X509_gmtime_adj(X509_getm_notAfter(x509.get()), 3600);
     expect(X509_set_pubkey(x509.get(), pair.get()) == 1);
     X509_NAME* const name = X509_get_subject_name(x509.get());
-    expect(X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("localhost"), -1, -1, 0));
+    expect(X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("localhost"), -1,
+                                      -1, 0));
     expect(X509_set_issuer_name(x509.get(), name) == 1);
     const Extension names(X509V3_EXT_conf_nid(nullptr, nullptr, NID_subject_alt_name, "DNS:localhost,IP:127.0.0.1"));
     expect(names && X509_add_ext(x509.get(), names.get(), -1) == 1);
     expect(X509_sign(x509.get(), pair.get(), EVP_sha256()) > 0);
     save(certificate(), [&](FILE* out) { return PEM_write_X509(out, x509.get()); });
-    save(key(), [&](FILE* out) { return PEM_write_PrivateKey(out, pair.get(), nullptr, nullptr, 0, nullptr, nullptr); });
+    save(key(),
+         [&](FILE* out) { return PEM_write_PrivateKey(out, pair.get(), nullptr, nullptr, 0, nullptr, nullptr); });
     return serial_;
 }
 

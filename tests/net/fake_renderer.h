@@ -18,8 +18,8 @@ namespace brume {
 // The "JPEG" of one view: SOI, a line of text, padding, EOI.
 inline std::vector<uint8_t> fakeJpeg(const PoseRequest& request, int view, size_t bytes) {
     const glm::vec3& at = request.pose.position;
-    std::string jpeg = fmt::format("\xff\xd8seq {} eye {} at {} {} {} size {}x{} quality {}", request.seq, view, at.x, at.y, at.z,
-                                   request.width, request.height, request.quality);
+    std::string jpeg = fmt::format("\xff\xd8seq {} eye {} at {} {} {} size {}x{} quality {}", request.seq, view, at.x,
+                                   at.y, at.z, request.width, request.height, request.quality);
     if (jpeg.size() + 2 < bytes) jpeg.resize(bytes - 2);
     jpeg += "\xff\xd9";
     return {jpeg.begin(), jpeg.end()};
@@ -91,7 +91,8 @@ private:
         frame->request = due.request;
         frame->wait_ms = 1, frame->render_ms = 2, frame->encode_ms = 3, frame->gpu_ms = 1.5f;
         for (int view = 0; view < due.request.views; ++view)
-            frame->jpeg[size_t(view)] = std::make_shared<const std::vector<uint8_t>>(fakeJpeg(due.request, view, jpeg_bytes));
+            frame->jpeg[size_t(view)] =
+                std::make_shared<const std::vector<uint8_t>>(fakeJpeg(due.request, view, jpeg_bytes));
         frame->encoded = Clock::now();
         metrics_.rendered(*frame);
         ++made;

@@ -35,7 +35,8 @@ protected:
 
     // Starts the server; returns its port. To be called after the options are set.
     uint16_t serve() {
-        SceneFacts facts{"test scene", "test device", {{0, 2, 26}, {0, 0, 0}, 0.75f}, {"sphere", "isv"}, {"simpson", "analytic"}};
+        SceneFacts facts{
+            "test scene", "test device", {{0, 2, 26}, {0, 0, 0}, 0.75f}, {"sphere", "isv"}, {"simpson", "analytic"}};
         audience.emplace(facts, max_viewers, max_in_flight);
         metrics.emplace();
         renderer.emplace(*audience, *metrics);
@@ -57,7 +58,8 @@ protected:
     }
 
     // Connects a viewer and waits for its welcome.
-    std::unique_ptr<WsClient> watch(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1, int receive_buffer = 0) {
+    std::unique_ptr<WsClient> watch(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1,
+                                    int receive_buffer = 0) {
         auto client = std::make_unique<WsClient>(server->port(), receive_buffer);
         EXPECT_EQ(client->handshake.status, 101);
         client->hello(width, height, views);

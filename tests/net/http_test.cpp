@@ -121,13 +121,14 @@ TEST_F(HttpTest, HealthReadinessAndMetrics) {
     EXPECT_EQ(answer.header("Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
     const char* const build = "brume_build_info{version=\"" BRUME_VERSION "\",";
     for (const char* line :
-         {build, "brume_viewers 1", "brume_pass_seconds{pass=\"medium\"} 0.00725", "brume_refused_total{reason=\"malformed\"} 1",
+         {build, "brume_viewers 1", "brume_pass_seconds{pass=\"medium\"} 0.00725",
+          "brume_refused_total{reason=\"malformed\"} 1",
           "brume_http_requests_total{route=\"healthz\",status=\"200\"} 2",
           "brume_http_requests_total{route=\"readyz\",status=\"503\"} 1", "brume_ready 1", "brume_particles 500",
           "# TYPE brume_stage_seconds histogram", "brume_stage_seconds_bucket{stage=\"encode\",le=\"0.004\"}",
-          "brume_frames_total{fate=\"rendered\"}", "brume_frames_total{fate=\"superseded\"} 0", "brume_tick_seconds_count",
-          "# TYPE process_cpu_seconds_total counter", "process_resident_memory_bytes ", "process_open_fds ", "process_max_fds ",
-          "brume_device_busy_ratio 0"})
+          "brume_frames_total{fate=\"rendered\"}", "brume_frames_total{fate=\"superseded\"} 0",
+          "brume_tick_seconds_count", "# TYPE process_cpu_seconds_total counter", "process_resident_memory_bytes ",
+          "process_open_fds ", "process_max_fds ", "brume_device_busy_ratio 0"})
         EXPECT_NE(answer.body.find(std::string("\n") + line), std::string::npos) << line << " in\n" << answer.body;
 }
 
@@ -251,7 +252,8 @@ std::string readPart(Socket& socket) {
     part.head = fmt::format("\r\n{}", socket.readUntil("\r\n\r\n"));
     if (part.header("Content-Type") != "image/jpeg") return "no part: " + part.head;
     std::string body = socket.read(std::stoul(part.header("Content-Length")));
-    EXPECT_EQ(socket.readUntil("--brume-frame\r\n"), "\r\n--brume-frame\r\n") << "at once, or a reader shows the frame late";
+    EXPECT_EQ(socket.readUntil("--brume-frame\r\n"), "\r\n--brume-frame\r\n")
+        << "at once, or a reader shows the frame late";
     return body;
 }
 

@@ -25,7 +25,8 @@ public:
     }
 
 private:
-    const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> sink_ = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(1000);
+    const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> sink_ =
+        std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(1000);
     const std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
 };
 

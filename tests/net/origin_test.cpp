@@ -12,8 +12,9 @@ constexpr const char* kRoutes[] = {"/",        "/ws",      "/healthz",     "/rea
                                    "/metrics", "/viewers", "/no-such-page"};
 // That cost device time or reveal something.
 constexpr const char* kGuarded[] = {"/ws", "/snapshot.jpg", "/stream.mjpg", "/metrics", "/viewers"};
-constexpr const char* kUpgrade = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                                 "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: brume.v1\r\n";
+constexpr const char* kUpgrade =
+    "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+    "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: brume.v1\r\n";
 
 struct OriginTest : ServerTest {
     OriginTest() {
@@ -65,7 +66,8 @@ TEST_F(OriginTest, OwnNamesAndAddressesAreServed) {
         const std::string host = fmt::format("{}:{}", name, port);
         for (const char* route : {"/", "/healthz", "/snapshot.jpg", "/metrics", "/viewers"})
             EXPECT_EQ(ask(route, "Host: " + host + "\r\n").status, 200) << host << route;
-        EXPECT_EQ(ask("/ws", fmt::format("Host: {0}\r\nOrigin: http://{0}\r\n{1}", host, kUpgrade)).status, 101) << host;
+        EXPECT_EQ(ask("/ws", fmt::format("Host: {0}\r\nOrigin: http://{0}\r\n{1}", host, kUpgrade)).status, 101)
+            << host;
     }
     options.hosts = {"other.example"};
     server->setOptions(options);
@@ -94,7 +96,8 @@ TEST_F(OriginTest, WithAKeyTokensDecide) {
 TEST_F(OriginTest, APageOfAnotherSiteTakesNothing) {
     serve();
     for (const char* route : kGuarded) {
-        const HttpAnswer answer = askFrom(route, "cross-site", "Sec-Fetch-Mode: no-cors\r\nReferer: https://evil.example/\r\n");
+        const HttpAnswer answer =
+            askFrom(route, "cross-site", "Sec-Fetch-Mode: no-cors\r\nReferer: https://evil.example/\r\n");
         EXPECT_EQ(answer.status, 403) << route;
         EXPECT_TRUE(oneLineWith(answer.body, "--allow-origin")) << route << ": " << answer.body;
     }
@@ -103,7 +106,8 @@ TEST_F(OriginTest, APageOfAnotherSiteTakesNothing) {
     EXPECT_EQ(audience->size(), 0u);
     EXPECT_EQ(askFrom("/", "cross-site", "Sec-Fetch-Mode: navigate\r\n").status, 200) << "a link to the page";
     EXPECT_EQ(askFrom("/healthz", "cross-site").status, 200) << "a page that asks whether this server is there";
-    for (const char* site : {"same-origin", "same-site", "none"}) EXPECT_EQ(askFrom("/snapshot.jpg", site).status, 200) << site;
+    for (const char* site : {"same-origin", "same-site", "none"})
+        EXPECT_EQ(askFrom("/snapshot.jpg", site).status, 200) << site;
 }
 
 TEST_F(OriginTest, APageOfAnAllowedSiteIsServed) {

@@ -4,7 +4,8 @@
 namespace brume::test {
 namespace {
 
-std::string resumeKey(WsClient& client, const char* key = nullptr, uint32_t* viewer = nullptr, bool* resumed = nullptr) {
+std::string resumeKey(WsClient& client, const char* key = nullptr, uint32_t* viewer = nullptr,
+                      bool* resumed = nullptr) {
     client.say([&](auto& b) { return wire::CreateHelloDirect(b, "test client", 64, 48, 1, 0, key); });
     const auto message = client.next<wire::Welcome>();
     if (!message) return {};
@@ -63,7 +64,8 @@ TEST_F(SessionTest, AHiddenWindowGetsNothingAndStaysAndIsServedAgain) {
     ASSERT_TRUE(client->next<wire::Frame>());
     ASSERT_TRUE(client->next<wire::Frame>()); // the window is full, and nothing is acknowledged
     client->pose(2, {0, 0, 10}, 0, 0, true);
-    for (int i = 0; i < 5; ++i) ASSERT_TRUE(client->next<wire::Ping>()) << "200 ms apart, longer than the silence allowed";
+    for (int i = 0; i < 5; ++i)
+        ASSERT_TRUE(client->next<wire::Ping>()) << "200 ms apart, longer than the silence allowed";
     EXPECT_EQ(renderer->made, 2u);
     client->pose(3);
     EXPECT_TRUE(frameOf(*client, 3));

@@ -199,7 +199,8 @@ TEST_F(SessionTest, CommandsReachTheSceneInOrderAndEveryoneSeesThem) {
     const auto one = watch(), other = watch();
     const auto input = [](WsClient& client, uint32_t seq, bool paused) {
         client.say([&](auto& b) {
-            return wire::CreateInput(b, seq, 0, wire::Command::SetSimulation, wire::CreateSetSimulation(b, paused).Union());
+            return wire::CreateInput(b, seq, 0, wire::Command::SetSimulation,
+                                     wire::CreateSetSimulation(b, paused).Union());
         });
     };
     for (uint32_t seq = 1; seq <= 99; ++seq) input(*one, seq, seq % 2 != 0);
@@ -233,8 +234,9 @@ TEST_F(SessionTest, WrongNamesAndAFullQueueAreAnsweredByNumber) {
     pauseRenderer();
     uint32_t seq = 1;
     for (int i = 0; i < 4097; ++i)
-        client->say(
-            [&](auto& b) { return wire::CreateInput(b, ++seq, 0, wire::Command::Restart, wire::CreateRestart(b).Union()); });
+        client->say([&](auto& b) {
+            return wire::CreateInput(b, ++seq, 0, wire::Command::Restart, wire::CreateRestart(b).Union());
+        });
     const auto busy = client->next<wire::Error>();
     ASSERT_TRUE(busy);
     EXPECT_EQ(busy->parsed->as<wire::Error>()->code(), ErrorCode::busy);

@@ -18,12 +18,14 @@ std::string startError(net::NetOptions options, Audience& audience, Metrics& met
 
 TEST_F(StopTest, ATakenPortIsToldInOneLine) {
     options.port = serve();
-    EXPECT_EQ(startError(options, *audience, *metrics),
-              fmt::format("cannot listen on 127.0.0.1:{}: Address already in use; choose another with --port", options.port));
+    EXPECT_EQ(
+        startError(options, *audience, *metrics),
+        fmt::format("cannot listen on 127.0.0.1:{}: Address already in use; choose another with --port", options.port));
     options.listen = "192.0.2.1"; // an address of nobody's
-    EXPECT_EQ(startError(options, *audience, *metrics),
-              fmt::format("cannot listen on 192.0.2.1:{}: Cannot assign requested address; choose another with --listen",
-                          options.port));
+    EXPECT_EQ(
+        startError(options, *audience, *metrics),
+        fmt::format("cannot listen on 192.0.2.1:{}: Cannot assign requested address; choose another with --listen",
+                    options.port));
     options.listen = "not an address";
     const std::string unknown = startError(options, *audience, *metrics);
     EXPECT_NE(unknown.find("choose another with --listen"), std::string::npos) << unknown;

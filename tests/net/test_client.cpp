@@ -166,7 +166,8 @@ bool WsClient::hello(uint16_t width, uint16_t height, uint8_t views) {
 bool WsClient::pose(uint32_t seq, wire::Vec3 position, uint16_t width, uint16_t height, bool hidden) {
     const wire::Quat orientation(0, 0, 0, 1);
     return say([&](auto& b) {
-        return wire::CreatePose(b, seq, 1000 + seq, &position, &orientation, 0.8f, 0, width, height, nullptr, nullptr, hidden);
+        return wire::CreatePose(b, seq, 1000 + seq, &position, &orientation, 0.8f, 0, width, height, nullptr, nullptr,
+                                hidden);
     });
 }
 
@@ -177,7 +178,9 @@ bool WsClient::ack(uint32_t frame) {
 std::unique_ptr<Received> WsClient::receive(Milliseconds timeout) {
     const auto deadline = SteadyClock::now() + timeout;
     for (;;) {
-        const auto left = [&] { return std::max(std::chrono::duration_cast<Milliseconds>(deadline - SteadyClock::now()), 0ms); };
+        const auto left = [&] {
+            return std::max(std::chrono::duration_cast<Milliseconds>(deadline - SteadyClock::now()), 0ms);
+        };
         const std::string head = socket.read(2, left());
         if (head.size() < 2) return nullptr;
         uint64_t size = uint8_t(head[1]) & 0x7f;

@@ -66,7 +66,8 @@ struct Received {
 class WsClient {
 public:
     // Connects and upgrades at /ws. `headers`: sent in place of "Sec-WebSocket-Protocol: brume.v1\r\n".
-    explicit WsClient(uint16_t port, int receive_buffer = 0, const std::string& headers = "Sec-WebSocket-Protocol: brume.v1\r\n");
+    explicit WsClient(uint16_t port, int receive_buffer = 0,
+                      const std::string& headers = "Sec-WebSocket-Protocol: brume.v1\r\n");
 
     HttpAnswer handshake;
     Socket socket;
@@ -79,7 +80,8 @@ public:
         return sendMessage(2, wire::bytesOf(packed));
     }
     bool hello(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1);
-    bool pose(uint32_t seq, wire::Vec3 position = {0, 0, 10}, uint16_t width = 0, uint16_t height = 0, bool hidden = false);
+    bool pose(uint32_t seq, wire::Vec3 position = {0, 0, 10}, uint16_t width = 0, uint16_t height = 0,
+              bool hidden = false);
     bool ack(uint32_t frame);
 
     // The next message; null if none comes in time or the connection has ended. Pings are answered and left out.

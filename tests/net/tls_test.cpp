@@ -49,7 +49,8 @@ struct TlsTest : ServerTest {
         X509* const peer = SSL_get1_peer_certificate(stream.native_handle());
         answer.serial = ASN1_INTEGER_get(X509_get0_serialNumber(peer));
         X509_free(peer);
-        asio::write(stream, asio::buffer("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"), error);
+        asio::write(stream, asio::buffer("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"),
+                    error);
         asio::read(stream, asio::dynamic_buffer(answer.text), error);
         EXPECT_EQ(error, asio::error::eof) << "closed as TLS is, not cut: " << error.message();
         return answer;
@@ -80,7 +81,8 @@ TEST_F(TlsTest, OlderVersionsAreRefusedAndCounted) {
     EXPECT_TRUE(ask("/healthz").text.ends_with("ok\n"));
 }
 
-// One that speaks HTTP, one noise, ones that say nothing or half of a hello: each is gone in time, and nobody waits for them.
+// One that speaks HTTP, one noise, ones that say nothing or half of a hello: each is gone in time, and nobody waits for
+// them.
 TEST_F(TlsTest, WhoDoesNotGetThroughDelaysNobody) {
     options.handshake = 700ms;
     const uint16_t port = serve();

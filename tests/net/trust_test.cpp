@@ -18,7 +18,8 @@ struct TrustTest : ServerTest {
     static std::string bearer(const std::string& token) { return "Authorization: Bearer " + token + "\r\n"; }
     // Welcomed.
     std::unique_ptr<WsClient> enter(const std::string& token) {
-        auto client = std::make_unique<WsClient>(server->port(), 0, "Sec-WebSocket-Protocol: brume.v1\r\n" + bearer(token));
+        auto client =
+            std::make_unique<WsClient>(server->port(), 0, "Sec-WebSocket-Protocol: brume.v1\r\n" + bearer(token));
         EXPECT_EQ(client->handshake.status, 101) << client->handshake.body;
         client->hello();
         const auto welcome = client->next<wire::Welcome>();
@@ -85,7 +86,9 @@ TEST_F(TrustTest, EachRoleDoesWhatItMayAndIsToldSo) {
         });
     };
     const auto restart = [](WsClient& client, uint32_t seq) {
-        client.say([&](auto& b) { return wire::CreateInput(b, seq, 1, wire::Command::Restart, wire::CreateRestart(b).Union()); });
+        client.say([&](auto& b) {
+            return wire::CreateInput(b, seq, 1, wire::Command::Restart, wire::CreateRestart(b).Union());
+        });
     };
     const auto taken = [&](size_t count) { return eventually([&] { return renderer->commands().size() == count; }); };
 

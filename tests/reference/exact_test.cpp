@@ -72,7 +72,8 @@ TEST(Gaussian, AreaOfItsShadow) {
     for (int p = 0; p < panels; ++p)
         for (int i = 0; i < rule.size(); ++i) {
             const double width = 5.5 / k / panels, r = width * (p + (rule.node(i) + 1) / 2);
-            area += rule.weight(i) * width / 2 * 2 * kPi * r * (1 - along(world, {{r, 0, 5}, {0, 0, -1}}).transmittance);
+            area +=
+                rule.weight(i) * width / 2 * 2 * kPi * r * (1 - along(world, {{r, 0, 5}, {0, 0, -1}}).transmittance);
         }
     expectRelative("Gaussian, integral of 1 - T over the plane", area, 0.281567040834);
 }
@@ -95,8 +96,8 @@ TEST(HeightFog, Depth) {
     EXPECT_EQ(along(world, {{0, y0, 0}, {0, -1, 0}}).transmittance, 0);
 }
 
-// Light from straight above through fog that thins upward, seen along the ground: T_L is constant, T_V is homogeneous. Seen from
-// above, light and view depth are the same: half of 1 - T^2.
+// Light from straight above through fog that thins upward, seen along the ground: T_L is constant, T_V is homogeneous.
+// Seen from above, light and view depth are the same: half of 1 - T^2.
 TEST(HeightFog, Scattered) {
     World world;
     world.fogs = {{0.4, glm::dvec3(0.7), 0.5}};
@@ -156,7 +157,8 @@ TEST(Spot, AcrossItsCone) {
         const double s = std::clamp((cosine - light.cos_outer) / (light.cos_inner - light.cos_outer), 0.0, 1.0);
         sum += s * s * (3 - 2 * s) * std::exp(-0.2 * (t + d)) / (d * d);
     }
-    expectRelative("spot's cone, against 2e6 midpoints", along(world, ray).scattered.x, sum * 12 / samples * 3 * 0.2 / (4 * kPi));
+    expectRelative("spot's cone, against 2e6 midpoints", along(world, ray).scattered.x,
+                   sum * 12 / samples * 3 * 0.2 / (4 * kPi));
 }
 
 TEST(Furnace, RadianceOfEverythingIsOne) {
@@ -170,11 +172,12 @@ TEST(Furnace, RadianceOfEverythingIsOne) {
         for (const Composition composition : {Composition::overlapping, Composition::sequential}) {
             world.support = support;
             world.composition = composition;
-            const Picture picture = render(world, perspective(brume::lookAt({1, 0, 2}, {0, 0, 0}, 1.2f), 12, 7), settings);
+            const Picture picture =
+                render(world, perspective(brume::lookAt({1, 0, 2}, {0, 0, 0}, 1.2f), 12, 7), settings);
             double worst = 0;
             for (const glm::dvec3& pixel : picture.total()) worst = std::max(worst, std::abs(pixel.y - 1));
-            std::printf("compositing furnace, support %d, composition %d: largest error %.1e\n", static_cast<int>(support),
-                        static_cast<int>(composition), worst);
+            std::printf("compositing furnace, support %d, composition %d: largest error %.1e\n",
+                        static_cast<int>(support), static_cast<int>(composition), worst);
             EXPECT_LT(worst, 1e-8);
         }
 }

@@ -114,8 +114,8 @@ TEST(PointField, EqualsTheWholeSum) {
             double sum = 0;
             for (const Blob& b : blobs) {
                 const double s = glm::dot(b.centre - x, w), b2 = glm::dot(b.centre - x, b.centre - x) - s * s;
-                sum +=
-                    b.half_line * std::exp(-b.k * b.k * b2) * (std::erf(b.k * (glm::length(light - x) - s)) - std::erf(-b.k * s));
+                sum += b.half_line * std::exp(-b.k * b.k * b2) *
+                       (std::erf(b.k * (glm::length(light - x) - s)) - std::erf(-b.k * s));
             }
             EXPECT_NEAR(field.depth(x), sum, 1e-7);
             largest = std::max(largest, sum);
@@ -169,7 +169,8 @@ TEST(OneGaussian, FromItsCentre) {
 
 TEST(TwoCoincident, OverlappingIsOneOfTwiceTheDensitySequentialIsNot) {
     const double tau = 1.2; // of each
-    const gpu::Particle pair[2] = {particle({0, 0, 0}, 6, sigmaFor(tau, 6, 1.6)), particle({0, 0, 0}, 6, sigmaFor(tau, 6, 1.6))};
+    const gpu::Particle pair[2] = {particle({0, 0, 0}, 6, sigmaFor(tau, 6, 1.6)),
+                                   particle({0, 0, 0}, 6, sigmaFor(tau, 6, 1.6))};
     const Pose pose = lookAt({0, 0, 20}, {0, 0, 0}, 0.5f);
     const Light light = unitLight({0, 0, 1});
     EXPECT_NEAR(look(pair, 1.6, light, pose, Model::overlapping).radiance, (1 - std::exp(-4 * tau)) / 2, 1e-6);
@@ -191,7 +192,8 @@ TEST(LatticeOfGaussians, IsASlab) {
         }
     Light light;
     light.irradiance = glm::vec3(1);
-    const auto view = static_cast<float>(view_cosine), side = static_cast<float>(std::sqrt(1 - view_cosine * view_cosine));
+    const auto view = static_cast<float>(view_cosine),
+               side = static_cast<float>(std::sqrt(1 - view_cosine * view_cosine));
     const Pose above = lookAt(2.0f * glm::vec3(side, view, 0), {0, 0, 0}, 0.5f);
     const auto light_up = static_cast<float>(light_cosine);
     light.to_light = {0, light_up, 0.8f};
@@ -211,7 +213,8 @@ TEST(Furnace, ScatteredAndTransmittedSumToOne) {
         for (const Model model : kModels) {
             const Picture picture = render({cloud, 1.6, 0, 0}, unitLight({0, 1, 0}), pose, 16, 9, model, settings);
             for (size_t i = 0; i < picture.radiance.size(); ++i)
-                ASSERT_NEAR(picture.radiance[i].x + picture.transmittance[i], 1, 2e-6) << "model " << static_cast<int>(model);
+                ASSERT_NEAR(picture.radiance[i].x + picture.transmittance[i], 1, 2e-6)
+                    << "model " << static_cast<int>(model);
         }
     }
 }
@@ -224,17 +227,21 @@ TEST(Tetrahedron, ChordsOfAUniformOne) {
     const struct {
         glm::vec3 from;
         double chord;
-    } views[] = {{glm::vec3(5), 4.0}, {glm::vec3(-5), 4.0}, {{0, 0, 9}, 6 / std::sqrt(3.0)}, {{0, 0, 0}, 3 / std::sqrt(3.0)}};
+    } views[] = {
+        {glm::vec3(5), 4.0}, {glm::vec3(-5), 4.0}, {{0, 0, 9}, 6 / std::sqrt(3.0)}, {{0, 0, 0}, 3 / std::sqrt(3.0)}};
     for (const auto& view : views) {
         Pose pose = view.from == glm::vec3(0) ? Pose{} : lookAt(view.from, {0, 0, 0}, 0.5f);
         pose.position = view.from;
-        const Pixel pixel = look({&one, 1}, falloff, unitLight({0, 1, 0}), pose, Model::sequential_tetrahedron, settings);
+        const Pixel pixel =
+            look({&one, 1}, falloff, unitLight({0, 1, 0}), pose, Model::sequential_tetrahedron, settings);
         EXPECT_NEAR(pixel.transmittance, std::exp(-sigma * view.chord), 1e-6) << view.chord;
         EXPECT_NEAR(pixel.radiance, 1 - std::exp(-sigma * view.chord), 1e-6);
     }
     // Past the vertex (1, -1, -1): nothing.
     const Pose beside = lookAt({4, 0, 9}, {4, 0, 0}, 0.5f);
-    EXPECT_EQ(look({&one, 1}, falloff, unitLight({0, 1, 0}), beside, Model::sequential_tetrahedron, settings).transmittance, 1);
+    EXPECT_EQ(
+        look({&one, 1}, falloff, unitLight({0, 1, 0}), beside, Model::sequential_tetrahedron, settings).transmittance,
+        1);
 }
 
 TEST(Phase, ScalesTheRadiance) {
@@ -246,7 +253,8 @@ TEST(Phase, ScalesTheRadiance) {
     const Picture forward = render({cloud, 1.6, a, g}, light, pose, 1, 1, Model::overlapping);
     const double expected = 1 - a + a * (1 - g * g) / std::pow(1 - g, 3);
     EXPECT_NEAR(forward.radiance[0].x / isotropic.radiance[0].x, expected, 1e-6 * expected);
-    EXPECT_NEAR(isotropic.radiance[0].y / isotropic.radiance[0].x, 0.7 / 0.9, 1e-6) << "single scattering is linear in albedo";
+    EXPECT_NEAR(isotropic.radiance[0].y / isotropic.radiance[0].x, 0.7 / 0.9, 1e-6)
+        << "single scattering is linear in albedo";
 }
 
 TEST(Convergence, RefinementChangesNothing) {
@@ -260,8 +268,8 @@ TEST(Convergence, RefinementChangesNothing) {
             const Picture coarse = render({cloud, 1.6, 0, 0}, light, pose, 24, 14, model);
             const Picture better = render({cloud, 1.6, 0, 0}, light, pose, 24, 14, model, fine);
             const double error = relativeRmse(coarse.radiance, better.radiance);
-            std::printf("extinction %g, model %d: refinement changes the picture by %.2g\n", static_cast<double>(sigma_t),
-                        static_cast<int>(model), error);
+            std::printf("extinction %g, model %d: refinement changes the picture by %.2g\n",
+                        static_cast<double>(sigma_t), static_cast<int>(model), error);
             EXPECT_LT(error, 1e-8);
         }
     }
@@ -278,7 +286,8 @@ TEST(Models, DifferWhereParticlesOverlap) {
     EXPECT_GT(difference, 1e-3);
     EXPECT_LT(difference, 0.1);
     for (size_t i = 0; i < overlapping.transmittance.size(); ++i)
-        EXPECT_DOUBLE_EQ(overlapping.transmittance[i], sequential.transmittance[i]) << "transmittance does not depend on order";
+        EXPECT_DOUBLE_EQ(overlapping.transmittance[i], sequential.transmittance[i])
+            << "transmittance does not depend on order";
 }
 
 TEST(World, OfASceneAsItIsNow) {

@@ -1,4 +1,5 @@
-// How fast the renderer's quadratures (shaders/shared/scatter.h, here in double) converge: their order, not only their error.
+// How fast the renderer's quadratures (shaders/shared/scatter.h, here in double) converge: their order, not only their
+// error.
 #include <cmath>
 #include <cstdio>
 
@@ -53,7 +54,8 @@ TEST(Order, SimpsonIsOfFourth) {
     }
 }
 
-// n Gauss-Legendre nodes in opacity y: for S = e^(-c t), t = view depth, S = (1 - y)^c, the relative error falls as depth^(2n).
+// n Gauss-Legendre nodes in opacity y: for S = e^(-c t), t = view depth, S = (1 - y)^c, the relative error falls as
+// depth^(2n).
 TEST(Order, TransmittanceSpaceIsOfTwiceItsNodes) {
     const double c = 6, a = -1, h = 2;
     for (const int n : {1, 2}) { // 3 nodes are below the form's own error at once
@@ -68,13 +70,15 @@ TEST(Order, TransmittanceSpaceIsOfTwiceItsNodes) {
             return sum / (-std::expm1(-(1 + c) * depth) / (1 + c)) - 1;
         };
         const double line = n == 1 ? 0.1 : 0.4, order = std::log2(error(line) / error(line / 2));
-        std::printf("transmittance space, %d nodes: errors %.2e %.2e, order %.2f\n", n, error(line), error(line / 2), order);
+        std::printf("transmittance space, %d nodes: errors %.2e %.2e, order %.2f\n", n, error(line), error(line / 2),
+                    order);
         EXPECT_GT(std::abs(error(line / 2)), 1e-5);
         EXPECT_NEAR(order, 2 * n, 0.3) << n;
     }
 }
 
-// Two Gauss-Hermite nodes are exact for cubics: for S = e^(-s z) through a thin particle the error is of fourth order in s.
+// Two Gauss-Hermite nodes are exact for cubics: for S = e^(-s z) through a thin particle the error is of fourth order
+// in s.
 TEST(Order, HermiteIsOfFourth) {
     const double line = 1e-7; // thin: the weights are then Hermite's own
     const auto error = [&](double slope) {
@@ -90,7 +94,8 @@ TEST(Order, HermiteIsOfFourth) {
     EXPECT_NEAR(order, 4, 0.3);
 }
 
-// 000's light depth, linear between entry and exit, does not converge to the true one with more steps: its limit is another.
+// 000's light depth, linear between entry and exit, does not converge to the true one with more steps: its limit is
+// another.
 TEST(Order, LinearLightDepthHasALimitOfItsOwn) {
     const double line = 3, a = -2.5, h = 5;
     const auto depth = [&](double z) { return line / 2 * std::erfc(-(a + z)); }; // lit from behind: what lies beyond

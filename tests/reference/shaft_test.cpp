@@ -1,5 +1,5 @@
-// Rays across shadow edges and tetrahedron faces, against sums of many samples straight from the definitions; and what a finer
-// tolerance changes.
+// Rays across shadow edges and tetrahedron faces, against sums of many samples straight from the definitions; and what
+// a finer tolerance changes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -46,7 +46,8 @@ World propsWorld() {
     return world;
 }
 
-// Midpoint sum of the definition for light 0, with libm; channels summed. `error`: what the jumps of visibility may cost.
+// Midpoint sum of the definition for light 0, with libm; channels summed. `error`: what the jumps of visibility may
+// cost.
 struct Brute {
     double radiance = 0, error = 0;
 };
@@ -91,9 +92,9 @@ Brute bruteForce(const World& world, const Ray& ray, double end, int samples) {
         seen.back() = !occluded(world.obstacles, toward);
         double light_depth = 0;
         for (const Blob& b : world.blobs)
-            light_depth += blobDepth(
-                b, toward,
-                common({0, arrival.distance}, world.cut_light ? insideTetrahedron(b, toward) : Interval{0, arrival.distance}));
+            light_depth += blobDepth(b, toward,
+                                     common({0, arrival.distance}, world.cut_light ? insideTetrahedron(b, toward)
+                                                                                   : Interval{0, arrival.distance}));
         for (const Fog& fog : world.fogs) light_depth += depthOn(fog, toward);
         glm::dvec3 value = world.ambient * scattering;
         const glm::dvec3 lit =
@@ -120,8 +121,10 @@ TEST(Shafts, AgainstManySamples) {
         world.lights = {light};
         double worst = 0;
         for (int i = 0; i < 4; ++i) {
-            const Ray ray{
-                {-7, 4 * unit() - 2, 6 * unit() - 3}, glm::normalize(glm::dvec3(1, unit() - 0.5, 0.6 * unit() - 0.3)), 0, 15};
+            const Ray ray{{-7, 4 * unit() - 2, 6 * unit() - 3},
+                          glm::normalize(glm::dvec3(1, unit() - 0.5, 0.6 * unit() - 0.3)),
+                          0,
+                          15};
             const double end = std::min(nearest(world.obstacles, ray).t, ray.end);
             const Brute brute = bruteForce(world, ray, end, 200'000);
             const double got = channels(along(world, ray).scattered);
@@ -145,9 +148,11 @@ TEST(Faces, AgainstManySamples) {
             const Ray ray{{-5, 0.3, 0.2}, glm::normalize(glm::dvec3(1, -0.05, 0.03)), 0, 11};
             const Brute brute = bruteForce(world, ray, ray.end, 200'000);
             const double got = channels(along(world, ray).scattered);
-            EXPECT_NEAR(got, brute.radiance, brute.error + 1e-7 * got) << static_cast<int>(light.kind) << ' ' << cut_light;
+            EXPECT_NEAR(got, brute.radiance, brute.error + 1e-7 * got)
+                << static_cast<int>(light.kind) << ' ' << cut_light;
             EXPECT_LT(brute.error, 3e-3 * got);
-            std::printf("faces, light %d, cut %d: %.1e\n", static_cast<int>(light.kind), cut_light, got / brute.radiance - 1);
+            std::printf("faces, light %d, cut %d: %.1e\n", static_cast<int>(light.kind), cut_light,
+                        got / brute.radiance - 1);
         }
     }
 }
@@ -161,10 +166,12 @@ void expectRefined(const char* what, const World& world, const Camera& camera, d
     double worst = 0, brightest = 0;
     for (size_t i = 0; i < coarse.radiance.size(); ++i) {
         worst = std::max(worst, std::abs(channels(coarse.radiance[i] - better.radiance[i])));
-        worst = std::max(worst, std::abs(coarse.transmittance[i] - better.transmittance[i]) * channels(better.radiance[i]));
+        worst =
+            std::max(worst, std::abs(coarse.transmittance[i] - better.transmittance[i]) * channels(better.radiance[i]));
         brightest = std::max(brightest, channels(better.radiance[i]));
     }
-    std::printf("%s: tolerance %g, the worst pixel changes by %.1e of the brightest\n", what, tolerance, worst / brightest);
+    std::printf("%s: tolerance %g, the worst pixel changes by %.1e of the brightest\n", what, tolerance,
+                worst / brightest);
     EXPECT_LT(worst, tolerance * brightest) << what;
     EXPECT_GT(brightest, 0);
 }
@@ -209,7 +216,8 @@ TEST(Objects, AreHitWhereTheyBegin) {
     const auto unit = [&] { return random() / 2147483648.0 - 1; };
     int hits = 0;
     for (int i = 0; i < 2000; ++i) {
-        const Ray ray{{6 * unit(), 5 + unit(), 6 * unit()}, glm::normalize(glm::dvec3(unit(), unit() - 0.5, unit())), 0, 12};
+        const Ray ray{
+            {6 * unit(), 5 + unit(), 6 * unit()}, glm::normalize(glm::dvec3(unit(), unit() - 0.5, unit())), 0, 12};
         const Hit hit = nearest(world.obstacles, ray);
         const double step = 0.004;
         double met = kInfinity;

@@ -1,5 +1,5 @@
-// Random paths against exact answers, each within its own interval: 4 standard errors, which a right program leaves once in
-// 16000.
+// Random paths against exact answers, each within its own interval: 4 standard errors, which a right program leaves
+// once in 16000.
 #include "tools/reference/tracker.h"
 
 #include <algorithm>
@@ -48,14 +48,15 @@ TEST(Tracker, WhiteFurnace) {
     world.ambient = world.sky_horizon = world.sky_zenith = glm::dvec3(1, 2, 3);
     TrackSettings settings;
     settings.samples = 20;
-    const TrackedPicture picture = track(world, perspective(brume::lookAt({1, 2, 12}, {0, 0, 0}, 0.7f), 16, 9), settings);
+    const TrackedPicture picture =
+        track(world, perspective(brume::lookAt({1, 2, 12}, {0, 0, 0}, 0.7f), 16, 9), settings);
     for (size_t i = 0; i < picture.radiance.size(); ++i)
         for (int c = 0; c < 3; ++c) // no path gains or loses: not even noise
             ASSERT_NEAR(picture.radiance[i][c], 1 + c, 1e-12) << i;
 }
 
-// Half of the energy absorbed at each event, light from everywhere: a lossy furnace is darker, by the optically thin limit rho
-// tau.
+// Half of the energy absorbed at each event, light from everywhere: a lossy furnace is darker, by the optically thin
+// limit rho tau.
 TEST(Tracker, ThinMediumLosesWhatItAbsorbs) {
     World world;
     world.blobs = {blob({0, 0, 0}, 2, 1.6, 0.01, glm::dvec3(0.5))};
@@ -68,7 +69,8 @@ TEST(Tracker, ThinMediumLosesWhatItAbsorbs) {
     EXPECT_GT(picture.standard_error[0].x, 0);
 }
 
-// The first order by paths is single scattering by closed forms, pixel by pixel, with every kind of light, medium and object.
+// The first order by paths is single scattering by closed forms, pixel by pixel, with every kind of light, medium and
+// object.
 TEST(Tracker, FirstOrderIsSingleScattering) {
     World world;
     world.blobs = cloud(12, 5, 4, 0.6, {0.9, 0.8, 0.7});
@@ -77,9 +79,12 @@ TEST(Tracker, FirstOrderIsSingleScattering) {
     world.anisotropy = 0.6;
     world.asymmetry = 0.5;
     world.sky_horizon = {0.1, 0.2, 0.3};
-    world.obstacles = {
-        {Obstacle::Kind::plane, {0, -3, 0}, glm::dvec3(0), 0, glm::dvec3(0)},
-        {Obstacle::Kind::box, {0.5, 3, 0}, {1, 0.4, 1.5}, 0.5, glm::dvec3(0)}}; // black: paths see the light of surfaces, too
+    world.obstacles = {{Obstacle::Kind::plane, {0, -3, 0}, glm::dvec3(0), 0, glm::dvec3(0)},
+                       {Obstacle::Kind::box,
+                        {0.5, 3, 0},
+                        {1, 0.4, 1.5},
+                        0.5,
+                        glm::dvec3(0)}}; // black: paths see the light of surfaces, too
     LightSource point;
     point.kind = LightSource::Kind::point;
     point.position = {2, 7, 3};
@@ -100,8 +105,9 @@ TEST(Tracker, FirstOrderIsSingleScattering) {
         noise = std::max(noise, paths.standard_error[i].x / exact[i].x);
     }
     const double pixels = static_cast<double>(exact.size());
-    std::printf("first order: %g pixels off by at most %.2f standard errors (RMS %.2f), which are at most %.1e of the pixel\n",
-                pixels, worst, std::sqrt(squares / pixels), noise);
+    std::printf(
+        "first order: %g pixels off by at most %.2f standard errors (RMS %.2f), which are at most %.1e of the pixel\n",
+        pixels, worst, std::sqrt(squares / pixels), noise);
     EXPECT_LT(worst, 4.5);                                       // of 40 normal numbers: once in 3700
     EXPECT_NEAR(squares / pixels, 1, 5 * std::sqrt(2 / pixels)); // mean of 40 squares; a wrong interval would miss it
     EXPECT_LT(noise, 0.02);
@@ -123,7 +129,8 @@ TEST(Tracker, MoreOrdersAreBrighterAndSeedsRepeat) {
     double more = 0, variance = 0;
     for (size_t i = 0; i < all.radiance.size(); ++i) {
         more += all.radiance[i].x - one.radiance[i].x;
-        variance += all.standard_error[i].x * all.standard_error[i].x + one.standard_error[i].x * one.standard_error[i].x;
+        variance +=
+            all.standard_error[i].x * all.standard_error[i].x + one.standard_error[i].x * one.standard_error[i].x;
     }
     EXPECT_GT(more, 4 * std::sqrt(variance));
     settings.orders = 1'000'000;

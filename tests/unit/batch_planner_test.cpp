@@ -50,7 +50,8 @@ TEST(BatchPlanner, ViewersOfTheSamePictureShareIt) {
     BatchPlanner planner;
     BatchContents batch;
     const std::vector viewers{viewerOf(1), viewerOf(2), viewerOf(3)};
-    for (const auto& viewer : viewers) viewer->setPose(poseOf(viewer->id(), 64, 36, viewer->id() == 2 ? 1.0f : 0.0f, 2));
+    for (const auto& viewer : viewers)
+        viewer->setPose(poseOf(viewer->id(), 64, 36, viewer->id() == 2 ? 1.0f : 0.0f, 2));
     ASSERT_TRUE(planner.plan(viewers, 1, {.budget_ms = 50}, kStart, batch));
     ASSERT_EQ(batch.jobs.size(), 3u);
     EXPECT_EQ(batch.eyes.size(), 4u);
@@ -95,7 +96,8 @@ TEST(BatchPlanner, NobodyWaitsForeverUnderOverload) {
     Clock::time_point now = kStart;
     for (uint32_t tick = 1; now < kStart + std::chrono::seconds(20); ++tick) {
         for (const auto& viewer : viewers)
-            viewer->setPose(poseOf(tick, sideOf(viewer->id()), sideOf(viewer->id()), float(tick) + 0.1f * float(viewer->id())));
+            viewer->setPose(
+                poseOf(tick, sideOf(viewer->id()), sideOf(viewer->id()), float(tick) + 0.1f * float(viewer->id())));
         Clock::duration took = kTick;
         if (planner.plan(viewers, tick, {.budget_ms = 40}, now, batch)) {
             double ms = 0;

@@ -59,13 +59,15 @@ TEST(Endpoint, WhereAGoodbyeSends) {
         ASSERT_TRUE(parseGoTo(url)) << url;
         EXPECT_EQ(parseGoTo(url)->url(), socket);
     }
-    for (const char* bad : {"", "cloud", "ftp://cloud", "httpx://cloud", "http:", "http://", "https://a:0", "file:///etc/passwd"})
+    for (const char* bad :
+         {"", "cloud", "ftp://cloud", "httpx://cloud", "http:", "http://", "https://a:0", "file:///etc/passwd"})
         EXPECT_FALSE(parseGoTo(bad)) << bad;
 }
 
 TEST(Options, GoodOnes) {
-    const auto options = parsed({"--url", "ws://h:1", "--size", "800x450", "--stereo", "--path", "fly", "--camera",
-                                 "1,2,3,-4,5e-1,6", "--impulse", "2:0,0,5,0,0,-2,1.5", "--impulse", "0.5:0,0,5,0,1,0,-1"});
+    const auto options =
+        parsed({"--url", "ws://h:1", "--size", "800x450", "--stereo", "--path", "fly", "--camera", "1,2,3,-4,5e-1,6",
+                "--impulse", "2:0,0,5,0,0,-2,1.5", "--impulse", "0.5:0,0,5,0,1,0,-1"});
     ASSERT_TRUE(options);
     EXPECT_EQ(options->wishes.width, 800);
     EXPECT_EQ(options->wishes.height, 450);

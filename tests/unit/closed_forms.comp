@@ -24,7 +24,8 @@ void main() {
         sum += node.weight * node.z + cut.weight * cut.z;
     }
     const float k = gaussianK(x[i], x[i + 1]);
-    sum += lightDepth(x[i], k, gaussianAcross(k, x[i + 2]), x[i + 3]) + segmentDepth(x[i], k, x[i + 2], x[i + 3], x[i + 4]);
+    sum += lightDepth(x[i], k, gaussianAcross(k, x[i + 2]), x[i + 3]) +
+           segmentDepth(x[i], k, x[i + 2], x[i + 3], x[i + 4]);
     sum += phaseMixture(vec3(x[i]), vec3(x[i + 1]), x[i + 2], x[i + 3]) + erf(x[i + 6]) + depthOfOpacity(x[i + 7]);
     x[i] = sum;
 }

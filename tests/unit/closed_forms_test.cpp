@@ -1,5 +1,5 @@
-// The error function family and transmittance, as float (what shaders compute) and as double (the approximation without its
-// rounding), against 50 digits; and the forms that physics gets wrong in float, shown to fail.
+// The error function family and transmittance, as float (what shaders compute) and as double (the approximation without
+// its rounding), against 50 digits; and the forms that physics gets wrong in float, shown to fail.
 #include <gtest/gtest.h>
 
 #include "shaders/shared/srgb.h"
@@ -109,7 +109,8 @@ TEST(Exponentials, PhiOpacityAndBack) {
         opacity.relative(physics::opacity(single), exact::opacity(x), x);
         if (x < 1) depth.relative(physics::depthOfOpacity(single), exact::depthOfOpacity(x), x);
     });
-    geometric(1e-6, 2e-6, 1.01, [&](double x) { narrow_switch.relative(plainPhi(static_cast<float>(x)), exact::phi(x), x); });
+    geometric(1e-6, 2e-6, 1.01,
+              [&](double x) { narrow_switch.relative(plainPhi(static_cast<float>(x)), exact::phi(x), x); });
     EXPECT_LT(phi.deviation(), 2e-6) << phi;
     EXPECT_LT(fit.deviation(), 6e-8) << fit; // the series' next term
     EXPECT_LT(opacity.deviation(), 4e-7) << opacity;
@@ -121,7 +122,8 @@ TEST(Exponentials, PhiOpacityAndBack) {
     EXPECT_LT(physics::depthOfOpacity(1.0f), 100) << "finite for a full opacity";
 }
 
-// Extinction along a line past a particle, integrated by the midpoint rule, which converges geometrically for Gaussians.
+// Extinction along a line past a particle, integrated by the midpoint rule, which converges geometrically for
+// Gaussians.
 double integratedDepth(double sigma_t, double k, double b2, double a, double h) {
     const int n = 4096;
     double sum = 0;
@@ -152,8 +154,8 @@ TEST(SegmentDepth, AgreesWithIntegrationFromOutsideAndInside) {
             for (const double h : {1e-3, 0.1, 0.6, 2.0, 7.0}) {
                 const double exact =
                     integratedDepth(2.5, 0.75, static_cast<float>(b2), static_cast<float>(a), static_cast<float>(h));
-                const float depth =
-                    physics::segmentDepth(2.5f, 0.75f, static_cast<float>(b2), static_cast<float>(a), static_cast<float>(h));
+                const float depth = physics::segmentDepth(2.5f, 0.75f, static_cast<float>(b2), static_cast<float>(a),
+                                                          static_cast<float>(h));
                 single.relative(depth, exact, a, h);
             }
         }
@@ -172,7 +174,8 @@ TEST(LightDepth, HalfLines) {
                     1e-6 * line * exact::erfc(s) * (1 + s * s));
 }
 
-// Integral of 1 - T over the plane across one particle, which has a closed form: (pi u^2 / 50) (gamma + ln T0 + E1(T0)).
+// Integral of 1 - T over the plane across one particle, which has a closed form: (pi u^2 / 50) (gamma + ln T0 +
+// E1(T0)).
 template <typename real>
 double discIntegral(real central_depth, real u) {
     const real k = std::sqrt(real(50)) / u;

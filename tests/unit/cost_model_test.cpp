@@ -12,7 +12,8 @@ namespace {
 
 class CostFile : public testing::Test {
 protected:
-    std::filesystem::path folder = std::filesystem::temp_directory_path() / ("brume-costs-" + std::to_string(::getpid()));
+    std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("brume-costs-" + std::to_string(::getpid()));
     std::filesystem::path file = costFile(folder, "llvmpipe (LLVM 15)", "Mesa 22.3");
     void TearDown() override { std::filesystem::remove_all(folder); }
 

@@ -94,7 +94,8 @@ TEST(Kernels, SmokeFollowsTheTurbulenceAtItsPlace) {
         columns[Column::y][i] = places[i].y;
         columns[Column::z][i] = places[i].z;
     }
-    plumeStep(columns, {kBegin, kEnd}, {.dt = kDt, .viscosity = 3, .wind = {0.5f, 0, 0}, .buoyancy = 0, .life = 5}, modes);
+    plumeStep(columns, {kBegin, kEnd}, {.dt = kDt, .viscosity = 3, .wind = {0.5f, 0, 0}, .buoyancy = 0, .life = 5},
+              modes);
     for (uint32_t i = 0; i < kRows; ++i) {
         const glm::vec3 v(columns[Column::vx][i], columns[Column::vy][i], columns[Column::vz][i]);
         const float share = 3 * kDt / (1 + 3 * kDt);

@@ -14,7 +14,8 @@ double erfc(double x) { return static_cast<double>(boost::math::erfc(Exact(x)));
 double erfcx(double x) {
     const Exact y = x;
     if (x < 1000) return static_cast<double>(exp(y * y) * boost::math::erfc(y));
-    return static_cast<double>((1 - 1 / (2 * y * y)) / (y * sqrt(boost::math::constants::pi<Exact>()))); // next term 1e-12
+    return static_cast<double>((1 - 1 / (2 * y * y)) /
+                               (y * sqrt(boost::math::constants::pi<Exact>()))); // next term 1e-12
 }
 
 double erfDifference(double a, double h) {

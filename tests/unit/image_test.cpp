@@ -29,7 +29,8 @@ protected:
     std::filesystem::path file(const std::string& name) const { return folder_ / name; }
 
 private:
-    std::filesystem::path folder_ = std::filesystem::temp_directory_path() / ("brume-image-test-" + std::to_string(::getpid()));
+    std::filesystem::path folder_ =
+        std::filesystem::temp_directory_path() / ("brume-image-test-" + std::to_string(::getpid()));
 };
 
 RadianceImage blank(int width, int height) {
@@ -53,7 +54,9 @@ std::string bytesOf(const std::filesystem::path& file) {
     return out.str();
 }
 
-void writeBytes(const std::filesystem::path& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
+void writeBytes(const std::filesystem::path& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+}
 
 // One line that names the file.
 void expectRefused(const std::filesystem::path& file, const std::string& because) {
@@ -64,7 +67,8 @@ void expectRefused(const std::filesystem::path& file, const std::string& because
 }
 
 // An EXR of other programs: any channels, half or float, its data window anywhere.
-void writeOther(const std::filesystem::path& file, const Imath::Box2i& window, Imf::PixelType type, const std::string& channels) {
+void writeOther(const std::filesystem::path& file, const Imath::Box2i& window, Imf::PixelType type,
+                const std::string& channels) {
     Imf::Header header(Imath::Box2i({0, 0}, {63, 63}), window);
     const size_t pixels = size_t(window.max.x - window.min.x + 1) * (window.max.y - window.min.y + 1);
     std::vector<std::vector<half>> halves;
@@ -73,7 +77,8 @@ void writeOther(const std::filesystem::path& file, const Imath::Box2i& window, I
     for (const char name : channels) {
         auto& h = halves.emplace_back(pixels);
         auto& f = floats.emplace_back(pixels);
-        for (size_t i = 0; i < pixels; ++i) h[i] = f[i] = static_cast<float>(i) + static_cast<float>(name); // exact as half
+        for (size_t i = 0; i < pixels; ++i)
+            h[i] = f[i] = static_cast<float>(i) + static_cast<float>(name); // exact as half
         const void* first = type == Imf::HALF ? static_cast<const void*>(h.data()) : f.data();
         header.channels().insert(std::string(1, name), Imf::Channel(type));
         buffer.insert(std::string(1, name), Imf::Slice::Make(type, first, window));
@@ -92,7 +97,8 @@ TEST_F(ImageFiles, ExrComesBackBitForBit) {
                 state = state * 1664525u + 1013904223u;
                 pixel[c] = std::bit_cast<float>(state); // every kind of number
             }
-        for (float& t : image.transmittance) t = static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+        for (float& t : image.transmittance)
+            t = static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
         image.radiance.front() = {kNaN, -kInfinity, std::numeric_limits<float>::denorm_min()};
         writeExr(file("a.exr"), image);
         const RadianceImage back = readExr(file("a.exr"));
@@ -100,8 +106,10 @@ TEST_F(ImageFiles, ExrComesBackBitForBit) {
         ASSERT_EQ(back.height, height);
         ASSERT_EQ(back.radiance.size(), image.radiance.size());
         ASSERT_EQ(back.transmittance.size(), image.transmittance.size());
-        EXPECT_EQ(std::memcmp(back.radiance.data(), image.radiance.data(), sizeof(glm::vec3) * image.radiance.size()), 0);
-        EXPECT_EQ(std::memcmp(back.transmittance.data(), image.transmittance.data(), sizeof(float) * image.transmittance.size()),
+        EXPECT_EQ(std::memcmp(back.radiance.data(), image.radiance.data(), sizeof(glm::vec3) * image.radiance.size()),
+                  0);
+        EXPECT_EQ(std::memcmp(back.transmittance.data(), image.transmittance.data(),
+                              sizeof(float) * image.transmittance.size()),
                   0);
     }
 }
@@ -150,14 +158,16 @@ TEST_F(ImageFiles, ExrsThatClaimToBeTooLargeAreRefused) {
     const std::string small = bytesOf(file("small.exr"));
     const size_t window = small.find("dataWindow");
     ASSERT_NE(window, std::string::npos);
-    const auto claim = [&](size_t coordinate, int32_t last, const std::string& because) { // of min x, min y, max x, max y
+    const auto claim = [&](size_t coordinate, int32_t last,
+                           const std::string& because) { // of min x, min y, max x, max y
         std::string large = small;
         std::memcpy(&large[window + sizeof("dataWindow") + sizeof("box2i") + 4 + 4 * coordinate], &last, 4);
         writeBytes(file("large.exr"), large);
         expectRefused(file("large.exr"), because);
     };
     for (const size_t coordinate : {2u, 3u})
-        for (const int32_t last : {16384, 1 << 20, std::numeric_limits<int32_t>::max()}) claim(coordinate, last, "data window");
+        for (const int32_t last : {16384, 1 << 20, std::numeric_limits<int32_t>::max()})
+            claim(coordinate, last, "data window");
     claim(3, 16383, "cannot be read"); // as many rows as are allowed, but they are not there
 }
 
@@ -176,7 +186,8 @@ TEST_F(ImageFiles, WhatCannotBeWrittenIsSaid) {
     saysSo(file("flat.exr"));
 
     const std::vector<glm::u8vec3> pixels(16);
-    EXPECT_NE(errorOf([&] { writePng(file("no/such/folder.png"), 4, 4, pixels); }).find("folder.png: PNG: "), std::string::npos);
+    EXPECT_NE(errorOf([&] { writePng(file("no/such/folder.png"), 4, 4, pixels); }).find("folder.png: PNG: "),
+              std::string::npos);
     EXPECT_NE(errorOf([&] { writePng(file("a.png"), 4, 5, pixels); }).find("width * height"), std::string::npos);
 }
 
@@ -221,7 +232,8 @@ TEST(Display, FilmicRisesFromBlackToWhite) {
     EXPECT_NEAR(light[50].x, 2.54 / 3.16, 1e-6); // radiance 1, by the formula's own numbers; float32 rounding
     EXPECT_EQ(light.back().x, 1);                // 8: the curve passes 1 near 7.2
     EXPECT_EQ(displayedLight(pixelsOf({{1e30f, kInfinity, 1e4f}}), {})[0], glm::vec3(1));
-    EXPECT_EQ(displayedLight(pixelsOf({{0.5f, 1, 2}}), {.exposure = 2})[0], displayedLight(pixelsOf({{1, 2, 4}}), {})[0]);
+    EXPECT_EQ(displayedLight(pixelsOf({{0.5f, 1, 2}}), {.exposure = 2})[0],
+              displayedLight(pixelsOf({{1, 2, 4}}), {})[0]);
 }
 
 TEST(Display, MaskHoldsPixelsWithMedium) {

@@ -38,8 +38,9 @@ TEST_F(SessionRulesTest, InputsOverTheRateAreRefusedByNumber) {
 TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
     watch();
     const wire::Vec3 origin(1, 2, 3), along(0, 0, -4), push(0, 5, 0);
-    const auto impulse = std::get<Impulse>(
-        only<EnqueueCommand>(input(1, [&](auto& b) { return wire::CreateImpulse(b, &origin, &along, &push, 2); })).body);
+    const auto impulse = std::get<Impulse>(only<EnqueueCommand>(input(1, [&](auto& b) {
+                                               return wire::CreateImpulse(b, &origin, &along, &push, 2);
+                                           })).body);
     EXPECT_EQ(impulse.origin, glm::vec3(1, 2, 3));
     EXPECT_EQ(impulse.direction, glm::vec3(0, 0, -1)) << "made a unit vector";
     EXPECT_EQ(impulse.push, glm::vec3(0, 5, 0));
@@ -71,8 +72,8 @@ TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
     ASSERT_EQ(paused.size(), 1u);
     EXPECT_EQ(paused[0].setting->path, "simulation.paused");
     EXPECT_EQ(paused[0].value, SettingValue(true));
-    const auto moved =
-        std::get<MoveVolume>(only<EnqueueCommand>(input(6, [&](auto& b) { return wire::CreateMoveVolume(b, &origin); })).body);
+    const auto moved = std::get<MoveVolume>(
+        only<EnqueueCommand>(input(6, [&](auto& b) { return wire::CreateMoveVolume(b, &origin); })).body);
     EXPECT_EQ(moved.offset, glm::vec3(1, 2, 3));
 }
 
@@ -89,10 +90,10 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
     };
     const wire::Vec3 up(0, 5, 0), zero(0, 0, 0);
     const auto all = answer([&](auto& b) {
-        return Changes{wire::CreateChangeDirect(b, "medium.falloff", 1.5), wire::CreateChangeDirect(b, "render.steps", 3),
-                       wire::CreateChangeDirect(b, "simulation.paused", 1),
-                       wire::CreateChangeDirect(b, "light.to_light", {}, &up),
-                       wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
+        return Changes{
+            wire::CreateChangeDirect(b, "medium.falloff", 1.5), wire::CreateChangeDirect(b, "render.steps", 3),
+            wire::CreateChangeDirect(b, "simulation.paused", 1), wire::CreateChangeDirect(b, "light.to_light", {}, &up),
+            wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
     });
     const std::vector<Change> changes = std::get<Set>(only<EnqueueCommand>(all).body).changes;
     ASSERT_EQ(changes.size(), 5u);
@@ -103,7 +104,8 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
     EXPECT_EQ(changes[3].value, SettingValue(glm::vec3(0, 1, 0)));
     EXPECT_EQ(changes[4].value, SettingValue("isv"));
 
-    const auto refused = [&](const char* path, flatbuffers::Optional<double> number, const wire::Vec3* vector, const char* text) {
+    const auto refused = [&](const char* path, flatbuffers::Optional<double> number, const wire::Vec3* vector,
+                             const char* text) {
         const auto effects = answer([&](auto& b) {
             return Changes{wire::CreateChangeDirect(b, "medium.falloff", 1.5),
                            wire::CreateChangeDirect(b, path, number, vector, text)};
@@ -141,24 +143,31 @@ TEST_F(SessionRulesTest, CommandsBeyondTheirLimitsAreRefused) {
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &zero); }), ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &nan); }), ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, &far); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, nullptr, 11); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, nullptr, kNan); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, nullptr, 11); }),
+              ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, nullptr, kNan); }),
+              ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateMoveVolume(b, &far); }), ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, &zero); }), ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, nullptr, &negative); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, nullptr, nullptr, kInf); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, nullptr, nullptr, kInf); }),
+              ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, -1.f); }), ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, 0.f); }), ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, 1.5f); }), ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, {}, 1.f); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, {}, {}, &two); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, 0u); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, 11u); }), ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, {}, {}, &two); }),
+              ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, 0u); }),
+              ErrorCode::out_of_range);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, 11u); }),
+              ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, {}, 0.f); }),
               ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "tetra"); }), ErrorCode::unknown_name);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "", nullptr); }), ErrorCode::unknown_name);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "euler"); }), ErrorCode::unknown_name);
+    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "euler"); }),
+              ErrorCode::unknown_name);
 }
 
 TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
@@ -177,7 +186,8 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
         if (std::holds_alternative<EnqueueCommand>(effects[0])) return std::string("taken");
         const auto& error = std::get<SendError>(effects[0]);
         EXPECT_EQ(error.input_seq, 1u);
-        EXPECT_TRUE(std::holds_alternative<EnqueueCommand>(input(2, build).at(0)) || error.code == ErrorCode::forbidden);
+        EXPECT_TRUE(std::holds_alternative<EnqueueCommand>(input(2, build).at(0)) ||
+                    error.code == ErrorCode::forbidden);
         EXPECT_NE(error.text.find(nameOf(role)), std::string::npos) << error.text;
         return std::string(wire::EnumNameErrorCode(error.code));
     };

@@ -71,7 +71,8 @@ TEST(Layouts, CumulusStandsOnItsBaseWithItsDetailOutside) {
 
 TEST(Layouts, AFileBringsItsOwnParticles) {
     const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "simulation_test.ply";
-    const std::string xyz = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n";
+    const std::string xyz =
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n";
     std::ofstream(file) << xyz << "end_header\n1 2 3\n4 5 6\n";
     Scene scene = cubeScene();
     scene.medium.layout = Layout::file;
@@ -89,7 +90,8 @@ TEST(Layouts, AFileBringsItsOwnParticles) {
         EXPECT_NEAR(particlesOf(simulation)[0].sigma_t, 2 * before[0].sigma_t, 1e-6f);
         EXPECT_EQ(particlesOf(simulation)[0].albedo, glm::vec3(0.5f));
     }
-    std::ofstream(file) << xyz << "property float scale\nproperty float sigma_t\nproperty uchar red\nproperty uchar green\n"
+    std::ofstream(file) << xyz
+                        << "property float scale\nproperty float sigma_t\nproperty uchar red\nproperty uchar green\n"
                         << "property uchar blue\nend_header\n1 2 3 0.5 7 255 0 0\n4 5 6 0.25 8 0 255 0\n";
     Simulation simulation(scene);
     give(simulation, {command(change)});

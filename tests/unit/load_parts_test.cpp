@@ -43,9 +43,10 @@ Run aRun() {
 }
 
 TEST(LoadOptions, GoodOnes) {
-    const auto options = parsed({"--viewers", "1,3,256", "--seconds", "2.5", "--paths", "orbit,fly,still,stereo", "--width",
-                                 "320", "--height", "180", "--decode", "--start", "--scene plume --set 'medium.count=7'",
-                                 "--assert", "fps>=15@3", "--assert", "p95<=2e2"});
+    const auto options =
+        parsed({"--viewers", "1,3,256", "--seconds", "2.5", "--paths", "orbit,fly,still,stereo", "--width", "320",
+                "--height", "180", "--decode", "--start", "--scene plume --set 'medium.count=7'", "--assert",
+                "fps>=15@3", "--assert", "p95<=2e2"});
     ASSERT_TRUE(options);
     EXPECT_EQ(options->viewers, (std::vector<uint32_t>{1, 3, 256}));
     ASSERT_EQ(options->paths.size(), 4u);

@@ -22,8 +22,9 @@ std::string logged(const std::string& message, spdlog::level::level_enum level =
 }
 
 TEST(JsonLog, EveryMessageIsOneLineThatReadsBackAsItWas) {
-    for (const std::string message : {"plain", "", "with \"quotes\", a \\ and a\ttab", "two\nlines\r\n",
-                                      "{\"level\":\"fake\"}\n{\"level\":\"fake\"}", "\x01\x1f\x7f", "cloud \xe2\x98\x81"}) {
+    for (const std::string message :
+         {"plain", "", "with \"quotes\", a \\ and a\ttab", "two\nlines\r\n",
+          "{\"level\":\"fake\"}\n{\"level\":\"fake\"}", "\x01\x1f\x7f", "cloud \xe2\x98\x81"}) {
         const std::string line = logged(message);
         ASSERT_FALSE(line.empty());
         EXPECT_EQ(line.find('\n'), line.size() - 1) << line;

@@ -92,7 +92,8 @@ TEST(Metrics, RadianceErrorsByHand) {
     // float32 inputs: 1.1 is 2e-8 off, its difference from 1 so 2e-7 relative.
     EXPECT_NEAR(errors.relative_rmse, std::sqrt(0.02 / 1.25), 1e-6 * 0.13);
     EXPECT_NEAR(errors.bias, (0.1 - 0.2) / 2, 1e-6);
-    EXPECT_NEAR(errors.rel_mse, (std::pow(0.1 / 1.01, 2) + std::pow(0.1 / 0.51, 2) + std::pow(0.01 / 0.0105, 2)) / 3, 1e-6);
+    EXPECT_NEAR(errors.rel_mse, (std::pow(0.1 / 1.01, 2) + std::pow(0.1 / 0.51, 2) + std::pow(0.01 / 0.0105, 2)) / 3,
+                1e-6);
     EXPECT_NEAR(errors.worst.error, 0.01 / 0.0105, 1e-6);
 }
 
@@ -168,7 +169,8 @@ TEST(Metrics, PixelsThatAreNotFiniteAreCountedWhereverTheyAre) {
         EXPECT_EQ(errors.not_finite, count);
         EXPECT_EQ(errors.worst.x, x);
         EXPECT_EQ(errors.worst.y, y);
-        for (const double error : {errors.relative_rmse, errors.bias, errors.rel_mse, errors.psnr, errors.ssim, errors.flip})
+        for (const double error :
+             {errors.relative_rmse, errors.bias, errors.rel_mse, errors.psnr, errors.ssim, errors.flip})
             EXPECT_TRUE(std::isnan(error));
         EXPECT_NE(describe(errors).find(std::to_string(count) + " pixels are not finite"), std::string::npos);
     };
@@ -207,15 +209,18 @@ TEST(Metrics, SsimByHand) {
     // Two even pictures: no variance, only the means' term.
     const std::vector<float> low(121, 0.25f), high(121, 0.5f);
     EXPECT_NEAR(ssim(11, 11, low, high), (2 * 0.125 + 1e-4) / (0.3125 + 1e-4), 1e-12);
-    // One window, a single 1 in its middle against black. The middle's weight is (1 / sum of e^(-i^2 / 4.5), i = -5..5)^2.
+    // One window, a single 1 in its middle against black. The middle's weight is (1 / sum of e^(-i^2 / 4.5), i =
+    // -5..5)^2.
     const double weight = std::pow(1 / 3.7592315, 2);
     std::vector<float> black(121, 0), dot = black;
     dot[5 * 11 + 5] = 1;
     const double variance = weight - weight * weight;
-    EXPECT_NEAR(ssim(11, 11, dot, black), 1e-4 / (weight * weight + 1e-4) * 9e-4 / (variance + 9e-4), 1e-8); // digits of 3.759...
+    EXPECT_NEAR(ssim(11, 11, dot, black), 1e-4 / (weight * weight + 1e-4) * 9e-4 / (variance + 9e-4),
+                1e-8); // digits of 3.759...
     // The same dot, as black on white: same means' difference, covariance 0 still.
     const std::vector<float> white(121, 1);
-    EXPECT_NEAR(ssim(11, 11, dot, white), (2 * weight + 1e-4) / (weight * weight + 1 + 1e-4) * 9e-4 / (variance + 9e-4), 1e-6);
+    EXPECT_NEAR(ssim(11, 11, dot, white), (2 * weight + 1e-4) / (weight * weight + 1 + 1e-4) * 9e-4 / (variance + 9e-4),
+                1e-6);
 }
 
 TEST(Metrics, SsimOfANegativeIsNegative) {
@@ -239,18 +244,21 @@ TEST(Metrics, SsimOfANegativeIsNegative) {
 TEST(Flip, EvenPictures) {
     // Linear inputs. As sRGB values 0.5 and 0.51 would give 0.0575: the next line would not hold.
     EXPECT_NEAR(uniformFlip(glm::vec3(0.5f), glm::vec3(0.51f)), 0.0407, 5e-5); // its printed digits
-    EXPECT_NEAR(uniformFlip(glm::vec3(0), glm::vec3(1)), 0.96738, 2e-5);       // printed digits, and 1e-5 of rounding as below
-    EXPECT_NEAR(uniformFlip({0, 1, 0}, {0, 0, 1}), 1, 2e-5);                   // the same
+    EXPECT_NEAR(uniformFlip(glm::vec3(0), glm::vec3(1)), 0.96738,
+                2e-5);                                       // printed digits, and 1e-5 of rounding as below
+    EXPECT_NEAR(uniformFlip({0, 1, 0}, {0, 0, 1}), 1, 2e-5); // the same
 }
 
-// The authors' program, version 1.6, on the same pictures; both are float32 and add up in other orders. 1e-5: a feature's
-// strength enters by its square root, which makes 1e-4 of the exponent from a rounding of 1e-8.
+// The authors' program, version 1.6, on the same pictures; both are float32 and add up in other orders. 1e-5: a
+// feature's strength enters by its square root, which makes 1e-4 of the exponent from a rounding of 1e-8.
 TEST(Flip, AgreesWithTheAuthorsProgram) {
     constexpr int kWidth = 48, kHeight = 32;
     std::vector<glm::vec3> r, v;
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
-            const auto part = [](int value, int of) { return static_cast<float>(value % of) / static_cast<float>(of - 1); };
+            const auto part = [](int value, int of) {
+                return static_cast<float>(value % of) / static_cast<float>(of - 1);
+            };
             const glm::vec3 p{part(x * 7 + y * 13, 32), 0.8f * static_cast<float>((x / 5 + y / 3) % 2),
                               part(x * x + 3 * y * y, 64)};
             const glm::vec3 q{part(x * 7 + y * 13 + 3, 32), 0.8f * static_cast<float>((x / 5 + y / 4) % 2),

@@ -20,7 +20,8 @@ protected:
         std::filesystem::temp_directory_path() / ("brume-options-" + std::to_string(getpid()) + ".toml");
     void TearDown() override { std::filesystem::remove(file); }
 
-    static ParsedOptions parsed(std::vector<const char*> arguments, const std::map<std::string, std::string>& environment = {}) {
+    static ParsedOptions parsed(std::vector<const char*> arguments,
+                                const std::map<std::string, std::string>& environment = {}) {
         for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
         arguments.insert(arguments.begin(), "brume-server");
         ParsedOptions result = parseServerOptions(int(arguments.size()), arguments.data());
@@ -84,7 +85,8 @@ TEST_F(ServerOptionsTest, EveryKindOfValueIsTakenFromTheEnvironment) {
                                               {"BRUME_PAUSED", "false"},
                                               {"BRUME_SCENE", "1e5"}});
     ASSERT_TRUE(options.options) << options.complaint;
-    EXPECT_EQ(options.options->net.allowed_origins, (std::vector<std::string>{"https://a.example", "https://b.example"}));
+    EXPECT_EQ(options.options->net.allowed_origins,
+              (std::vector<std::string>{"https://a.example", "https://b.example"}));
     EXPECT_EQ(options.options->drain, std::chrono::milliseconds(7));
     EXPECT_EQ(options.options->exposure, 1.5f);
     EXPECT_EQ(options.options->frame.memory, uint64_t{2} << 20);
@@ -107,7 +109,8 @@ TEST_F(ServerOptionsTest, TheLiveOptionsAreThoseOfTheDocumentation) {
     std::ifstream in("docs/operate.md"); // tests run in the source folder
     std::vector<std::string> documented, live;
     for (std::string line; std::getline(in, line);)
-        if (line.starts_with("| `--") && line.ends_with("| yes |")) documented.push_back(line.substr(5, line.find('`', 5) - 5));
+        if (line.starts_with("| `--") && line.ends_with("| yes |"))
+            documented.push_back(line.substr(5, line.find('`', 5) - 5));
     for (const Setting& setting : parsed({}).settings)
         if (setting.live) live.push_back(setting.name);
     EXPECT_EQ(live, documented);

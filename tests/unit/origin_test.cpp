@@ -10,9 +10,10 @@ TEST(Origin, AHostIsLocalAnAddressOrNamed) {
     NetOptions options;
     options.listen = "brume.example";
     options.hosts = {"clouds.example", "brume"};
-    for (const char* host : {"localhost", "LocalHost:8080", "brume.localhost:1", "127.0.0.1", "127.0.0.1:8080", "192.0.2.7:80",
-                             "0.0.0.0:8080", "[::1]", "[::1]:8080", "[2001:db8::7]:443", "clouds.example", "Clouds.Example:8080",
-                             "brume:8080", "clouds.example:", "brume.example:8080"})
+    for (const char* host :
+         {"localhost", "LocalHost:8080", "brume.localhost:1", "127.0.0.1", "127.0.0.1:8080", "192.0.2.7:80",
+          "0.0.0.0:8080", "[::1]", "[::1]:8080", "[2001:db8::7]:443", "clouds.example", "Clouds.Example:8080",
+          "brume:8080", "clouds.example:", "brume.example:8080"})
         EXPECT_TRUE(hostAllowed(host, options)) << host;
     for (const char* host : {"",
                              ":8080",
@@ -59,7 +60,8 @@ TEST(Origin, AnotherSitesPageIsTheListedOrNone) {
     EXPECT_FALSE(siteAllowed("cross-site", "", "http://b.example/x", listed));
     EXPECT_FALSE(siteAllowed("cross-site", "", "https://evil.example/https://a.example/", listed));
     EXPECT_FALSE(siteAllowed("cross-site", "", "a.example", listed));
-    EXPECT_FALSE(siteAllowed("cross-site", "https://evil.example", "https://a.example/", listed)) << "the origin goes first";
+    EXPECT_FALSE(siteAllowed("cross-site", "https://evil.example", "https://a.example/", listed))
+        << "the origin goes first";
     EXPECT_TRUE(siteAllowed("cross-site", "", "", {"*"}));
 }
 

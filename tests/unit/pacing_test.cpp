@@ -67,7 +67,8 @@ Outcome stream(Link link, size_t bytes, int seconds, bool adapts = false) {
             held = held || pacing.isHeldByBytes();
             if (pacing.isOpen(now)) {
                 const QualityStep step = quality.step();
-                const double scale = adapts ? (step.quality < 75 ? double(step.quality) / 110 : 1) * (step.half ? 0.3 : 1) : 1;
+                const double scale =
+                    adapts ? (step.quality < 75 ? double(step.quality) / 110 : 1) * (step.half ? 0.3 : 1) : 1;
                 pacing.issued(++id, now);
                 if (ms > 3000) out.longest_pause = std::max(out.longest_pause, Ms(now - last));
                 last = now;

@@ -1,4 +1,5 @@
-// Ordering and merging particles without a device: what is kept, what stays, and that nothing but the particles matters.
+// Ordering and merging particles without a device: what is kept, what stays, and that nothing but the particles
+// matters.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -70,8 +71,8 @@ Moments momentsOf(std::span<const gpu::Particle> particles) {
     return all;
 }
 
-// Of numbers of size 1 to 10 in float32: half a unit of 6e-8 for each factor of sigma_t s^3 and of |x|^2, which are not all of
-// one sign.
+// Of numbers of size 1 to 10 in float32: half a unit of 6e-8 for each factor of sigma_t s^3 and of |x|^2, which are not
+// all of one sign.
 constexpr double kRounding = 2e-7;
 
 TEST(MergedParticles, KeepTheMomentsOfWhatTheyStandFor) {
@@ -99,8 +100,9 @@ TEST(MergedParticles, FarFromZeroKeepThemToo) { // 40 km: places there are 4 mm 
         for (gpu::Particle& p : *list) p.centre -= glm::vec3(40'000, 0, -40'000);
     const Moments was = momentsOf(all), is = momentsOf(back);
     EXPECT_NEAR(is.mass / was.mass, 1, kRounding);
-    EXPECT_LT(glm::distance(is.first, was.first) / was.mass, 2e-3 / std::sqrt(double(merged.size()))); // half a place each
-    EXPECT_NEAR(is.second / was.second, 1, 1e-4);                                                      // the same, of 64 m
+    EXPECT_LT(glm::distance(is.first, was.first) / was.mass,
+              2e-3 / std::sqrt(double(merged.size()))); // half a place each
+    EXPECT_NEAR(is.second / was.second, 1, 1e-4);       // the same, of 64 m
 }
 
 TEST(MergedParticles, AreAFunctionOfTheParticlesAlone) {

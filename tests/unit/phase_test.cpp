@@ -61,9 +61,12 @@ TEST(Mixture, IntegratesToOneWithMeanCosineAG) {
 
 TEST(HenyeyGreenstein, ForwardIsForward) {
     const glm::vec3 travel(0, 0, -1);
-    EXPECT_GT(physics::phaseHenyeyGreenstein(travel, travel, 0.5f), physics::phaseHenyeyGreenstein(travel, -travel, 0.5f));
-    EXPECT_FLOAT_EQ(physics::phaseHenyeyGreenstein(travel, travel, 0.5f), static_cast<float>(exact::henyeyGreenstein(1, 0.5)));
-    EXPECT_FLOAT_EQ(physics::phaseHenyeyGreenstein(travel, -travel, 0.5f), static_cast<float>(exact::henyeyGreenstein(-1, 0.5)));
+    EXPECT_GT(physics::phaseHenyeyGreenstein(travel, travel, 0.5f),
+              physics::phaseHenyeyGreenstein(travel, -travel, 0.5f));
+    EXPECT_FLOAT_EQ(physics::phaseHenyeyGreenstein(travel, travel, 0.5f),
+                    static_cast<float>(exact::henyeyGreenstein(1, 0.5)));
+    EXPECT_FLOAT_EQ(physics::phaseHenyeyGreenstein(travel, -travel, 0.5f),
+                    static_cast<float>(exact::henyeyGreenstein(-1, 0.5)));
 }
 
 TEST(HenyeyGreenstein, Reciprocal) {
@@ -86,7 +89,8 @@ TEST(HenyeyGreenstein, StableAtThePeak) {
             // Of the rounded directions, not of theta: the rounding is the caller's.
             const glm::dvec3 in = glm::normalize(glm::dvec3(pair.in)), out = glm::normalize(glm::dvec3(pair.out));
             const double side = g < 0 ? -1 : 1;
-            const double d = (1 - std::abs(g)) * (1.0 - std::abs(g)) + std::abs(g) * glm::dot(in - side * out, in - side * out);
+            const double d =
+                (1 - std::abs(g)) * (1.0 - std::abs(g)) + std::abs(g) * glm::dot(in - side * out, in - side * out);
             const double exact = (1 - static_cast<double>(g) * g) / (4 * kPi * d * std::sqrt(d));
             stable.relative(physics::phaseHenyeyGreenstein(pair.in, pair.out, g), exact, angle, g);
             const float cosine = glm::dot(pair.in, pair.out);

@@ -36,14 +36,16 @@ bool hasPass(const Plan& plan, std::string_view name) {
 // Methods that have the pass.
 size_t usersOf(const CostInfo& cost) {
     size_t users = 0;
-    for (const MethodPlan* plan : methodPlans()) users += size_t(std::count(plan->costs().begin(), plan->costs().end(), &cost));
+    for (const MethodPlan* plan : methodPlans())
+        users += size_t(std::count(plan->costs().begin(), plan->costs().end(), &cost));
     return users;
 }
 
 TEST(MediumExtent, ItsDepthsAreThoseOfItsCorners) {
     MediumExtent extent;
     extent.lo = {-3, 0.5f, 2}, extent.hi = {1, 4, 2.5f};
-    for (const glm::vec3 ahead : {glm::vec3(0, 0, -1), glm::vec3(1, 2, 3), glm::vec3(-5, 0.1f, 0), glm::vec3(0.3f, -1, -0.2f)}) {
+    for (const glm::vec3 ahead :
+         {glm::vec3(0, 0, -1), glm::vec3(1, 2, 3), glm::vec3(-5, 0.1f, 0), glm::vec3(0.3f, -1, -0.2f)}) {
         const glm::vec3 eye(7, -2, 1), forward = glm::normalize(ahead);
         float near = 1e30f, far = -1e30f;
         for (int i = 0; i < 8; ++i) {
@@ -102,7 +104,8 @@ TEST(Plan, TakesWhatIsCheapestOnTheDevice) {
         CostModel model = builtInCosts();
         for (const MethodPlan* plan : methodPlans())
             for (const CostInfo* cost : plan->costs())
-                if (usersOf(*cost) == 1) model.ns[numberOf(*cost)] = std::string_view(plan->name()) == method ? 1e-6 : 1e3;
+                if (usersOf(*cost) == 1)
+                    model.ns[numberOf(*cost)] = std::string_view(plan->name()) == method ? 1e-6 : 1e3;
         EXPECT_EQ(makePlan(inputs, model).chosen.settings.method, method);
     }
 }
@@ -225,8 +228,8 @@ TEST(Plan, FartherViewersAskForMoreRays) {
     }
 }
 
-// Viewers with windows of several sizes, or at several distances, cost what each would alone: rays are as far apart in deviations
-// of the medium, not in pixels.
+// Viewers with windows of several sizes, or at several distances, cost what each would alone: rays are as far apart in
+// deviations of the medium, not in pixels.
 TEST(Plan, ViewersDoNotPayForOthersPixels) {
     PlanInputs inputs = inputsOf(cube(5000, 3));
     inputs.scene.wanted.method = "slabs";
@@ -267,8 +270,8 @@ TEST(Plan, ViewersBesideObjectsHaveOneRateUntilShadersAreCompiled) {
         }
 }
 
-// Errors of one cause by itself, measured at 640x360 against the double-precision reference, every fifth pixel. Where a law is
-// below what was measured it is by no more than this: the plan's error is then off by less than a third.
+// Errors of one cause by itself, measured at 640x360 against the double-precision reference, every fifth pixel. Where a
+// law is below what was measured it is by no more than this: the plan's error is then off by less than a third.
 constexpr double kBelow = 1.3;
 
 TEST(ErrorLaws, OfSlabsBoundWhatWasMeasured) {
@@ -294,9 +297,10 @@ TEST(ErrorLaws, OfSlabsBoundWhatWasMeasured) {
 
 TEST(ErrorLaws, OfRaysBoundWhatWasMeasured) {
     // Spacing in projected standard deviations and error: cloud, cloud-5000, props, plume from outside.
-    for (const auto& [spacing, error] : {std::pair(0.765, 0.00158), std::pair(1.02, 0.0049), std::pair(0.574, 0.00035),
-                                         std::pair(0.766, 0.0011), std::pair(0.809, 0.00146), std::pair(1.078, 0.00424),
-                                         std::pair(0.881, 0.0028), std::pair(1.322, 0.0128), std::pair(1.762, 0.0555)}) {
+    for (const auto& [spacing, error] :
+         {std::pair(0.765, 0.00158), std::pair(1.02, 0.0049), std::pair(0.574, 0.00035), std::pair(0.766, 0.0011),
+          std::pair(0.809, 0.00146), std::pair(1.078, 0.00424), std::pair(0.881, 0.0028), std::pair(1.322, 0.0128),
+          std::pair(1.762, 0.0555)}) {
         EXPECT_GT(kBelow * rayError(spacing), error) << spacing;
         EXPECT_LT(rayError(spacing), 3 * error) << spacing;
     }

@@ -76,16 +76,18 @@ TEST(Ply, BinaryWithOtherElementsAndLists) {
 }
 
 TEST(Ply, PointsThatCannotBeUsedAreDroppedAndCounted) {
-    const std::string nan = raw(std::numeric_limits<float>::quiet_NaN()), inf = raw(std::numeric_limits<float>::infinity());
+    const std::string nan = raw(std::numeric_limits<float>::quiet_NaN()),
+                      inf = raw(std::numeric_limits<float>::infinity());
     const std::string one = raw(1.0f);
-    const PointCloud binary =
-        load(kBinary + "element vertex 5\n" + kXyz + "property float scale\nend_header\n" + nan + one + one + one + one + inf +
-             one + one + one + one + raw(2.0f) + one + one + one + one + raw(0.0f) + one + one + raw(1e9f) + one);
+    const PointCloud binary = load(kBinary + "element vertex 5\n" + kXyz + "property float scale\nend_header\n" + nan +
+                                   one + one + one + one + inf + one + one + one + one + raw(2.0f) + one + one + one +
+                                   one + raw(0.0f) + one + one + raw(1e9f) + one);
     ASSERT_EQ(binary.position.size(), 1u);
     EXPECT_EQ(binary.position[0], glm::vec3(1, 1, 2));
     EXPECT_EQ(binary.scale.size(), 1u);
     EXPECT_EQ(binary.dropped, 4u);
-    const PointCloud ascii = load(kAscii + "element vertex 4\n" + kXyz + "end_header\nnan 1 1\n1 -inf 1\n1 1 1e999\n1 2 3\n");
+    const PointCloud ascii =
+        load(kAscii + "element vertex 4\n" + kXyz + "end_header\nnan 1 1\n1 -inf 1\n1 1 1e999\n1 2 3\n");
     EXPECT_EQ(ascii.position.size(), 1u);
     EXPECT_EQ(ascii.dropped, 3u);
 }
@@ -115,7 +117,8 @@ TEST(Ply, BrokenFilesSayWhatIsExpected) {
         {kAscii + "element vertex 1\nproperty quad x\n", "unknown type"},
         {kAscii + "element vertex 1\nproperty float\n", "expected \"property"},
         {kAscii + "element vertex 1\nproperty list float int x\n", "whole-number type"},
-        {kAscii + "element vertex 1\nproperty list uchar int x\n" + kXyz.substr(17) + "end_header\n1 1 1 1", "is a list"},
+        {kAscii + "element vertex 1\nproperty list uchar int x\n" + kXyz.substr(17) + "end_header\n1 1 1 1",
+         "is a list"},
         {kAscii + "element vertex 1\n" + kXyz + "property int x\nend_header\n1 1 1 1", "there twice"},
         {kAscii + "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 1", "lacks one of x, y, z"},
         {kAscii + "element vertex 1\n" + kXyz + "property uchar red\nend_header\n1 1 1 1", "expected all or none"},
@@ -135,12 +138,14 @@ TEST(Ply, BrokenFilesSayWhatIsExpected) {
         {kBinary + "element face 2305843009213693952\nproperty double a\n" + vertex1 + raw(1.0),
          "ends early"}, // 8 times it is 2^64
         {kBinary + "element face 1\nproperty list int char i\n" + vertex1 + raw(-1), "a list's length"},
-        {kBinary + "element face 1\nproperty list uint double i\n" + vertex1 + raw(0xffffffffu) + "1234", "a list's length"},
+        {kBinary + "element face 1\nproperty list uint double i\n" + vertex1 + raw(0xffffffffu) + "1234",
+         "a list's length"},
         {kAscii + "element face 1\nproperty list uchar char i\n" + vertex1 + "1.5 1 1 1 1", "a list's length"},
     };
     for (const Broken& broken : all) {
         const std::string message = errorOf(broken.bytes);
-        EXPECT_NE(message.find(broken.says), std::string::npos) << "expected \"" << broken.says << "\", got: " << message;
+        EXPECT_NE(message.find(broken.says), std::string::npos)
+            << "expected \"" << broken.says << "\", got: " << message;
         EXPECT_NE(message.find("ply_test.ply"), std::string::npos) << message;
     }
 }
@@ -160,9 +165,9 @@ TEST(Ply, HeadersAreBounded) {
 // Every prefix of a good file, and every single byte of it changed, either loads or throws SceneError; nothing else.
 TEST(Ply, NothingElseHappens) {
     const std::string good = kBinary + "element face 1\nproperty list uchar short i\nelement vertex 2\n" + kXyz +
-                             "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n" + raw<uint8_t>(2) +
-                             raw<int16_t>(1) + raw<int16_t>(2) + raw(1.0f) + raw(2.0f) + raw(3.0f) + "abc" + raw(4.0f) +
-                             raw(5.0f) + raw(6.0f) + "def";
+                             "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n" +
+                             raw<uint8_t>(2) + raw<int16_t>(1) + raw<int16_t>(2) + raw(1.0f) + raw(2.0f) + raw(3.0f) +
+                             "abc" + raw(4.0f) + raw(5.0f) + raw(6.0f) + "def";
     ASSERT_EQ(load(good).position.size(), 2u);
     for (size_t n = 0; n < good.size(); ++n) EXPECT_THROW(load(good.substr(0, n)), SceneError) << n;
     for (size_t n = 0; n < good.size(); ++n) {
@@ -177,8 +182,8 @@ TEST(Ply, NothingElseHappens) {
 
 TEST(Ply, IsReadFromAFile) {
     const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "ply_test.ply";
-    std::ofstream(file, std::ios::binary) << kBinary + "element vertex 1\n" + kXyz + "end_header\n" + raw(1.0f) + raw(2.0f) +
-                                                 raw(3.0f);
+    std::ofstream(file, std::ios::binary)
+        << kBinary + "element vertex 1\n" + kXyz + "end_header\n" + raw(1.0f) + raw(2.0f) + raw(3.0f);
     EXPECT_EQ(loadPly(file).position.at(0), glm::vec3(1, 2, 3));
 }
 
@@ -192,7 +197,8 @@ TEST(Ply, PlacesCountFromTheOriginInDouble) {
     EXPECT_EQ(cloud.position[0], glm::vec3(0.0009765625f, 0, 0.5f));
     EXPECT_EQ(cloud.position[1], glm::vec3(0, 0.25f, 7));
     const PointCloud ascii = parsePly(kAscii + xyz + "1000000.0009765625 -2e6 .5 0 0 0", "ply_test.ply", origin);
-    EXPECT_EQ(ascii.position, std::vector<glm::vec3>{cloud.position[0]}) << "the point at the world's zero is too far away";
+    EXPECT_EQ(ascii.position, std::vector<glm::vec3>{cloud.position[0]})
+        << "the point at the world's zero is too far away";
     EXPECT_EQ(ascii.dropped, 1u);
     EXPECT_NE(errorOf(bytes).find("origin"), std::string::npos) << errorOf(bytes); // without one, too far away
 }

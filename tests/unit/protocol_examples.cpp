@@ -20,7 +20,8 @@ Example input(const char* name, uint32_t seq, Build&& build) {
     return example(name, [&](Builder& b) {
         const auto command = build(b);
         using Table = typename std::remove_pointer_t<decltype(flatbuffers::GetTemporaryPointer(b, command))>;
-        return CreateInput(b, seq, 1'234'567 + seq, CommandTraits<std::remove_const_t<Table>>::enum_value, command.Union());
+        return CreateInput(b, seq, 1'234'567 + seq, CommandTraits<std::remove_const_t<Table>>::enum_value,
+                           command.Union());
     });
 }
 
@@ -40,7 +41,9 @@ Json names(const flatbuffers::Vector<flatbuffers::Offset<flatbuffers::String>>* 
     return out;
 }
 
-Json frustum(const Frustum& f) { return {{"left", f.left()}, {"right", f.right()}, {"up", f.up()}, {"down", f.down()}}; }
+Json frustum(const Frustum& f) {
+    return {{"left", f.left()}, {"right", f.right()}, {"up", f.up()}, {"down", f.down()}};
+}
 
 Json hex(std::span<const uint8_t> bytes) {
     std::string out;
@@ -83,12 +86,15 @@ Json of(const Pose& m) {
 }
 
 Json of(const Impulse& c) {
-    return Json::object(
-        {{"origin", vec(c.origin())}, {"direction", vec(c.direction())}, {"push", vec(c.push())}, {"strength", c.strength()}});
+    return Json::object({{"origin", vec(c.origin())},
+                         {"direction", vec(c.direction())},
+                         {"push", vec(c.push())},
+                         {"strength", c.strength()}});
 }
 Json of(const MoveVolume& c) { return Json::object({{"offset", vec(c.offset())}}); }
 Json of(const SetLight& c) {
-    return Json::object({{"to_light", vec(c.to_light())}, {"irradiance", vec(c.irradiance())}, {"rotate", maybe(c.rotate())}});
+    return Json::object(
+        {{"to_light", vec(c.to_light())}, {"irradiance", vec(c.irradiance())}, {"rotate", maybe(c.rotate())}});
 }
 Json of(const SetMedium& c) {
     return Json::object({{"extinction", maybe(c.extinction())},
@@ -161,20 +167,21 @@ Json of(const Goodbye& m) {
 }
 
 Json of(const Welcome& m) {
-    return Json::object(
-        {{"viewer", m.viewer()},
-         {"server", text(m.server())},
-         {"scene", text(m.scene())},
-         {"device", text(m.device())},
-         {"width", m.width()},
-         {"height", m.height()},
-         {"views", m.views()},
-         {"tick_hz", m.tick_hz()},
-         {"max_in_flight", m.max_in_flight()},
-         {"camera",
-          {{"position", vec(m.camera()->position())}, {"target", vec(m.camera()->target())}, {"fov_y", m.camera()->fov_y()}}},
-         {"methods", names(m.methods())},
-         {"quadratures", names(m.quadratures())}});
+    return Json::object({{"viewer", m.viewer()},
+                         {"server", text(m.server())},
+                         {"scene", text(m.scene())},
+                         {"device", text(m.device())},
+                         {"width", m.width()},
+                         {"height", m.height()},
+                         {"views", m.views()},
+                         {"tick_hz", m.tick_hz()},
+                         {"max_in_flight", m.max_in_flight()},
+                         {"camera",
+                          {{"position", vec(m.camera()->position())},
+                           {"target", vec(m.camera()->target())},
+                           {"fov_y", m.camera()->fov_y()}}},
+                         {"methods", names(m.methods())},
+                         {"quadratures", names(m.quadratures())}});
 }
 
 Json of(const SceneState& m) {
@@ -223,7 +230,8 @@ Json of(const Frame& m) {
         {"width", m.width()},
         {"height", m.height()},
         {"quality", m.quality()},
-        {"stages", {{"wait", s.wait()}, {"render", s.render()}, {"encode", s.encode()}, {"queue", s.queue()}, {"gpu", s.gpu()}}},
+        {"stages",
+         {{"wait", s.wait()}, {"render", s.render()}, {"encode", s.encode()}, {"queue", s.queue()}, {"gpu", s.gpu()}}},
         {"jpeg_bytes", std::move(lengths)}};
     addFrusta(m, out);
     if (m.encoding() != Encoding::jpeg) out["encoding"] = EnumNameEncoding(m.encoding());
@@ -231,7 +239,8 @@ Json of(const Frame& m) {
 }
 
 Json of(const Error& m) {
-    return Json::object({{"code", EnumNameErrorCode(m.code())}, {"text", text(m.text())}, {"input_seq", m.input_seq()}});
+    return Json::object(
+        {{"code", EnumNameErrorCode(m.code())}, {"text", text(m.text())}, {"input_seq", m.input_seq()}});
 }
 
 const Frustum kLeft(1.25f, 0.75f, 1, 1.125f), kRight(0.75f, 1.25f, 1, 1.125f);
@@ -244,9 +253,9 @@ Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const u
     return example(
         name,
         [&](Builder& b) {
-            return CreateFrameDirect(b, 41, 123'456'789'012, 0xfedc'ba98'7654'3210, 4'294'967'295, 9'007'199'254'740'993,
-                                     &position, &orientation, 0.75f, 1280, 720, 85, &stages, &lengths, frusta ? &kLeft : nullptr,
-                                     frusta ? &kRight : nullptr, encoding);
+            return CreateFrameDirect(b, 41, 123'456'789'012, 0xfedc'ba98'7654'3210, 4'294'967'295,
+                                     9'007'199'254'740'993, &position, &orientation, 0.75f, 1280, 720, 85, &stages,
+                                     &lengths, frusta ? &kLeft : nullptr, frusta ? &kRight : nullptr, encoding);
         },
         jpeg);
 }
@@ -260,8 +269,8 @@ std::vector<Example> makeExamples() {
     const Quat turned(0, 0.6f, 0, 0.8f);
 
     std::vector<Example> all;
-    all.push_back(
-        example("hello", [](Builder& b) { return CreateHelloDirect(b, "example 1.0 \xe2\x98\x81", 1280, 720, 2, 85); }));
+    all.push_back(example(
+        "hello", [](Builder& b) { return CreateHelloDirect(b, "example 1.0 \xe2\x98\x81", 1280, 720, 2, 85); }));
     all.push_back(example("hello_defaults", [](Builder& b) { return CreateHello(b); }));
     all.push_back(example("pose", [&](Builder& b) {
         return CreatePose(b, 4'294'967'295, 9'007'199'254'740'993, &v, &turned, 0.75f, 0.0625f, 640, 360);
@@ -271,52 +280,62 @@ std::vector<Example> makeExamples() {
         return CreateImpulse(b, &v, &direction, &push, -2.5f);
     }));
     all.push_back(input("input_move_volume", 2, [&](Builder& b) { return CreateMoveVolume(b, &v); }));
-    all.push_back(input("input_set_light", 3, [&](Builder& b) { return CreateSetLight(b, &to_light, nullptr, 0.25f); }));
-    all.push_back(input("input_set_medium", 4, [&](Builder& b) { return CreateSetMedium(b, 15, {}, 0.5f, {}, &albedo); }));
-    all.push_back(input("input_set_render", 5, [](Builder& b) { return CreateSetRenderDirect(b, "isv", "analytic", 3, {}); }));
+    all.push_back(
+        input("input_set_light", 3, [&](Builder& b) { return CreateSetLight(b, &to_light, nullptr, 0.25f); }));
+    all.push_back(
+        input("input_set_medium", 4, [&](Builder& b) { return CreateSetMedium(b, 15, {}, 0.5f, {}, &albedo); }));
+    all.push_back(
+        input("input_set_render", 5, [](Builder& b) { return CreateSetRenderDirect(b, "isv", "analytic", 3, {}); }));
     all.push_back(input("input_set_simulation", 6, [](Builder& b) { return CreateSetSimulation(b, true); }));
     all.push_back(input("input_restart", 7, [](Builder& b) { return CreateRestart(b); }));
     all.push_back(input("input_set", 8, [&](Builder& b) {
-        const std::vector<flatbuffers::Offset<Change>> changes{CreateChangeDirect(b, "medium.falloff", 1.5),
-                                                               CreateChangeDirect(b, "medium.albedo", {}, &albedo),
-                                                               CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
+        const std::vector<flatbuffers::Offset<Change>> changes{
+            CreateChangeDirect(b, "medium.falloff", 1.5), CreateChangeDirect(b, "medium.albedo", {}, &albedo),
+            CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
         return CreateSetDirect(b, &changes);
     }));
     all.push_back(example("ack", [](Builder& b) { return CreateAck(b, 41); }));
     all.push_back(example("ping", [](Builder& b) { return CreatePing(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("pong", [](Builder& b) { return CreatePong(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("goodbye", [](Builder& b) { return CreateGoodbyeDirect(b, "the server stops", 2.5f); }));
-    all.push_back(example("goodbye_go_to",
-                          [](Builder& b) { return CreateGoodbyeDirect(b, "the server stops", 2, "wss://next.example/ws"); }));
+    all.push_back(example("goodbye_go_to", [](Builder& b) {
+        return CreateGoodbyeDirect(b, "the server stops", 2, "wss://next.example/ws");
+    }));
     all.push_back(example("welcome", [&](Builder& b) {
-        const std::vector<flatbuffers::Offset<flatbuffers::String>> methods{b.CreateString("sphere"), b.CreateString("isv")};
+        const std::vector<flatbuffers::Offset<flatbuffers::String>> methods{b.CreateString("sphere"),
+                                                                            b.CreateString("isv")};
         const std::vector<flatbuffers::Offset<flatbuffers::String>> quadratures{b.CreateString("simpson")};
         const Vec3 position(0, 2, 26), target(0, 0.5f, 0);
         const auto camera = CreateCamera(b, &position, &target, 0.75f);
-        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "plume", "llvmpipe", 1280, 720, 2, 60, 2, camera, &methods, &quadratures);
+        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "plume", "llvmpipe", 1280, 720, 2, 60, 2, camera, &methods,
+                                   &quadratures);
     }));
     all.push_back(example("scene_state", [&](Builder& b) {
         const std::vector<flatbuffers::Offset<PassTime>> passes{CreatePassTimeDirect(b, "sort", 0.5f),
                                                                 CreatePassTimeDirect(b, "medium", 7.25f)};
-        return CreateSceneStateDirect(b, 123'456'789'012, 0xfedc'ba98'7654'3210, 3, 65'535, true, &to_light, &irradiance, 0.25f,
-                                      15, 1.5f, 0.5f, -0.25f, &albedo, "sphere", "simpson", 2, 1.25f, &passes);
+        return CreateSceneStateDirect(b, 123'456'789'012, 0xfedc'ba98'7654'3210, 3, 65'535, true, &to_light,
+                                      &irradiance, 0.25f, 15, 1.5f, 0.5f, -0.25f, &albedo, "sphere", "simpson", 2,
+                                      1.25f, &passes);
     }));
     all.push_back(example("scene_state_plan", [&](Builder& b) {
         const auto plan = CreatePlanDirect(b, "slabs", "", 8, 32, 0.00390625f, 7.5f, 2);
-        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0, 15, 1.5f, 0, 0, &albedo, "auto",
-                                      "simpson", 2, 1, nullptr, plan);
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0, 15, 1.5f, 0, 0, &albedo,
+                                      "auto", "simpson", 2, 1, nullptr, plan);
     }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));
-    all.push_back(example(
-        "pose_frusta", [&](Builder& b) { return CreatePose(b, 8, 9, &v, &turned, 0.75f, 0.0625f, 512, 544, &kLeft, &kRight); }));
-    all.push_back(example("pose_hidden",
-                          [&](Builder& b) { return CreatePose(b, 9, 10, &v, &turned, 0.75f, 0, 0, 0, nullptr, nullptr, true); }));
+    all.push_back(example("pose_frusta", [&](Builder& b) {
+        return CreatePose(b, 8, 9, &v, &turned, 0.75f, 0.0625f, 512, 544, &kLeft, &kRight);
+    }));
+    all.push_back(example("pose_hidden", [&](Builder& b) {
+        return CreatePose(b, 9, 10, &v, &turned, 0.75f, 0, 0, 0, nullptr, nullptr, true);
+    }));
     all.push_back(frame("frame_frusta", {7, 6}, jpeg, true));
     all.push_back(frame("frame_png", {13}, jpeg, false, Encoding::png));
-    all.push_back(example("hello_lossless", [](Builder& b) { return CreateHelloDirect(b, "x", 64, 48, 1, 0, nullptr, true); }));
     all.push_back(
-        example("error", [](Builder& b) { return CreateErrorDirect(b, ErrorCode::unknown_name, "no method \"tetra\"", 5); }));
+        example("hello_lossless", [](Builder& b) { return CreateHelloDirect(b, "x", 64, 48, 1, 0, nullptr, true); }));
+    all.push_back(example(
+        "error", [](Builder& b) { return CreateErrorDirect(b, ErrorCode::unknown_name, "no method \"tetra\"", 5); }));
     return all;
 }
 

@@ -88,8 +88,8 @@ TEST(ProtocolParse, TheIdentifierAndTheLengthAreChecked) {
     }
 }
 
-// Every single byte replaced by a few values: whatever parses can be read to its last field without touching other memory (the
-// address sanitizer build proves that; here it must at least not crash).
+// Every single byte replaced by a few values: whatever parses can be read to its last field without touching other
+// memory (the address sanitizer build proves that; here it must at least not crash).
 TEST(ProtocolParse, DamagedBytesAreRefusedOrSafeToRead) {
     size_t accepted = 0, refused = 0;
     for (const auto& example : makeExamples())

@@ -48,7 +48,8 @@ TEST(DeviceQuality, AccuracyComesFirstAndTheCheapPayNothing) {
 TEST(DeviceQuality, ComesBackAfterASecondInWhichItWouldFit) {
     QualityControl quality;
     Clock::time_point now = kStart;
-    quality.observe({.device = DeviceLoad{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 2, .exhausted = true}}, now);
+    quality.observe(
+        {.device = DeviceLoad{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 2, .exhausted = true}}, now);
     ASSERT_EQ(quality.deviceLevel(), 1u);
     const DeviceLoad not_yet{.own_ms = 10, .whole_ms = 15, .budget_ms = 50, .viewers = 2}; // 45 at full size
     EXPECT_EQ(after(quality, now, milliseconds(5000), not_yet), 1u);
@@ -60,8 +61,8 @@ TEST(DeviceQuality, ComesBackAfterASecondInWhichItWouldFit) {
 TEST(DeviceQuality, WhereNothingIsDrawnThereIsRoom) {
     QualityControl quality;
     Clock::time_point now = kStart;
-    quality.observe({.device = DeviceLoad{.own_ms = 200, .whole_ms = 200, .budget_ms = 50, .viewers = 1, .exhausted = true}},
-                    now);
+    quality.observe(
+        {.device = DeviceLoad{.own_ms = 200, .whole_ms = 200, .budget_ms = 50, .viewers = 1, .exhausted = true}}, now);
     ASSERT_EQ(quality.deviceLevel(), 1u);
     EXPECT_EQ(after(quality, now, milliseconds(1500), {.own_ms = 50, .whole_ms = 0, .budget_ms = 50}), 0u);
 }
@@ -79,11 +80,14 @@ TEST(DeviceQuality, TheLesserOfBothLimitsHolds) {
 
 TEST(Refinement, OnlyInTimeThatNothingElseNeeds) {
     Refinement refinement(0.5);
-    EXPECT_FALSE(refinement.next({.rests = true, .plain_ms = 11, .dearer = 2, .budget_ms = 50}, kStart)); // 22 > 0.8 * 25
+    EXPECT_FALSE(
+        refinement.next({.rests = true, .plain_ms = 11, .dearer = 2, .budget_ms = 50}, kStart)); // 22 > 0.8 * 25
     EXPECT_TRUE(refinement.next({.rests = true, .plain_ms = 9, .dearer = 2, .budget_ms = 50}, kStart));
-    EXPECT_TRUE(refinement.next({.rests = true, .plain_ms = 11, .dearer = 2, .budget_ms = 50}, kStart)); // once begun: 25
+    EXPECT_TRUE(
+        refinement.next({.rests = true, .plain_ms = 11, .dearer = 2, .budget_ms = 50}, kStart)); // once begun: 25
     EXPECT_FALSE(refinement.next({.rests = false, .plain_ms = 9, .dearer = 2, .budget_ms = 50}, kStart));
-    EXPECT_FALSE(refinement.next({.rests = true, .plain_ms = 0, .dearer = 2, .budget_ms = 50}, kStart)); // not measured yet
+    EXPECT_FALSE(
+        refinement.next({.rests = true, .plain_ms = 0, .dearer = 2, .budget_ms = 50}, kStart)); // not measured yet
 }
 
 // The prediction was wrong: it ends, and tries again after five seconds, not at every frame.
@@ -115,7 +119,8 @@ TEST(History, PercentilesOfTheNewestFramesAndTheirRate) {
     EXPECT_NEAR(history.rate(kStart + milliseconds(2000)), 100 / 3.0, 0.1);
     EXPECT_EQ(history.rate(kStart + std::chrono::seconds(60)), 0);
     // More come than it holds: the old ones are forgotten, and the rate is that of those that are there.
-    for (int i = 1; i <= 1000; ++i) history.add({7, 0, 0, 0, 0}, kStart + std::chrono::seconds(60) + milliseconds(5 * i));
+    for (int i = 1; i <= 1000; ++i)
+        history.add({7, 0, 0, 0, 0}, kStart + std::chrono::seconds(60) + milliseconds(5 * i));
     EXPECT_FLOAT_EQ(history.of(0).p50, 7);
     EXPECT_FLOAT_EQ(history.of(0).p99, 7);
     EXPECT_NEAR(history.rate(kStart + std::chrono::seconds(65)), 200, 2);

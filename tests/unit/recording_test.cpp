@@ -23,7 +23,8 @@ constexpr char kScene[] = "name = 'three'\n[medium]\ncount = 3\n";
 
 class RecordingTest : public testing::Test {
 protected:
-    const std::filesystem::path file = std::filesystem::temp_directory_path() / ("brume-recording-" + std::to_string(getpid()));
+    const std::filesystem::path file =
+        std::filesystem::temp_directory_path() / ("brume-recording-" + std::to_string(getpid()));
 
     void TearDown() override {
         std::filesystem::remove(file);
@@ -48,7 +49,8 @@ protected:
         for (uint64_t tick = 1; tick <= 10; ++tick) {
             std::vector<Command> commands;
             if (tick == 4)
-                commands = {{1, 1, Impulse{{0, 0, 9}, {0, 0, -1}, {0, 0, 0}, 2.5f}}, {2, 1, Set{{"medium.extinction", 0.1f}}}};
+                commands = {{1, 1, Impulse{{0, 0, 9}, {0, 0, -1}, {0, 0, 0}, 2.5f}},
+                            {2, 1, Set{{"medium.extinction", 0.1f}}}};
             simulation.step(commands);
             if (!commands.empty()) {
                 EXPECT_TRUE(out.write({tick, simulation.stateHash(), commands, {}, {}}));
@@ -79,12 +81,15 @@ protected:
 };
 
 TEST(CommandJson, EveryCommandComesBackBitForBit) {
-    const float tiny = std::numeric_limits<float>::denorm_min(), third = 1.0f / 3, huge = -std::numeric_limits<float>::max();
+    const float tiny = std::numeric_limits<float>::denorm_min(), third = 1.0f / 3,
+                huge = -std::numeric_limits<float>::max();
     const std::vector<CommandBody> bodies{
         Impulse{{tiny, third, huge}, {-0.0f, 0.1f, 16777217.0f}, {1e-38f, 3, -3}, -9.999999f},
         MoveVolume{{third, -third, 0}},
         Set{},
-        Set{{"light.to_light", glm::vec3(0, 1, 0)}, {"light.irradiance", glm::vec3(10, third, 0)}, {"light.rotate", -0.25f}},
+        Set{{"light.to_light", glm::vec3(0, 1, 0)},
+            {"light.irradiance", glm::vec3(10, third, 0)},
+            {"light.rotate", -0.25f}},
         Set{{"medium.falloff", third}},
         Set{{"medium.extinction", 1.0f},
             {"medium.falloff", 2.0f},
@@ -117,8 +122,9 @@ TEST(CommandJson, WhatIsNotACommandIsRefused) {
           R"({"viewer":-1,"seq":"x","restart":{}})", R"({"viewer":1,"seq":2,"impulse":{}})",
           R"({"viewer":1,"seq":2,"move_volume":{"offset":[1,2]}})", R"({"viewer":1,"seq":2,"restart":{"more":1}})",
           R"({"viewer":1,"seq":2,"set_medium":{"falloff":"x"}})", R"({"viewer":1,"seq":2,"set_medium":{"count":1}})",
-          R"({"viewer":1,"seq":2,"set":[["medium.falloff","x"]]})", R"({"viewer":1,"seq":2,"set":[["medium.count",1]]})",
-          R"({"viewer":1,"seq":2,"set":[["medium.falloff"]]})", R"({"viewer":1,"seq":2,"set":{"medium.falloff":1}})"})
+          R"({"viewer":1,"seq":2,"set":[["medium.falloff","x"]]})",
+          R"({"viewer":1,"seq":2,"set":[["medium.count",1]]})", R"({"viewer":1,"seq":2,"set":[["medium.falloff"]]})",
+          R"({"viewer":1,"seq":2,"set":{"medium.falloff":1}})"})
         EXPECT_ANY_THROW(commandOf(nlohmann::json::parse(text))) << text;
 }
 
@@ -139,7 +145,8 @@ TEST_F(RecordingTest, ReadsWhatWasWrittenAndReplaysIt) {
     EXPECT_EQ(replayed(), "replayed 10 ticks with 2 commands: 3 states as recorded; the recording ended: stopped\n");
 }
 
-// A file of the last server that wrote version 1, with a command for each table of settings: its states come out the same.
+// A file of the last server that wrote version 1, with a command for each table of settings: its states come out the
+// same.
 TEST_F(RecordingTest, ARecordingOfVersion1IsReplayed) {
     std::filesystem::copy_file("tests/unit/recordings/version-1", file);
     EXPECT_EQ(replayed(), "replayed 3 ticks with 6 commands: 5 states as recorded; the recording ended: stopped\n");

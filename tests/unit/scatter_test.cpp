@@ -1,4 +1,5 @@
-// Quadratures of the light that one particle scatters toward the eye: exact answers, convergence, conservation, extremes.
+// Quadratures of the light that one particle scatters toward the eye: exact answers, convergence, conservation,
+// extremes.
 #include <algorithm>
 #include <cstdio>
 #include <functional>
@@ -40,8 +41,8 @@ double exactScatter(const Interval& i) {
     double sum = 0;
     const int panels = 8; // so that no narrow feature is missed by the first look
     for (int p = 0; p < panels; ++p)
-        sum +=
-            boost::math::quadrature::gauss_kronrod<double, 15>::integrate(f, i.h * p / panels, i.h * (p + 1) / panels, 8, 1e-11);
+        sum += boost::math::quadrature::gauss_kronrod<double, 15>::integrate(f, i.h * p / panels,
+                                                                             i.h * (p + 1) / panels, 8, 1e-11);
     return sum;
 }
 
@@ -84,11 +85,13 @@ double transmittance(const Interval& i, int n) {
 double taylor(const Interval& i) {
     const auto f = [&](double z) {
         const double q = i.a + z;
-        return i.peak_line / kSqrtPi * std::exp(-q * q) * std::exp(-i.peak_line / 2 * (std::erf(q) - std::erf(i.a))) * i.light(z);
+        return i.peak_line / kSqrtPi * std::exp(-q * q) * std::exp(-i.peak_line / 2 * (std::erf(q) - std::erf(i.a))) *
+               i.light(z);
     };
     const double m = i.h / 2, d = i.h / 16;
     const double f0 = f(m), f1 = f(m + d), f2 = f(m + 2 * d), f3 = f(m + 3 * d);
-    const double derivatives[4] = {f0, (f1 - f0) / d, (f2 - 2 * f1 + f0) / (d * d), (f3 - 3 * f2 + 3 * f1 - f0) / (d * d * d)};
+    const double derivatives[4] = {f0, (f1 - f0) / d, (f2 - 2 * f1 + f0) / (d * d),
+                                   (f3 - 3 * f2 + 3 * f1 - f0) / (d * d * d)};
     double sum = 0, power = 1, factorial = 1;
     for (int k = 0; k < 4; ++k) { // each term integrated from -h/2 to h/2
         power = std::pow(m, k + 1);
@@ -100,7 +103,8 @@ double taylor(const Interval& i) {
 
 double printedAnalytic(float t, float light_in, float light_out) {
     // Seed 000 section 3.7 with z_min = 0: overflows where depths are large, 0/0 where they balance.
-    return t * (std::exp(t + light_out) - std::exp(light_in)) * std::exp(-t - light_out - light_in) / (t + light_out - light_in);
+    return t * (std::exp(t + light_out) - std::exp(light_in)) * std::exp(-t - light_out - light_in) /
+           (t + light_out - light_in);
 }
 
 TEST(ScatterAnalytic, HomogeneousSlab) {
@@ -108,8 +112,8 @@ TEST(ScatterAnalytic, HomogeneousSlab) {
     const double view = 1.7 / 0.85, light = 1.7 / 0.6, source = 0.9 * 0.07957747154594767;
     EXPECT_NEAR(source * physics::scatterAnalytic(view, 0.0, light), 0.0293998491338, 1e-9);
     EXPECT_NEAR(source * physics::scatterAnalytic(view, light, 0.0), 0.0131526148731, 1e-9);
-    EXPECT_NEAR(static_cast<float>(source) * physics::scatterAnalytic(2.0f, 0.0f, static_cast<float>(light)), 0.0293998491338,
-                1e-8);
+    EXPECT_NEAR(static_cast<float>(source) * physics::scatterAnalytic(2.0f, 0.0f, static_cast<float>(light)),
+                0.0293998491338, 1e-8);
 }
 
 TEST(ScatterAnalytic, UniformSphereAgainstAndWithTheLight) {
@@ -224,7 +228,8 @@ TEST(Hermite, TotalScatterIsExact) {
     for (double line = 1e-6; line < 1e6; line *= 3) {
         const auto single = static_cast<float>(line);
         const auto first = physics::hermiteNode(single, 0.7f, 0), second = physics::hermiteNode(single, 0.7f, 1);
-        EXPECT_NEAR(first.weight + second.weight, -std::expm1(-static_cast<double>(single)), 3e-7 * std::min(1.0, line));
+        EXPECT_NEAR(first.weight + second.weight, -std::expm1(-static_cast<double>(single)),
+                    3e-7 * std::min(1.0, line));
         EXPECT_GE(first.weight, second.weight) << "the nearer node is seen better";
         EXPECT_FLOAT_EQ(second.z, 1 / std::sqrt(2.0f) / 0.7f);
         EXPECT_FLOAT_EQ(first.z, -second.z);
@@ -266,7 +271,8 @@ TEST(TruncatedHermite, NodesAreMeanAndDeviation) {
     // The whole line: Hermite's nodes and weights.
     const auto whole = segmentOf<float>({1.3, -6, 12, 0, 0});
     for (const int i : {0, 1}) {
-        const auto node = physics::truncatedHermiteNode(whole, i), hermite = physics::hermiteNode(whole.line, whole.k, i);
+        const auto node = physics::truncatedHermiteNode(whole, i),
+                   hermite = physics::hermiteNode(whole.line, whole.k, i);
         EXPECT_NEAR(node.z - 6, hermite.z, 3e-6);
         EXPECT_NEAR(node.weight, hermite.weight, 1e-6);
     }
@@ -295,12 +301,14 @@ TEST(Quadratures, RankAsExpected) {
         double lo, hi;
     };
     for (const Range& depth : {Range{0.02, 0.2}, Range{1, 5}, Range{10, 100}}) {
-        const double s1 = rmsError(depth.lo, depth.hi, simpsonSteps(1)), s2 = rmsError(depth.lo, depth.hi, simpsonSteps(2));
+        const double s1 = rmsError(depth.lo, depth.hi, simpsonSteps(1)),
+                     s2 = rmsError(depth.lo, depth.hi, simpsonSteps(2));
         const double s10 = rmsError(depth.lo, depth.hi, simpsonSteps(10));
         const double t1 = rmsError(depth.lo, depth.hi, points(1)), t2 = rmsError(depth.lo, depth.hi, points(2));
         const double t3 = rmsError(depth.lo, depth.hi, points(3)), tay = rmsError(depth.lo, depth.hi, taylor);
-        std::printf("peak depth %g to %g: Simpson 1/2/10 %.3g %.3g %.3g, transmittance 1/2/3 %.3g %.3g %.3g, Taylor %.3g\n",
-                    depth.lo, depth.hi, s1, s2, s10, t1, t2, t3, tay);
+        std::printf(
+            "peak depth %g to %g: Simpson 1/2/10 %.3g %.3g %.3g, transmittance 1/2/3 %.3g %.3g %.3g, Taylor %.3g\n",
+            depth.lo, depth.hi, s1, s2, s10, t1, t2, t3, tay);
         EXPECT_LT(t2, t1);
         EXPECT_LT(t3, t2);
         EXPECT_LT(s2, s1);
@@ -326,7 +334,8 @@ TEST(Nodes, FiniteAndInsideForExtremeInputs) {
                         bool good = std::isfinite(segment.depth) && segment.depth >= 0 && std::isfinite(segment.peak);
                         const float length = segment.h / segment.k;
                         const auto check = [&](const physics::ScatterNode<float>& node, float lo, float hi) {
-                            good = good && std::isfinite(node.weight) && node.weight >= 0 && node.z >= lo && node.z <= hi;
+                            good =
+                                good && std::isfinite(node.weight) && node.weight >= 0 && node.z >= lo && node.z <= hi;
                         };
                         for (int j = 0; j <= 4; j += 2) check(physics::simpsonNode(segment, j, 2), 0, length);
                         for (int j = 0; j < 2; ++j) {
@@ -334,7 +343,8 @@ TEST(Nodes, FiniteAndInsideForExtremeInputs) {
                             check(physics::truncatedHermiteNode(segment, j), 0, length * 1.0001f);
                             check(physics::hermiteNode(segment.line, segment.k, j), -1e38f, 1e38f);
                         }
-                        ASSERT_TRUE(good) << "sigma " << sigma_t << " k " << k << " b2 " << b2 << " a " << a << " h " << h;
+                        ASSERT_TRUE(good)
+                            << "sigma " << sigma_t << " k " << k << " b2 " << b2 << " a " << a << " h " << h;
                     }
 }
 

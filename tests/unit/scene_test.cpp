@@ -82,10 +82,11 @@ INSTANTIATE_TEST_SUITE_P(
               "\"cube\", \"tubes\", \"cumulus\", \"emitter\", \"file\""},
         Wrong{"[medium]\nlayout = \"file\"", 2, "medium.layout", "without a file", "a PLY"},
         Wrong{"[medium]\nfile = \"a.ply\"", 2, "medium.file", "not used", "layout = \"file\""},
-        Wrong{"[medium]\nlayout = \"file\"\nfile = \"a.ply\"\ncount = 3", 4, "medium.count", "not used", "the file says"},
+        Wrong{"[medium]\nlayout = \"file\"\nfile = \"a.ply\"\ncount = 3", 4, "medium.count", "not used",
+              "the file says"},
         Wrong{"[medium]\n[medium.emitter]\nrate = 1", 2, "medium.emitter", "not used", "layout = \"emitter\""},
-        Wrong{"[medium]\nlayout = \"emitter\"\ncount = 99\nemitter = { rate = 50, life = 2 }", 3, "medium.count", "smaller than",
-              "from 101"},
+        Wrong{"[medium]\nlayout = \"emitter\"\ncount = 99\nemitter = { rate = 50, life = 2 }", 3, "medium.count",
+              "smaller than", "from 101"},
         Wrong{"medium = 3", 1, "medium", "3 is not", "a table"},
         Wrong{"light = 3", 1, "light", "3 is not", "[[light]], from 0 to 1 of them"},
         Wrong{"light = [3]", 1, "light", "3 is not", "a table"},
@@ -99,7 +100,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[camera]\nposition = [1e6, 0, 0]", 2, "camera.position", "1000000 is not", "near the scene's origin"},
         Wrong{"origin = [1e6, 0, 0]\n[[sphere]]\ncentre = [0, 0, 0]", 3, "sphere[0].centre", "0 is not",
               "from 950000 to 1050000"},
-        Wrong{"origin = [0, 1e6, 0]\n[[plane]]\nheight = 0", 3, "plane[0].height", "0 is not", "near the scene's origin"},
+        Wrong{"origin = [0, 1e6, 0]\n[[plane]]\nheight = 0", 3, "plane[0].height", "0 is not",
+              "near the scene's origin"},
         Wrong{"origin = [0, 2e7, 0]", 1, "origin", "20000000 is not", "from -10000000 to 10000000"},
         Wrong{"[camera]\nfov_y = 3.2", 2, "camera.fov_y", "3.2 is not", "from 0.05 to 3"},
         Wrong{"[simulation]\npaused = 1", 2, "simulation.paused", "1 is not", "true or false"},
@@ -108,8 +110,10 @@ INSTANTIATE_TEST_SUITE_P(
               "\"simpson\", \"transmittance\", \"analytic\""},
         Wrong{"[render]\nsteps = 11", 2, "render.steps", "11 is not", "from 1 to 10"},
         Wrong{"[render]\nquadrature = \"transmittance\"\nsteps = 4", 3, "render.steps", "4 is not", "from 1 to 3"},
-        Wrong{"[render]\nshadow_slices = 1", 2, "render.shadow_slices", "1 is not", "0, or a whole number from 2 to 128"},
-        Wrong{"[render]\nshadow_size = 0.0", 2, "render.shadow_size", "0 is not", "0, or a whole number from 16 to 1024"},
+        Wrong{"[render]\nshadow_slices = 1", 2, "render.shadow_slices", "1 is not",
+              "0, or a whole number from 2 to 128"},
+        Wrong{"[render]\nshadow_size = 0.0", 2, "render.shadow_size", "0 is not",
+              "0, or a whole number from 16 to 1024"},
         Wrong{"[render]\nshading = 6", 2, "render.shading", "6 is not", "0, 1, 2, 4 or 8"},
         Wrong{"[render]\nmerge = 8.5", 2, "render.merge", "8.5 is not", "from 0 to 8"},
         Wrong{"[render]\nshadow_error = 0", 2, "render.shadow_error", "0 is not", "from 0.0001 to 0.1"},
@@ -214,9 +218,10 @@ target = [1000000, -1999999.75, 3e6]
     EXPECT_EQ(scene.camera.position, glm::vec3(0, 0, 10));
     EXPECT_EQ(scene.camera.target, glm::vec3(0, 0.25f, 0));
     // What moves a file's points is a displacement: the origin is subtracted once, from the points.
-    EXPECT_EQ(loadScene(written("origin = [1e6, 0, 0]\n[medium]\nlayout = \"file\"\nfile = \"a.ply\"\ncentre = [1, 2, 3]"))
-                  .medium.centre,
-              glm::vec3(1, 2, 3));
+    EXPECT_EQ(
+        loadScene(written("origin = [1e6, 0, 0]\n[medium]\nlayout = \"file\"\nfile = \"a.ply\"\ncentre = [1, 2, 3]"))
+            .medium.centre,
+        glm::vec3(1, 2, 3));
 }
 
 TEST(Scene, AnEmptyFileIsTheDefaultScene) {
@@ -244,7 +249,8 @@ TEST(Scene, OverridesReplaceTheFilesSettings) {
     EXPECT_EQ(scene.lights.at(0).irradiance, glm::vec3(1, 2, 3));
     EXPECT_EQ(scene.lights.at(0).rotate, 1);
     EXPECT_EQ(scene.sky.ambient, glm::vec3(0.5f));
-    for (const std::string wrong : {"medium.count", "=3", "medium.cuont=3", "medium.count=0", "medium.count=x", "medium=3"})
+    for (const std::string wrong :
+         {"medium.count", "=3", "medium.cuont=3", "medium.count=0", "medium.count=x", "medium=3"})
         EXPECT_THROW(loadScene(file, {&wrong, 1}), SceneError) << wrong;
 }
 
@@ -261,8 +267,8 @@ TEST(Scene, WhatCannotBeReadSaysSo) {
 }
 
 TEST(Scene, ARefusalIsOneLineWhateverItQuotes) {
-    std::vector<std::string> refusals{errorOf("\"a\\nb\\u001b[2J\" = 1"), errorOf("[render]\ntone_map = \"a\\nb\\u001b[2J\""),
-                                      errorOf("name = \x01")};
+    std::vector<std::string> refusals{errorOf("\"a\\nb\\u001b[2J\" = 1"),
+                                      errorOf("[render]\ntone_map = \"a\\nb\\u001b[2J\""), errorOf("name = \x01")};
     const std::string override = "a\nb\x1b[2J";
     try {
         loadScene(written(""), {&override, 1});
@@ -325,8 +331,8 @@ TEST_P(ShippedScene, LoadsAndHoldsItsMedium) {
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
                          testing::Values(Shipped{"cloud", 500, 3}, Shipped{"cloud-5000", 5000, 4},
-                                         Shipped{"cloud-65535", 65535, 4}, Shipped{"tubes", 0, 0}, Shipped{"props", 0, 0},
-                                         Shipped{"cumulus", 0, 0}, Shipped{"plume", 0, 0}),
+                                         Shipped{"cloud-65535", 65535, 4}, Shipped{"tubes", 0, 0},
+                                         Shipped{"props", 0, 0}, Shipped{"cumulus", 0, 0}, Shipped{"plume", 0, 0}),
                          [](const auto& scene) {
                              std::string name = scene.param.name;
                              std::erase(name, '-');
@@ -335,7 +341,8 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
 
 TEST(Shipped, EverySceneIsTestedHere) {
     size_t scenes = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(kScenes)) scenes += entry.path().extension() == ".toml";
+    for (const auto& entry : std::filesystem::directory_iterator(kScenes))
+        scenes += entry.path().extension() == ".toml";
     EXPECT_EQ(scenes, 7u);
 }
 

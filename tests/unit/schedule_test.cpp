@@ -86,14 +86,16 @@ TEST(Schedule, BeyondTheBudgetEqualsTakeTurns) {
     for (const Clock::duration wait : out.longest) EXPECT_LT(wait, ms(2 * 170));
 }
 
-// One of 200 ms, eight of 2 ms. In one batch all would get 4.6 frames a second; alone, the eight get 58 (17 ms, once a tick).
+// One of 200 ms, eight of 2 ms. In one batch all would get 4.6 frames a second; alone, the eight get 58 (17 ms, once a
+// tick).
 TEST(Schedule, OneThatIsDearDoesNotTakeTheOthersRate) {
     std::vector<double> costs(9, 2.0);
     costs[4] = 200;
     const Outcome out = run(costs, 50, 20);
     for (size_t i = 0; i < costs.size(); ++i) {
         if (i == 4) continue;
-        EXPECT_GE(out.frames[i], 20 * 58 * 3 / 4) << i; // a fifth of the time is the dear one's, and what of a tick is left
+        EXPECT_GE(out.frames[i], 20 * 58 * 3 / 4)
+            << i; // a fifth of the time is the dear one's, and what of a tick is left
         EXPECT_LT(out.longest[i], ms(200 + 2 * 17 + 17)) << i;
     }
     EXPECT_GE(out.frames[4], 15); // one a second, and what it waited for the batch before
@@ -114,7 +116,8 @@ TEST(Schedule, AloneItGetsAllOfTheDevice) {
     EXPECT_GE(out.frames[0], 20'000 / (201 + 17));
 }
 
-// Whatever they cost and whatever the budget, nobody waits for more than all others' pictures and the second of its own turn.
+// Whatever they cost and whatever the budget, nobody waits for more than all others' pictures and the second of its own
+// turn.
 TEST(Schedule, NobodyStarves) {
     for (const double budget : {1.0, 10.0, 50.0, 1000.0}) {
         const std::vector<double> costs{0.1, 90, 7, 7, 7, 30, 49, 51, 0.5, 0.5, 300, 3, 3, 20};

@@ -57,12 +57,14 @@ protected:
     }
 
     Effects hello(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1, uint8_t quality = 0) {
-        return say([&](FlatBufferBuilder& b) { return wire::CreateHelloDirect(b, "test", width, height, views, quality); });
+        return say(
+            [&](FlatBufferBuilder& b) { return wire::CreateHelloDirect(b, "test", width, height, views, quality); });
     }
     Effects pose(const PoseFields& p) {
         return say([&](FlatBufferBuilder& b) {
             return wire::CreatePose(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height,
-                                    p.frustum ? &*p.frustum : nullptr, p.right_frustum ? &*p.right_frustum : nullptr, p.hidden);
+                                    p.frustum ? &*p.frustum : nullptr, p.right_frustum ? &*p.right_frustum : nullptr,
+                                    p.hidden);
         });
     }
     template <class Build>
@@ -70,7 +72,8 @@ protected:
         return say([&](FlatBufferBuilder& b) {
             const auto command = build(b);
             using Table = std::remove_pointer_t<decltype(flatbuffers::GetTemporaryPointer(b, command))>;
-            return wire::CreateInput(b, seq, 0, wire::CommandTraits<std::remove_const_t<Table>>::enum_value, command.Union());
+            return wire::CreateInput(b, seq, 0, wire::CommandTraits<std::remove_const_t<Table>>::enum_value,
+                                     command.Union());
         });
     }
     Effects restart(uint32_t seq) {

@@ -23,8 +23,9 @@ TEST_F(SessionRulesTest, QualityZeroIsTheServers) {
 }
 
 TEST_F(SessionRulesTest, AClientsNameIsMadeFitForTheLog) {
-    const auto effects =
-        say([](FlatBufferBuilder& b) { return wire::CreateHelloDirect(b, ("a\nb\x1b[31m" + std::string(500, 'x')).c_str()); });
+    const auto effects = say([](FlatBufferBuilder& b) {
+        return wire::CreateHelloDirect(b, ("a\nb\x1b[31m" + std::string(500, 'x')).c_str());
+    });
     const std::string& name = only<Admit>(effects).client;
     EXPECT_EQ(name.substr(0, 8), "a?b?[31m");
     EXPECT_EQ(name.size(), 64u);
@@ -87,7 +88,8 @@ TEST_F(SessionRulesTest, HelloTwiceAndTheServersMessagesAreUnexpected) {
 
 TEST_F(SessionRulesTest, APoseIsShownWithEverythingItSays) {
     watch();
-    const auto effects = pose({.seq = 9, .position = {1, 2, 3}, .orientation = {0, 0.6f, 0, 0.8f}, .fov_y = 1, .eyes = 0.06f});
+    const auto effects =
+        pose({.seq = 9, .position = {1, 2, 3}, .orientation = {0, 0.6f, 0, 0.8f}, .fov_y = 1, .eyes = 0.06f});
     const PoseRequest& request = only<SetPose>(effects).request;
     EXPECT_EQ(request.seq, 9u);
     EXPECT_EQ(request.client_time_us, 77u);
@@ -193,7 +195,8 @@ TEST_F(SessionRulesTest, PosesOverTheRateWaitAndTheNewestIsShown) {
 TEST_F(SessionRulesTest, TooManyMessagesMakeUsReadMoreSlowly) {
     watch();
     EXPECT_EQ(rules->pause(now), 0ns);
-    for (double i = 0; i < options.message_rate * options.burst_s; ++i) say([](auto& b) { return wire::CreatePong(b, 1, 1); });
+    for (double i = 0; i < options.message_rate * options.burst_s; ++i)
+        say([](auto& b) { return wire::CreatePong(b, 1, 1); });
     const auto pause = rules->pause(now);
     EXPECT_GT(pause, 0ns);
     EXPECT_LE(pause, 1ms);

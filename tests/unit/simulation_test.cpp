@@ -71,8 +71,8 @@ TEST_P(AnyLayout, AnotherSeedIsAnotherState) {
     EXPECT_NE(a.stateHash(), Simulation(scene).stateHash());
 }
 
-// Frozen: the same with GCC and Clang, with and without AVX2, in every build type. A change here breaks replays: make it on
-// purpose.
+// Frozen: the same with GCC and Clang, with and without AVX2, in every build type. A change here breaks replays: make
+// it on purpose.
 TEST(Hash, IsTheSameWithEveryCompiler) {
     Simulation cube(cubeScene()), plume(plumeScene());
     EXPECT_EQ(hashesOf(cube).back(), 0x26c76a01bacd1267u);
@@ -128,7 +128,8 @@ TEST_P(AnyLayout, StepAllocatesNothing) {
     const std::vector<Command> all{
         command(Impulse{.origin = {0, 0, 20}}),
         command(MoveVolume{.offset = {1, 0, 0}}),
-        command(Set{{"light.to_light", glm::vec3(0, 1, 0)}, {"light.irradiance", glm::vec3(3)}, {"light.rotate", 1.0f}}),
+        command(
+            Set{{"light.to_light", glm::vec3(0, 1, 0)}, {"light.irradiance", glm::vec3(3)}, {"light.rotate", 1.0f}}),
         command(Set{{"medium.extinction", 10.0f},
                     {"medium.falloff", 1.0f},
                     {"medium.anisotropy", 0.5f},
@@ -296,8 +297,9 @@ TEST_P(AnyLayout, NumbersThatAreNotFiniteChangeNothing) {
         const glm::vec3 v(0, bad, 0);
         give(disturbed,
              {command(Impulse{.origin = v}), command(Impulse{.direction = v}),
-              command(Impulse{.direction = {0, 0, -1}, .push = v}), command(Impulse{.direction = {0, 0, -1}, .strength = bad}),
-              command(Impulse{.direction = {0, 0, 0}}), command(MoveVolume{.offset = v}),
+              command(Impulse{.direction = {0, 0, -1}, .push = v}),
+              command(Impulse{.direction = {0, 0, -1}, .strength = bad}), command(Impulse{.direction = {0, 0, 0}}),
+              command(MoveVolume{.offset = v}),
               command(Set{{"light.to_light", v}, {"light.irradiance", v}, {"light.rotate", bad}}),
               command(Set{{"light.to_light", glm::vec3(0)}}),
               command(Set{{"medium.extinction", bad},
@@ -305,7 +307,8 @@ TEST_P(AnyLayout, NumbersThatAreNotFiniteChangeNothing) {
                           {"medium.anisotropy", bad},
                           {"medium.asymmetry", bad},
                           {"medium.albedo", v}}),
-              command(Set{{"render.method", ""}, {"render.quadrature", std::string(1000, 'x')}, {"render.exposure", bad}})});
+              command(Set{
+                  {"render.method", ""}, {"render.quadrature", std::string(1000, 'x')}, {"render.exposure", bad}})});
         calm.step({});
     }
     EXPECT_EQ(disturbed.stateHash(), calm.stateHash());
@@ -315,17 +318,18 @@ TEST_P(AnyLayout, HugeNumbersAreClamped) {
     Simulation simulation(sceneOf(GetParam()));
     const glm::vec3 huge(3e38f, -3e38f, 3e38f);
     for (int i = 0; i < 200; ++i)
-        give(
-            simulation,
-            {command(Impulse{.origin = {0, 0, 20}, .direction = {0, 0, -1}, .push = huge, .strength = 3e38f}),
-             command(MoveVolume{.offset = huge}),
-             command(Set{{"light.to_light", huge}, {"light.irradiance", huge}, {"light.rotate", 3e38f}}),
-             command(Set{{"medium.extinction", 3e38f},
-                         {"medium.falloff", -3e38f},
-                         {"medium.anisotropy", 9.0f},
-                         {"medium.asymmetry", 9.0f},
-                         {"medium.albedo", huge}}),
-             command(Set{{"render.quadrature", "transmittance"}, {"render.steps", 4'000'000'000u}, {"render.exposure", -3.0f}})});
+        give(simulation,
+             {command(Impulse{.origin = {0, 0, 20}, .direction = {0, 0, -1}, .push = huge, .strength = 3e38f}),
+              command(MoveVolume{.offset = huge}),
+              command(Set{{"light.to_light", huge}, {"light.irradiance", huge}, {"light.rotate", 3e38f}}),
+              command(Set{{"medium.extinction", 3e38f},
+                          {"medium.falloff", -3e38f},
+                          {"medium.anisotropy", 9.0f},
+                          {"medium.asymmetry", 9.0f},
+                          {"medium.albedo", huge}}),
+              command(Set{{"render.quadrature", "transmittance"},
+                          {"render.steps", 4'000'000'000u},
+                          {"render.exposure", -3.0f}})});
     for (const gpu::Particle& p : particlesOf(simulation)) {
         ASSERT_TRUE(std::isfinite(p.centre.x + p.centre.y + p.centre.z));
         ASSERT_TRUE(std::isfinite(p.sigma_t) && p.sigma_t >= 0);

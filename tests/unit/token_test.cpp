@@ -65,7 +65,9 @@ TEST(Token, EndsAtItsTimeAndTheClocksTolerance) {
     const std::string token = good();
     EXPECT_EQ(faultOf(token, kKey, kNow + 1h + kClockSkew - 1s), "");
     EXPECT_EQ(faultOf(token, kKey, kNow + 1h + kClockSkew), "the token has expired");
-    const auto ahead = [](std::chrono::seconds life) { return faultOf(makeToken({Role::viewer, kNow + life, ""}, kKey)); };
+    const auto ahead = [](std::chrono::seconds life) {
+        return faultOf(makeToken({Role::viewer, kNow + life, ""}, kKey));
+    };
     EXPECT_EQ(ahead(kLongestToken + kClockSkew), "");
     EXPECT_NE(ahead(kLongestToken + kClockSkew + 1s), "");
 }
@@ -73,22 +75,23 @@ TEST(Token, EndsAtItsTimeAndTheClocksTolerance) {
 // Signed, and still not of the form.
 TEST(Token, ContentIsExactlyWhatIsDocumented) {
     EXPECT_TRUE(readClaims("eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIifQ")) << R"({"exp":1,"role":"viewer"})";
-    for (const char* payload : {
-             "",
-             "e30",                                                        // {}
-             "W10",                                                        // []
-             "MQ",                                                         // 1
-             "eyJleHAiOjF9",                                               // {"exp":1}
-             "eyJyb2xlIjoidmlld2VyIn0",                                    // {"role":"viewer"}
-             "eyJleHAiOi0xLCJyb2xlIjoidmlld2VyIn0",                        // {"exp":-1,"role":"viewer"}
-             "eyJleHAiOjEuNSwicm9sZSI6InZpZXdlciJ9",                       // {"exp":1.5,"role":"viewer"}
-             "eyJleHAiOjFlOTksInJvbGUiOiJ2aWV3ZXIifQ",                     // {"exp":1e99,"role":"viewer"}
-             "eyJleHAiOjk5OTk5OTk5OTk5OTk5OTk5OTksInJvbGUiOiJ2aWV3ZXIifQ", // {"exp":9999999999999999999,"role":"viewer"}
-             "eyJleHAiOjEsInJvbGUiOiJyb290In0",                            // {"exp":1,"role":"root"}
-             "eyJleHAiOjEsInJvbGUiOjN9",                                   // {"exp":1,"role":3}
-             "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJhIjoxfQ",                 // {"exp":1,"role":"viewer","a":1}
-             "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJuYW1lIjoiXG4ifQ",         // {"exp":1,"role":"viewer","name":"\n"}
-         })
+    for (
+        const char* payload : {
+            "",
+            "e30",                                                        // {}
+            "W10",                                                        // []
+            "MQ",                                                         // 1
+            "eyJleHAiOjF9",                                               // {"exp":1}
+            "eyJyb2xlIjoidmlld2VyIn0",                                    // {"role":"viewer"}
+            "eyJleHAiOi0xLCJyb2xlIjoidmlld2VyIn0",                        // {"exp":-1,"role":"viewer"}
+            "eyJleHAiOjEuNSwicm9sZSI6InZpZXdlciJ9",                       // {"exp":1.5,"role":"viewer"}
+            "eyJleHAiOjFlOTksInJvbGUiOiJ2aWV3ZXIifQ",                     // {"exp":1e99,"role":"viewer"}
+            "eyJleHAiOjk5OTk5OTk5OTk5OTk5OTk5OTksInJvbGUiOiJ2aWV3ZXIifQ", // {"exp":9999999999999999999,"role":"viewer"}
+            "eyJleHAiOjEsInJvbGUiOiJyb290In0",                            // {"exp":1,"role":"root"}
+            "eyJleHAiOjEsInJvbGUiOjN9",                                   // {"exp":1,"role":3}
+            "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJhIjoxfQ",                 // {"exp":1,"role":"viewer","a":1}
+            "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJuYW1lIjoiXG4ifQ",         // {"exp":1,"role":"viewer","name":"\n"}
+        })
         EXPECT_FALSE(readClaims(payload)) << payload;
 }
 

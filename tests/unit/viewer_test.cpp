@@ -320,7 +320,8 @@ TEST(Viewer, NothingIsDueForAHiddenWindowAndAFrameAtOnceWhenItIsSeenAgain) {
     Clock::time_point now{std::chrono::hours(1)};
     PoseRequest pose = poseWithSeq(1);
     viewer.setPose(pose);
-    for (uint64_t tick = 1; tick <= 2; ++tick) { // the window is full: a hidden page presents nothing, so acknowledges nothing
+    for (uint64_t tick = 1; tick <= 2;
+         ++tick) { // the window is full: a hidden page presents nothing, so acknowledges nothing
         const auto due = takeDue(viewer, now, tick);
         ASSERT_TRUE(due);
         viewer.deliver(frameFor(*due, now));

@@ -46,7 +46,8 @@ std::string said(const char* command) {
 }
 
 std::string cpu() {
-    return said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
+    return said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) +
+           " threads";
 }
 
 std::string today() {
@@ -94,8 +95,8 @@ void render(const gpu::DeviceOptions& device_options, RenderOptions o, const std
 }
 
 // Exit code: 0, or 1 when `most` is given and the relative RMSE is above it or not a number.
-int comparePictures(const std::string& value_file, const std::string& reference_file, const std::string& map, double most,
-                    bool all_pixels) {
+int comparePictures(const std::string& value_file, const std::string& reference_file, const std::string& map,
+                    double most, bool all_pixels) {
     const RadianceImage value = readExr(value_file), reference = readExr(reference_file);
     if (value.width != reference.width || value.height != reference.height)
         throw std::runtime_error("the pictures differ in size");
@@ -122,8 +123,9 @@ void sweep(const gpu::DeviceOptions& device_options, const std::vector<std::stri
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     results["peak_mib"] = double(usage.ru_maxrss) / 1024;
-    results["commit"] = said("git rev-parse --short HEAD 2>/dev/null") +
-                        (said("git status --porcelain -- . ':!docs/results' 2>/dev/null").empty() ? "" : " with changes");
+    results["commit"] =
+        said("git rev-parse --short HEAD 2>/dev/null") +
+        (said("git status --porcelain -- . ':!docs/results' 2>/dev/null").empty() ? "" : " with changes");
     results["cpu"] = cpu();
     results["date"] = today();
     writeText(out, results.dump(1) + '\n');
@@ -146,23 +148,24 @@ void plan(const gpu::DeviceOptions& options, const std::filesystem::path& folder
     const CostModel model = loadCosts(costFile(folder, device.name(), device.driver()), complaint);
     if (!complaint.empty()) std::cerr << complaint << '\n';
     Truth truth(cache);
-    const std::string about =
-        fmt::format("# The plan: predicted against measured\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}. "
-                    "Costs: {}.\n\n",
-                    command, today(), cpu(), device.name(), device.driver(), model.source);
+    const std::string about = fmt::format("# The plan: predicted against measured\n\nWritten by `{}` on {}. CPU: {}. "
+                                          "Vulkan device: {}, {}. Costs: {}.\n\n",
+                                          command, today(), cpu(), device.name(), device.driver(), model.source);
     writeText(out, about + planTable(device, model, truth, wanted));
 }
 
-void features(const gpu::DeviceOptions& options, uint32_t frames, const std::filesystem::path& out, const std::string& command) {
+void features(const gpu::DeviceOptions& options, uint32_t frames, const std::filesystem::path& out,
+              const std::string& command) {
     const gpu::Device device(options);
-    const std::string about = fmt::format("# What is saved by compiling out what a scene does not have\n\nWritten by `{}` on {}. "
-                                          "CPU: {}. Vulkan device: {}, {}.\n\n"
-                                          "Scenes without objects, lobe and ambient light, 640x360 from outside, with shaders "
-                                          "specialised for what is there and, besides, for "
-                                          "things that are not; the pictures are the same. Least of {} frames each, in turns. "
-                                          "There is one light in every scene, so that "
-                                          "nothing is specialised for more.\n\n",
-                                          command, today(), cpu(), device.name(), device.driver(), frames);
+    const std::string about =
+        fmt::format("# What is saved by compiling out what a scene does not have\n\nWritten by `{}` on {}. "
+                    "CPU: {}. Vulkan device: {}, {}.\n\n"
+                    "Scenes without objects, lobe and ambient light, 640x360 from outside, with shaders "
+                    "specialised for what is there and, besides, for "
+                    "things that are not; the pictures are the same. Least of {} frames each, in turns. "
+                    "There is one light in every scene, so that "
+                    "nothing is specialised for more.\n\n",
+                    command, today(), cpu(), device.name(), device.driver(), frames);
     writeText(out, about + featuresTable(device, frames));
 }
 
@@ -204,7 +207,8 @@ int run(int argc, char** argv) {
     render_command->add_option("--camera", picture.wanted.camera, "outside, inside, 20m, x,y,z or x,y,z:x,y,z");
     render_command->add_option("--size", picture.size, "pixels");
     render_command->add_option("--method", picture.method, "instead of the scene's");
-    render_command->add_option("--set", picture.wanted.set, "key=value instead of the scene's, as in its file")->default_str("");
+    render_command->add_option("--set", picture.wanted.set, "key=value instead of the scene's, as in its file")
+        ->default_str("");
     render_command->add_option("--ticks", picture.ticks, "of simulation first")->check(CLI::Range(0, 100000));
     render_command->add_option("--out", picture.out, ".exr or .png");
     render_command->add_flag("--reference", picture.reference, "in double precision, the true overlapping medium");
@@ -212,7 +216,8 @@ int run(int argc, char** argv) {
     std::string value, reference, map;
     double most = 0;
     bool all_pixels = false;
-    CLI::App* compare_command = app.add_subcommand("compare", "all errors of a picture against its reference, both EXR");
+    CLI::App* compare_command =
+        app.add_subcommand("compare", "all errors of a picture against its reference, both EXR");
     compare_command->add_option("picture", value)->required();
     compare_command->add_option("reference", reference)->required();
     compare_command->add_option("--flip", map, "write the FLIP map to this PNG");
@@ -222,7 +227,8 @@ int run(int argc, char** argv) {
     std::vector<std::string> files;
     Effort effort;
     std::string results = "build/bench.json";
-    CLI::App* sweep_command = app.add_subcommand("sweep", "time and error of lists of settings (tools/bench/sweeps/*.toml)");
+    CLI::App* sweep_command =
+        app.add_subcommand("sweep", "time and error of lists of settings (tools/bench/sweeps/*.toml)");
     sweep_command->add_option("files", files)->required();
     sweep_command->add_option("--out", results, "JSON");
     sweep_command->add_option("--seconds", effort.seconds, "of frames per variant")->check(CLI::Range(0.0, 600.0));
@@ -231,31 +237,34 @@ int run(int argc, char** argv) {
 
     std::string costs = defaultCostFolder().string();
     double calibrate_seconds = 15;
-    CLI::App* calibrate_command =
-        app.add_subcommand("calibrate", "measures what the plan's predictions need to know of this device, for brume-server");
+    CLI::App* calibrate_command = app.add_subcommand(
+        "calibrate", "measures what the plan's predictions need to know of this device, for brume-server");
     calibrate_command->add_option("--costs", costs, "folder of the file");
-    calibrate_command->add_option("--seconds", calibrate_seconds, "of frames, beside start-up")->check(CLI::Range(0.0, 600.0));
+    calibrate_command->add_option("--seconds", calibrate_seconds, "of frames, beside start-up")
+        ->check(CLI::Range(0.0, 600.0));
 
     PlanTable planned;
     std::string plan_out;
     CLI::App* plan_command = app.add_subcommand("plan", "the plan's choices: predicted against measured, as a table");
     plan_command->add_option("scenes", planned.scenes, "shipped scenes, or paths");
     plan_command->add_option("--cameras", planned.cameras, "as render's");
-    plan_command->add_option("--set", planned.set, "key=value instead of the scenes', as in their files")->default_str("");
+    plan_command->add_option("--set", planned.set, "key=value instead of the scenes', as in their files")
+        ->default_str("");
     plan_command->add_option("--costs", costs, "folder of what calibrate wrote");
     plan_command->add_option("--out", plan_out, "Markdown instead of standard output")->default_str("");
 
     uint32_t feature_frames = 10;
     std::string features_out;
-    CLI::App* features_command =
-        app.add_subcommand("features", "what shaders save that are compiled without what a scene does not have: a table");
+    CLI::App* features_command = app.add_subcommand(
+        "features", "what shaders save that are compiled without what a scene does not have: a table");
     features_command->add_option("--frames", feature_frames, "of each")->check(CLI::Range(1, 10000));
     features_command->add_option("--out", features_out, "Markdown instead of standard output")->default_str("");
 
     NativeOptions native;
-    CLI::App* native_command =
-        app.add_subcommand("native", "slabs on Vulkan beside the same maths written for this CPU's vector units: a table");
-    native_command->add_option("--instructions", native.instructions, "AVX-512 or AVX2; default: the widest that the CPU has")
+    CLI::App* native_command = app.add_subcommand(
+        "native", "slabs on Vulkan beside the same maths written for this CPU's vector units: a table");
+    native_command
+        ->add_option("--instructions", native.instructions, "AVX-512 or AVX2; default: the widest that the CPU has")
         ->check(CLI::IsMember({"AVX-512", "AVX2"}))
         ->default_str("");
     native_command->add_option("--frames", native.frames, "of each")->check(CLI::Range(1, 10000));
@@ -264,7 +273,8 @@ int run(int argc, char** argv) {
 
     std::string pictures_only, pictures_out;
     CLI::App* pictures_command = app.add_subcommand(
-        "pictures", "a fingerprint of every scene's picture by every method: the same text while no bit of any changes");
+        "pictures",
+        "a fingerprint of every scene's picture by every method: the same text while no bit of any changes");
     pictures_command->add_option("--only", pictures_only, "scenes whose name holds this")->default_str("");
     pictures_command->add_option("--out", pictures_out, "text instead of standard output")->default_str("");
 

@@ -89,8 +89,9 @@ double error(Bench& bench, const Scene& scene, reference::Model model, const Pos
     bench.simulation.write(particles);
     if (!exact.contains(model)) {
         const Light light = sunOf(scene);
-        exact[model] = reference::render({particles, scene.medium.falloff, scene.medium.anisotropy, scene.medium.asymmetry},
-                                         light, pose, int(size.width), int(size.height), model);
+        exact[model] =
+            reference::render({particles, scene.medium.falloff, scene.medium.anisotropy, scene.medium.asymmetry}, light,
+                              pose, int(size.width), int(size.height), model);
     }
     bench.renderer.keepRadiance(true);
     bench.render({pose, size.width, size.height});
@@ -118,8 +119,8 @@ void methodTable(const gpu::Device& device, Scene scene, int rounds, Size size) 
     const Size compared{size.width / 4, size.height / 4};
     std::printf("## Methods: scene `%s`, %ux%u, medium passes (cull, sort, draw), median of %d interleaved frames\n\n",
                 scene.name.c_str(), size.width, size.height, rounds);
-    std::printf("Error: relative RMSE of radiance at %ux%u against the double-precision reference: the true overlapping medium, "
-                "and the\n"
+    std::printf("Error: relative RMSE of radiance at %ux%u against the double-precision reference: the true "
+                "overlapping medium, and the\n"
                 "sequential one (particles composited one after another) with the same support.\n\n",
                 compared.width, compared.height);
     std::printf("| method | ms | Simpson-2 time over this | against overlapping | against sequential, same support "
@@ -127,10 +128,11 @@ void methodTable(const gpu::Device& device, Scene scene, int rounds, Size size) 
     for (size_t i = 0; i < benches.size(); ++i) {
         const bool sphere = std::string_view(kVariants[i].method) == "sphere";
         const double overlapping = error(*benches[i], scene, reference::Model::overlapping, pose, compared);
-        const double sequential = error(
-            *benches[i], scene, sphere ? reference::Model::sequential : reference::Model::sequential_tetrahedron, pose, compared);
-        std::printf("| %s | %.1f | %.2f | %.2f %% | %.2f %% |\n", kVariants[i].name, median(times[i]), base / median(times[i]),
-                    100 * overlapping, 100 * sequential);
+        const double sequential =
+            error(*benches[i], scene, sphere ? reference::Model::sequential : reference::Model::sequential_tetrahedron,
+                  pose, compared);
+        std::printf("| %s | %.1f | %.2f | %.2f %% | %.2f %% |\n", kVariants[i].name, median(times[i]),
+                    base / median(times[i]), 100 * overlapping, 100 * sequential);
     }
     const Simulation simulation(scene);
     std::vector<gpu::Particle> particles(simulation.liveCount());
@@ -157,10 +159,11 @@ void ownTime(const gpu::Device& device, const Scene& scene, int rounds) {
         (void)bench.submission.pictures();
         spent.push_back(recorded - begin + threadCpuMs() - done);
     }
-    std::printf("## The server's own work per frame\n\nStep, light bounds, upload, recording and submission of one 640x360 "
-                "viewer of `%s`, CPU time of the\n"
-                "frame thread outside GPU passes and JPEG, median of %d: **%.2f ms**.\n\n",
-                scene.name.c_str(), rounds, median(spent));
+    std::printf(
+        "## The server's own work per frame\n\nStep, light bounds, upload, recording and submission of one 640x360 "
+        "viewer of `%s`, CPU time of the\n"
+        "frame thread outside GPU passes and JPEG, median of %d: **%.2f ms**.\n\n",
+        scene.name.c_str(), rounds, median(spent));
 }
 
 // Frames a second of our encoder and of libjpeg-turbo's tjbench, on the same picture, in turns of `run` seconds.
@@ -169,7 +172,8 @@ void jpeg(const gpu::Device& device, const Scene& scene, double run) {
     bench.render({lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y), 640, 360});
     const PictureView picture = bench.submission.pictures()[0];
     const PlaneLayout& layout = picture.layout;
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("brume-claims-" + std::to_string(::getpid()));
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("brume-claims-" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder);
     const std::string ppm = (folder / "picture.ppm").string();
     {
@@ -177,7 +181,8 @@ void jpeg(const gpu::Device& device, const Scene& scene, double run) {
         out << "P6\n" << layout.width << ' ' << layout.height << "\n255\n";
         for (uint32_t y = 0; y < layout.height; ++y)
             for (uint32_t x = 0; x < layout.width; ++x) {
-                const uint8_t* chroma = picture.bytes + layout.lumaBytes() + size_t(y / 2) * layout.chromaStride() + x / 2;
+                const uint8_t* chroma =
+                    picture.bytes + layout.lumaBytes() + size_t(y / 2) * layout.chromaStride() + x / 2;
                 const double luma = picture.bytes[y * layout.lumaStride() + x], cb = chroma[0] - 128.0,
                              cr = chroma[layout.chromaBytes()] - 128.0;
                 for (const double c : {luma + 1.402 * cr, luma - 0.344136 * cb - 0.714136 * cr, luma + 1.772 * cb})
@@ -196,8 +201,8 @@ void jpeg(const gpu::Device& device, const Scene& scene, double run) {
             seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         }
         ours.push_back(frames / seconds);
-        Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime", std::to_string(run),
-                         "-warmup", "0.2", "-nowrite", "-componly"});
+        Process tjbench({"/usr/bin/env", "tjbench", ppm, "80", "-yuv", "-subsamp", "420", "-benchtime",
+                         std::to_string(run), "-warmup", "0.2", "-nowrite", "-componly"});
         tjbench.exitCode();
         const std::string text = tjbench.out();
         std::smatch found;
@@ -207,14 +212,14 @@ void jpeg(const gpu::Device& device, const Scene& scene, double run) {
     std::filesystem::remove_all(folder);
     std::printf("## JPEG: 640x360, quality 80, 4:2:0 planes, %zu bytes\n\n", bytes);
     if (theirs.empty()) {
-        std::printf(
-            "Ours: %.0f frames/s. tjbench is not installed (libjpeg-turbo-progs), so there is nothing to compare with.\n\n",
-            median(ours));
+        std::printf("Ours: %.0f frames/s. tjbench is not installed (libjpeg-turbo-progs), so there is nothing to "
+                    "compare with.\n\n",
+                    median(ours));
         return;
     }
-    std::printf(
-        "Ours %.0f frames/s, tjbench (compress from YUV planes) %.0f frames/s, medians of 5 in turns: ratio **%.2f**.\n\n",
-        median(ours), median(theirs), median(ours) / median(theirs));
+    std::printf("Ours %.0f frames/s, tjbench (compress from YUV planes) %.0f frames/s, medians of 5 in turns: ratio "
+                "**%.2f**.\n\n",
+                median(ours), median(theirs), median(ours) / median(theirs));
 }
 
 // Frames per second, all clients together, of `servers` servers with `clients` clients each.
@@ -231,10 +236,10 @@ double streamed(const std::filesystem::path& bin, const std::string& scene, int 
         for (int c = 0; c < clients; ++c) {
             folders.push_back(std::filesystem::temp_directory_path() /
                               ("brume-claims-" + std::to_string(::getpid()) + "-" + std::to_string(folders.size())));
-            watching.push_back(std::make_unique<Process>(
-                std::vector<std::string>{(bin / "brume-client").string(), "--headless", "--url", "ws://127.0.0.1:" + port,
-                                         "--size", "640x360", "--path", "orbit", "--seconds", std::to_string(seconds), "--out",
-                                         folders.back().string(), "--no-save", "--timeout", "60"}));
+            watching.push_back(std::make_unique<Process>(std::vector<std::string>{
+                (bin / "brume-client").string(), "--headless", "--url", "ws://127.0.0.1:" + port, "--size", "640x360",
+                "--path", "orbit", "--seconds", std::to_string(seconds), "--out", folders.back().string(), "--no-save",
+                "--timeout", "60"}));
         }
     double rate = 0;
     for (size_t i = 0; i < watching.size(); ++i) {
@@ -252,12 +257,12 @@ void viewers(const std::filesystem::path& bin, const std::string& scene, double 
         one.push_back(streamed(bin, scene, 1, 4, seconds));
         many.push_back(streamed(bin, scene, 4, 1, seconds));
     }
-    std::printf("## Four viewers of one server against four servers with one viewer each\n\nScene `%s`, 640x360, real processes "
-                "and sockets, all on this machine, "
-                "%.0f s, medians of 3 in turns; frames/s of all four together.\n\n",
+    std::printf("## Four viewers of one server against four servers with one viewer each\n\nScene `%s`, 640x360, "
+                "real processes and sockets, all on this machine, %.0f s, medians of 3 in turns; frames/s of all "
+                "four together.\n\n",
                 scene.c_str(), seconds);
-    std::printf("| one server | four servers | ratio |\n|---|---|---|\n| %.1f | %.1f | **%.2f** |\n\n", median(one), median(many),
-                median(one) / median(many));
+    std::printf("| one server | four servers | ratio |\n|---|---|---|\n| %.1f | %.1f | **%.2f** |\n\n", median(one),
+                median(many), median(one) / median(many));
 }
 
 } // namespace

@@ -14,8 +14,8 @@ namespace {
 
 constexpr glm::uvec2 kSize{640, 360};
 constexpr std::string_view kMany = "cloud-5000";
-// Relative RMSE. With objects, slabs end rays at a surface and keep a value for each slab: other roundings of the same sums.
-// Drawn particles take the quadrature of intervals that a wall may cut: a tenth of what it leaves anyway.
+// Relative RMSE. With objects, slabs end rays at a surface and keep a value for each slab: other roundings of the same
+// sums. Drawn particles take the quadrature of intervals that a wall may cut: a tenth of what it leaves anyway.
 double samePicture(std::string_view method) { return method == "sphere" || method == "isv" ? 2e-3 : 1e-4; }
 
 struct Compiled {
@@ -42,7 +42,8 @@ std::string featuresTable(const gpu::Device& device, uint32_t frames) {
                       "|\n|---|---|---|---|---|---|\n";
     for (const std::string_view scene : {std::string_view("cloud"), kMany})
         for (const std::string_view method : {"slabs", "tiles", "sphere", "isv"}) {
-            if (scene == kMany && (method == "sphere" || method == "isv")) continue; // as on the other, ten times slower
+            if (scene == kMany && (method == "sphere" || method == "isv"))
+                continue; // as on the other, ten times slower
             std::vector<std::unique_ptr<Stage>> stages;
             for (const Compiled& compiled : kCompiled) {
                 Case wanted{.scene = std::string(scene),
@@ -65,14 +66,14 @@ std::string featuresTable(const gpu::Device& device, uint32_t frames) {
             for (size_t s = 0; s < stages.size(); ++s) {
                 const double apart = compare(stages[s]->picture(stages[s]->pose(), kSize), plain, {}).relative_rmse;
                 if (!(apart <= samePicture(method)))
-                    throw std::runtime_error(fmt::format("{}, {}: compiled for {} the picture changes by {:.3g}", scene, method,
-                                                         kCompiled[s].name, apart));
+                    throw std::runtime_error(fmt::format("{}, {}: compiled for {} the picture changes by {:.3g}", scene,
+                                                         method, kCompiled[s].name, apart));
                 const double least = percentile(times[s].medium, 0);
-                out += fmt::format("| {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", scene, method, kCompiled[s].name, least,
-                                   least / percentile(times[0].medium, 0), percentile(times[s].background, 0));
+                out += fmt::format("| {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", scene, method, kCompiled[s].name,
+                                   least, least / percentile(times[0].medium, 0), percentile(times[s].background, 0));
             }
-            std::fprintf(stderr, "  %-10s %-7s %8.2f ms, compiled for everything %8.2f ms\n", scene.data(), method.data(),
-                         percentile(times.front().medium, 0), percentile(times.back().medium, 0));
+            std::fprintf(stderr, "  %-10s %-7s %8.2f ms, compiled for everything %8.2f ms\n", scene.data(),
+                         method.data(), percentile(times.front().medium, 0), percentile(times.back().medium, 0));
         }
     return out;
 }

@@ -18,7 +18,8 @@ namespace {
 std::vector<glm::vec3> decoded(const std::vector<uint8_t>& jpeg, glm::uvec2 size) {
     const std::unique_ptr<void, int (*)(tjhandle)> handle(tjInitDecompress(), tjDestroy);
     std::vector<glm::u8vec3> pixels(size_t(size.x) * size.y);
-    if (tjDecompress2(handle.get(), jpeg.data(), jpeg.size(), &pixels[0].x, int(size.x), 0, int(size.y), TJPF_RGB, 0) != 0)
+    if (tjDecompress2(handle.get(), jpeg.data(), jpeg.size(), &pixels[0].x, int(size.x), 0, int(size.y), TJPF_RGB, 0) !=
+        0)
         throw std::runtime_error(std::string("libjpeg-turbo: ") + tjGetErrorStr2(handle.get()));
     std::vector<glm::vec3> values;
     values.reserve(pixels.size());

@@ -90,7 +90,8 @@ private:
 
 std::vector<std::string> shippedScenes() {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(BRUME_SCENES)) names.push_back(entry.path().stem().string());
+    for (const auto& entry : std::filesystem::directory_iterator(BRUME_SCENES))
+        names.push_back(entry.path().stem().string());
     std::sort(names.begin(), names.end());
     return names;
 }

@@ -16,8 +16,8 @@ struct Sample {
     uint32_t rate, slabs;
     glm::uvec2 size;
 };
-// Few large and many small particles, from outside and within, with and without objects. Methods that draw get small pictures: a
-// fragment costs the same.
+// Few large and many small particles, from outside and within, with and without objects. Methods that draw get small
+// pictures: a fragment costs the same.
 constexpr Sample kSamples[] = {
     {"cloud", "outside", "slabs", 8, 32, {640, 360}},      {"cloud", "inside", "slabs", 16, 24, {640, 360}},
     {"cloud-5000", "outside", "slabs", 8, 32, {640, 360}}, {"cloud-5000", "inside", "slabs", 16, 24, {640, 360}},
@@ -46,8 +46,8 @@ std::vector<FrameCost::Pass> passesOf(Stage& stage, double seconds) {
     return passes;
 }
 
-// What one sample took: of the shared passes, each; of the view's, their sum. A CPU driver runs passes later than it says, so
-// that the time of one may count for its neighbour.
+// What one sample took: of the shared passes, each; of the view's, their sum. A CPU driver runs passes later than it
+// says, so that the time of one may count for its neighbour.
 struct Timed {
     Work shared, view;
     std::array<double, kMostCosts> shared_ms{};
@@ -69,8 +69,9 @@ Timed timed(Stage& stage, glm::uvec2 size, double seconds) {
     return out;
 }
 
-// Constants with which the samples' sums come out right, as close as may be to those it starts from: each round multiplies every
-// constant by how much longer the samples took than predicted, weighted by its part in them. It stays positive.
+// Constants with which the samples' sums come out right, as close as may be to those it starts from: each round
+// multiplies every constant by how much longer the samples took than predicted, weighted by its part in them. It stays
+// positive.
 void fitViews(const std::vector<Timed>& samples, CostModel& model) {
     for (int round = 0; round < 20; ++round) {
         std::array<double, kMostCosts> weight{}, ratio{};
@@ -101,8 +102,8 @@ struct Ratios {
     std::string text() const { return most > 0 ? fmt::format("{:.2f} to {:.2f}", least, most) : "none"; }
 };
 
-// Pixels that show the medium, but for those that an edge of an object or of its shadow crosses, where the pixel's mean is not
-// its centre's value: how such a pixel is smoothed is no matter of the medium. `left_out`: their share.
+// Pixels that show the medium, but for those that an edge of an object or of its shadow crosses, where the pixel's mean
+// is not its centre's value: how such a pixel is smoothed is no matter of the medium. `left_out`: their share.
 std::vector<uint8_t> comparedPixels(const RadianceImage& centres, const RadianceImage& means, double& left_out) {
     constexpr float kSame = 0.01f; // of the larger
     std::vector<uint8_t> mask = mediumMask(centres);
@@ -130,7 +131,8 @@ CostModel calibrate(const gpu::Device& device, double seconds) {
         if (sample.slabs) wanted.set.push_back("render.slabs=" + std::to_string(sample.slabs));
         Stage stage(device, wanted);
         samples.push_back(timed(stage, sample.size, seconds / double(std::size(kSamples))));
-        for (size_t i = 0; i < allCosts().size(); ++i) ms[i] += samples.back().shared_ms[i], units[i] += samples.back().shared[i];
+        for (size_t i = 0; i < allCosts().size(); ++i)
+            ms[i] += samples.back().shared_ms[i], units[i] += samples.back().shared[i];
     }
     for (size_t i = 0; i < allCosts().size(); ++i)
         if (ms[i] > 0 && units[i] > 0) model.ns[i] = 1e6 * ms[i] / units[i];
@@ -148,16 +150,17 @@ CostModel calibrate(const gpu::Device& device, double seconds) {
 }
 
 std::string planTable(const gpu::Device& device, const CostModel& model, Truth& truth, const PlanTable& wanted) {
-    std::string out =
-        "| scene, camera | fitted | plan | shared, ms | measured | ratio | view, ms | measured | ratio | error, % | measured "
-        "| ratio | FLIP | measured | ratio | edges, % |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+    std::string out = "| scene, camera | fitted | plan | shared, ms | measured | ratio | view, ms | measured | "
+                      "ratio | error, % | measured | ratio | FLIP | measured | ratio | edges, % "
+                      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
     constexpr glm::uvec2 kSize{640, 360};
     constexpr uint32_t kEvery = 5; // of the pixels compared
     Ratios errors_of[2], flips_of[2], times_of;
     for (const std::string& name : wanted.scenes)
         for (const std::string& camera : wanted.cameras) {
-            Case view{
-                .scene = name, .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]"}, .camera = camera};
+            Case view{.scene = name,
+                      .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]"},
+                      .camera = camera};
             view.set.insert(view.set.end(), wanted.set.begin(), wanted.set.end());
             Stage stage(device, view, 0, model);
             double shared = 0, each = 0;
@@ -182,14 +185,15 @@ std::string planTable(const gpu::Device& device, const CostModel& model, Truth& 
                 (i < 2 ? times_of : i == 2 ? errors_of[fit] : flips_of[fit]).add(ratio);
             }
             out += fmt::format(" {:.1f} |\n", 100 * left_out);
-            std::fprintf(stderr, "  %-11s %-8s error %.3f %%, measured %.3f %%\n", name.c_str(), camera.c_str(), 100 * c.error,
-                         100 * errors.relative_rmse);
+            std::fprintf(stderr, "  %-11s %-8s error %.3f %%, measured %.3f %%\n", name.c_str(), camera.c_str(),
+                         100 * c.error, 100 * errors.relative_rmse);
         }
-    return out + fmt::format(
-                     "\nMeasured over predicted: times {}; error {} on the views that the laws were fitted on, {} on the "
-                     "others; FLIP {} and "
-                     "{}. Edges: pixels of the medium that an edge of an object or its shadow crosses, which are not compared.\n",
-                     times_of.text(), errors_of[1].text(), errors_of[0].text(), flips_of[1].text(), flips_of[0].text());
+    return out + fmt::format("\nMeasured over predicted: times {}; error {} on the views that the laws were fitted on, "
+                             "{} on the others; FLIP {} and "
+                             "{}. Edges: pixels of the medium that an edge of an object or its shadow crosses, which "
+                             "are not compared.\n",
+                             times_of.text(), errors_of[1].text(), errors_of[0].text(), flips_of[1].text(),
+                             flips_of[0].text());
 }
 
 } // namespace brume::bench

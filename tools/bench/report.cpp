@@ -32,7 +32,8 @@ std::string digits(double value, double times = 1, const char* unit = "") {
 std::string whole(double value) { return std::isfinite(value) ? std::to_string(std::llround(value)) : "-"; }
 
 std::string place(const json& row) {
-    std::string text = "`" + row.value("scene", "") + "`, " + row.value("camera", "outside") + ", " + row.value("size", "");
+    std::string text =
+        "`" + row.value("scene", "") + "`, " + row.value("camera", "outside") + ", " + row.value("size", "");
     if (row.value("viewers", 1) > 1) text += ", " + std::to_string(row.value("viewers", 1)) + " viewers";
     return text;
 }
@@ -44,7 +45,9 @@ std::string plain(std::string markdown) {
 
 class Table {
 public:
-    explicit Table(const std::vector<std::string>& heads) { line(heads), line(std::vector<std::string>(heads.size(), "---")); }
+    explicit Table(const std::vector<std::string>& heads) {
+        line(heads), line(std::vector<std::string>(heads.size(), "---"));
+    }
     void line(const std::vector<std::string>& cells) {
         text_ += '|';
         for (const std::string& cell : cells) text_ += ' ' + cell + " |";
@@ -91,9 +94,10 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
                 const std::string least = text("/" + what + "_least_ms");
                 return text("/" + what + "_ms") + (least == "-" ? "" : " (" + least + ")");
             };
-            return std::pair(
-                both([&](const std::string& at) { return digits(numberAt(row, at.c_str())); }),
-                both([&](const std::string& at) { return digits(numberAt(base, at.c_str()) / numberAt(row, at.c_str())); }));
+            return std::pair(both([&](const std::string& at) { return digits(numberAt(row, at.c_str())); }),
+                             both([&](const std::string& at) {
+                                 return digits(numberAt(base, at.c_str()) / numberAt(row, at.c_str()));
+                             }));
         };
         std::vector<std::string> heads = {"variant",    "medium, ms",     "times faster", "picture, ms", "times faster",
                                           "shared, ms", "wall, ms (p95)", "fragments",    "device, MiB"};
@@ -101,7 +105,8 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
         if (published) heads.insert(heads.end(), {"published, ms", "published, times faster"});
         Table table(heads);
         std::map<std::string, int> groups; // "isv, Simpson 2" has isv's colour
-        Plot plot{series.at("name").get<std::string>() + ": " + plain(where), "medium passes, ms", "relative RMSE, %", {}};
+        Plot plot{
+            series.at("name").get<std::string>() + ": " + plain(where), "medium passes, ms", "relative RMSE, %", {}};
         for (const json& row : rows) {
             const double ms = numberAt(row, "/medium_ms");
             const auto [medium, medium_times] = timesOf(row, "medium");
@@ -112,19 +117,20 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
                                               picture,
                                               picture_times,
                                               digits(numberAt(row, "/shared_ms")),
-                                              digits(numberAt(row, "/wall_ms")) + " (" + digits(numberAt(row, "/wall_p95_ms")) +
-                                                  ")",
+                                              digits(numberAt(row, "/wall_ms")) + " (" +
+                                                  digits(numberAt(row, "/wall_p95_ms")) + ")",
                                               digits(numberAt(row, "/fragments"), 1e-6, " M"),
                                               digits(numberAt(row, "/device_mib"))};
             if (errors) {
                 const double rmse = numberAt(row, "/error/relative_rmse");
-                cells.insert(cells.end(),
-                             {digits(rmse, 100, " %"), digits(numberAt(row, "/error/bias"), 100, " %"),
-                              digits(numberAt(row, "/error/flip")),
-                              digits(numberAt(row, "/error/worst/error"), 100, " %") + " at " +
-                                  whole(numberAt(row, "/error/worst/x")) + ", " + whole(numberAt(row, "/error/worst/y"))});
+                cells.insert(cells.end(), {digits(rmse, 100, " %"), digits(numberAt(row, "/error/bias"), 100, " %"),
+                                           digits(numberAt(row, "/error/flip")),
+                                           digits(numberAt(row, "/error/worst/error"), 100, " %") + " at " +
+                                               whole(numberAt(row, "/error/worst/x")) + ", " +
+                                               whole(numberAt(row, "/error/worst/y"))});
                 const std::string variant = row.at("variant");
-                const auto [group, unused] = groups.try_emplace(variant.substr(0, variant.find(',')), int(groups.size()));
+                const auto [group, unused] =
+                    groups.try_emplace(variant.substr(0, variant.find(',')), int(groups.size()));
                 plot.points.push_back({variant, ms, 100 * rmse, group->second});
             }
             const double theirs = numberAt(row, "/published_ms");
@@ -145,19 +151,20 @@ std::string jpegTable(const json& series) {
     Table table({"picture", "quality", "bytes", "encode, ms", "PSNR, dB", "FLIP"});
     for (const json& row : series.at("rows"))
         table.line({place(row), whole(numberAt(row, "/quality")), whole(numberAt(row, "/bytes")),
-                    digits(numberAt(row, "/encode_ms")), digits(numberAt(row, "/psnr")), digits(numberAt(row, "/flip"))});
+                    digits(numberAt(row, "/encode_ms")), digits(numberAt(row, "/psnr")),
+                    digits(numberAt(row, "/flip"))});
     return table.text() + "\n";
 }
 
 std::string lightTable(const json& series) {
     Table table({"picture", "variant", "texels, planes", "time, ms", "relative RMSE", "estimated", "bias", "FLIP"});
     for (const json& row : series.at("rows"))
-        table.line(
-            {"`" + row.value("scene", "") + "`, " + row.value("camera", ""), row.at("variant"),
-             whole(numberAt(row, "/columns")) + " x " + whole(numberAt(row, "/rows")) + " x " + whole(numberAt(row, "/planes")),
-             digits(numberAt(row, "/shadow_ms")), digits(numberAt(row, "/relative_rmse"), 100, " %"),
-             digits(numberAt(row, "/estimated"), 100, " %"), digits(numberAt(row, "/bias"), 100, " %"),
-             digits(numberAt(row, "/flip"))});
+        table.line({"`" + row.value("scene", "") + "`, " + row.value("camera", ""), row.at("variant"),
+                    whole(numberAt(row, "/columns")) + " x " + whole(numberAt(row, "/rows")) + " x " +
+                        whole(numberAt(row, "/planes")),
+                    digits(numberAt(row, "/shadow_ms")), digits(numberAt(row, "/relative_rmse"), 100, " %"),
+                    digits(numberAt(row, "/estimated"), 100, " %"), digits(numberAt(row, "/bias"), 100, " %"),
+                    digits(numberAt(row, "/flip"))});
     return table.text() + "\n";
 }
 
@@ -178,31 +185,32 @@ std::string list(const json& texts) {
 } // namespace
 
 void writeReport(const json& results, const std::filesystem::path& folder, const std::string& name) {
-    if (!results.contains("series") || !results.contains("device")) throw std::runtime_error("not the results of a sweep");
+    if (!results.contains("series") || !results.contains("device"))
+        throw std::runtime_error("not the results of a sweep");
     std::filesystem::create_directories(folder);
-    std::string out =
-        "# Speed against error\n\nDevice: " + results.at("device").get<std::string>() + ", driver " +
-        results.value("driver", "") + "; CPU: " + results.value("cpu", "") + "; commit " + results.value("commit", "unknown") +
-        ", " + results.value("date", "") + ". Made by `" + results.value("command", "") + "` in " +
-        digits(numberAt(results, "/seconds") / 60) +
-        " minutes; most memory of the process: " + digits(numberAt(results, "/peak_mib")) +
-        " MiB.\n\nMedium: cull, sort and draw of all viewers; picture: all that is done for them, from the background to the "
-        "planes that JPEG takes. Medians of all frames; in brackets the least, which a busy machine spoils less. Shared: what is "
-        "done once per tick for all "
-        "of them (upload, shadow maps). "
-        "Errors are those of linear radiance in pixels with medium, against the double-precision reference of the "
-        "true overlapping "
-        "medium without sky and ambient light; FLIP of what a viewer sees. Times faster: against the row of that "
-        "name that says 1.\n\n";
+    std::string out = "# Speed against error\n\nDevice: " + results.at("device").get<std::string>() + ", driver " +
+                      results.value("driver", "") + "; CPU: " + results.value("cpu", "") + "; commit " +
+                      results.value("commit", "unknown") + ", " + results.value("date", "") + ". Made by `" +
+                      results.value("command", "") + "` in " + digits(numberAt(results, "/seconds") / 60) +
+                      " minutes; most memory of the process: " + digits(numberAt(results, "/peak_mib")) +
+                      " MiB.\n\nMedium: cull, sort and draw of all viewers; picture: all that is done for them, "
+                      "from the background to the planes that JPEG takes. Medians of all frames; in brackets the "
+                      "least, which a busy machine spoils less. Shared: what is done once per tick for all of them "
+                      "(upload, shadow maps). Errors are those of linear radiance in pixels with medium, against "
+                      "the double-precision reference of the true overlapping medium without sky and ambient "
+                      "light; FLIP of what a viewer sees. Times faster: against the row of that name that says "
+                      "1.\n\n";
     for (const json& series : results.at("series")) {
         out += "## " + series.at("name").get<std::string>() + "\n\n" + series.value("about", "");
         if (!series.at("set").empty()) out += " Settings: " + list(series.at("set")) + '.';
         if (!series.value("error", "").empty()) {
             out += " Errors at " + series.value("error", "");
-            if (const int every = series.value("every", 1); every > 1) out += ", every " + std::to_string(every) + "th pixel";
+            if (const int every = series.value("every", 1); every > 1)
+                out += ", every " + std::to_string(every) + "th pixel";
             out += '.';
         }
-        if (!series.value("published_on", "").empty()) out += " Published figures: " + series.value("published_on", "") + '.';
+        if (!series.value("published_on", "").empty())
+            out += " Published figures: " + series.value("published_on", "") + '.';
         out += "\n\n";
         const std::string kind = series.at("kind");
         out += kind == "jpeg"    ? jpegTable(series)

@@ -1,5 +1,5 @@
-// Milliseconds that one simulation step takes with 65,535 particles, for every layout: mean, median and worst of many steps on
-// one core. brume-sim-bench [particles]
+// Milliseconds that one simulation step takes with 65,535 particles, for every layout: mean, median and worst of many
+// steps on one core. brume-sim-bench [particles]
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -30,8 +30,9 @@ void measure(const char* name, const Scene& scene, std::span<const Command> comm
     std::sort(ms.begin(), ms.end());
     std::sort(write_ms.begin(), write_ms.end());
     std::printf("%-22s %8u live  mean %.3f  median %.3f  99%% %.3f ms   write %.3f ms   hash %016llx\n", name,
-                simulation.liveCount(), sum / static_cast<double>(ms.size()), ms[ms.size() / 2], ms[ms.size() * 99 / 100],
-                write_ms[write_ms.size() / 2], static_cast<unsigned long long>(simulation.stateHash()));
+                simulation.liveCount(), sum / static_cast<double>(ms.size()), ms[ms.size() / 2],
+                ms[ms.size() * 99 / 100], write_ms[write_ms.size() / 2],
+                static_cast<unsigned long long>(simulation.stateHash()));
 }
 
 } // namespace
@@ -42,7 +43,8 @@ int main(int argc, char** argv) {
     scene.medium.count = argc > 1 ? static_cast<uint32_t>(std::clamp(std::atol(argv[1]), 1000l, 1'000'000l)) : 65'535;
     scene.medium.scale = {0.5f, 1};
     const std::vector<Command> impulses(4, Command{.body = Impulse{.origin = {0, 0, 20}}});
-    for (const auto& [name, layout] : {std::pair{"cube", Layout::cube}, {"tubes", Layout::tubes}, {"cumulus", Layout::cumulus}}) {
+    for (const auto& [name, layout] :
+         {std::pair{"cube", Layout::cube}, {"tubes", Layout::tubes}, {"cumulus", Layout::cumulus}}) {
         scene.medium.layout = layout;
         measure(name, scene, {});
     }

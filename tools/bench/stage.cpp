@@ -52,7 +52,8 @@ Pose poseOf(const std::string& camera, const Scene& scene, const Simulation& sim
         if (!found[4].matched) return lookAt(from, own.target, own.fov_y);
         return lookAt(from, {std::stof(found[5]), std::stof(found[6]), std::stof(found[7])}, own.fov_y);
     }
-    throw std::runtime_error("no camera \"" + camera + "\"; there are: outside, inside, a distance like 20m, x,y,z, x,y,z:x,y,z");
+    throw std::runtime_error("no camera \"" + camera +
+                             "\"; there are: outside, inside, a distance like 20m, x,y,z, x,y,z:x,y,z");
 }
 
 glm::uvec2 sizeOf(const std::string& text) {
@@ -65,8 +66,9 @@ glm::uvec2 sizeOf(const std::string& text) {
 }
 
 Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, const CostModel& costs)
-    : device_(device), bytes_before_(device.memoryInUse()), scene_(sceneOf(wanted)), simulation_(stepped(scene_, ticks)),
-      renderer_(device, scene_, simulation_.capacity(), wanted.besides), submission_(device, "bench") {
+    : device_(device), bytes_before_(device.memoryInUse()), scene_(sceneOf(wanted)),
+      simulation_(stepped(scene_, ticks)), renderer_(device, scene_, simulation_.capacity(), wanted.besides),
+      submission_(device, "bench") {
     const Pose first = poseOf(wanted.camera, scene_, simulation_);
     for (uint32_t i = 0; i < wanted.viewers; ++i) {
         const float angle = 2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers);

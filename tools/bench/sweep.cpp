@@ -168,15 +168,16 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
 }
 
 // A slow orbit, paused: flicker and popping beyond the reference's own.
-json orbitRows(const gpu::Device& device, const Series& series, const std::string& scene, const std::string& camera, Truth& truth,
-               const Effort& effort) {
+json orbitRows(const gpu::Device& device, const Series& series, const std::string& scene, const std::string& camera,
+               Truth& truth, const Effort& effort) {
     json rows = json::array();
     for (const Variant& variant : series.variants) {
         Stage stage(device, caseOf(series, variant, scene, camera), effort.ticks);
         std::vector<RadianceImage> frames, exact;
         const glm::uvec2 size = sizeOf(series.error);
         for (uint32_t i = 0; i < series.frames; ++i) {
-            const Pose pose = turnedAbout(stage.pose(), stage.scene().camera.target, glm::radians(series.degrees * float(i)));
+            const Pose pose =
+                turnedAbout(stage.pose(), stage.scene().camera.target, glm::radians(series.degrees * float(i)));
             frames.push_back(stage.picture(pose, size));
             exact.push_back(truth.of(stage, pose, size));
         }
@@ -190,7 +191,8 @@ json orbitRows(const gpu::Device& device, const Series& series, const std::strin
                         {"degrees", series.degrees},
                         {"size", series.error},
                         {"temporal_flip", number(flip)}});
-        std::fprintf(stderr, "  %-12s %-8s orbit %-28s %.5f\n", scene.c_str(), camera.c_str(), variant.name.c_str(), flip);
+        std::fprintf(stderr, "  %-12s %-8s orbit %-28s %.5f\n", scene.c_str(), camera.c_str(), variant.name.c_str(),
+                     flip);
     }
     return rows;
 }

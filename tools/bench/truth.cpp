@@ -16,8 +16,8 @@ namespace {
 constexpr double kNearDepth = 0.05; // m, as the renderer has it
 constexpr double kTolerance = 1e-6; // of the reference: a hundredth of the smallest error that a report prints
 
-// All numbers of a world, in order. The structures are taken apart member by member: one that gets another member does not
-// compile until it is counted here.
+// All numbers of a world, in order. The structures are taken apart member by member: one that gets another member does
+// not compile until it is counted here.
 class Numbers {
 public:
     std::vector<double> all;
@@ -54,9 +54,10 @@ public:
         for (const Element& element : list) add(element);
     }
     void add(const reference::World& world) {
-        const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, zenith, horizon, ambient, anisotropy,
-                     asymmetry] = world;
-        add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs), add(lights);
+        const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, zenith, horizon, ambient,
+                     anisotropy, asymmetry] = world;
+        add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs),
+            add(lights);
         add(obstacles), add(zenith), add(horizon), add(ambient), add(anisotropy), add(asymmetry);
     }
     void add(const Frustum& frustum) {
@@ -76,14 +77,17 @@ public:
 std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every, bool centres) {
     constexpr double kVersion = 3; // goes up when the reference itself changes
     Numbers numbers;
-    for (const double number : {kVersion, double(size.x), double(size.y), kTolerance, double(every)}) numbers.add(number);
+    for (const double number : {kVersion, double(size.x), double(size.y), kTolerance, double(every)})
+        numbers.add(number);
     numbers.add(centres && !world.obstacles.empty() ? 1.0 : 0.0);
     numbers.add(world);
     numbers.add(pose);
     return fmt::format("{:016x}.exr", XXH3_64bits(numbers.all.data(), numbers.all.size() * sizeof(double)));
 }
 
-Truth::Truth(std::filesystem::path folder) : folder_(std::move(folder)) { std::filesystem::create_directories(folder_); }
+Truth::Truth(std::filesystem::path folder) : folder_(std::move(folder)) {
+    std::filesystem::create_directories(folder_);
+}
 
 RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, uint32_t every, bool centres) {
     const glm::uvec2 size = thinned(whole, every);
@@ -125,7 +129,8 @@ RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, 
 
 glm::uvec2 thinned(glm::uvec2 size, uint32_t every) {
     if (every % 2 == 0 || size.x % every != 0 || size.y % every != 0)
-        throw std::runtime_error("every " + std::to_string(every) + "th pixel: allowed: an odd number that divides the size");
+        throw std::runtime_error("every " + std::to_string(every) +
+                                 "th pixel: allowed: an odd number that divides the size");
     return size / every;
 }
 

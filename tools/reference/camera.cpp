@@ -31,7 +31,8 @@ Ray rayThrough(const Camera& camera, double x, double y) {
         return {camera.position + camera.world_from_view * glm::dvec3(right, up, 0), -camera.world_from_view[2],
                 camera.near_depth};
     const glm::dvec3 in_view(right, up, -1);
-    return {camera.position, glm::normalize(camera.world_from_view * in_view), camera.near_depth * glm::length(in_view)};
+    return {camera.position, glm::normalize(camera.world_from_view * in_view),
+            camera.near_depth * glm::length(in_view)};
 }
 
 } // namespace brume::reference

@@ -21,8 +21,8 @@ DensityGrid::DensityGrid(const World& world) : world_(world) {
     for (const UnionMedium::Ball& b : balls) hold(b.centre, b.radius, b.radius);
     // Cells of a typical 1/k: bounds within a factor of about 2 of what is there. At most 96 a side.
     const glm::dvec3 extent = hi_ - lo_;
-    cell_ =
-        std::max(size / static_cast<double>(world.blobs.size() + balls.size()), std::max({extent.x, extent.y, extent.z}) / 96);
+    cell_ = std::max(size / static_cast<double>(world.blobs.size() + balls.size()),
+                     std::max({extent.x, extent.y, extent.z}) / 96);
     count_ = glm::ivec3(extent / cell_) + 1;
     hi_ = lo_ + cell_ * glm::dvec3(count_);
     const size_t cells = static_cast<size_t>(count_.x) * count_.y * count_.z;
@@ -40,7 +40,8 @@ DensityGrid::DensityGrid(const World& world) : world_(world) {
                     const glm::dvec3 corner = lo_ + cell_ * glm::dvec3(x, y, z);
                     const glm::dvec3 off = glm::clamp(centre, corner, corner + cell_) - centre;
                     const double squared = glm::dot(off, off);
-                    if (squared < radius * radius) visit((static_cast<size_t>(z) * count_.y + y) * count_.x + x, squared);
+                    if (squared < radius * radius)
+                        visit((static_cast<size_t>(z) * count_.y + y) * count_.x + x, squared);
                 }
     };
     for (uint32_t i = 0; i < world.blobs.size(); ++i) {

@@ -30,7 +30,8 @@ public:
     void walk(const Ray& ray, const Visit& visit) const {
         Interval part{ray.begin, ray.end};
         for (int i = 0; i < 3; ++i) {
-            const double a = (lo_[i] - ray.origin[i]) / ray.direction[i], b = (hi_[i] - ray.origin[i]) / ray.direction[i];
+            const double a = (lo_[i] - ray.origin[i]) / ray.direction[i],
+                         b = (hi_[i] - ray.origin[i]) / ray.direction[i];
             if (ray.direction[i] != 0)
                 part = common(part, {std::min(a, b), std::max(a, b)});
             else if (!(ray.origin[i] >= lo_[i] && ray.origin[i] <= hi_[i]))
@@ -46,7 +47,8 @@ public:
             for (int i = 0; i < 3; ++i) {
                 if (ray.direction[i] == 0) continue;
                 const double border = lo_[i] + (at[i] + (ray.direction[i] > 0 ? 1 : 0)) * cell_;
-                if (const double next = (border - ray.origin[i]) / ray.direction[i]; next < leave) leave = next, axis = i;
+                if (const double next = (border - ray.origin[i]) / ray.direction[i]; next < leave)
+                    leave = next, axis = i;
             }
             const size_t cell = (static_cast<size_t>(at.z) * count_.y + at.y) * count_.x + at.x;
             const double t1 = std::min(std::max(leave, t), part.end);

@@ -52,10 +52,10 @@ private:
     // 2/sqrt(pi) times the integral of the Gaussian from the entry to d beyond it.
     static double integral(const std::array<double, 7>& a, double d) {
         return 1.12837916709551257390 * d *
-               (a[0] +
-                d * (a[1] * (1.0 / 2) +
-                     d * (a[2] * (1.0 / 3) +
-                          d * (a[3] * (1.0 / 4) + d * (a[4] * (1.0 / 5) + d * (a[5] * (1.0 / 6) + d * a[6] * (1.0 / 7)))))));
+               (a[0] + d * (a[1] * (1.0 / 2) +
+                            d * (a[2] * (1.0 / 3) +
+                                 d * (a[3] * (1.0 / 4) +
+                                      d * (a[4] * (1.0 / 5) + d * (a[5] * (1.0 / 6) + d * a[6] * (1.0 / 7)))))));
     }
 
     std::array<Entry, kCount> entries_;

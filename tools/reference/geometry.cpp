@@ -57,7 +57,8 @@ Interval insideObstacle(const Obstacle& o, const Ray& ray) {
 }
 
 // Where the ray's line crosses the plane that holds an edge and the light.
-void edgeCrossing(glm::dvec3 vertex, glm::dvec3 along, const LightSource& light, const Ray& ray, std::vector<double>& t) {
+void edgeCrossing(glm::dvec3 vertex, glm::dvec3 along, const LightSource& light, const Ray& ray,
+                  std::vector<double>& t) {
     const glm::dvec3 toward = light.kind == LightSource::Kind::directional ? light.to_light : light.position - vertex;
     const glm::dvec3 normal = glm::cross(along, toward);
     const double slope = glm::dot(normal, ray.direction);
@@ -170,8 +171,8 @@ void shadowEdges(const Obstacle& object, const LightSource& light, const Ray& ra
             for (const double a : {-1, 1})
                 for (const double b : {-1, 1}) {
                     const int j = (i + 1) % 3, m = (i + 2) % 3;
-                    edgeCrossing(object.centre + a * object.half_size[j] * axes[j] + b * object.half_size[m] * axes[m], axes[i],
-                                 light, ray, t);
+                    edgeCrossing(object.centre + a * object.half_size[j] * axes[j] + b * object.half_size[m] * axes[m],
+                                 axes[i], light, ray, t);
                 }
     } else if (light.kind == LightSource::Kind::directional) { // the sphere's shadow is a cylinder
         const glm::dvec3 w = ray.direction - glm::dot(ray.direction, light.to_light) * light.to_light;

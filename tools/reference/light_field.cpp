@@ -7,7 +7,8 @@ namespace brume::reference {
 
 namespace {
 
-void index(const std::vector<std::vector<uint32_t>>& lists, std::vector<uint32_t>& first, std::vector<uint32_t>& listed) {
+void index(const std::vector<std::vector<uint32_t>>& lists, std::vector<uint32_t>& first,
+           std::vector<uint32_t>& listed) {
     first.push_back(0);
     for (const auto& list : lists) {
         listed.insert(listed.end(), list.begin(), list.end());
@@ -15,8 +16,8 @@ void index(const std::vector<std::vector<uint32_t>>& lists, std::vector<uint32_t
     }
 }
 
-// Directions on the square [-1, 1]^2 unfolded from an octahedron; with an even number of cells a side its creases run along edges
-// and diagonals of cells, so that no point of a cell is farther from its centre than its corners are.
+// Directions on the square [-1, 1]^2 unfolded from an octahedron; with an even number of cells a side its creases run
+// along edges and diagonals of cells, so that no point of a cell is farther from its centre than its corners are.
 constexpr int kOctahedron = 32;
 
 glm::dvec2 toSquare(glm::dvec3 w) {
@@ -37,7 +38,8 @@ double angleBetween(glm::dvec3 a, glm::dvec3 b) { return std::atan2(glm::length(
 } // namespace
 
 LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double reach) : to_light_(to_light) {
-    x_axis_ = glm::normalize(glm::cross(to_light, std::abs(to_light.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
+    x_axis_ =
+        glm::normalize(glm::cross(to_light, std::abs(to_light.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
     y_axis_ = glm::cross(to_light, x_axis_);
     if (blobs.empty()) return;
 
@@ -53,7 +55,8 @@ LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double 
         hi_y = std::max(hi_y, shade.y + shade.reach);
         reach_sum += shade.reach;
     }
-    std::sort(shades_.begin(), shades_.end(), [](const Shade& a, const Shade& b) { return a.s + a.reach > b.s + b.reach; });
+    std::sort(shades_.begin(), shades_.end(),
+              [](const Shade& a, const Shade& b) { return a.s + a.reach > b.s + b.reach; });
 
     cell_ = std::max({reach_sum / static_cast<double>(blobs.size()) / 8, (hi_x - lo_x_) / 512, (hi_y - lo_y_) / 512});
     cells_x_ = static_cast<int>((hi_x - lo_x_) / cell_) + 1;
@@ -64,12 +67,14 @@ LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double 
         const auto cellOf = [&](double at, double lo, int cells) {
             return std::clamp(static_cast<int>((at - lo) / cell_), 0, cells - 1);
         };
-        const int x1 = cellOf(shade.x + shade.reach, lo_x_, cells_x_), y1 = cellOf(shade.y + shade.reach, lo_y_, cells_y_);
+        const int x1 = cellOf(shade.x + shade.reach, lo_x_, cells_x_),
+                  y1 = cellOf(shade.y + shade.reach, lo_y_, cells_y_);
         for (int y = cellOf(shade.y - shade.reach, lo_y_, cells_y_); y <= y1; ++y)
             for (int x = cellOf(shade.x - shade.reach, lo_x_, cells_x_); x <= x1; ++x) {
                 const double dx = std::max({lo_x_ + x * cell_ - shade.x, shade.x - lo_x_ - (x + 1) * cell_, 0.0});
                 const double dy = std::max({lo_y_ + y * cell_ - shade.y, shade.y - lo_y_ - (y + 1) * cell_, 0.0});
-                if (dx * dx + dy * dy < shade.reach * shade.reach) lists[static_cast<size_t>(y) * cells_x_ + x].push_back(i);
+                if (dx * dx + dy * dy < shade.reach * shade.reach)
+                    lists[static_cast<size_t>(y) * cells_x_ + x].push_back(i);
             }
     }
     index(lists, first_, listed_);

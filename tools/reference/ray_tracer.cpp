@@ -80,7 +80,8 @@ double RayTracer::depthFromBegin(double t) const {
     for (const Crossing& c : crossings_)
         if (t > c.t0) depth += crossedDepth(c, std::min(t, c.t1));
     for (const Fog& fog : world_.fogs) depth += depthOn(fog, {ray_.origin, ray_.direction, ray_.begin, t});
-    for (const Interval part : ball_parts_) depth += world_.balls.sigma_t * std::max(std::min(t, part.end) - part.begin, 0.0);
+    for (const Interval part : ball_parts_)
+        depth += world_.balls.sigma_t * std::max(std::min(t, part.end) - part.begin, 0.0);
     return depth;
 }
 
@@ -108,10 +109,12 @@ void RayTracer::findBreaks() {
     if (world_.support == Support::tetrahedron) {
         for (const Crossing& c : crossings_) cover({c.t0, c.t1});
     } else { // only where a group of particles begins and ends: inside it Gaussians have no kinks
-        std::sort(crossings_.begin(), crossings_.end(), [](const Crossing& a, const Crossing& b) { return a.t0 < b.t0; });
+        std::sort(crossings_.begin(), crossings_.end(),
+                  [](const Crossing& a, const Crossing& b) { return a.t0 < b.t0; });
         for (size_t i = 0; i < crossings_.size();) {
             Interval group{crossings_[i].t0, crossings_[i].t1};
-            for (; i < crossings_.size() && crossings_[i].t0 <= group.end; ++i) group.end = std::max(group.end, crossings_[i].t1);
+            for (; i < crossings_.size() && crossings_[i].t0 <= group.end; ++i)
+                group.end = std::max(group.end, crossings_[i].t1);
             cover(group);
         }
     }
@@ -129,8 +132,8 @@ void RayTracer::findBreaks() {
 double RayTracer::finest(double t0, double t1, bool& empty) const {
     const double t = (t0 + t1) / 2;
     const auto holds = [t](Interval part) { return t > part.begin && t < part.end; };
-    empty =
-        std::none_of(fog_parts_.begin(), fog_parts_.end(), holds) && std::none_of(ball_parts_.begin(), ball_parts_.end(), holds);
+    empty = std::none_of(fog_parts_.begin(), fog_parts_.end(), holds) &&
+            std::none_of(ball_parts_.begin(), ball_parts_.end(), holds);
     double k = 0;
     for (const Crossing& c : crossings_)
         if (c.t0 < t1 && c.t1 > t0) k = std::max(k, c.blob->k);
@@ -143,7 +146,8 @@ double RayTracer::finest(double t0, double t1, bool& empty) const {
 void RayTracer::layPanels() {
     panels_.clear();
     const double tolerance = stage_.settings.tolerance;
-    // Half a panel of 1.6/k leaves 5e-6 of a Gaussian beyond 15 Legendre coefficients, whose square is the rule's error.
+    // Half a panel of 1.6/k leaves 5e-6 of a Gaussian beyond 15 Legendre coefficients, whose square is the rule's
+    // error.
     const double in_k = 3.2 * std::pow(tolerance / 1e-8, 1.0 / 12);
     double total = 0;
     for (size_t i = 0; i + 1 < breaks_.size(); ++i) {
@@ -153,7 +157,9 @@ void RayTracer::layPanels() {
         if (empty) continue;
         const int count = std::max(1, static_cast<int>(std::ceil((t1 - t0) * k / in_k)));
         for (int p = 0; p < count; ++p) {
-            const auto at = [&](int end) { return end == count ? t1 : t0 + (t1 - t0) * end / count; }; // the ends to the last bit
+            const auto at = [&](int end) {
+                return end == count ? t1 : t0 + (t1 - t0) * end / count;
+            }; // the ends to the last bit
             panels_.push_back(panelOn(at(p), at(p + 1), k));
             const Panel& last = panels_.back();
             total += last.size;
@@ -258,7 +264,8 @@ void RayTracer::sumOverlapping(RayResult& result) const {
     for (const Panel& panel : panels_) result.scattered += panel.light + panel.ambient;
 }
 
-// Each particle by itself, from near to far. Panels cover it or do not: what they hold beyond the end of a Gaussian is nothing.
+// Each particle by itself, from near to far. Panels cover it or do not: what they hold beyond the end of a Gaussian is
+// nothing.
 void RayTracer::sumSequential(RayResult& result) {
     std::sort(crossings_.begin(), crossings_.end(),
               [](const Crossing& a, const Crossing& b) { return a.from_origin < b.from_origin; });

@@ -1,5 +1,5 @@
-// brume-reference: a shipped scene in double precision, as the server shows it after some ticks. Prints how long it took and how
-// far a coarser tolerance is from it; writes the picture as PFM (linear radiance, 32-bit float).
+// brume-reference: a shipped scene in double precision, as the server shows it after some ticks. Prints how long it
+// took and how far a coarser tolerance is from it; writes the picture as PFM (linear radiance, 32-bit float).
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -36,7 +36,9 @@ int main(int argc, char** argv) {
     app.add_option("--scene", scene_name, "a shipped scene or a file")->capture_default_str();
     app.add_option("--width", width)->capture_default_str()->check(CLI::Range(1, 8192));
     app.add_option("--height", height)->capture_default_str()->check(CLI::Range(1, 8192));
-    app.add_option("--ticks", ticks, "of 1/60 s before the picture")->capture_default_str()->check(CLI::Range(0, 1'000'000));
+    app.add_option("--ticks", ticks, "of 1/60 s before the picture")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1'000'000));
     app.add_option("--tolerance", tolerance)->capture_default_str()->check(CLI::Range(1e-12, 1e-2));
     app.add_option("--compare", compare, "render with this tolerance, too, and print the difference")
         ->check(CLI::Range(1e-12, 1e-2));
@@ -53,16 +55,16 @@ int main(int argc, char** argv) {
         reference::World world = reference::worldOf(scene, particles, simulation.now().medium, simulation.now().light);
         if (sequential) world.composition = reference::Composition::sequential;
         if (tetrahedron) world.support = reference::Support::tetrahedron;
-        const reference::Camera camera =
-            reference::perspective(lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y), width, height);
+        const reference::Camera camera = reference::perspective(
+            lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y), width, height);
         const auto timed = [&](double with) {
             reference::Settings settings;
             settings.tolerance = with;
             const auto begin = std::chrono::steady_clock::now();
             reference::Picture picture = reference::render(world, camera, settings);
             const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-            std::printf("%s, %zu particles, %dx%d, tolerance %g: %.1f s\n", scene.name.c_str(), particles.size(), width, height,
-                        with, seconds);
+            std::printf("%s, %zu particles, %dx%d, tolerance %g: %.1f s\n", scene.name.c_str(), particles.size(), width,
+                        height, with, seconds);
             std::fflush(stdout);
             return picture;
         };

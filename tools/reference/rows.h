@@ -17,7 +17,8 @@ void forRows(int height, unsigned threads, const Make& make) {
         for (int y = next_row++; y < height; y = next_row++) row(y);
     };
     const unsigned most = static_cast<unsigned>(std::max(height, 1));
-    std::vector<std::jthread> workers(std::min(most, threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())));
+    std::vector<std::jthread> workers(
+        std::min(most, threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())));
     for (std::jthread& worker : workers) worker = std::jthread(work);
 }
 

@@ -76,7 +76,8 @@ private:
     Collision collide(const Ray& ray, Random& random) const {
         Collision first;
         for (const Fog& fog : world_.fogs)
-            if (const double t = ray.begin + distanceOfDepth(fog, ray, random.depth()); t < first.t) first = {t, fog.albedo};
+            if (const double t = ray.begin + distanceOfDepth(fog, ray, random.depth()); t < first.t)
+                first = {t, fog.albedo};
         grid_.walk({ray.origin, ray.direction, ray.begin, std::min(ray.end, first.t)},
                    [&](size_t cell, double t0, double t1, double majorant) {
                        for (double t = t0;;) {
@@ -112,7 +113,8 @@ private:
             cosine = (1 + g * g - s * s) / (2 * g);
         }
         const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0)), turn = 2 * kPi * random.uniform();
-        const glm::dvec3 x = glm::normalize(glm::cross(w, std::abs(w.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
+        const glm::dvec3 x =
+            glm::normalize(glm::cross(w, std::abs(w.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
         return glm::normalize(cosine * w + sine * (std::cos(turn) * x + std::sin(turn) * glm::cross(w, x)));
     }
 
@@ -144,7 +146,8 @@ TrackedPicture track(const World& world, const Camera& camera, const TrackSettin
                     squares += before * (value - mean);
                 }
                 picture.radiance[pixel] = mean;
-                picture.standard_error[pixel] = glm::sqrt(squares / (double(settings.samples) * (settings.samples - 1)));
+                picture.standard_error[pixel] =
+                    glm::sqrt(squares / (double(settings.samples) * (settings.samples - 1)));
             }
         };
     });

@@ -15,7 +15,8 @@ std::vector<Blob> blobsOf(std::span<const gpu::Particle> particles, double fallo
     return blobs;
 }
 
-UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t, glm::dvec3 albedo) {
+UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t,
+                    glm::dvec3 albedo) {
     UnionMedium medium{{}, sigma_t, albedo};
     for (const gpu::Particle& p : particles) medium.balls.push_back({p.centre, radius_per_scale * p.scale});
     return medium;

@@ -59,7 +59,8 @@ struct UnionMedium {
     glm::dvec3 albedo{1};
 };
 // A medium in which each particle is a ball of radius `radius_per_scale` times its scale.
-UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t, glm::dvec3 albedo);
+UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t,
+                    glm::dvec3 albedo);
 
 // extinction = sigma_t e^(-falloff y) where lo <= y <= hi and |x - centre| <= radius.
 struct Fog {

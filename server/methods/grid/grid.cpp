@@ -1,5 +1,5 @@
-// Method `grid`: adds particles once per tick to nodes in world space. Each eye marches a coarse grid of rays through them, so
-// a viewer's cost does not depend on the number of particles.
+// Method `grid`: adds particles once per tick to nodes in world space. Each eye marches a coarse grid of rays through
+// them, so a viewer's cost does not depend on the number of particles.
 #include "server/methods/grid/medium_grid.h"
 #include "server/methods/rays/slab_rays.h"
 #include "shaders/grid_rays_comp.h"
@@ -27,7 +27,8 @@ private:
                 {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdCubic, cubic}, {gpu::kIdSources, group.sources}})
             .bind(commands,
                   {in.medium->tick, group.block, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
-                   gpu::storageBuffer(5, medium_.marks()), gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
+                   gpu::storageBuffer(5, medium_.marks()),
+                   gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
                    gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
                   medium_.grid());
         vkCmdDispatch(cmd, group.most([](const gpu::View& v) { return v.grid.lines.x; }),

@@ -1,4 +1,5 @@
-// The shared grid as the plan sees it: particles are added to nodes in world space once a tick, viewers pay for their rays only.
+// The shared grid as the plan sees it: particles are added to nodes in world space once a tick, viewers pay for their
+// rays only.
 #include <algorithm>
 #include <cmath>
 
@@ -10,9 +11,10 @@
 namespace brume::methods::grid {
 namespace {
 
-constexpr CostInfo kBins{"grid_bin", "grid bins", 14};  // particles x lines of bricks
-constexpr CostInfo kNodes{"grid", "grid", 0.15};        // particles x nodes of the bricks that they reach, and half the nodes
-constexpr CostInfo kRays{"grid_rays", "grid rays", 12}; // rays x slabs x (1, 5 where cubic; with several albedos 4 times that)
+constexpr CostInfo kBins{"grid_bin", "grid bins", 14}; // particles x lines of bricks
+constexpr CostInfo kNodes{"grid", "grid", 0.15}; // particles x nodes of the bricks that they reach, and half the nodes
+constexpr CostInfo kRays{"grid_rays", "grid rays",
+                         12}; // rays x slabs x (1, 5 where cubic; with several albedos 4 times that)
 constexpr const CostInfo* kCosts[] = {&kBins, &kNodes, &kRays, &costs::kComposeField, &costs::kShade, &costs::kPresent};
 
 constexpr float kSpacings[] = {0.2f, 0.35f, 0.5f, 0.7f}; // standard deviations; cubic below kCubicBelow
@@ -25,8 +27,8 @@ public:
         return "slabs sampled from a grid in world space that all viewers share, the full Gaussian";
     }
     std::string text(const RenderSettings& s) const override {
-        return fmt::format("grid, nodes {:.3g} deviations apart, a ray per {}x{} pixels, {} slabs", s.grid, s.rate, s.rate,
-                           s.slabs);
+        return fmt::format("grid, nodes {:.3g} deviations apart, a ray per {}x{} pixels, {} slabs", s.grid, s.rate,
+                           s.rate, s.slabs);
     }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
@@ -54,19 +56,20 @@ public:
         }
         constexpr double kNodesOfBrick = double(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
         work[kBins] = scene.particles * (bricks.x + bricks.y + bricks.z);
-        work[kNodes] = kindsOf(scene) * kNodesOfBrick * (reached * scene.weight() + 0.5 * bricks.x * bricks.y * bricks.z);
+        work[kNodes] =
+            kindsOf(scene) * kNodesOfBrick * (reached * scene.weight() + 0.5 * bricks.x * bricks.y * bricks.z);
     }
 
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
         addDisplayWork(view, settings, work);
         const glm::dvec2 rays = raysOf(view, settings);
-        work[kRays] =
-            rays.x * rays.y * settings.slabs * (isCubic(settings) ? kCubicSampling : 1) * kindsOf(view.scene()) * facesKept(view);
+        work[kRays] = rays.x * rays.y * settings.slabs * (isCubic(settings) ? kCubicSampling : 1) *
+                      kindsOf(view.scene()) * facesKept(view);
     }
 
 private:
-    // Upper bounds of the error that was measured for cloud, cloud-5000, tubes, plume and grid_test's particles of several
-    // sizes: with linear sampling, then with cubic. At spacing 0.5 the largest is 0.3 %, and cloud has 0.06 %.
+    // Upper bounds of the error that was measured for cloud, cloud-5000, tubes, plume and grid_test's particles of
+    // several sizes: with linear sampling, then with cubic. At spacing 0.5 the largest is 0.3 %, and cloud has 0.06 %.
     double nodeError(const RenderSettings& settings) const override {
         const auto spacing = double(settings.grid);
         return spacing >= double(kCubicBelow) ? 0.012 * std::pow(spacing, 2) : 0.0016 * std::pow(spacing, 4);

@@ -52,8 +52,8 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
     }
     const gpu::Commands::Pass pass(commands, "grid");
     fill_program_.bind(commands,
-                       {in.tick, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, nodes_), gpu::storageBuffer(4, bins_),
-                        gpu::storageBuffer(5, marks_)},
+                       {in.tick, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, nodes_),
+                        gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, marks_)},
                        grid);
     vkCmdDispatch(cmd, grid.bricks.x, grid.bricks.y, grid.bricks.z * (one_albedo_ ? 1 : 4));
     gpu::computeToCompute(cmd);

@@ -14,9 +14,9 @@ class GridPass {
 public:
     explicit GridPass(const gpu::Device& device);
 
-    // Records the grid, unless medium.version and the grid's shape are those of the last call. A grid that is refused is made so
-    // coarse that it fits: no frame fails for it. Preconditions: there are particles; nothing of the grid's is on the device, its
-    // buffers may be replaced. Ends with its writes visible to compute.
+    // Records the grid, unless medium.version and the grid's shape are those of the last call. A grid that is refused
+    // is made so coarse that it fits: no frame fails for it. Preconditions: there are particles; nothing of the grid's
+    // is on the device, its buffers may be replaced. Ends with its writes visible to compute.
     void record(gpu::Commands& commands, const MediumView& medium, const RenderSettings& settings);
 
     const gpu::MediumGrid& grid() const { return grid_; }

@@ -28,7 +28,8 @@ gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& set
 
 gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings) {
     gpu::MediumGrid grid = mediumGrid(extent, settings);
-    while (gridBytes(grid, extent.one_albedo) > kMostGridBytes) grid = gridOf(extent, 1.25f * grid.spacing, isCubic(settings));
+    while (gridBytes(grid, extent.one_albedo) > kMostGridBytes)
+        grid = gridOf(extent, 1.25f * grid.spacing, isCubic(settings));
     return grid;
 }
 
@@ -42,8 +43,9 @@ std::string gridRefusal(const MediumExtent& extent, const RenderSettings& settin
     const uint64_t bytes = gridBytes(grid, extent.one_albedo);
     if (bytes <= kMostGridBytes) return {};
     const glm::vec3 size = extent.hi - extent.lo;
-    return fmt::format("nodes {:.3g} m apart over {:.3g} x {:.3g} x {:.3g} m would take {:.3g} MiB, at most {} are allowed",
-                       grid.spacing, size.x, size.y, size.z, double(bytes) / (1 << 20), kMostGridBytes >> 20);
+    return fmt::format(
+        "nodes {:.3g} m apart over {:.3g} x {:.3g} x {:.3g} m would take {:.3g} MiB, at most {} are allowed",
+        grid.spacing, size.x, size.y, size.z, double(bytes) / (1 << 20), kMostGridBytes >> 20);
 }
 
 } // namespace brume

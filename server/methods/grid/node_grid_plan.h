@@ -1,9 +1,10 @@
-// Where the nodes of method `grid` lie in world space, and what they hold. Interpolation of nodes h apart widens a particle: its
-// variance grows by h^2/6 along each axis with linear sampling (a triangle), by h^2/3 with cubic sampling (a B-spline).
-// So nodes store each particle narrower by that variance, with equal mass. Sampling then gives the particle's own width.
-// The error that is left changes sign within a cell. For a particle of standard deviation s and h <= 0.7 s, it is at most
-// (h/s)^2 / 11 of the peak along one axis with linear sampling, and (h/s)^4 / 85 with cubic (tests/gpu/grid_test.cpp).
-// A line of sight crosses many cells of many particles, so the error in pictures is far smaller.
+// Where the nodes of method `grid` lie in world space, and what they hold. Interpolation of nodes h apart widens a
+// particle: its variance grows by h^2/6 along each axis with linear sampling (a triangle), by h^2/3 with cubic sampling
+// (a B-spline). So nodes store each particle narrower by that variance, with equal mass. Sampling then gives the
+// particle's own width. The error that is left changes sign within a cell. For a particle of standard deviation s and h
+// <= 0.7 s, it is at most (h/s)^2 / 11 of the peak along one axis with linear sampling, and (h/s)^4 / 85 with cubic
+// (tests/gpu/grid_test.cpp). A line of sight crosses many cells of many particles, so the error in pictures is far
+// smaller.
 #pragma once
 
 #include <string>
@@ -15,16 +16,16 @@
 namespace brume {
 
 inline constexpr float kGridSpacing = 0.5f; // standard deviations between nodes, where settings.grid is 0
-// Below this spacing sampling is cubic, with 64 nodes instead of 8. That is more accurate than linear sampling of nodes still
-// closer together.
+// Below this spacing sampling is cubic, with 64 nodes instead of 8. That is more accurate than linear sampling of nodes
+// still closer together.
 inline constexpr float kCubicBelow = 0.25f;
 inline constexpr uint64_t kMostGridBytes = 96ull << 20; // of the nodes' buffer: every device can bind 128 MiB
 
 // True: 64 nodes are read for a sample instead of 8.
 inline bool isCubic(const RenderSettings& settings) { return settings.grid > 0 && settings.grid < kCubicBelow; }
 
-// Where the nodes lie that the medium asks for, on multiples of the spacing, so that they stay where they are when the medium
-// grows.
+// Where the nodes lie that the medium asks for, on multiples of the spacing, so that they stay where they are when the
+// medium grows.
 gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings);
 // The finest grid of at most kMostGridBytes, by steps of a quarter in the spacing.
 gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings);

@@ -22,7 +22,9 @@ public:
         const auto chosen = std::find(std::begin(kQuadratures), std::end(kQuadratures), quadratureOf(s));
         return uint32_t(chosen - std::begin(kQuadratures)) << 8 | s.steps;
     }
-    std::string text(const RenderSettings& s) const override { return "isv, " + s.quadrature + " " + std::to_string(s.steps); }
+    std::string text(const RenderSettings& s) const override {
+        return "isv, " + s.quadrature + " " + std::to_string(s.steps);
+    }
     std::string refusal(const RenderSettings& s) const override {
         const Limits steps = s.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps;
         if (steps.holds(s.steps)) return {};

@@ -11,14 +11,15 @@ using gpu::storageBuffer;
 
 DepthOrder::DepthOrder(const gpu::Device& device, uint32_t capacity)
     : cull_(device, {VK_SHADER_STAGE_COMPUTE_BIT, cull_comp, "cull"}),
-      draw_arguments_(device, {VK_SHADER_STAGE_COMPUTE_BIT, draw_arguments_comp, "draw_arguments"}), sort_(device, capacity) {
+      draw_arguments_(device, {VK_SHADER_STAGE_COMPUTE_BIT, draw_arguments_comp, "draw_arguments"}),
+      sort_(device, capacity) {
     const VkDeviceSize bytes = std::max(capacity, 1u) * sizeof(uint32_t);
     keys_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth keys");
     values_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth order");
-    arguments_ =
-        gpu::Buffer(device, sizeof(gpu::DrawArguments),
-                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                    gpu::Memory::device, "draw arguments");
+    arguments_ = gpu::Buffer(device, sizeof(gpu::DrawArguments),
+                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                             gpu::Memory::device, "draw arguments");
 }
 
 void DepthOrder::record(gpu::Commands& commands, const EyeInputs& in, Support support, uint32_t vertices,

@@ -1,5 +1,5 @@
-// Far-to-near order of the particles that an eye can see, or the two eyes of a head together: cull, sort, and the indirect
-// arguments to draw what is left. Eyes use the same buffers one after the other.
+// Far-to-near order of the particles that an eye can see, or the two eyes of a head together: cull, sort, and the
+// indirect arguments to draw what is left. Eyes use the same buffers one after the other.
 #pragma once
 
 #include "server/inputs/eye_inputs.h"
@@ -12,9 +12,10 @@ public:
     DepthOrder(const gpu::Device& device, uint32_t capacity);
 
     enum class Support { tetrahedron, sphere };
-    // Afterwards draws may read order() and arguments(): instance i is the i-th farthest particle that the eye, or the other one
-    // of its head, can see. Records nothing for an eye whose order is ready.
-    void record(gpu::Commands& commands, const EyeInputs& in, Support support, uint32_t vertices, uint32_t particles_per_group);
+    // Afterwards draws may read order() and arguments(): instance i is the i-th farthest particle that the eye, or the
+    // other one of its head, can see. Records nothing for an eye whose order is ready.
+    void record(gpu::Commands& commands, const EyeInputs& in, Support support, uint32_t vertices,
+                uint32_t particles_per_group);
 
     const gpu::Buffer& order() const { return values_; }
     const gpu::Buffer& arguments() const { return arguments_; }

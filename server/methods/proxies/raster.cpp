@@ -34,13 +34,14 @@ public:
         const gpu::Commands::Pass pass(commands, "medium", in.view);
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance});
         programs_[has_opaque_ || in.near_plane_cuts].bind(
-            commands,
-            {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.medium->particles), gpu::storageBuffer(4, order_.order()),
-             gpu::storageBuffer(5, order_.arguments()), gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-             gpu::sampledImage(7, *in.shared->opaque_shadow, *in.shared->nearest),
-             gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+            commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.medium->particles),
+                       gpu::storageBuffer(4, order_.order()), gpu::storageBuffer(5, order_.arguments()),
+                       gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
+                       gpu::sampledImage(7, *in.shared->opaque_shadow, *in.shared->nearest),
+                       gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
         if (mesh_)
-            device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1, 0);
+            device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1,
+                                          0);
         else
             vkCmdDrawIndirect(cmd, order_.arguments().handle(), 0, 1, 0);
         vkCmdEndRendering(cmd);

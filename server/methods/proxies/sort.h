@@ -1,4 +1,5 @@
-// GPU radix sort of 32-bit keys with 32-bit values: stable, ascending, the same on every device whatever its subgroup size.
+// GPU radix sort of 32-bit keys with 32-bit values: stable, ascending, the same on every device whatever its subgroup
+// size.
 #pragma once
 
 #include "server/gpu/commands.h"
@@ -11,8 +12,8 @@ public:
     // For up to `capacity` pairs.
     RadixSort(const gpu::Device& device, uint32_t capacity);
 
-    // Sorts the first `count` pairs in place. The buffers must have been written by compute passes before; a barrier after the
-    // sort is the caller's. Throws gpu::Error when a buffer or the capacity is too small.
+    // Sorts the first `count` pairs in place. The buffers must have been written by compute passes before; a barrier
+    // after the sort is the caller's. Throws gpu::Error when a buffer or the capacity is too small.
     void record(gpu::Commands& commands, const gpu::Buffer& keys, const gpu::Buffer& values, uint32_t count) const;
 
 private:

@@ -17,9 +17,10 @@ constexpr double kLeastError = 2e-4; // remains however fine rays and slabs are:
 
 double rayError(double spacing) { return 0.0055 * std::pow(spacing, 4.5); }
 
-// Within a slab light and extinction vary together to second order in its thickness: by the depth that a slab has, up to where
-// what lies behind is hidden. The eye that is in the medium sees each slab by itself; from outside the rim, where little is
-// scattered, counts too. Above 1.43 slabs widen the particles: from there on the error grows as the fourth power.
+// Within a slab light and extinction vary together to second order in its thickness: by the depth that a slab has, up
+// to where what lies behind is hidden. The eye that is in the medium sees each slab by itself; from outside the rim,
+// where little is scattered, counts too. Above 1.43 slabs widen the particles: from there on the error grows as the
+// fourth power.
 double slabError(double thickness, double depth, bool inside) {
     const double curvature = inside ? std::min(0.065 * depth, 0.0145) : std::min(0.06 * depth, 0.0085);
     return curvature * thickness * thickness * (1 + std::pow(thickness / 2, 4));

@@ -1,5 +1,5 @@
-// The plan of methods that integrate the medium along a coarse grid of rays cut into slabs (slab_rays.h): their settings `rate`
-// and `slabs`, their errors, and what it costs to show the rays' field.
+// The plan of methods that integrate the medium along a coarse grid of rays cut into slabs (slab_rays.h): their
+// settings `rate` and `slabs`, their errors, and what it costs to show the rays' field.
 #pragma once
 
 #include "server/plan/method_plan.h"
@@ -19,14 +19,14 @@ inline constexpr uint32_t kRayMargin = 3;
 constexpr uint32_t raysBeyond(uint32_t margin) { return 2 * margin + 1; }
 
 // Errors that these approximations leave (relative RMSE), as measured against the double-precision reference:
-// docs/results/plan.md. The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes and props from
-// outside and from within, each cause by itself.
+// docs/results/plan.md. The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes and
+// props from outside and from within, each cause by itself.
 //
-// Of rays `spacing` projected standard deviations apart: a cubic B-spline errs by the fourth derivative, which of Gaussians grows
-// on with every order; between spacings of a half and two that is the power 4.5.
+// Of rays `spacing` projected standard deviations apart: a cubic B-spline errs by the fourth derivative, which of
+// Gaussians grows on with every order; between spacings of a half and two that is the power 4.5.
 double rayError(double spacing);
-// Of slabs `thickness` standard deviations thick; `depth`: mean optical depth of a deviation's length; `inside`: the eye is in
-// the medium.
+// Of slabs `thickness` standard deviations thick; `depth`: mean optical depth of a deviation's length; `inside`: the
+// eye is in the medium.
 double slabError(double thickness, double depth, bool inside);
 
 class RayPlan : public MethodPlan {

@@ -27,7 +27,9 @@ DepthRange depths(const EyeInputs& in) {
     return {std::max(all.near, kNearDepth), all.far};
 }
 
-float pixelOf(const EyeInputs& in) { return 2 * in.block->eye.tan_y / float(in.size.height); } // m per m of view depth, rad
+float pixelOf(const EyeInputs& in) {
+    return 2 * in.block->eye.tan_y / float(in.size.height);
+} // m per m of view depth, rad
 
 // The medium's standard deviation in pixels, in the middle of the depths where it is.
 float deviationInPixels(const EyeInputs& in, float near, float far) {
@@ -46,7 +48,8 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
             if (grid.rate = *rate; float(*rate) <= kRaysPerDeviation * projected) break;
     // A row of tiles has bits for all particles.
     const VkDeviceSize bits = in.medium->count / 8; // bytes, of a tile
-    while (grid.rate < std::end(kRates)[-1] && gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * bits > kMostBytes)
+    while (grid.rate < std::end(kRates)[-1] &&
+           gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * bits > kMostBytes)
         grid.rate *= 2;
     const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
     const uint32_t asked = in.shared->settings->slabs;
@@ -69,14 +72,15 @@ std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
     group(eyes);
     fit(field_, most_.field * sizeof(float), "slab field");
     fitRoom(most_);
-    views_buffer_.atLeast(device_, views_.size() * sizeof(gpu::View), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
-                          "views");
+    views_buffer_.atLeast(device_, views_.size() * sizeof(gpu::View), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                          gpu::Memory::upload, "views");
     std::copy(views_.begin(), views_.end(), views_buffer_.mapped<gpu::View>(views_.size()).begin());
     views_buffer_.flush();
     for (ViewGroup& group : groups_) {
         group.field = &field_;
-        group.block = gpu::storageBuffer(1, views_buffer_, VkDeviceSize(group.views.data() - views_.data()) * sizeof(gpu::View),
-                                         group.views.size_bytes());
+        group.block =
+            gpu::storageBuffer(1, views_buffer_, VkDeviceSize(group.views.data() - views_.data()) * sizeof(gpu::View),
+                               group.views.size_bytes());
     }
     return groups_;
 }
@@ -90,8 +94,8 @@ uint32_t SlabRays::shadingStepOf(const EyeInputs& in, uint32_t rate) const {
     return shadingStep(*in.shared->settings, rate, deviationInPixels(in, near, std::max(near, far)), lobe);
 }
 
-// Makes views_, and groups_ of them. Alone in a group is each view of one eye in several bands, and every view that passes
-// through the common target.
+// Makes views_, and groups_ of them. Alone in a group is each view of one eye in several bands, and every view that
+// passes through the common target.
 void SlabRays::group(std::span<const EyeInputs> eyes) {
     order_.clear();
     for (const EyeInputs& in : eyes) order_.push_back(&in);
@@ -131,8 +135,9 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
             open = whole;
             room = with;
             views_.push_back(view);
-            most_ = {std::max(most_.members, room.members), std::max(most_.bins, room.bins), std::max(most_.added, room.added),
-                     std::max(most_.field, room.field), std::max(most_.shaded, room.shaded)};
+            most_ = {std::max(most_.members, room.members), std::max(most_.bins, room.bins),
+                     std::max(most_.added, room.added), std::max(most_.field, room.field),
+                     std::max(most_.shaded, room.shaded)};
         }
     }
     firsts_.push_back(views_.size());
@@ -141,11 +146,12 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
 }
 
 VkDeviceSize SlabRays::bytesOfLargest(const Room& room) {
-    return std::max({room.members * sizeof(gpu::SlabMember), room.bins * sizeof(uint32_t), room.added * sizeof(glm::vec4),
-                     room.field * sizeof(float), room.shaded * sizeof(uint32_t)});
+    return std::max({room.members * sizeof(gpu::SlabMember), room.bins * sizeof(uint32_t),
+                     room.added * sizeof(glm::vec4), room.field * sizeof(float), room.shaded * sizeof(uint32_t)});
 }
 
-gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const {
+gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step,
+                           Room& room) const {
     gpu::View view = *in.block;
     view.grid = bands.grid;
     view.grid.first_row = first_row;
@@ -202,14 +208,15 @@ SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
     rowsOfTiles(gpu::groups(bands.cells + beyond, gpu::kSlabTile));
     while (grid.lines.y > 2 && tooLarge()) rowsOfTiles(gpu::groups(grid.lines.y, 2));
     while (tooLarge()) coarsen(grid);
-    // The next band has the rows again that lie beyond its cells; even, since compose makes two rows of pixels at a time.
+    // The next band has the rows again that lie beyond its cells; even, since compose makes two rows of pixels at a
+    // time.
     bands.step = grid.nodes.y < bands.cells + beyond ? (grid.nodes.y - beyond) & ~1u : bands.cells;
     return bands;
 }
 
 void SlabRays::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
-    buffer.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device,
-                   name);
+    buffer.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                   gpu::Memory::device, name);
 }
 
 const gpu::ComputeProgram& SlabRays::program(std::span<const uint32_t> code, const char* name, uint32_t variant,

@@ -1,6 +1,7 @@
-// SlabRays: base of methods that integrate the medium along a coarse grid of rays cut into slabs. The medium's band limit says
-// how many rays and slabs there are. Pictures are cut into bands of rows, so that no buffer grows with them. The result is the
-// field of all rays, which Compose samples (shaders/lib/slab_march.glsl). Passes of several eyes run together.
+// SlabRays: base of methods that integrate the medium along a coarse grid of rays cut into slabs. The medium's band
+// limit says how many rays and slabs there are. Pictures are cut into bands of rows, so that no buffer grows with them.
+// The result is the field of all rays, which Compose samples (shaders/lib/slab_march.glsl). Passes of several eyes run
+// together.
 #pragma once
 
 #include <map>
@@ -29,11 +30,14 @@ protected:
     virtual Room roomOf(const EyeInputs&, const gpu::SlabGrid&, uint32_t /*sources*/) const { return {}; }
     // Makes such room. Precondition: nothing of the method is on the device.
     virtual void fitRoom(const Room&) {}
-    // Writes field_ for all rays of a group; earlier contents have been read. Its writes are visible to compute afterwards.
+    // Writes field_ for all rays of a group; earlier contents have been read. Its writes are visible to compute
+    // afterwards.
     virtual void recordRays(gpu::Commands& commands, const ViewGroup& group) = 0;
 
     // Sources of scattered light that are kept apart (shaders/lib/slab_field.glsl).
-    uint32_t sources(const EyeInputs& in) const { return in.medium->extent->one_albedo ? 1u : features_.ambient ? 6u : 3u; }
+    uint32_t sources(const EyeInputs& in) const {
+        return in.medium->extent->one_albedo ? 1u : features_.ambient ? 6u : 3u;
+    }
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
     // A program, made when it is first asked for. `variant` differs between programs of one shader.
     const gpu::ComputeProgram& program(std::span<const uint32_t> code, const char* name, uint32_t variant,
@@ -53,7 +57,8 @@ private:
     static VkDeviceSize bytesOfLargest(const Room& room); // of the buffers
     uint32_t shadingStepOf(const EyeInputs& in, uint32_t rate) const;
     VkDeviceSize fieldWords(const gpu::SlabGrid& grid, uint32_t sources) const;
-    // The view of `in` in rows of pixels from first_row on. It is put behind what is in `room` already, which grows by it.
+    // The view of `in` in rows of pixels from first_row on. It is put behind what is in `room` already, which grows by
+    // it.
     gpu::View viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const;
     void group(std::span<const EyeInputs> eyes);
     void recordSpline(gpu::Commands& commands, const ViewGroup& group);

@@ -19,7 +19,8 @@ private:
         const VkDeviceSize bits = lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.medium->count);
         return {.members = in.medium->count,
                 .bins = bits / sizeof(uint32_t),
-                .added = VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * quantitiesOf(sources)};
+                .added =
+                    VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * quantitiesOf(sources)};
     }
 
     void fitRoom(const Room& room) override {
@@ -64,9 +65,10 @@ private:
             const gpu::Commands::Pass pass(commands, "slab light", group.view());
             program(slab_light_comp, "slab_light", group.sources,
                     {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdSources, group.sources}})
-                .bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
-                                 gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-                                 gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+                .bind(commands,
+                      {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
+                       gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
+                       gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
             vkCmdDispatch(cmd, columns, rows, group.count());
             gpu::computeToCompute(cmd);
         }

@@ -1,4 +1,5 @@
-// Order-independent slabs as the plan sees them: every particle is added to the samples of the tiles and sheets that it reaches.
+// Order-independent slabs as the plan sees them: every particle is added to the samples of the tiles and sheets that it
+// reaches.
 #include <algorithm>
 #include <cmath>
 
@@ -7,15 +8,17 @@
 namespace brume::methods::slabs {
 namespace {
 
-constexpr CostInfo kBin{"slab_bin", "bin", 10};             // particles x lines of tiles and sheets
-constexpr CostInfo kSlabs{"slabs", "slabs", 0.14};          // particles x samples of the tiles and sheets that they reach
+constexpr CostInfo kBin{"slab_bin", "bin", 10};    // particles x lines of tiles and sheets
+constexpr CostInfo kSlabs{"slabs", "slabs", 0.14}; // particles x samples of the tiles and sheets that they reach
 constexpr CostInfo kLight{"slab_light", "slab light", 8.9}; // rays x slabs
 constexpr const CostInfo* kCosts[] = {&kBin, &kSlabs, &kLight, &costs::kComposeField, &costs::kShade, &costs::kPresent};
 
 class Plan final : public RayPlan {
 public:
     const char* name() const override { return "slabs"; }
-    const char* about() const override { return "order-independent slabs on a coarse grid of rays, the full Gaussian, no sort"; }
+    const char* about() const override {
+        return "order-independent slabs on a coarse grid of rays, the full Gaussian, no sort";
+    }
     std::string text(const RenderSettings& s) const override {
         const std::string rate = std::to_string(s.rate);
         return "slabs, a ray per " + rate + "x" + rate + " pixels, " + std::to_string(s.slabs) + " slabs";
@@ -34,8 +37,9 @@ public:
         const glm::dvec2 rays = raysOf(view, settings);
         const double tiles_x = std::ceil(rays.x / gpu::kSlabTile), tiles_y = std::ceil(rays.y / gpu::kSlabTile);
         const double sheets = groupsOf(settings.slabs, gpu::kSlabTile);
-        const double side = double(gpu::kSlabTile) * settings.rate, margin = double(kRayMargin) * settings.rate; // pixels
-        const double sheet = std::max((view.far() - view.near()) / sheets, 1e-9);                                // m
+        const double side = double(gpu::kSlabTile) * settings.rate,
+                     margin = double(kRayMargin) * settings.rate;                 // pixels
+        const double sheet = std::max((view.far() - view.near()) / sheets, 1e-9); // m
         double reached = 0;
         for (const ViewWork::Seen& s : view.seen())
             reached += cellsTouched(s.left + margin, s.right + margin, side, tiles_x) *

@@ -1,6 +1,6 @@
-// Method `tiles`: projects particles to splats, lists them per block of tiles, and adds them near to far in every pixel.
-// Quadrature `cached`: light is linear on every particle (light/particle_light.h). Quadrature `hermite`: it is looked up in
-// the shadow volume at two points of each.
+// Method `tiles`: projects particles to splats, lists them per block of tiles, and adds them near to far in every
+// pixel. Quadrature `cached`: light is linear on every particle (light/particle_light.h). Quadrature `hermite`: it is
+// looked up in the shadow volume at two points of each.
 #include <algorithm>
 #include <map>
 
@@ -20,7 +20,8 @@ using gpu::storageBuffer;
 constexpr VkExtent2D kTile{16, 8}; // pixels, as in shaders/lib/tiles.glsl
 // A CPU driver is fastest where a lane does much; a GPU where there are many lanes.
 constexpr uint32_t kPixelsPerLane = 16, kPixelsPerLaneOfGpu = 4;
-// Pixels of a block of tiles with one list of splats. Blocks are doubled until all lists of a picture fit kMostMaskBytes.
+// Pixels of a block of tiles with one list of splats. Blocks are doubled until all lists of a picture fit
+// kMostMaskBytes.
 constexpr VkExtent2D kBlock{64, 32};
 constexpr VkDeviceSize kMostMaskBytes = 64 << 20;
 
@@ -29,7 +30,8 @@ public:
     explicit Tiles(const MethodContext& context)
         : device_(context.device), order_(context.depth_order), features_(context.features),
           cached_(quadratureOf(context.settings) == "cached"),
-          project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"}, {{gpu::kIdCached, cached_}}),
+          project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"},
+                   {{gpu::kIdCached, cached_}}),
           bin_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_bin_comp, "tiles_bin"}) {}
 
     MethodNeeds needs() const override { return {.particle_light = cached_}; }
@@ -44,7 +46,8 @@ public:
         const auto most = [&] { // bytes of masks
             uint32_t blocks = 1;
             for (const EyeInputs& in : eyes)
-                blocks = std::max(blocks, gpu::groups(in.size.width, block_.width) * gpu::groups(in.size.height, block_.height));
+                blocks = std::max(blocks, gpu::groups(in.size.width, block_.width) *
+                                              gpu::groups(in.size.height, block_.height));
             return words * blocks * sizeof(uint32_t);
         };
         for (block_ = kBlock; most() > kMostMaskBytes;) block_ = {block_.width * 2, block_.height * 2};
@@ -59,16 +62,18 @@ public:
         const VkCommandBuffer cmd = commands.handle();
         order_.record(commands, in, DepthOrder::Support::sphere, 0, 1);
         gpu::computeToCompute(cmd);
-        const gpu::SplatGrid grid{{gpu::groups(in.size.width, block_.width), gpu::groups(in.size.height, block_.height)},
-                                  {block_.width, block_.height},
-                                  in.shared->settings->least_transmittance};
+        const gpu::SplatGrid grid{
+            {gpu::groups(in.size.width, block_.width), gpu::groups(in.size.height, block_.height)},
+            {block_.width, block_.height},
+            in.shared->settings->least_transmittance};
         const gpu::Resource arguments = storageBuffer(5, order_.arguments()), cones = storageBuffer(7, cones_),
                             splats = storageBuffer(8, splats_), masks = storageBuffer(9, masks_);
         const gpu::Buffer& light = cached_ ? *in.medium->light : *in.medium->particles; // bound, but not read
         {
             const gpu::Commands::Pass pass(commands, "bin", in.view);
-            project_.bind(commands, {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
-                                     storageBuffer(4, order_.order()), arguments, storageBuffer(6, light), cones, splats});
+            project_.bind(commands,
+                          {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
+                           storageBuffer(4, order_.order()), arguments, storageBuffer(6, light), cones, splats});
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
             gpu::computeToCompute(cmd);
             bin_.bind(commands, {in.eye, arguments, cones, masks}, grid);

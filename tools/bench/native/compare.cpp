@@ -76,13 +76,14 @@ double off(const RadianceImage& value, const RadianceImage& reference) {
 
 std::string nativeTable(const gpu::Device& device, Truth& truth, const native::Kernel& kernel, uint32_t frames,
                         uint32_t threads) {
-    std::string table =
-        "| scene, camera | rays, slabs | native, ms | median | Vulkan, ms | median | ratio | of medians | from slabs, % "
-        "| native, % | slabs, % |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+    std::string table = "| scene, camera | rays, slabs | native, ms | median | Vulkan, ms | median | ratio | of "
+                        "medians | from slabs, % | native, % | slabs, % "
+                        "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
     std::string profile =
-        "\nWhere it goes: least time of each part, and how many extinctions (particle, slab and ray) are computed.\n\n"
-        "| scene, camera | part | native, ms | Vulkan, ms | ratio | native, million | Vulkan, million | native, ns each "
-        "| Vulkan, ns each |\n|---|---|---|---|---|---|---|---|---|\n";
+        "\nWhere it goes: least time of each part, and how many extinctions (particle, slab and ray) are "
+        "computed.\n\n"
+        "| scene, camera | part | native, ms | Vulkan, ms | ratio | native, million | Vulkan, million | native, ns "
+        "each | Vulkan, ns each |\n|---|---|---|---|---|---|---|---|---|\n";
     Case drawn = caseOf("cloud", "outside");
     drawn.set.insert(drawn.set.end(), {"render.method=sphere", "medium.count=1"});
     Stage display(device, drawn);
@@ -112,30 +113,31 @@ std::string nativeTable(const gpu::Device& device, Truth& truth, const native::K
             const double apart = off(mine, theirs);
             if (!(apart <= 100 * kNativeAgrees))
                 throw std::runtime_error(
-                    fmt::format("{}, {}: the native picture is {:.3g} % from that of slabs; allowed: {:.3g} %", scene, camera,
-                                apart, 100 * kNativeAgrees));
-            table += fmt::format(
-                "| {}, {} | {}x{}, {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.3f} |\n",
-                scene, camera, way.rate, way.rate, way.slabs, own.least(), median(own.whole), vulkan.least(),
-                median(vulkan.whole), vulkan.least() / own.least(), median(vulkan.whole) / median(own.whole), apart,
-                off(thinned(mine, kEvery), exact), off(thinned(theirs, kEvery), exact));
+                    fmt::format("{}, {}: the native picture is {:.3g} % from that of slabs; allowed: {:.3g} %", scene,
+                                camera, apart, 100 * kNativeAgrees));
+            table += fmt::format("| {}, {} | {}x{}, {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.3f} "
+                                 "| {:.3f} | {:.3f} |\n",
+                                 scene, camera, way.rate, way.rate, way.slabs, own.least(), median(own.whole),
+                                 vulkan.least(), median(vulkan.whole), vulkan.least() / own.least(),
+                                 median(vulkan.whole) / median(own.whole), apart, off(thinned(mine, kEvery), exact),
+                                 off(thinned(theirs, kEvery), exact));
             const double counted[] = {1e-6 * double(native.samples()), 1e-6 * vulkanSamples(stage, way)};
             for (int p = 0; p < parts; ++p) {
                 const double a = percentile(own.part[p], 0), b = percentile(vulkan.part[p], 0);
-                profile += fmt::format("| {}, {} | {} | {:.2f} | {:.2f} | {:.1f} |", scene, camera, kParts[p], a, b, b / a);
+                profile +=
+                    fmt::format("| {}, {} | {} | {:.2f} | {:.2f} | {:.1f} |", scene, camera, kParts[p], a, b, b / a);
                 profile += p == slabs ? fmt::format(" {:.1f} | {:.1f} | {:.3f} | {:.3f} |\n", counted[0], counted[1],
                                                     a / counted[0], b / counted[1])
                                       : " | | | |\n";
             }
-            std::fprintf(stderr, "  %-10s %-8s native %7.2f ms, Vulkan %7.2f ms\n", scene, camera, own.least(), vulkan.least());
+            std::fprintf(stderr, "  %-10s %-8s native %7.2f ms, Vulkan %7.2f ms\n", scene, camera, own.least(),
+                         vulkan.least());
         }
     return table + profile +
-           "\nA particle costs the native program six exponentials of a vector (two of them of the recurrence's ratios) per tile "
-           "and run of "
-           "at most 16 slabs, then two multiplications a slab for a row and for a column of rays; the shader, whose lane is a "
-           "slab, five "
-           "exponentials and 32 multiplications a slab. Both keep the 64 sums of a slab in memory: they do not fit the "
-           "registers.\n";
+           "\nA particle costs the native program six exponentials of a vector (two of them of the recurrence's "
+           "ratios) per tile and run of at most 16 slabs, then two multiplications a slab for a row and for a "
+           "column of rays; the shader, whose lane is a slab, five exponentials and 32 multiplications a slab. "
+           "Both keep the 64 sums of a slab in memory: they do not fit the registers.\n";
 }
 
 std::string nativeReport(const native::Kernel& kernel, const NativeRun& run, const std::string& table) {
@@ -143,16 +145,12 @@ std::string nativeReport(const native::Kernel& kernel, const NativeRun& run, con
         "# Slabs on Vulkan beside the same maths written for the CPU\n\n"
         "Written by `{}` on {}. CPU: {}. Vulkan device: {}. Native instructions: {}, {} floats a vector.\n\n"
         "The native program ([`tools/bench/native`](../../tools/bench/native)) does what the method `slabs` does "
-        "to a medium that is lit "
-        "already: bins, extinction of all slabs by recurrence, light along the rays, a cubic B-spline to "
-        "radiance and transmittance of "
-        "every pixel. Vulkan's time is that of the passes bin, slabs, slab light and spline, and of compose less what "
-        "compose takes of a medium "
-        "that was drawn (tone map, sRGB, YCbCr); frames of both alternate. Least of all frames, "
-        "and median; the ratio "
-        "is Vulkan's time over the native one's. The last columns are relative RMSE: of the native picture from "
-        "that of `slabs`, and of "
-        "both from the double-precision reference, every fifth pixel.\n\n{}",
+        "to a medium that is lit already: bins, extinction of all slabs by recurrence, light along the rays, a "
+        "cubic B-spline to radiance and transmittance of every pixel. Vulkan's time is that of the passes bin, "
+        "slabs, slab light and spline, and of compose less what compose takes of a medium that was drawn (tone "
+        "map, sRGB, YCbCr); frames of both alternate. Least of all frames, and median; the ratio is Vulkan's time "
+        "over the native one's. The last columns are relative RMSE: of the native picture from that of `slabs`, "
+        "and of both from the double-precision reference, every fifth pixel.\n\n{}",
         run.command, run.date, run.cpu, run.device, kernel.name, kernel.lanes, table);
 }
 

@@ -8,10 +8,12 @@
 
 namespace brume::bench {
 
-// Scenes cloud and cloud-5000 from outside and from within, 640x360, at the rays and slabs that the plan takes: `frames` frames
-// of each in turns, with `threads` threads. Markdown. Says on standard error what it is doing. Throws std::runtime_error when a
-// native picture is farther from that of `slabs` than rounding and what both leave out explain.
-std::string nativeTable(const gpu::Device& device, Truth& truth, const native::Kernel& kernel, uint32_t frames, uint32_t threads);
+// Scenes cloud and cloud-5000 from outside and from within, 640x360, at the rays and slabs that the plan takes:
+// `frames` frames of each in turns, with `threads` threads. Markdown. Says on standard error what it is doing. Throws
+// std::runtime_error when a native picture is farther from that of `slabs` than rounding and what both leave out
+// explain.
+std::string nativeTable(const gpu::Device& device, Truth& truth, const native::Kernel& kernel, uint32_t frames,
+                        uint32_t threads);
 
 // The table with what was measured, on what and how.
 struct NativeRun {
@@ -19,8 +21,8 @@ struct NativeRun {
 };
 std::string nativeReport(const native::Kernel& kernel, const NativeRun& run, const std::string& table);
 
-// Relative RMSE between the two methods' pictures, at most: both leave out particles' tails of `cutoff` optical depth in all, but
-// not the same (a sheet of slabs or a slab), and round differently.
+// Relative RMSE between the two methods' pictures, at most: both leave out particles' tails of `cutoff` optical depth
+// in all, but not the same (a sheet of slabs or a slab), and round differently.
 inline constexpr double kNativeAgrees = 2e-3;
 
 } // namespace brume::bench

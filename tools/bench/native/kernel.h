@@ -1,6 +1,6 @@
-// The method `slabs` by hand for a CPU's vector units: what its kernels read and write. Plain numbers and arrays only, since the
-// kernels' files are compiled for instructions that this CPU may lack: an inline function of theirs that others share (the
-// linker keeps one of them) would crash there.
+// The method `slabs` by hand for a CPU's vector units: what its kernels read and write. Plain numbers and arrays only,
+// since the kernels' files are compiled for instructions that this CPU may lack: an inline function of theirs that
+// others share (the linker keeps one of them) would crash there.
 #pragma once
 
 #include <cstddef>
@@ -26,17 +26,19 @@ struct Frame {
     float corner_x, corner_y; // of node (0, 0), m right and down per m of view depth
     float spacing;            // of nodes, the same
     const Member* members;    // of all particles
-    float eye[3], ray[3];     // the eye in the light's map (column, row, plane), and what a ray of node (0, 0) moves there per m
-    float right[3], down[3];  // and what a node to the right and below changes of that
-    const float* light;       // its map: optical depths [plane][row][column]
-    uint32_t light_size[3];   // columns, rows, planes
-    float* field[2];          // per node: optical depth; scattered light (rho p E = 1) over opacity
-    float* spline[2];         // coefficients of the same, from the node up and left of the first pixel's on
-    uint32_t nodes;           // of a row in memory
-    const float* weights[4];  // of the nodes at -1, 0, 1, 2 for pixels side by side: max(rate, kMostLanes), from the first column
-    float colour[3];          // rho p E
-    float* picture[4];        // red, green, blue, transmittance
-    uint32_t width;           // pixels, a multiple of kMostLanes
+    float eye[3],
+        ray[3]; // the eye in the light's map (column, row, plane), and what a ray of node (0, 0) moves there per m
+    float right[3], down[3]; // and what a node to the right and below changes of that
+    const float* light;      // its map: optical depths [plane][row][column]
+    uint32_t light_size[3];  // columns, rows, planes
+    float* field[2];         // per node: optical depth; scattered light (rho p E = 1) over opacity
+    float* spline[2];        // coefficients of the same, from the node up and left of the first pixel's on
+    uint32_t nodes;          // of a row in memory
+    const float*
+        weights[4]; // of the nodes at -1, 0, 1, 2 for pixels side by side: max(rate, kMostLanes), from the first column
+    float colour[3];   // rho p E
+    float* picture[4]; // red, green, blue, transmittance
+    uint32_t width;    // pixels, a multiple of kMostLanes
 };
 
 struct Kernel {

@@ -1,5 +1,5 @@
-// The kernels, for vectors of kLanes floats; included by one file for each set of instructions, which defines kLanes, gather()
-// and permute(). Everything here is local to that file.
+// The kernels, for vectors of kLanes floats; included by one file for each set of instructions, which defines kLanes,
+// gather() and permute(). Everything here is local to that file.
 
 #include "tools/bench/native/kernel.h"
 
@@ -47,7 +47,9 @@ bool any(Ints mask) {
 Floats exponential(Floats x) { return exp2(x * 1.44269504f); }
 
 // As shaders/shared/transmittance.h and scatter.h.
-Floats phiSeries(Floats x) { return 1.0f - x * (0.5f - x * (1.0f / 6 - x * (1.0f / 24 - x * (1.0f / 120 - x * (1.0f / 720))))); }
+Floats phiSeries(Floats x) {
+    return 1.0f - x * (0.5f - x * (1.0f / 6 - x * (1.0f / 24 - x * (1.0f / 120 - x * (1.0f / 720)))));
+}
 [[gnu::always_inline]] inline Floats phi(Floats x) {
     const Ints small = magnitude(x) < 0.25f;
     return choose(small, phiSeries(x), (1.0f - exponential(-x)) / choose(small, all(1), x));
@@ -68,9 +70,10 @@ Ints counted() { // 0, 1, 2 ...
 Floats columns() { return __builtin_convertvector(counted() % int(kTile), Floats); }
 Ints rowOfLane() { return counted() / int(kTile); }
 
-// Adds a member to the slabs first ... end - 1 of the tile. On a ray both its factors, of columns and of rows, are exponentials
-// of a parabola in view depth: two multiplications from slab to slab.
-void addRun(const Frame& frame, const Member& m, Floats ray_x, Floats ray_y, uint32_t first, uint32_t end, float* added) {
+// Adds a member to the slabs first ... end - 1 of the tile. On a ray both its factors, of columns and of rows, are
+// exponentials of a parabola in view depth: two multiplications from slab to slab.
+void addRun(const Frame& frame, const Member& m, Floats ray_x, Floats ray_y, uint32_t first, uint32_t end,
+            float* added) {
     const float h = frame.thickness, z = frame.depth + (float(first) + 0.5f) * h, dz = z - m.z;
     const Floats dx = z * ray_x - m.x, dy = z * ray_y - m.y;
     Floats column = m.sigma * exp2(-m.across * dx * dx - m.along * dz * dz);
@@ -125,13 +128,16 @@ void lightRays(const Frame& frame, uint32_t x, uint32_t y, unsigned v, const flo
     const Floats ray_x = frame.corner_x + frame.spacing * node_x, ray_y = frame.corner_y + frame.spacing * node_y;
     const Floats length = frame.thickness * squareRoot(1.0f + ray_x * ray_x + ray_y * ray_y);
     Floats way[3];
-    for (int axis = 0; axis < 3; ++axis) way[axis] = frame.ray[axis] + node_x * frame.right[axis] + node_y * frame.down[axis];
+    for (int axis = 0; axis < 3; ++axis)
+        way[axis] = frame.ray[axis] + node_x * frame.right[axis] + node_y * frame.down[axis];
     const auto lightAt = [&](float z) {
         Floats place[3];
         for (int axis = 0; axis < 3; ++axis) place[axis] = frame.eye[axis] + z * way[axis];
         return lightDepth(frame, place);
     };
-    const auto middle = [&](uint32_t slab) { return slab < frame.slabs ? load(added + slab * kRays + v * kLanes) : Floats{}; };
+    const auto middle = [&](uint32_t slab) {
+        return slab < frame.slabs ? load(added + slab * kRays + v * kLanes) : Floats{};
+    };
     Floats depth{}, scattered{}, light{};
     bool known = false; // the light at the slab's near face
     Floats here = middle(0), next = middle(1), before = 3.0f * here - 3.0f * next + middle(2);

@@ -1,4 +1,5 @@
-// The kernels for any CPU, with as many lanes as AVX-512 has: so that tests see all that does not depend on its instructions.
+// The kernels for any CPU, with as many lanes as AVX-512 has: so that tests see all that does not depend on its
+// instructions.
 
 namespace brume::bench::native {
 namespace {

@@ -36,7 +36,9 @@ constexpr uint32_t kRowsAtOnce = 8;                      // of pixels, that a th
 
 uint32_t upTo(uint32_t count, uint32_t multiple) { return (count + multiple - 1) / multiple * multiple; }
 
-double since(Clock::time_point begin) { return std::chrono::duration<double, std::milli>(Clock::now() - begin).count(); }
+double since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
 
 // Tiny numbers count as zero, as on the threads of CPU drivers: they would cost a hundred times the time.
 void flushTiny() {
@@ -65,8 +67,8 @@ const native::Kernel* NativeSlabs::named([[maybe_unused]] std::string_view name)
     return nullptr;
 }
 
-NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uint32_t slabs, const native::Kernel& kernel,
-                         uint32_t threads)
+NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uint32_t slabs,
+                         const native::Kernel& kernel, uint32_t threads)
     : kernel_(kernel), threads_(threads), particles_(stage.particles()), pose_(stage.pose()), size_(size) {
     tick_ = makeTick(stage.scene(), stage.simulation().now(), particles_, opaqueObjects(stage.scene()));
     extent_ = mediumExtent(particles_, tick_.falloff, tick_.cut);
@@ -104,7 +106,8 @@ NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uin
         return glm::vec3(glm::dot(tick_.map.u, h) * float(tick_.map.texels.x) - 0.5f * w,
                          glm::dot(tick_.map.v, h) * float(tick_.map.texels.y) - 0.5f * w, glm::dot(tick_.map.plane, h));
     };
-    const glm::vec3 eye = inMap(pose_.position, 1), ray = inMap(f.corner_x * axes[0] - f.corner_y * axes[1] - axes[2], 0);
+    const glm::vec3 eye = inMap(pose_.position, 1),
+                    ray = inMap(f.corner_x * axes[0] - f.corner_y * axes[1] - axes[2], 0);
     const glm::vec3 right = inMap(f.spacing * axes[0], 0), down = inMap(-f.spacing * axes[1], 0);
     for (int i = 0; i < 3; ++i) f.eye[i] = eye[i], f.ray[i] = ray[i], f.right[i] = right[i], f.down[i] = down[i];
     mapLight(particles_);
@@ -145,13 +148,14 @@ void NativeSlabs::mapLight(const std::vector<gpu::Particle>& particles) {
         const float u = p.scale * tick_.falloff, k = physics::gaussianK(p.scale, tick_.falloff);
         const float radius = physics::supportRadius(p.sigma_t, u, 0.75f * tick_.cut);
         if (radius <= 0) continue;
-        const glm::vec3 at =
-            glm::vec3(glm::dot(tick_.map.x, p.centre) - tick_.map.lo.x, glm::dot(tick_.map.y, p.centre) - tick_.map.lo.y,
-                      tick_.map.hi.z - glm::dot(tick_.sun.to_light, p.centre)) /
-                cell -
-            glm::vec3(0.5f, 0.5f, 0);
+        const glm::vec3 at = glm::vec3(glm::dot(tick_.map.x, p.centre) - tick_.map.lo.x,
+                                       glm::dot(tick_.map.y, p.centre) - tick_.map.lo.y,
+                                       tick_.map.hi.z - glm::dot(tick_.sun.to_light, p.centre)) /
+                                 cell -
+                             glm::vec3(0.5f, 0.5f, 0);
         const glm::vec3 variance = 0.5f / (k * cell * k * cell);
-        const glm::vec3 stored(physics::sharpened(variance.x), physics::sharpened(variance.y), physics::sharpened(variance.z));
+        const glm::vec3 stored(physics::sharpened(variance.x), physics::sharpened(variance.y),
+                               physics::sharpened(variance.z));
         const glm::vec3 narrow = glm::inversesqrt(2.0f * stored);
         const float half =
             0.5f * physics::lineDepth(p.sigma_t, k, 1.0f) * std::sqrt(variance.x / stored.x * (variance.y / stored.y));
@@ -218,7 +222,8 @@ void NativeSlabs::fitSpline(uint32_t y) {
         float depth = 0, share = 0, unknown = 0, around = 0, weights = 0;
         for (int j = 0; j < 5; ++j)
             for (int i = 0; i < 5; ++i) {
-                const glm::ivec2 at = glm::clamp(glm::ivec2(x, y) + glm::ivec2(i, j) - 2, glm::ivec2(0), glm::ivec2(nodes_) - 1);
+                const glm::ivec2 at =
+                    glm::clamp(glm::ivec2(x, y) + glm::ivec2(i, j) - 2, glm::ivec2(0), glm::ivec2(nodes_) - 1);
                 const size_t node = size_t(at.y) * frame_.nodes + size_t(at.x);
                 const float inverse = kInverse[i] * kInverse[j];
                 depth += inverse * field_[0][node];

@@ -14,15 +14,15 @@ namespace brume::bench {
 
 class NativeSlabs {
 public:
-    // The kernel of that name, of "" the widest; null where the CPU lacks its instructions, or has none that there is a kernel
-    // for.
+    // The kernel of that name, of "" the widest; null where the CPU lacks its instructions, or has none that there is a
+    // kernel for.
     static const native::Kernel* named(std::string_view name);
     // Whether this CPU runs the kernel.
     static bool runs(const native::Kernel& kernel);
 
-    // The stage's scene now, seen by its first viewer. Precondition: runs(kernel); `rate` (a power of two) and `slabs` as
-    // RenderSettings, none 0. Throws std::runtime_error for what this program leaves out: opaque objects, a lobe, ambient light,
-    // several albedos, a medium in which the camera's near plane leaves nothing to see.
+    // The stage's scene now, seen by its first viewer. Precondition: runs(kernel); `rate` (a power of two) and `slabs`
+    // as RenderSettings, none 0. Throws std::runtime_error for what this program leaves out: opaque objects, a lobe,
+    // ambient light, several albedos, a medium in which the camera's near plane leaves nothing to see.
     NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uint32_t slabs, const native::Kernel& kernel,
                 uint32_t threads);
 
