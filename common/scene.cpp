@@ -44,12 +44,14 @@ private:
         void operator()(float* out) const {
             if (setting.form == Form::height && origin)
                 in.height(setting.key(), *out, *origin);
+            else if (setting.form == Form::or_auto)
+                in.numberOrAuto(setting.key(), *out, setting.allowed);
             else
                 in.number(setting.key(), *out, setting.allowed);
         }
         void operator()(uint32_t* out) const {
-            if (setting.form == Form::or_zero)
-                in.integerOrZero(setting.key(), *out, setting.allowed);
+            if (setting.form == Form::or_auto)
+                in.integerOrAuto(setting.key(), *out, setting.allowed);
             else
                 in.integer(setting.key(), *out, setting.allowed);
         }
@@ -114,10 +116,19 @@ void readCamera(TableReader& in, const SettingReader& read, SceneCamera& out, co
 
 // The method's name is checked by the server, whose list of methods this library does not know.
 void readRender(TableReader& in, const SettingReader& read, RenderSettings& out) {
-    read.readTable(in, "render", {.render = &out}, nullptr);
-    in.integer("steps", out.steps, stepsAllowed(out));
+    const SceneParts parts{.render = &out};
+    read.readTable(in, "render", parts, nullptr);
     if ((out.shading & (out.shading - 1)) != 0)
-        in.fail("shading", std::to_string(out.shading) + " is not allowed", "0, 1, 2, 4 or 8");
+        in.fail("shading", std::to_string(out.shading) + " is not allowed", "\"auto\", 1, 2, 4 or 8");
+    std::string_view last;
+    for (const SceneSetting& setting : sceneSettings()) { // tables of one method each: render.NAME
+        const std::string_view table = setting.table();
+        if (!table.starts_with("render.") || table == std::exchange(last, table)) continue;
+        in.table(table.substr(table.find('.') + 1), [&](TableReader& r) {
+            read.readTable(r, table, parts, nullptr);
+            if (table == "render.isv") r.integer("steps", out.isv.steps, stepsAllowed(out.isv));
+        });
+    }
 }
 
 void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder) {

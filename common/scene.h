@@ -96,30 +96,56 @@ struct SceneCamera {
     float fov_y = 0.8f;
 };
 
-// What the renderer is asked for; changed by commands while the server runs.
-struct RenderSettings {
-    std::string method = "auto";        // a name of server/methods/list.h, or auto: what server/plan chooses
-    float error = 5e-3f;                // auto: relative RMSE of a picture against the true medium, at most
-    float flip = 1e-2f;                 // auto: and mean FLIP
-    std::string quadrature = "simpson"; // isv: simpson | transmittance | analytic; tiles: cached | hermite
+// A number that the server chooses: "auto" in a scene.
+inline constexpr uint32_t kAuto = 0;
+
+// Settings of one method each: [render.NAME] in a scene.
+struct IsvSettings {
+    std::string quadrature = "simpson"; // simpson | transmittance | analytic
     uint32_t steps = 2;                 // simpson 1...10, transmittance 1...3
-    uint32_t rate = 0;    // slabs, grid: pixels between rays, 1...16; 0: from the medium's band limit. Other methods,
-                          // between those drawn, 2, 4 or 8 at most, but at edges of objects and shadows; 0: all
-    uint32_t slabs = 0;   // slabs, grid: 8...512 along every ray; 0: from the band limit
-    uint32_t shading = 0; // slabs, grid: pixels between shaded ones, 1, 2, 4 or 8; 0: from the rays' spacing
-    float grid = 0;       // grid: deviations between nodes, at most 1; 0: 0.5. Below 0.25 sampling is cubic
-    float merge =
-        1; // pixels, 0...8: particles of a large medium that share a cell of at most that size become one; 0: none do
+
+    bool operator==(const IsvSettings&) const = default;
+};
+struct TilesSettings {
+    std::string quadrature = "cached"; // cached | hermite
+    float light_tolerance = 0.2f;      // cached: how far light may be from linear on a particle, as a part of 1
+    float least_transmittance = 1e-3f; // where a ray may end; what lies behind counts for no more than that
+
+    bool operator==(const TilesSettings&) const = default;
+};
+struct GridSettings {
+    float spacing = kAuto; // standard deviations between nodes, at most 1; auto: 0.5. Below 0.25 sampling is cubic
+
+    bool operator==(const GridSettings&) const = default;
+};
+
+struct MethodSettings {
+    IsvSettings isv;
+    TilesSettings tiles;
+    GridSettings grid;
+
+    bool operator==(const MethodSettings&) const = default;
+};
+
+// What the renderer is asked for; changed by commands while the server runs.
+struct RenderSettings : MethodSettings {
+    std::string method = "auto"; // a name of server/methods/list.h, or auto: what server/plan chooses
+    float error = 5e-3f;         // auto: relative RMSE of a picture against the true medium, at most
+    float flip = 1e-2f;          // auto: and mean FLIP
+    // slabs, grid: pixels between rays, 1...16; auto: from the medium's band limit. Other methods: pixels between those
+    // drawn, 2, 4 or 8 at most, but for edges of objects and shadows; auto: every pixel is drawn.
+    uint32_t rate = kAuto;
+    uint32_t slabs = kAuto;   // slabs, grid: along every ray, up to 512; auto: from the band limit
+    uint32_t shading = kAuto; // slabs, grid: pixels between shaded ones, 1, 2, 4 or 8; auto: from the rays' spacing
+    float merge = 1; // pixels, 0...8: particles of a large medium that share a cell of at most that size become one
     bool shared_order = true; // isv, sphere, tiles: a head's two eyes are sorted for once, from the middle between them
     float exposure = 1;
-    std::string tone_map = "filmic"; // filmic | linear
-    uint32_t shadow_size = 0;   // volumetric shadow map: texels a side, 16...1024; 0: from the medium and shadow_error
-    uint32_t shadow_slices = 0; // its planes, 2...128; 0: the same
-    float shadow_error = 3e-3f; // relative error of the light in the medium that the map may make where it follows it
+    std::string tone_map = "filmic";    // filmic | linear
+    uint32_t shadow_size = kAuto;       // volumetric shadow map: texels a side; auto: from the medium and shadow_error
+    uint32_t shadow_slices = kAuto;     // its planes, 2...128; auto: the same
+    float shadow_error = 3e-3f;         // relative error of the light in the medium, where the map's size is automatic
     uint32_t opaque_shadow_size = 1024; // texels a side
     float cutoff = 5e-2f;               // optical depth: bound on the SUM that proxies leave out on any ray
-    float light_tolerance = 0.2f;       // tiles, cached: how far light may be from linear on a particle, as a part of 1
-    float least_transmittance = 1e-3f;  // tiles: where a ray may end; what lies behind counts for no more than that
 };
 
 struct Scene {

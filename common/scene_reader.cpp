@@ -19,6 +19,8 @@ std::string plain(double value) {
 
 Limits around(double origin) { return {origin + limits::kPlace.lo, origin + limits::kPlace.hi}; }
 
+bool isAuto(const toml::node& node) { return node.value_exact<std::string>() == "auto"; }
+
 std::string bounds(Limits allowed) { return "from " + plain(allowed.lo) + " to " + plain(allowed.hi); }
 
 } // namespace
@@ -68,11 +70,15 @@ void TableReader::integer(std::string_view key, uint64_t& out, Limits allowed) {
         out = static_cast<uint64_t>(checked(key, *node, allowed, true, "a whole number"));
 }
 
-void TableReader::integerOrZero(std::string_view key, uint32_t& out, Limits allowed) {
-    const toml::node* node = find(key);
-    if (!node) return;
-    const bool zero = node->is_integer() && **node->as_integer() == 0;
-    out = zero ? 0 : static_cast<uint32_t>(checked(key, *node, allowed, true, "0, or a whole number"));
+void TableReader::numberOrAuto(std::string_view key, float& out, Limits allowed) {
+    if (const toml::node* node = find(key))
+        out = isAuto(*node) ? kAuto : static_cast<float>(checked(key, *node, allowed, false, "\"auto\", or a number"));
+}
+
+void TableReader::integerOrAuto(std::string_view key, uint32_t& out, Limits allowed) {
+    if (const toml::node* node = find(key))
+        out = isAuto(*node) ? kAuto
+                            : static_cast<uint32_t>(checked(key, *node, allowed, true, "\"auto\", or a whole number"));
 }
 
 glm::dvec3 TableReader::checkedVector(std::string_view key, const toml::node& node, const Limits (&allowed)[3],

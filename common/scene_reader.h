@@ -28,8 +28,10 @@ public:
     void number(std::string_view key, float& out, Limits allowed);
     void integer(std::string_view key, uint32_t& out, Limits allowed);
     void integer(std::string_view key, uint64_t& out, Limits allowed);
-    void integerOrZero(std::string_view key, uint32_t& out, Limits allowed); // 0 is allowed besides
-    void vector(std::string_view key, glm::vec3& out, Limits allowed);       // [x, y, z]
+    // The word "auto" gives kAuto.
+    void numberOrAuto(std::string_view key, float& out, Limits allowed);
+    void integerOrAuto(std::string_view key, uint32_t& out, Limits allowed);
+    void vector(std::string_view key, glm::vec3& out, Limits allowed); // [x, y, z]
     void vector(std::string_view key, glm::dvec3& out, Limits allowed);
     // World coordinates, within limits::kPlace of `origin`, which is subtracted in double.
     void place(std::string_view key, glm::vec3& out, glm::dvec3 origin); // [x, y, z]

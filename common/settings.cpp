@@ -1,6 +1,7 @@
 #include "common/settings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -24,11 +25,18 @@ constexpr Limits kNone{0, 0};                              // of what has no ran
 
 constexpr std::string_view kLayouts[]{"cube", "tubes", "cumulus", "emitter", "file"}; // in the order of Layout
 constexpr std::string_view kLights[]{"directional"};
-constexpr std::string_view kQuadratures[]{"simpson", "transmittance", "analytic", "cached", "hermite"};
+constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
+constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
 
 constexpr auto kControllers = ChangedBy::controllers, kOperators = ChangedBy::operators;
 constexpr auto kNobody = ChangedBy::nobody;
+
+// The same setting with a slider over a part of its range.
+constexpr SceneSetting usually(Limits usual, SceneSetting setting) {
+    setting.usual = usual;
+    return setting;
+}
 
 constexpr SceneSetting kSettings[]{
     {"name", at<&P::scene, &Scene::name>, "", kNames, "The scene's name; without it the file's"},
@@ -38,10 +46,10 @@ constexpr SceneSetting kSettings[]{
     {"light.type", nothing, "", kNone, "Kind of light", kNobody, Form::plain, kLights},
     {"light.to_light", at<&P::light, &Light::to_light>, "", limits::kPlace,
      "Direction to the light, of any length but zero", kControllers, Form::direction},
-    {"light.irradiance", at<&P::light, &Light::irradiance>, "W/m²", limits::kRadiance,
-     "Irradiance of each channel on a surface that faces the light", kControllers},
-    {"light.rotate", at<&P::light, &Light::rotate>, "rad/s", limits::kRotate, "Turning of the light about the vertical",
-     kControllers},
+    usually({0, 40}, {"light.irradiance", at<&P::light, &Light::irradiance>, "W/m²", limits::kRadiance,
+                      "Irradiance of each channel on a surface that faces the light", kControllers, Form::colour}),
+    usually({-2, 2}, {"light.rotate", at<&P::light, &Light::rotate>, "rad/s", limits::kRotate,
+                      "Turning of the light about the vertical", kControllers}),
 
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
      Form::plain, kLayouts},
@@ -53,13 +61,14 @@ constexpr SceneSetting kSettings[]{
      "Side of the cube, length of a tube, width of the cumulus"},
     {"medium.scale", at<&P::medium, &Medium::scale>, "m", limits::kScale,
      "Size of the particles, from the centre to a vertex of the tetrahedron; a range is uniform, or by the layout"},
-    {"medium.extinction", at<&P::medium, &Medium::extinction>, "", limits::kExtinction,
-     "Extinction at a particle's centre is extinction · multiplier · 1e-4 per metre", kControllers},
+    usually({0, 100}, {"medium.extinction", at<&P::medium, &Medium::extinction>, "", limits::kExtinction,
+                       "Extinction at a particle's centre is extinction · multiplier · 1e-4 per metre", kControllers}),
     {"medium.falloff", at<&P::medium, &Medium::falloff>, "", limits::kFalloff,
      "How softly a particle fades: its extinction is peak exp(-50 r² / u²) with u = scale · falloff", kControllers},
     {"medium.multiplier", at<&P::medium, &Medium::multiplier>, "", limits::kMultiplier,
      "Factor of each particle, uniform in this range"},
-    {"medium.albedo", at<&P::medium, &Medium::albedo>, "", limits::kColour, "Single-scattering albedo", kControllers},
+    {"medium.albedo", at<&P::medium, &Medium::albedo>, "", limits::kColour, "Single-scattering albedo", kControllers,
+     Form::colour},
     {"medium.anisotropy", at<&P::medium, &Medium::anisotropy>, "", limits::kAnisotropy,
      "Part a of the scattered light that prefers a direction: p = (1 − a) / 4π + a HG(g)", kControllers},
     {"medium.asymmetry", at<&P::medium, &Medium::asymmetry>, "", limits::kAsymmetry,
@@ -140,42 +149,58 @@ constexpr SceneSetting kSettings[]{
     {"render.error", at<&P::render, &R::error>, "", limits::kError,
      "For `auto`: the largest relative RMSE of a picture against the true medium"},
     {"render.flip", at<&P::render, &R::flip>, "", limits::kFlip, "For `auto`: the largest mean FLIP error"},
-    {"render.quadrature", at<&P::render, &R::quadrature>, "", kNone,
-     "Of `isv`: `simpson`, `transmittance` or `analytic`; of `tiles`: `cached` or `hermite`", kOperators, Form::plain,
-     kQuadratures},
-    {"render.steps", at<&P::render, &R::steps>, "", limits::kSteps,
-     "Steps of the quadrature; at most 3 for `transmittance`", kOperators},
     {"render.rate", at<&P::render, &R::rate>, "pixels", limits::kRayRate,
-     "Pixels between rays; 0: as the medium needs. Methods without rays draw every 2nd, 4th or 8th pixel; 0: every "
-     "one"},
+     "`slabs`, `grid`: pixels between rays; `auto`: as the medium needs. Other methods draw every 2nd, 4th or 8th "
+     "pixel; `auto`: every one",
+     kNobody, Form::or_auto},
     {"render.slabs", at<&P::render, &R::slabs>, "", limits::kSlabs,
-     "`slabs`, `grid`: slabs along every ray; 0: as the medium needs"},
+     "`slabs`, `grid`: slabs along every ray; `auto`: as the medium needs", kNobody, Form::or_auto},
     {"render.shading", at<&P::render, &R::shading>, "pixels", limits::kShading,
-     "`slabs`, `grid`: pixels between shaded ones, 1, 2, 4 or 8; 0: as the distance of the rays allows"},
-    {"render.grid", at<&P::render, &R::grid>, "deviations", limits::kGridSpacing,
-     "`grid`: distance of its nodes; 0: 0.5. Below 0.25 sampling is cubic"},
+     "`slabs`, `grid`: pixels between shaded ones, 1, 2, 4 or 8; `auto`: as the distance of the rays allows", kNobody,
+     Form::or_auto},
     {"render.merge", at<&P::render, &R::merge>, "pixels", limits::kMerge,
      "Particles of a large medium that share a cell of at most this size become one; 0: none do"},
     {"render.shared_order", at<&P::render, &R::shared_order>, "", kNone,
      "True: `isv`, `sphere` and `tiles` sort once for the two eyes of a head"},
-    {"render.exposure", at<&P::render, &R::exposure>, "", limits::kExposure, "Factor before the tone map", kOperators},
+    usually({0.05, 20}, {"render.exposure", at<&P::render, &R::exposure>, "", limits::kExposure,
+                         "Factor before the tone map", kOperators}),
     {"render.tone_map", at<&P::render, &R::tone_map>, "", kNone, "Curve from radiance to the picture", kNobody,
      Form::plain, kToneMaps},
     {"render.shadow_size", at<&P::render, &R::shadow_size>, "texels", limits::kShadowSize,
-     "Side of the volumetric shadow map; 0: as the medium and render.shadow_error need", kNobody, Form::or_zero},
+     "Side of the volumetric shadow map; `auto`: as the medium and render.shadow_error need", kNobody, Form::or_auto},
     {"render.shadow_slices", at<&P::render, &R::shadow_slices>, "", limits::kShadowSlices,
-     "Planes of the volumetric shadow map; 0: as the medium and render.shadow_error need", kNobody, Form::or_zero},
+     "Planes of the volumetric shadow map; `auto`: as the medium and render.shadow_error need", kNobody, Form::or_auto},
     {"render.shadow_error", at<&P::render, &R::shadow_error>, "", limits::kShadowError,
      "Relative error of the light that a shadow map of automatic size may make"},
     {"render.opaque_shadow_size", at<&P::render, &R::opaque_shadow_size>, "texels", limits::kOpaqueShadowSize,
      "Side of the shadow map of objects"},
     {"render.cutoff", at<&P::render, &R::cutoff>, "", limits::kCutoff,
      "Bound on the optical depth that proxies leave out of any ray"},
-    {"render.light_tolerance", at<&P::render, &R::light_tolerance>, "", limits::kLightTolerance,
-     "`tiles` with `cached`: how far light may be from linear on a particle, as a part of 1"},
-    {"render.least_transmittance", at<&P::render, &R::least_transmittance>, "", limits::kLeastTransmittance,
-     "`tiles`: where a ray may end; what lies behind counts for no more than this"},
+
+    {"render.isv.quadrature", at<&P::render, &R::isv, &IsvSettings::quadrature>, "", kNone,
+     "How the light along a particle's interval is summed", kOperators, Form::plain, kIsvQuadratures},
+    {"render.isv.steps", at<&P::render, &R::isv, &IsvSettings::steps>, "", limits::kSteps,
+     "Steps of the quadrature; at most 3 for `transmittance`; `analytic` has none", kOperators},
+    {"render.tiles.quadrature", at<&P::render, &R::tiles, &TilesSettings::quadrature>, "", kNone,
+     "Where light is looked up: `cached` on the particles, or `hermite` at two points of each ray", kOperators,
+     Form::plain, kTilesQuadratures},
+    {"render.tiles.light_tolerance", at<&P::render, &R::tiles, &TilesSettings::light_tolerance>, "",
+     limits::kLightTolerance, "With `cached`: how far light may be from linear on a particle, as a part of 1"},
+    {"render.tiles.least_transmittance", at<&P::render, &R::tiles, &TilesSettings::least_transmittance>, "",
+     limits::kLeastTransmittance, "Where a ray may end; what lies behind counts for no more than this"},
+    {"render.grid.spacing", at<&P::render, &R::grid, &GridSettings::spacing>, "deviations", limits::kGridSpacing,
+     "Distance of the nodes; `auto`: 0.5. Below 0.25 sampling is cubic", kNobody, Form::or_auto},
 };
+
+constexpr size_t kLiveCount = std::count_if(std::begin(kSettings), std::end(kSettings),
+                                            [](const SceneSetting& setting) { return setting.live(); });
+constexpr std::array<const SceneSetting*, kLiveCount> kLive = [] {
+    std::array<const SceneSetting*, kLiveCount> live{};
+    size_t count = 0;
+    for (const SceneSetting& setting : kSettings)
+        if (setting.live()) live[count++] = &setting;
+    return live;
+}();
 
 struct Read {
     SettingValue operator()(bool* member) const { return *member; }
@@ -222,9 +247,22 @@ struct Assign {
 
 std::span<const SceneSetting> sceneSettings() { return kSettings; }
 
+std::span<const SceneSetting* const> liveSettings() { return kLive; }
+
 const SceneSetting* liveSetting(std::string_view path) {
-    for (const SceneSetting& setting : kSettings)
-        if (setting.path == path) return setting.live() ? &setting : nullptr;
+    const auto* const found = std::find_if(kLive.begin(), kLive.end(), [&](auto* one) { return one->path == path; });
+    return found == kLive.end() ? nullptr : *found;
+}
+
+const SceneSetting* quadratureSetting(const RenderSettings& render) {
+    return liveSetting("render." + render.method + ".quadrature");
+}
+
+const SceneSetting* quadratureSetting(std::string_view quadrature) {
+    for (const SceneSetting* setting : kLive)
+        if (setting->key() == "quadrature" &&
+            std::find(setting->choices.begin(), setting->choices.end(), quadrature) != setting->choices.end())
+            return setting;
     return nullptr;
 }
 
@@ -242,6 +280,12 @@ SettingValue defaultOf(const SceneSetting& setting) {
                    {.medium = &medium, .simulation = &simulation, .light = &light, .sky = &sky, .render = &render});
 }
 
+std::vector<SettingValue> defaultValues() {
+    std::vector<SettingValue> values;
+    for (const SceneSetting* setting : kLive) values.push_back(defaultOf(*setting));
+    return values;
+}
+
 Change::Change(std::string_view path, SettingValue to) : setting(liveSetting(path)), value(std::move(to)) {
     if (!setting) throw std::invalid_argument(std::string(path) + " is not a live setting");
     if (value.index() != defaultOf(*setting).index())
@@ -250,12 +294,13 @@ Change::Change(std::string_view path, SettingValue to) : setting(liveSetting(pat
 
 void apply(const Change& change, const SceneParts& parts) {
     std::visit(Assign{*change.setting}, change.setting->member(parts), change.value);
-    if (parts.render)
-        parts.render->steps = std::min(parts.render->steps, static_cast<uint32_t>(stepsAllowed(*parts.render).hi));
+    if (!parts.render) return;
+    IsvSettings& isv = parts.render->isv;
+    isv.steps = std::min(isv.steps, static_cast<uint32_t>(stepsAllowed(isv).hi));
 }
 
-Limits stepsAllowed(const RenderSettings& render) {
-    return render.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps;
+Limits stepsAllowed(const IsvSettings& isv) {
+    return isv.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps;
 }
 
 } // namespace brume

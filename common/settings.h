@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "common/scene.h"
 #include "common/scene_limits.h"
@@ -33,7 +34,8 @@ using Member = std::variant<std::monostate, bool*, float*, uint32_t*, uint64_t*,
 
 enum class Form : uint8_t {
     plain,
-    or_zero,   // a whole number, for which 0 is allowed besides its range
+    or_auto,   // a number, or the word auto, for which kAuto stands
+    colour,    // a vector of linear red, green and blue
     place,     // a vector in world coordinates: the file's value less the scene's origin
     height,    // the same for y alone
     direction, // a vector of any length, kept as a unit vector
@@ -51,8 +53,10 @@ struct SceneSetting {
     ChangedBy changed_by = ChangedBy::nobody;
     Form form = Form::plain;
     std::span<const std::string_view> choices{}; // the names that are allowed; empty: any
+    Limits usual{0, 0};                          // the part of `allowed` that a slider offers; {0, 0}: all of it
 
-    bool live() const { return changed_by != ChangedBy::nobody; }
+    Limits slider() const { return usual.lo < usual.hi ? usual : allowed; }
+    constexpr bool live() const { return changed_by != ChangedBy::nobody; }
     std::string_view table() const {
         return path.substr(0, path.find_last_of('.') == path.npos ? 0 : path.find_last_of('.'));
     }
@@ -64,11 +68,20 @@ inline constexpr size_t kLongestName = 64; // bytes
 // The settings of one table stand together. The order of live settings is part of the state's hash.
 std::span<const SceneSetting> sceneSettings();
 
-// The range of render.steps depends on render.quadrature; the table has the widest one.
-Limits stepsAllowed(const RenderSettings& render);
+// The range of render.isv.steps depends on its quadrature; the table has the widest one.
+Limits stepsAllowed(const IsvSettings& isv);
+
+// The choice among quadratures that the method of `render` has: the setting render.NAME.quadrature. Null if it has
+// none.
+const SceneSetting* quadratureSetting(const RenderSettings& render);
+// The setting of that kind which allows `quadrature`. Null if none does.
+const SceneSetting* quadratureSetting(std::string_view quadrature);
 
 // The value of a live setting. Live settings have one of these types.
 using SettingValue = std::variant<bool, float, uint32_t, glm::vec3, std::string>;
+
+// All live settings, in the order of the table.
+std::span<const SceneSetting* const> liveSettings();
 
 // Null if there is no setting of that path, or none that can be changed while the server runs.
 const SceneSetting* liveSetting(std::string_view path);
@@ -76,6 +89,7 @@ const SceneSetting* liveSetting(std::string_view path);
 SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts);
 // That of a default-constructed struct.
 SettingValue defaultOf(const SceneSetting& setting);
+std::vector<SettingValue> defaultValues(); // of liveSettings(), in that order
 
 // A live setting of a scene and its new value.
 struct Change {

@@ -41,6 +41,9 @@ constexpr Table kTables[]{
     {"sky", "`[sky]`", "What is behind everything."},
     {"camera", "`[camera]`", "Where viewers start; position and target differ by more than 1 mm."},
     {"render", "`[render]`", "How the scene is drawn."},
+    {"render.isv", "`[render.isv]`", "Of method `isv` alone."},
+    {"render.tiles", "`[render.tiles]`", "Of method `tiles` alone."},
+    {"render.grid", "`[render.grid]`", "Of method `grid` alone."},
 };
 
 std::string rangeOf(Limits allowed) { return fmt::format("{} to {}", allowed.lo, allowed.hi); }
@@ -54,11 +57,11 @@ struct Cells {
     void operator()(bool* value) { values = "true or false", standard = fmt::format("{}", *value); }
     void operator()(float* value) {
         values = setting.form == Form::height ? "a number" : "a number, " + rangeOf(setting.allowed);
-        standard = fmt::format("{}", *value);
+        number(*value);
     }
     void operator()(uint32_t* value) {
-        const char* zero = setting.form == Form::or_zero ? "0, or a whole number, " : "a whole number, ";
-        values = zero + rangeOf(setting.allowed), standard = fmt::format("{}", *value);
+        values = "a whole number, " + rangeOf(setting.allowed);
+        number(*value);
     }
     void operator()(uint64_t* value) {
         values = fmt::format("a whole number, {:.0f} to {:.0f}", setting.allowed.lo, setting.allowed.hi);
@@ -79,6 +82,11 @@ struct Cells {
     void operator()(std::filesystem::path*) { values = fmt::format("text, {} bytes", rangeOf(setting.allowed)); }
 
 private:
+    template <class Number>
+    void number(Number value) {
+        if (setting.form == Form::or_auto) values = "`auto`, or " + values;
+        standard = setting.form == Form::or_auto && value == kAuto ? "`auto`" : fmt::format("{}", value);
+    }
     template <class Vector>
     void vector(const Vector& value) {
         const bool free = setting.form == Form::place || setting.form == Form::direction;

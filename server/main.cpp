@@ -81,7 +81,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         return;
     }
     if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms);
-    SceneFacts facts{scene.name, device.name(), scene.camera, {kAutoMethod}, quadratureNames()};
+    SceneFacts facts{scene.name, device.name(), scene.camera, {kAutoMethod}};
     for (const std::string& method : methodNames()) facts.methods.push_back(method);
     Audience audience(facts, options.max_viewers, options.max_in_flight);
     audience.admitUpTo(options.most_frame_ms);

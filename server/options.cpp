@@ -112,8 +112,8 @@ std::vector<std::string> sceneOverrides(const ServerOptions& o) {
         if (value) all.push_back(fmt::format("{}={}", key, *value));
     };
     add("render.method", o.method);
-    add("render.quadrature", o.quadrature);
-    add("render.steps", o.steps);
+    add("render.isv.quadrature", o.quadrature);
+    add("render.isv.steps", o.steps);
     add("render.exposure", o.exposure);
     add("render.cutoff", o.cutoff);
     add("render.shadow_size", o.shadow_size);

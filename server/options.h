@@ -25,8 +25,8 @@ struct ServerOptions {
     gpu::DeviceOptions device;
     FrameOptions frame;
     // Replace the scene's values if set.
-    std::optional<std::string> method, quadrature;
-    std::optional<uint32_t> steps, shadow_size, shadow_slices;
+    std::optional<std::string> method, quadrature, shadow_size, shadow_slices;
+    std::optional<uint32_t> steps;
     std::optional<float> exposure, cutoff, shadow_error;
     std::optional<bool> paused;
     std::filesystem::path costs;      // folder of cost files, written by brume-bench calibrate

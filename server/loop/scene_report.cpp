@@ -6,18 +6,24 @@ namespace brume {
 
 std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Plan& plan) {
     auto report = std::make_shared<SceneReport>();
-    const SceneNow& scene = simulation.now();
     report->tick = simulation.tick();
     report->state_hash = simulation.stateHash();
     report->particles = simulation.liveCount();
-    report->paused = scene.simulation.paused;
-    report->light = scene.light;
-    report->medium = scene.medium;
-    report->render = scene.render;
-    report->plan = {plan.chosen.settings, plan.chosen.error, plan.chosen.ms(), plan.relaxed};
-    RenderSettings& used = report->plan.settings;
-    used.quadrature = quadratureOf(used);
-    if (const MethodPlan* method = planOf(used.method); !method || !method->hasRays()) used.rate = used.slabs = 0;
+    SceneNow now = simulation.now();
+    for (size_t i = 0; i < report->settings.size(); ++i)
+        report->settings[i] = valueOf(*liveSettings()[i], partsOf(now));
+    report->settings_version = simulation.settingsVersion();
+
+    RenderSettings used = plan.chosen.settings;
+    auto& told = report->plan;
+    told.method = used.method;
+    if (const SceneSetting* quadrature = quadratureSetting(used))
+        told.quadrature = std::get<std::string>(valueOf(*quadrature, {.render = &used}));
+    if (const MethodPlan* method = planOf(used.method)) {
+        told.text = method->text(used);
+        if (method->hasRays()) told.rate = used.rate, told.slabs = used.slabs;
+    }
+    told.error = plan.chosen.error, told.ms = plan.chosen.ms(), told.relaxed = plan.relaxed;
     return report;
 }
 

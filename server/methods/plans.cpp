@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/scene_limits.h"
+#include "common/settings.h"
 
 namespace brume {
 
@@ -37,25 +37,17 @@ std::vector<std::string> methodNames() {
     return names;
 }
 
-std::vector<std::string> quadratureNames() {
-    std::vector<std::string> names;
-    for (const MethodPlan* plan : methodPlans())
-        for (const char* name : plan->quadratures())
-            if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
-    return names;
-}
-
-std::string_view quadratureOf(const RenderSettings& settings) {
-    const MethodPlan* plan = planOf(settings.method);
-    return plan ? plan->quadratureOf(settings) : std::string_view();
-}
-
 std::string checkSettings(const RenderSettings& settings) {
     if (!planOf(settings.method))
         return fmt::format("no method '{}'; there are: {}", settings.method, fmt::join(methodNames(), ", "));
-    const std::vector<std::string> quadratures = quadratureNames();
-    if (std::find(quadratures.begin(), quadratures.end(), settings.quadrature) == quadratures.end())
-        return fmt::format("no quadrature '{}'; there are: {}", settings.quadrature, fmt::join(quadratures, ", "));
+    RenderSettings render = settings;
+    for (const SceneSetting* setting : liveSettings()) {
+        const auto& names = setting->choices;
+        if (!setting->path.starts_with("render.") || names.empty()) continue;
+        const auto chosen = std::get<std::string>(valueOf(*setting, {.render = &render}));
+        if (std::find(names.begin(), names.end(), chosen) == names.end())
+            return fmt::format("no {} '{}'; there are: {}", setting->key(), chosen, fmt::join(names, ", "));
+    }
     for (const MethodPlan* plan : methodPlans())
         if (std::string wrong = plan->refusal(settings); !wrong.empty()) return wrong;
     if (!limits::kMerge.holds(double(settings.merge))) return fmt::format("merge must be 0 ... {}", limits::kMerge.hi);

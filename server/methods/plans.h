@@ -16,13 +16,6 @@ std::span<const MethodPlan* const> methodPlans();
 const MethodPlan* planOf(std::string_view name);
 
 std::vector<std::string> methodNames();
-// The quadratures of all methods, each once.
-std::vector<std::string> quadratureNames();
-
-// The quadrature that the settings' method uses: the one asked for, or its own first one where it lacks that; empty for
-// a method that has no choice.
-std::string_view quadratureOf(const RenderSettings& settings);
-
 // Empty when the settings are valid, whichever of their names a command may change next; otherwise one line: what is
 // wrong and what is allowed.
 std::string checkSettings(const RenderSettings& settings);

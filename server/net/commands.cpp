@@ -60,6 +60,13 @@ public:
     void change(Set& set, std::string_view path, const flatbuffers::String* value) {
         if (value) add(set, {path, value->str()});
     }
+    // A quadrature without its method's name, as SetRender has it.
+    void quadrature(Set& set, const flatbuffers::String* value) {
+        if (!value) return;
+        const SceneSetting* setting = quadratureSetting(value->string_view());
+        if (!setting) return refuse(wire::ErrorCode::unknown_name, "no such quadrature; docs/scenes.md has them");
+        add(set, {setting->path, value->str()});
+    }
     template <class T>
     void change(Set& set, std::string_view path, flatbuffers::Optional<T> value) {
         if (value) add(set, {path, *value});
@@ -101,11 +108,8 @@ private:
         if (auto* value = std::get_if<std::string>(&change.value)) known(setting, *value);
         set.changes.push_back(std::move(change));
     }
-    // Methods and quadratures are those of this server; other names are those of the table.
     void known(const SceneSetting& setting, const std::string& name) {
-        std::vector<std::string> names(setting.choices.begin(), setting.choices.end());
-        if (setting.path == "render.method") names = facts_.methods;
-        if (setting.path == "render.quadrature") names = facts_.quadratures;
+        const std::vector<std::string> names = facts_.choicesOf(setting);
         if (std::find(names.begin(), names.end(), name) == names.end())
             refuse(wire::ErrorCode::unknown_name,
                    fmt::format("no such {}; there is {}", setting.key(), fmt::join(names, ", ")));
@@ -151,8 +155,8 @@ CommandBody readBody(const wire::Input& input, Reader& in) {
         const auto& c = *input.command_as_SetRender();
         Set set;
         in.change(set, "render.method", c.method());
-        in.change(set, "render.quadrature", c.quadrature());
-        in.change(set, "render.steps", c.steps());
+        in.quadrature(set, c.quadrature());
+        in.change(set, "render.isv.steps", c.steps());
         in.change(set, "render.exposure", c.exposure());
         return set;
     }

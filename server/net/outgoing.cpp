@@ -1,5 +1,7 @@
 #include "server/net/outgoing.h"
 
+#include <algorithm>
+
 #include "server/net/convert.h"
 #include "server/sim/simulation.h"
 
@@ -11,11 +13,65 @@ using Builder = flatbuffers::FlatBufferBuilder;
 auto packStrings(Builder& b, const std::vector<std::string>& strings) { return b.CreateVectorOfStrings(strings); }
 auto packText(Builder& b, std::string_view text) { return b.CreateString(text.data(), text.size()); }
 
+// Of all methods, for viewers older than Welcome.settings.
+std::vector<std::string> quadratureNames() {
+    std::vector<std::string> names;
+    for (const SceneSetting* setting : liveSettings())
+        if (setting->key() == "quadrature") names.insert(names.end(), setting->choices.begin(), setting->choices.end());
+    return names;
+}
+
 auto packPlan(Builder& b, const SceneReport& report) {
-    const RenderSettings& used = report.plan.settings;
-    const auto method = packText(b, used.method), quadrature = packText(b, used.quadrature);
-    return wire::CreatePlan(b, method, quadrature, used.rate, used.slabs, float(report.plan.error),
-                            float(report.plan.ms), report.plan.relaxed);
+    const auto& plan = report.plan;
+    const auto method = packText(b, plan.method), quadrature = packText(b, plan.quadrature),
+               text = packText(b, plan.text);
+    return wire::CreatePlan(b, method, quadrature, plan.rate, plan.slabs, float(plan.error), float(plan.ms),
+                            plan.relaxed, text);
+}
+
+wire::SettingKind kindOf(const SceneSetting& setting) {
+    const SettingValue value = defaultOf(setting);
+    if (std::holds_alternative<bool>(value)) return wire::SettingKind::boolean;
+    if (std::holds_alternative<uint32_t>(value)) return wire::SettingKind::whole;
+    if (std::holds_alternative<float>(value)) return wire::SettingKind::number;
+    if (std::holds_alternative<std::string>(value)) return wire::SettingKind::text;
+    return setting.form == Form::direction ? wire::SettingKind::direction
+           : setting.form == Form::colour  ? wire::SettingKind::colour
+                                           : wire::SettingKind::vector;
+}
+
+auto packSetting(Builder& b, const SceneSetting& setting, const SceneFacts& facts) {
+    const auto path = packText(b, setting.path), help = packText(b, setting.help);
+    const auto unit = setting.unit.empty() ? 0 : packText(b, setting.unit);
+    const std::vector<std::string> choices = facts.choicesOf(setting);
+    const wire::Role role =
+        setting.changed_by == ChangedBy::controllers ? wire::Role::controller : wire::Role::operator_;
+    return wire::CreateSetting(b, path, kindOf(setting), unit, help, role, float(setting.allowed.lo),
+                               float(setting.allowed.hi), float(setting.slider().lo), float(setting.slider().hi),
+                               choices.empty() ? 0 : packStrings(b, choices));
+}
+
+struct PackValue {
+    Builder& b;
+
+    auto operator()(const glm::vec3& vector) const {
+        const wire::Vec3 packed = toWire(vector);
+        return wire::CreateValue(b, {}, &packed);
+    }
+    auto operator()(const std::string& text) const { return wire::CreateValue(b, {}, nullptr, packText(b, text)); }
+    template <class Number>
+    auto operator()(Number number) const {
+        return wire::CreateValue(b, double(number));
+    }
+};
+
+// The value of a live setting in a report that has those of all.
+template <class T>
+const T& valueIn(const SceneReport& report, std::string_view path) {
+    const auto live = liveSettings();
+    const auto found =
+        std::find_if(live.begin(), live.end(), [&](const auto* setting) { return setting->path == path; });
+    return std::get<T>(report.settings.at(size_t(found - live.begin())));
 }
 
 } // namespace
@@ -27,30 +83,43 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
         const auto camera = wire::CreateCamera(b, &position, &target, facts.camera.fov_y);
         const auto server = b.CreateString("brume " BRUME_VERSION);
         const auto scene = packText(b, facts.scene), device = packText(b, facts.device);
-        const auto methods = packStrings(b, facts.methods), quadratures = packStrings(b, facts.quadratures);
+        const auto methods = packStrings(b, facts.methods), quadratures = packStrings(b, quadratureNames());
+        std::vector<flatbuffers::Offset<wire::Setting>> settings;
+        for (const SceneSetting* setting : liveSettings()) settings.push_back(packSetting(b, *setting, facts));
+        const auto packed_settings = b.CreateVector(settings);
         const auto resume = packText(b, viewer.key());
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
                                    float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera,
-                                   methods, quadratures, resume, viewer.resumed(), role);
+                                   methods, quadratures, resume, viewer.resumed(), role, packed_settings);
     });
 }
 
 wire::Packed packSceneState(const SceneReport& report, uint32_t viewers) {
     return wire::pack([&](Builder& b) {
-        const wire::Vec3 to_light = toWire(report.light.to_light), irradiance = toWire(report.light.irradiance);
-        const wire::Vec3 albedo = toWire(report.medium.albedo);
-        const auto method = packText(b, report.render.method), quadrature = packText(b, report.render.quadrature);
         std::vector<flatbuffers::Offset<wire::PassTime>> passes;
         passes.reserve(report.passes.size());
         for (const PassTime& pass : report.passes)
             passes.push_back(wire::CreatePassTime(b, packText(b, pass.name), pass.ms));
         const auto packed_passes = b.CreateVector(passes);
+        std::vector<flatbuffers::Offset<wire::Value>> values;
+        values.reserve(report.settings.size());
+        for (const SettingValue& value : report.settings) values.push_back(std::visit(PackValue{b}, value));
+        const auto packed_values = b.CreateVector(values);
         const auto plan = packPlan(b, report);
-        return wire::CreateSceneState(b, report.tick, report.state_hash, viewers, report.particles, report.paused,
-                                      &to_light, &irradiance, report.light.rotate, report.medium.extinction,
-                                      report.medium.falloff, report.medium.anisotropy, report.medium.asymmetry, &albedo,
-                                      method, quadrature, report.render.steps, report.render.exposure, packed_passes,
-                                      plan);
+        // For viewers older than SceneState.settings: what there was then. New settings need nothing here.
+        const auto number = [&](const char* path) { return valueIn<float>(report, path); };
+        const auto vector = [&](const char* path) { return toWire(valueIn<glm::vec3>(report, path)); };
+        const auto& asked = valueIn<std::string>(report, "render.method");
+        const auto method = packText(b, asked);
+        const auto quadrature = packText(b, valueIn<std::string>(report, "render.isv.quadrature"));
+        const wire::Vec3 to_light = vector("light.to_light"), irradiance = vector("light.irradiance");
+        const wire::Vec3 albedo = vector("medium.albedo");
+        return wire::CreateSceneState(b, report.tick, report.state_hash, viewers, report.particles,
+                                      valueIn<bool>(report, "simulation.paused"), &to_light, &irradiance,
+                                      number("light.rotate"), number("medium.extinction"), number("medium.falloff"),
+                                      number("medium.anisotropy"), number("medium.asymmetry"), &albedo, method,
+                                      quadrature, valueIn<uint32_t>(report, "render.isv.steps"),
+                                      number("render.exposure"), packed_passes, plan, packed_values);
     });
 }
 

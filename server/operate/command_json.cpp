@@ -29,10 +29,6 @@ void eachField(Restart&, F&&) {}
 constexpr const char* kNames[] = {"impulse", "move_volume", "set", "restart"};
 static_assert(std::size(kNames) == std::variant_size_v<CommandBody>);
 
-// The commands of recordings of version 1, which had the settings of one table each.
-constexpr std::pair<std::string_view, std::string_view> kOldSets[] = {
-    {"set_light", "light."}, {"set_medium", "medium."}, {"set_render", "render."}, {"set_simulation", "simulation."}};
-
 template <class T>
 json valueOf(const T& value) {
     return value;
@@ -110,13 +106,6 @@ CommandBody bodyOf(const std::string& name, const json& fields) {
         readFields(name, fields, body);
         return body;
     } else {
-        for (const auto& [old, table] : kOldSets) {
-            if (name != old) continue;
-            Set set;
-            for (const auto& [key, value] : fields.items())
-                set.changes.push_back(changeOf(std::string(table) + key, value));
-            return set;
-        }
         throw std::runtime_error("no command is called " + name);
     }
 }

@@ -19,12 +19,12 @@ namespace {
 using nlohmann::json;
 
 constexpr char kMagic[] = "brume-recording ";
-constexpr int kVersion = 2; // written; version 1 is read, too: its commands have other names for settings
+constexpr int kVersion = 3; // older ones have other live settings, and so other hashes of the state
 constexpr size_t kDigits = 16;
 constexpr uint64_t kEndReserve = 256;    // bytes, for the last line
 constexpr size_t kLongestLine = 8 << 20; // a scene's text has 1 MiB at most, and up to six characters for each in JSON
 
-std::string magicLine(int version = kVersion) { return kMagic + std::to_string(version); }
+std::string magicLine() { return kMagic + std::to_string(kVersion); }
 
 std::string hashOf(const std::string& before, const std::string& text) {
     StateHash hash;
@@ -120,8 +120,11 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
         throw RecordingError(file_ + ": cannot be read; allowed: a file that brume-server --record wrote");
     const auto first = line();
     if (!first || !first->starts_with(kMagic)) fail("no recording; allowed: a file that brume-server --record wrote");
-    if (*first != magicLine() && *first != magicLine(1))
-        fail(fmt::format("version {}; this server reads versions 1 to {}", first->substr(sizeof kMagic - 1), kVersion));
+    if (*first != magicLine())
+        fail(
+            fmt::format("version {}; this server replays version {}: use the server that recorded it, which the file's "
+                        "second line names",
+                        first->substr(sizeof kMagic - 1), kVersion));
     hash_ = *first;
     const auto text = verified();
     if (!text) fail("cut within its head: there is nothing to replay");

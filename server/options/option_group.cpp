@@ -24,8 +24,8 @@ NewOption& NewOption::range(double least, double most) {
     return *this;
 }
 
-NewOption& NewOption::rangeOrZero(const Limits& limits) {
-    option_->check(CLI::Range(limits.lo, limits.hi) | CLI::IsMember({0}));
+NewOption& NewOption::rangeOrAuto(const Limits& limits) {
+    option_->check(CLI::Range(limits.lo, limits.hi) | CLI::IsMember({"auto"}));
     return *this;
 }
 

@@ -15,10 +15,10 @@ void addSceneOptions(OptionTable& table, ServerOptions& o) {
     g.option("--exposure", o.exposure, "factor before the tone map").range(limits::kExposure);
     g.option("--cutoff", o.cutoff, "bound on the optical depth that proxies leave out of any ray")
         .range(limits::kCutoff);
-    g.option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map; 0: as the medium needs")
-        .rangeOrZero(limits::kShadowSize);
-    g.option("--shadow-slices", o.shadow_slices, "its planes; 0: as the medium needs")
-        .rangeOrZero(limits::kShadowSlices);
+    g.option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map; auto: as the medium needs")
+        .rangeOrAuto(limits::kShadowSize);
+    g.option("--shadow-slices", o.shadow_slices, "its planes; auto: as the medium needs")
+        .rangeOrAuto(limits::kShadowSlices);
     g.option("--shadow-error", o.shadow_error, "relative error of the light that a map of such a size may make")
         .range(limits::kShadowError);
     g.flag(

@@ -23,14 +23,6 @@ public:
     virtual const char* name() const = 0;
     virtual const char* about() const = 0; // one line: the algorithm, and which support of the particles it renders
 
-    // Names of its quadratures, the default first; empty if it has only one.
-    virtual std::span<const char* const> quadratures() const { return {}; }
-    // The quadrature that the settings ask for if it has that one, otherwise its default; empty if it has only one.
-    std::string_view quadratureOf(const RenderSettings& settings) const {
-        for (const char* own : quadratures())
-            if (settings.quadrature == own) return own;
-        return quadratures().empty() ? std::string_view() : quadratures().front();
-    }
     // Empty if it can render with these settings; otherwise one line: what is wrong, what is allowed.
     virtual std::string refusal(const RenderSettings& /*settings*/) const { return {}; }
     // A number that differs between settings for which its shaders are compiled differently.

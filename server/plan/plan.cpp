@@ -130,8 +130,9 @@ private:
 };
 
 bool sameWay(const RenderSettings& a, const RenderSettings& b) {
-    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.grid == b.grid &&
-           a.quadrature == b.quadrature && a.steps == b.steps && a.shadow_error == b.shadow_error;
+    const MethodSettings &own_of_a = a, &own_of_b = b;
+    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.shadow_error == b.shadow_error &&
+           own_of_a == own_of_b;
 }
 
 // Smaller is better: whether it is outside the budgets, and then what counts there.
@@ -147,7 +148,7 @@ std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candida
         if (sameWay(otherwise, chosen.settings)) continue;
         const auto alike = [&](const Candidate& o) {
             return o.settings.method == c.settings.method && o.settings.rate == c.settings.rate &&
-                   o.settings.quadrature == c.settings.quadrature;
+                   planOf(c.settings.method)->variant(o.settings) == planOf(c.settings.method)->variant(c.settings);
         };
         const auto rival = std::find_if(others.begin(), others.end(), alike);
         if (rival == others.end()) {

@@ -149,7 +149,7 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     if (!needs.particle_light) return;
     const auto record = [&](ParticleLight& light, MediumView& medium) {
         light.record(s.commands, {medium.tick, &objects_buffer_, medium.particles, &shadow_volume_.image(), &linear_},
-                     medium.count, now_.render.light_tolerance);
+                     medium.count, now_.render.tiles.light_tolerance);
         medium.light = &light.buffer();
     };
     bool seen = false; // True: some eye sees the full list, not a level of detail

@@ -37,9 +37,8 @@ void copy(const SceneSetting& setting, const SceneParts& from, const SceneParts&
 // All live settings of one type, in the order of the table.
 template <class T, class F>
 void eachLive(const SceneParts& parts, F&& f) {
-    for (const SceneSetting& setting : sceneSettings()) {
-        if (!setting.live()) continue;
-        const Member member = setting.member(parts);
+    for (const SceneSetting* setting : liveSettings()) {
+        const Member member = setting->member(parts);
         if (T* const* value = std::get_if<T*>(&member)) f(**value);
     }
 }
@@ -70,6 +69,7 @@ struct Simulation::State {
     std::vector<glm::vec3> albedos; // came with the points, or empty
     std::optional<Columns> columns;
     std::unique_ptr<Motion> motion;
+    uint64_t settings_version = 0;
     uint64_t steps = 0, first_step = 0; // simulated so far; and when tick 0 was, after the motion's run-up
     glm::vec3 moved{0};                 // m, the volume, by commands
     SceneNow now;
@@ -144,6 +144,7 @@ void Simulation::State::apply(const MoveVolume& c) {
 
 void Simulation::State::apply(const Set& c) {
     for (const Change& change : c.changes) brume::apply(change, partsOf(now));
+    ++settings_version;
 }
 
 // Everything as after loading, only the tick goes on.
@@ -152,8 +153,8 @@ void Simulation::State::apply(const Restart&) {
     motion->restart();
     steps = first_step;
     moved = glm::vec3(0);
-    for (const SceneSetting& setting : sceneSettings())
-        if (setting.live()) copy(setting, partsOf(first_now), partsOf(now));
+    for (const SceneSetting* setting : liveSettings()) copy(*setting, partsOf(first_now), partsOf(now));
+    ++settings_version;
 }
 
 // Moved by commands, adrift and asway; a closed form of the number of steps, so that no rounding piles up.
@@ -183,7 +184,7 @@ void Simulation::State::settle() {
 }
 
 // What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for. Live
-// settings come type after type: in this order recordings of version 1 have them.
+// settings come type after type.
 uint64_t Simulation::State::hashed() {
     StateHash out;
     out.add(origin);
@@ -217,6 +218,7 @@ void Simulation::step(std::span<const Command> commands) {
 
 uint64_t Simulation::tick() const { return state_->tick; }
 uint64_t Simulation::stateHash() const { return state_->hash; }
+uint64_t Simulation::settingsVersion() const { return state_->settings_version; }
 uint32_t Simulation::liveCount() const { return state_->motion->liveCount(); }
 uint32_t Simulation::capacity() const { return state_->rows; }
 uint64_t Simulation::bytes() const {

@@ -45,6 +45,8 @@ public:
     uint64_t tick() const;
     // 64-bit hash of the whole state after the last step; equal seeds and commands give equal hashes.
     uint64_t stateHash() const;
+    // A number that grows when a command sets settings. What changes by itself (a turning light) leaves it as it is.
+    uint64_t settingsVersion() const;
     uint32_t liveCount() const;
     uint32_t capacity() const; // most particles that can be alive at once
     uint64_t bytes() const;    // of the particles' memory in the simulation

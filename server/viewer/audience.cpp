@@ -8,19 +8,6 @@
 namespace brume {
 namespace {
 
-// True when a viewer's panel would show something else. What moves by itself (tick, particles, a turning light) waits
-// for the report of the second.
-bool settingsDiffer(const SceneReport& a, const SceneReport& b) {
-    const bool turning = a.light.rotate != 0 && a.light.rotate == b.light.rotate;
-    return a.paused != b.paused || (!turning && a.light.to_light != b.light.to_light) ||
-           a.light.irradiance != b.light.irradiance || a.light.rotate != b.light.rotate ||
-           a.medium.extinction != b.medium.extinction || a.medium.falloff != b.medium.falloff ||
-           a.medium.anisotropy != b.medium.anisotropy || a.medium.asymmetry != b.medium.asymmetry ||
-           a.medium.albedo != b.medium.albedo || a.render.method != b.render.method ||
-           a.render.quadrature != b.render.quadrature || a.render.steps != b.render.steps ||
-           a.render.exposure != b.render.exposure;
-}
-
 constexpr size_t kMostLost = 1024;
 constexpr std::chrono::seconds kComesBackWithin{60};
 
@@ -33,6 +20,11 @@ std::string newKey() {
 }
 
 } // namespace
+
+std::vector<std::string> SceneFacts::choicesOf(const SceneSetting& setting) const {
+    if (setting.path == "render.method") return methods;
+    return {setting.choices.begin(), setting.choices.end()};
+}
 
 Audience::Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight)
     : facts_(std::move(facts)), max_viewers_(max_viewers), max_in_flight_(std::max(max_in_flight, 1u)),
@@ -100,7 +92,7 @@ void Audience::list(std::vector<std::shared_ptr<Viewer>>& out) const {
 
 void Audience::publish(std::shared_ptr<const SceneReport> report) {
     const std::scoped_lock lock(mutex_);
-    if (settingsDiffer(*report_, *report)) ++revision_;
+    if (report_->settings_version != report->settings_version) ++revision_;
     report_.swap(report); // the old one is freed by the caller's thread, after the lock
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/scene.h"
+#include "common/settings.h"
 #include "server/sim/command.h"
 #include "server/viewer/viewer.h"
 
@@ -19,15 +20,17 @@ namespace brume {
 struct SceneReport {
     uint64_t tick = 0, state_hash = 0;
     uint32_t particles = 0;
-    bool paused = false; // True: the simulation stands still
-    Light light;
-    Medium medium;         // current extinction, falloff, anisotropy, asymmetry, albedo
-    RenderSettings render; // as the scene and commands ask for
+    // Of liveSettings(), in that order: as the scene and commands ask for.
+    std::vector<SettingValue> settings = defaultValues();
+    uint64_t settings_version = 0; // Simulation::settingsVersion()
     struct {
-        RenderSettings settings; // as the plan chose
-        double error = 0;        // predicted relative RMSE
-        double ms = 0;           // predicted device time of a frame of all viewers
-        uint32_t relaxed = 0;    // overload steps: how often accuracy was given up
+        std::string method;
+        std::string quadrature;       // empty for a method without a choice
+        std::string text;             // method and settings in a few words
+        uint32_t rate = 0, slabs = 0; // pixels between rays, slabs along them; 0 for a method without rays
+        double error = 0;             // predicted relative RMSE
+        double ms = 0;                // predicted device time of a frame of all viewers
+        uint32_t relaxed = 0;         // overload steps: how often accuracy was given up
     } plan;
     std::vector<PassTime> passes;
     struct {
@@ -40,7 +43,10 @@ struct SceneReport {
 struct SceneFacts {
     std::string scene, device;
     SceneCamera camera;
-    std::vector<std::string> methods, quadratures;
+    std::vector<std::string> methods;
+
+    // The texts that a live setting may have: of render.method those of this server, of others those of the table.
+    std::vector<std::string> choicesOf(const SceneSetting& setting) const;
 };
 
 class Audience {

@@ -187,7 +187,7 @@ error = "32x18"
 baseline = "two"
 published_on = "paper"
 variant = [
-    { name = "one", set = ["render.method=isv", "render.steps=2"] },
+    { name = "one", set = ["render.method=isv", "render.isv.steps=2"] },
     { name = "two", set = ["render.method=sphere"], published_ms = 4 },
 ]
 [[series]]
@@ -204,7 +204,7 @@ error = "32x18"
 set = ["medium.count=40", "render.method=slabs", "render.rate=1"]
 variant = [
     { name = "coarse", set = ["render.shadow_size=16", "render.shadow_slices=7"] },
-    { name = "follows", set = ["render.shadow_size=0", "render.shadow_slices=0"] },
+    { name = "follows", set = ["render.shadow_size=auto", "render.shadow_slices=auto"] },
 ]
 [[series]]
 name = "Orbit"

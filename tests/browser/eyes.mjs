@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { startDelay } from './delay.mjs';
-import { cameraStill, connected, openPage, rested, screenshotOf, startBrowser, until } from './pages.mjs';
+import { cameraStill, connected, openPage, pausedIs, rested, screenshotOf, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
 const EMULATOR = readFileSync(fileURLToPath(new URL('node_modules/iwer/build/iwer.min.js', import.meta.url)), 'utf8');
@@ -73,7 +73,7 @@ const contrast = (half) => {
 async function setPaused(page, paused) {
   await page.evaluate(() => document.activeElement?.blur());
   await page.keyboard.press('p');
-  await until(page, `the scene ${paused ? 'rests' : 'goes on'}`, (brume, wanted) => brume.scene.paused === wanted, paused);
+  await until(page, `the scene ${paused ? 'rests' : 'goes on'}`, pausedIs, paused);
 }
 
 // Until frames come for two eyes, and what is drawn is the newest that was asked for.

@@ -1,6 +1,6 @@
 // How far what is shown lags behind the camera while it turns, with and without prediction and reprojection, over a
 // way that is 100 ms longer than loopback: node tests/browser/latency.mjs [SECONDS A RUN] [RUNS]. Writes a table.
-import { connected, openPage, startBrowser, until } from './pages.mjs';
+import { connected, isPaused, openPage, pausedIs, startBrowser, until } from './pages.mjs';
 import { startDelay } from './delay.mjs';
 import { startServer } from './server.mjs';
 
@@ -116,9 +116,9 @@ async function sweep(page, until) {
 }
 
 async function setPaused(page) {
-  if (await page.evaluate(() => window.brume.scene.paused)) return;
+  if (await isPaused(page)) return;
   await page.keyboard.press('p');
-  await until(page, 'the scene rests', (brume) => brume.scene.paused);
+  await until(page, 'the scene rests', pausedIs, true);
 }
 
 const after = [];

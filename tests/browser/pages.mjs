@@ -72,6 +72,10 @@ export async function settled(page) {
   await until(page, 'the picture shows the camera', (brume, sent) => brume.lastFrame.poseSeq >= sent, pose);
 }
 
+// For until(): true if the scene is paused, or not, as wanted.
+export const pausedIs = (brume, wanted) => (brume.scene.settings['simulation.paused'] === 1) === wanted;
+export const isPaused = (page) => page.evaluate(() => window.brume.scene.settings['simulation.paused'] === 1);
+
 // Until it is the finer one that follows when neither the camera nor a paused medium moves.
 export async function rested(page) {
   await settled(page);

@@ -1,7 +1,7 @@
 // The README's pictures, made by the programs: node tests/browser/pictures.mjs [FOLDER, docs/pictures]
 import { mkdir, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { connected, drag, openPage, settled, startBrowser, until } from './pages.mjs';
+import { connected, drag, openPage, pausedIs, settled, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
 const folder = process.argv[2] ?? 'docs/pictures';
@@ -42,7 +42,7 @@ try {
   await connected(page);
   await until(page, 'the column has risen', (brume, ticks) => brume.lastFrame.tick >= ticks, PLUME_TICKS, 300_000);
   await page.keyboard.press('p');
-  await until(page, 'paused', (brume) => brume.scene.paused);
+  await until(page, 'paused', pausedIs, true);
   await snapshot(server, 'plume', 'w=960&h=540');
   await page.keyboard.press('i');
   await page.waitForTimeout(4000); // rates of the overlay settle

@@ -6,7 +6,7 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { connected, openPage, settled, startBrowser, until } from './pages.mjs';
+import { connected, isPaused, openPage, pausedIs, settled, startBrowser, until } from './pages.mjs';
 import { BINARY, startServer } from './server.mjs';
 
 let browser, folder, key, server;
@@ -55,12 +55,12 @@ describe('a server with a key', () => {
     assert.ok(await disabled(page, 'tool-push'));
     assert.ok(await disabled(page, 'tool-pause'));
     const parts = await inert(page);
-    for (const part of ['Light', 'Medium', 'Method', 'Cloud']) assert.equal(parts[part], true, part);
+    for (const part of ['Light', 'Medium', 'Render', 'Simulation']) assert.equal(parts[part], true, part);
     assert.equal(parts['Picture, yours alone'], false);
     const { tick } = await page.evaluate(() => window.brume.scene);
     await page.keyboard.press('p');
     await until(page, 'the scene is told again, a second later', (brume, old) => brume.scene.tick > old + 60, tick);
-    assert.equal(await page.evaluate(() => window.brume.scene.paused), false);
+    assert.equal(await isPaused(page), false);
     // Loaded again, the tab still has it; the server never wrote it down.
     await page.reload();
     await connected(page);
@@ -73,14 +73,14 @@ describe('a server with a key', () => {
     await connected(page);
     assert.ok(!(await disabled(page, 'tool-pause')));
     const parts = await inert(page);
-    assert.deepEqual([parts['Light'], parts['Cloud'], parts['Method']], [false, false, true]);
+    assert.deepEqual([parts['Light'], parts['Simulation'], parts['Render']], [false, false, true]);
     await page.keyboard.press('p');
-    await until(page, 'it is paused', (brume) => brume.scene.paused);
+    await until(page, 'it is paused', pausedIs, true);
     const chief = await openPage(t, browser, `${server.url}/#token=${token('operator')}`);
     await connected(chief);
     assert.ok(Object.values(await inert(chief)).every((part) => !part));
     await chief.keyboard.press('p');
-    await until(page, 'it goes on', (brume) => !brume.scene.paused);
+    await until(page, 'it goes on', pausedIs, false);
     await chief.leave();
     await page.leave();
   });

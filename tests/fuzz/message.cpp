@@ -25,12 +25,18 @@ size_t read(const wire::Parsed& parsed) {
     if (const auto* welcome = parsed.as<wire::Welcome>()) {
         bytes += seen(welcome->server()) + seen(welcome->scene()) + seen(welcome->device());
         bytes += seen(welcome->methods()) + seen(welcome->quadratures());
+        if (welcome->settings())
+            for (const auto* one : *welcome->settings())
+                bytes += seen(one->path()) + seen(one->unit()) + seen(one->help()) + seen(one->choices());
         promise(welcome->camera() && welcome->camera()->position() && welcome->camera()->target(),
                 "required fields are there");
     }
     if (const auto* state = parsed.as<wire::SceneState>()) {
         bytes += seen(state->method()) + seen(state->quadrature());
-        if (state->plan()) bytes += seen(state->plan()->method()) + seen(state->plan()->quadrature());
+        if (const auto* plan = state->plan())
+            bytes += seen(plan->method()) + seen(plan->quadrature()) + seen(plan->text());
+        if (state->settings())
+            for (const auto* value : *state->settings()) bytes += seen(value->text());
         if (state->passes())
             for (const auto* pass : *state->passes()) bytes += seen(pass->name());
     }

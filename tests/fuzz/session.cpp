@@ -105,8 +105,8 @@ private:
                 "a vector within limits");
     }
     void allowed(const SceneSetting& setting, const std::string& value) const {
-        promise(value == (setting.path == "render.method" ? facts_.methods : facts_.quadratures).at(0),
-                "a name that there is");
+        const std::vector<std::string> names = facts_.choicesOf(setting);
+        promise(std::find(names.begin(), names.end(), value) != names.end(), "a name that there is");
     }
     void picture(const PoseRequest& request) const {
         promise(request.width >= net::kMinSide && request.height >= net::kMinSide &&
@@ -166,7 +166,7 @@ wire::Packed input(Numbers& in, const SceneFacts& facts) {
         if (which % 5 == 2) return as(wire::CreateSetMedium(b, a, c, d, e, &one));
         if (which % 5 == 3) return as(wire::CreateMoveVolume(b, &one));
         const auto method = b.CreateString(name(in, facts.methods[0])),
-                   quadrature = b.CreateString(name(in, facts.quadratures[0]));
+                   quadrature = b.CreateString(name(in, "simpson"));
         return as(wire::CreateSetRender(b, method, quadrature, in.take<uint16_t>(), a));
     });
 }
@@ -224,7 +224,7 @@ wire::Packed made(Kind kind, Numbers& in, const SceneFacts& facts) {
 
 void session(Bytes bytes) {
     static const NetOptions options;
-    static const SceneFacts facts{"scene", "device", {}, {"auto"}, {"simpson"}};
+    static const SceneFacts facts{"scene", "device", {}, {"auto"}};
     Clock::time_point now{std::chrono::hours(1)};
     net::SessionRules rules(options, facts, now);
     Judge judge(options, facts, now);

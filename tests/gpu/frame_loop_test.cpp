@@ -5,6 +5,7 @@
 
 #include "server/frame.h"
 #include "tests/gpu/fixture.h"
+#include "tests/gpu/quadrature.h"
 
 namespace brume::test {
 namespace {
@@ -73,7 +74,7 @@ private:
 class FrameLoopTest : public GpuTest {
 protected:
     Scene scene_ = loadScene("server/scenes/cloud.toml");
-    Audience audience_{{"cloud", "", scene_.camera, {}, {}}, 8, 4};
+    Audience audience_{{"cloud", "", scene_.camera, {}}, 8, 4};
     Metrics metrics_;
     std::atomic<bool> failed_{false};
 };
@@ -130,8 +131,10 @@ TEST_F(FrameLoopTest, MethodsThatAreNoLongerUsedAreGone) {
     for (int i = 0; i < 40; ++i) {
         RenderSettings settings = scene_.render;
         settings.method = methodNames()[size_t(i) % methodNames().size()];
-        settings.quadrature = quadratureNames()[size_t(i / 5) % quadratureNames().size()];
-        settings.steps = uint32_t(i % 3 + 1);
+        for (const SceneSetting* setting : liveSettings())
+            if (setting->key() == "quadrature")
+                setQuadrature(settings, std::string(setting->choices[size_t(i / 5) % setting->choices.size()]));
+        settings.isv.steps = uint32_t(i % 3 + 1);
         renderer.submit(submission, simulation, {&eye, 1}, &settings);
         waitFor(submission.commands);
         EXPECT_LE(renderer.methodsKept(), 2u);

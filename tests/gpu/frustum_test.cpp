@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/gpu/fixture.h"
+#include "tests/gpu/quadrature.h"
 
 namespace brume::test {
 namespace {
@@ -45,8 +46,8 @@ protected:
     static Scene scene(const char* method, const char* quadrature) {
         Scene scene = sceneOf(randomPoints(120, 8, 2.5f, 0.6f, 11), 1.6f);
         scene.render.method = method;
-        scene.render.quadrature = quadrature;
-        scene.render.least_transmittance = 0;
+        setQuadrature(scene.render, quadrature);
+        scene.render.tiles.least_transmittance = 0;
         return scene;
     }
 };

@@ -51,7 +51,7 @@ protected:
         scene.render.method = method;
         scene.render.rate = 1;
         scene.render.slabs = 128;
-        scene.render.grid = spacing;
+        scene.render.grid.spacing = spacing;
         return plain().see(scene, pose, kWidth, kHeight);
     }
 };

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "tests/gpu/closed_form.h"
+#include "tests/gpu/quadrature.h"
 
 namespace brume::test {
 namespace {
@@ -155,8 +156,8 @@ TEST_F(GpuTest, QuadraturesAreTheirDefinitionsAndConverge) {
                 scene.lights[0].to_light = glm::normalize(to_light);
                 scene.render.shadow_size = 256;
                 scene.render.shadow_slices = 128;
-                scene.render.quadrature = rule.name;
-                scene.render.steps = rule.steps;
+                setQuadrature(scene.render, rule.name);
+                scene.render.isv.steps = rule.steps;
                 const auto blobs = blobsOf(scene);
                 const reference::LightField field(blobs, glm::normalize(glm::dvec3(scene.lights[0].to_light)));
                 const Picture picture = plain().see(scene, pose, kWidth, kHeight);
@@ -214,7 +215,7 @@ TEST_F(GpuTest, NothingComesFromNothing) {
     for (const char* quadrature : {"simpson", "transmittance", "analytic"})
         for (const Point& point : {Point{{0, 0, 0}, 1, 0}, Point{{0, 0, 0}, 1e-3f, 1e-3f}, Point{{0, 0, 50}, 1, 2}}) {
             Scene scene = isvScene({point});
-            scene.render.quadrature = quadrature;
+            setQuadrature(scene.render, quadrature);
             for (const glm::vec4& pixel : plain().see(scene, pose, kWidth, kHeight).pixels) {
                 ASSERT_EQ(pixel.r, 0);
                 ASSERT_EQ(pixel.a, 1);

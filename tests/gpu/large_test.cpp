@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "tests/gpu/fixture.h"
+#include "tests/gpu/quadrature.h"
 
 namespace brume::test {
 namespace {
@@ -18,7 +19,7 @@ Scene largeScene(const char* method) {
     scene.lights[0].to_light = glm::normalize(glm::vec3(0.6f, 0.5f, 0.3f));
     scene.sky = {glm::vec3(0), glm::vec3(0), glm::vec3(0)};
     scene.render.method = method;
-    scene.render.quadrature = "cached";
+    setQuadrature(scene.render, "cached");
     return scene;
 }
 

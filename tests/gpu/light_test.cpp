@@ -5,6 +5,7 @@
 #include "server/opaque/shadow_map.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
+#include "tests/gpu/quadrature.h"
 
 namespace brume::test {
 namespace {
@@ -216,7 +217,8 @@ TEST_F(GpuTest, NoLightBehindABoxAndAllOfItBesideIt) {
         SCOPED_TRACE(testing::Message() << method << ' ' << quadrature);
         Scene shaded = scene, open = without;
         shaded.render.method = open.render.method = method;
-        shaded.render.quadrature = open.render.quadrature = quadrature;
+        setQuadrature(shaded.render, quadrature);
+        setQuadrature(open.render, quadrature);
         float largest = 0;
         for (const Point& point : {hidden, free, above}) {
             const Pose pose = lookAt(point.centre + glm::vec3(0, 0, 6), point.centre, 0.6f);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/gpu/closed_form.h"
+#include "tests/gpu/quadrature.h"
 #include "tools/reference/medium_reference.h"
 
 namespace brume::test {
@@ -21,8 +22,8 @@ bool isWhole(const Way& way) { return way.method != std::string("isv"); } // the
 
 void choose(Scene& scene, const Way& way) {
     scene.render.method = way.method;
-    scene.render.quadrature = way.quadrature;
-    scene.render.steps = way.steps;
+    setQuadrature(scene.render, way.quadrature);
+    scene.render.isv.steps = way.steps;
 }
 
 class MediumTest : public GpuTest {

@@ -30,7 +30,7 @@ std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& 
                   [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
                       volume.record(commands, block, tick, buffer);
                       light.record(commands, {block, &objects, &buffer, &volume.image(), &linear}, count,
-                                   scene.render.light_tolerance);
+                                   scene.render.tiles.light_tolerance);
                       gpu::computeToTransfer(commands.handle());
                       const VkBufferCopy copy{0, 0, back.size()};
                       vkCmdCopyBuffer(commands.handle(), light.buffer().handle(), back.handle(), 1, &copy);
@@ -45,7 +45,7 @@ std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& 
 // Gaussian, of which 27 points of Gauss and Hermite tell the truth to fifth order.
 TEST_F(GpuTest, ParticleLightIsTheLeastSquaresFit) {
     Scene scene = sceneOf(randomPoints(300, 8, 4, 0.05f), 1.6f);
-    scene.render.light_tolerance = 1;
+    scene.render.tiles.light_tolerance = 1;
     const std::vector<gpu::Particle> particles = particlesOf(scene);
     for (const glm::vec3 to_light : {glm::vec3(0.3f, 0.8f, 0.5f), glm::vec3(0, 1, 0), glm::vec3(-1, 0.1f, 0.2f)}) {
         scene.lights[0].to_light = glm::normalize(to_light);
@@ -122,7 +122,7 @@ TEST_F(GpuTest, ParticlesOnTheEdgeOfAShadowAreFound) {
         std::vector<Point> points;
         for (int i = 0; i < 200; ++i) points.push_back({random.inCube(6), random.uniform(0.3f, 2), 0.01f});
         Scene scene = sceneOf(points, 1.6f);
-        scene.render.light_tolerance = 1;
+        scene.render.tiles.light_tolerance = 1;
         scene.lights[0].to_light = glm::normalize(random.inCube(1) + glm::vec3(0, 1.2f, 0));
         for (int i = 0; i < 4; ++i) {
             scene.boxes.push_back({random.inCube(5),

@@ -337,17 +337,20 @@ TEST_F(PictureTest, SettingsAreChecked) {
     settings.merge = -1;
     says("merge must be 0 ... 8");
     settings.merge = 0;
-    settings.quadrature = "taylor";
+    settings.isv.quadrature = "taylor";
     says("'taylor'");
-    for (const std::string& name : quadratureNames()) says(name.c_str());
+    for (const char* name : {"simpson", "transmittance", "analytic"}) says(name);
+    settings.isv.quadrature = "simpson";
+    settings.tiles.quadrature = "simpson";
+    says("there are: cached, hermite");
+    settings.tiles.quadrature = "cached";
     const struct {
         const char *quadrature, *range;
         uint32_t bad[2];
     } cases[] = {{"simpson", "1 ... 10", {0, 11}}, {"transmittance", "1 ... 3", {0, 4}}};
     for (const auto& one : cases)
         for (const uint32_t steps : one.bad) {
-            settings.quadrature = one.quadrature;
-            settings.steps = steps;
+            settings.isv = {one.quadrature, steps};
             says(one.range);
         }
 }

@@ -17,7 +17,7 @@ protected:
         Scene scene = sceneOf(randomPoints(60, 6, 9, 0.02f), 1.6f);
         scene.render.method = "slabs";
         scene.render.slabs = 32;
-        scene.render.least_transmittance = 0;
+        scene.render.tiles.least_transmittance = 0;
         return scene;
     }
     // Relative RMSE of the optical depths that every `rate`th pixel's rays leave, against a ray for each.

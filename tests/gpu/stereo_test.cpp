@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "tests/gpu/fixture.h"
+#include "tests/gpu/quadrature.h"
 
 namespace brume::test {
 namespace {
@@ -14,7 +15,7 @@ protected:
     static Scene cloud(const char* method) {
         Scene scene = loadScene("server/scenes/cloud.toml");
         scene.render.method = method;
-        scene.render.quadrature = std::strcmp(method, "tiles") == 0 ? "cached" : "simpson";
+        setQuadrature(scene.render, std::strcmp(method, "tiles") == 0 ? "cached" : "simpson");
         scene.render.shadow_size = 64;
         return scene;
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/gpu/closed_form.h"
+#include "tests/gpu/quadrature.h"
 
 namespace brume::test {
 namespace {
@@ -14,7 +15,7 @@ class TilesTest : public GpuTest {
 protected:
     static Picture see(Stage& stage, Scene scene, const char* method, const char* quadrature, const Pose& pose) {
         scene.render.method = method;
-        scene.render.quadrature = quadrature;
+        setQuadrature(scene.render, quadrature);
         return stage.see(scene, pose, kWidth, kHeight);
     }
 
@@ -66,7 +67,7 @@ TEST_F(TilesTest, HermiteIsWhatSphereDraws) {
             Scene scene = sceneOf(colourful(3), 1.6f);
             scene.medium.anisotropy = lobe;
             scene.medium.asymmetry = 0.6f;
-            scene.render.least_transmittance = 0;
+            scene.render.tiles.least_transmittance = 0;
             const Difference d =
                 compare(see(plain(), scene, "sphere", "", pose), see(plain(), scene, "tiles", "hermite", pose));
             EXPECT_LT(d.transmittance, rounding(pose)) << pose.position.x << ' ' << lobe;
@@ -83,7 +84,7 @@ TEST_F(TilesTest, HermiteIsWhatSphereDrawsAmongObjects) {
                    {{-2, -1, 1}, {1, 2, 1.5f}, -0.3f, glm::vec3(0.5f)}};
     scene.spheres = {{{0, 0.5f, 3}, 0.9f, glm::vec3(0.5f)}};
     scene.sky = {glm::vec3(0.3f, 0.5f, 0.9f), glm::vec3(0.7f), glm::vec3(0.2f)};
-    scene.render.least_transmittance = 0;
+    scene.render.tiles.least_transmittance = 0;
     Stage stage(device(), scene, 300);
     for (const Pose& pose : kPoses) {
         if (pose.position.y < 1) continue; // below the ground's middle
@@ -102,7 +103,7 @@ TEST_F(TilesTest, HermiteIsWhatSphereDrawsAmongObjects) {
 TEST_F(TilesTest, CachedWithoutToleranceIsHermite) {
     for (const Pose& pose : kPoses) {
         Scene scene = sceneOf(colourful(7), 1.6f);
-        scene.render.light_tolerance = 0;
+        scene.render.tiles.light_tolerance = 0;
         const Difference d =
             compare(see(plain(), scene, "tiles", "hermite", pose), see(plain(), scene, "tiles", "cached", pose));
         EXPECT_LT(d.transmittance, 1e-6) << pose.position.x; // two pipelines' roundings
@@ -133,7 +134,7 @@ TEST_F(TilesTest, CachedIsExactWhereLightIsLinear) {
                         now.lights[0].irradiance = glm::vec3(float(4 * kPi));
                         now.render.shadow_size = 256;
                         now.render.shadow_slices = 64;
-                        now.render.least_transmittance = 0;
+                        now.render.tiles.least_transmittance = 0;
                         return see(stage, now, "tiles", "cached", pose);
                     };
                     const Picture with = seen(point), without = seen({at, 1, 0}); // what it adds is the rest
@@ -189,10 +190,10 @@ TEST_F(TilesTest, RaysEndWhereLittleIsSeen) {
     scene.render.shadow_size = 64;
     Stage stage(device(), scene, 100);
     const Pose pose = lookAt({0, 0, 20}, {0, 0, 0}, 0.1f);
-    scene.render.least_transmittance = 0;
+    scene.render.tiles.least_transmittance = 0;
     const Picture whole = see(stage, scene, "tiles", "cached", pose);
     for (const float least : {1e-3f, 0.05f}) {
-        scene.render.least_transmittance = least;
+        scene.render.tiles.least_transmittance = least;
         const Picture ended = see(stage, scene, "tiles", "cached", pose);
         double most = 0;
         for (size_t i = 0; i < whole.pixels.size(); ++i) {
@@ -215,7 +216,7 @@ TEST_F(TilesTest, AMillionParticlesInTwoMegapixels) {
     for (const glm::vec3 place : places) points.push_back(thick(place, 3, 1, 0.3f));
     Scene scene = sceneOf(points, 0.3f);
     scene.render.method = "tiles";
-    scene.render.quadrature = "cached";
+    setQuadrature(scene.render, "cached");
     scene.render.shadow_size = 16;
     scene.render.shadow_slices = 2;
     Stage stage(device(), scene, kCount);

@@ -105,7 +105,7 @@ protected:
         Scene scene = sceneOf(points, kInside);
         scene.render.shadow_size = 16;
         scene.render.shadow_slices = 2;
-        scene.render.grid = 0.08f;
+        scene.render.grid.spacing = 0.08f;
         scene.render.merge =
             0; // each of them is looked for; what merging changes is measured in tests/gpu/large_test.cpp
         Simulation simulation(scene);
@@ -144,8 +144,9 @@ protected:
             const std::string name = "N = " + std::to_string(count) + ": transmittance";
             if (refused(name, way, scene)) continue; // tests/gpu/grid_test.cpp counts for it
             Set wish{{"render.method", way.method}};
-            if (!way.quadrature.empty()) wish.changes.emplace_back("render.quadrature", way.quadrature);
-            if (way.steps > 0) wish.changes.emplace_back("render.steps", way.steps);
+            if (!way.quadrature.empty())
+                wish.changes.emplace_back(quadratureSetting(way.quadrature)->path, way.quadrature);
+            if (way.steps > 0) wish.changes.emplace_back("render.isv.steps", way.steps);
             Command command;
             command.body = wish;
             simulation.step({&command, 1});

@@ -1,4 +1,5 @@
 #include "tests/hard/hard.h"
+#include "tests/gpu/quadrature.h"
 
 #include <algorithm>
 #include <array>
@@ -63,10 +64,16 @@ std::string Way::name() const {
 std::vector<Way> ways() {
     std::vector<Way> all;
     for (const MethodPlan* method : methodPlans()) {
-        if (method->quadratures().empty()) all.push_back({method->name(), "", 0});
-        for (const std::string quadrature : method->quadratures()) {
+        RenderSettings named;
+        named.method = method->name();
+        const SceneSetting* choice = quadratureSetting(named);
+        if (!choice) {
+            all.push_back({named.method, "", 0});
+            continue;
+        }
+        for (const std::string_view quadrature : choice->choices) {
             const bool has_steps = quadrature == "simpson" || quadrature == "transmittance";
-            all.push_back({method->name(), quadrature, has_steps ? 2u : 0u});
+            all.push_back({named.method, std::string(quadrature), has_steps ? 2u : 0u});
         }
     }
     return all;
@@ -78,10 +85,10 @@ void choose(Scene& scene, const Way& way) {
     // measure.
     scene.render.rate = 1;
     scene.render.slabs = 256;
-    scene.render.grid = 0.08f;
+    scene.render.grid.spacing = 0.08f;
     if (way.quadrature.empty()) return;
-    scene.render.quadrature = way.quadrature;
-    scene.render.steps = std::max(way.steps, 1u);
+    setQuadrature(scene.render, way.quadrature);
+    scene.render.isv.steps = std::max(way.steps, 1u);
 }
 
 bool isCut(const Way& way) { return way.method == "isv"; }
@@ -131,7 +138,7 @@ double scatteredBy(const Way& way, const reference::Blob& blob, const Ray& ray, 
     if (way.method == "sphere" || way.quadrature == "hermite") return twoPoints(blob, ray, inside, light_depth);
     if (way.quadrature == "cached") {
         const CachedLight light = fitted(blob, light_depth_at);
-        if (light.deviation > double(RenderSettings().light_tolerance) || 2 * blob.half_line > 0.55)
+        if (light.deviation > double(TilesSettings().light_tolerance) || 2 * blob.half_line > 0.55)
             return twoPoints(blob, ray, inside, light_depth);
         const auto polynomial = [&](double t) {
             const glm::dvec3 r = ray.at(t) - blob.centre;

@@ -2,6 +2,7 @@
 // publishes reports.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <mutex>
@@ -49,7 +50,6 @@ public:
 private:
     void run() {
         SceneReport report;
-        report.light.to_light = {0, 1, 0};
         std::vector<std::shared_ptr<Viewer>> viewers;
         std::vector<Command> taken;
         while (!stop_) {
@@ -59,8 +59,7 @@ private:
             audience_.commands().drain(taken);
             for (const Command& command : taken) {
                 if (const auto* set = std::get_if<Set>(&command.body))
-                    for (const Change& change : set->changes)
-                        if (change.setting->path == "simulation.paused") report.paused = std::get<bool>(change.value);
+                    for (const Change& change : set->changes) take(change, report);
                 const std::scoped_lock lock(mutex_);
                 commands_.push_back(command);
             }
@@ -75,6 +74,12 @@ private:
             for (const auto& viewer : viewers)
                 if (const auto due = takeDue(*viewer)) answer(*viewer, *due, report);
         }
+    }
+
+    static void take(const Change& change, SceneReport& report) {
+        const auto live = liveSettings();
+        report.settings[size_t(std::find(live.begin(), live.end(), change.setting) - live.begin())] = change.value;
+        ++report.settings_version;
     }
 
     void answer(Viewer& viewer, const Viewer::Due& due, const SceneReport& report) {

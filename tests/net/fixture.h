@@ -35,8 +35,7 @@ protected:
 
     // Starts the server; returns its port. To be called after the options are set.
     uint16_t serve() {
-        SceneFacts facts{
-            "test scene", "test device", {{0, 2, 26}, {0, 0, 0}, 0.75f}, {"sphere", "isv"}, {"simpson", "analytic"}};
+        SceneFacts facts{"test scene", "test device", {{0, 2, 26}, {0, 0, 0}, 0.75f}, {"sphere", "isv"}};
         audience.emplace(facts, max_viewers, max_in_flight);
         metrics.emplace();
         renderer.emplace(*audience, *metrics);

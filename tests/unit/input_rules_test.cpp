@@ -63,9 +63,9 @@ TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
     ASSERT_EQ(render.size(), 3u);
     EXPECT_EQ(render[0].setting->path, "render.method");
     EXPECT_EQ(render[0].value, SettingValue("isv"));
-    EXPECT_EQ(render[1].setting->path, "render.quadrature");
+    EXPECT_EQ(render[1].setting->path, "render.isv.quadrature");
     EXPECT_EQ(render[1].value, SettingValue("analytic"));
-    EXPECT_EQ(render[2].setting->path, "render.steps");
+    EXPECT_EQ(render[2].setting->path, "render.isv.steps");
     EXPECT_EQ(render[2].value, SettingValue(3u));
 
     const auto paused = set(5, [](auto& b) { return wire::CreateSetSimulation(b, true); });
@@ -91,7 +91,7 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
     const wire::Vec3 up(0, 5, 0), zero(0, 0, 0);
     const auto all = answer([&](auto& b) {
         return Changes{
-            wire::CreateChangeDirect(b, "medium.falloff", 1.5), wire::CreateChangeDirect(b, "render.steps", 3),
+            wire::CreateChangeDirect(b, "medium.falloff", 1.5), wire::CreateChangeDirect(b, "render.isv.steps", 3),
             wire::CreateChangeDirect(b, "simulation.paused", 1), wire::CreateChangeDirect(b, "light.to_light", {}, &up),
             wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
     });
@@ -123,9 +123,9 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
     EXPECT_EQ(refused("medium.falloff", {}, nullptr, "1"), ErrorCode::out_of_range) << "another type";
     EXPECT_EQ(refused("medium.albedo", 1, nullptr, nullptr), ErrorCode::out_of_range);
     EXPECT_EQ(refused("render.method", 1, nullptr, nullptr), ErrorCode::out_of_range);
-    EXPECT_EQ(refused("render.steps", 2.5, nullptr, nullptr), ErrorCode::out_of_range);
-    EXPECT_EQ(refused("render.steps", -1, nullptr, nullptr), ErrorCode::out_of_range);
-    EXPECT_EQ(refused("render.steps", kNan, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("render.isv.steps", 2.5, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("render.isv.steps", -1, nullptr, nullptr), ErrorCode::out_of_range);
+    EXPECT_EQ(refused("render.isv.steps", kNan, nullptr, nullptr), ErrorCode::out_of_range);
     EXPECT_EQ(refused("simulation.paused", 2, nullptr, nullptr), ErrorCode::out_of_range);
     EXPECT_EQ(refused("light.to_light", {}, &zero, nullptr), ErrorCode::out_of_range);
 }

@@ -9,9 +9,9 @@ namespace {
 // Whichever method it is: the distance of its rays and its slabs reach the viewers.
 TEST(Outgoing, ASceneStateTellsThePlansRaysAndSlabs) {
     SceneReport report;
-    report.plan.settings.method = "grid";
-    report.plan.settings.rate = 6;
-    report.plan.settings.slabs = 48;
+    report.plan.method = "grid";
+    report.plan.rate = 6;
+    report.plan.slabs = 48;
     const wire::Packed packed = packSceneState(report, 1);
     const auto parsed = wire::parse(wire::bytesOf(packed));
     ASSERT_TRUE(parsed);
@@ -19,6 +19,52 @@ TEST(Outgoing, ASceneStateTellsThePlansRaysAndSlabs) {
     EXPECT_EQ(plan->method()->str(), "grid");
     EXPECT_EQ(plan->rate(), 6u);
     EXPECT_EQ(plan->slabs(), 48u);
+}
+
+// A viewer can show and change every live setting without knowing any of them.
+TEST(Outgoing, EveryLiveSettingIsDescribedAndItsValueSent) {
+    Audience audience({.methods = {"auto", "isv"}}, 1, 2);
+    const auto viewer = audience.join(nullptr);
+    const wire::Packed greeting = packWelcome(*viewer, {}, audience, wire::Role::controller);
+    SceneReport report;
+    const wire::Packed state = packSceneState(report, 1);
+    const auto welcome = wire::parse(wire::bytesOf(greeting)), scene = wire::parse(wire::bytesOf(state));
+    ASSERT_TRUE(welcome && scene);
+    const auto* described = welcome->as<wire::Welcome>()->settings();
+    const auto* values = scene->as<wire::SceneState>()->settings();
+    ASSERT_EQ(described->size(), liveSettings().size());
+    ASSERT_EQ(values->size(), liveSettings().size());
+    for (uint32_t i = 0; i < described->size(); ++i) {
+        const SceneSetting& setting = *liveSettings()[i];
+        const wire::Setting& told = *described->Get(i);
+        EXPECT_EQ(told.path()->string_view(), setting.path);
+        EXPECT_EQ(told.help()->string_view(), setting.help);
+        EXPECT_EQ(told.least_role() == wire::Role::operator_, setting.changed_by == ChangedBy::operators);
+        EXPECT_LE(told.lowest(), told.usual_lowest()) << setting.path;
+        EXPECT_GE(told.highest(), told.usual_highest()) << setting.path;
+        const wire::Value& value = *values->Get(i);
+        switch (told.kind()) {
+        case wire::SettingKind::boolean:
+            EXPECT_EQ(value.number(), double(std::get<bool>(report.settings[i])));
+            break;
+        case wire::SettingKind::whole:
+            EXPECT_EQ(value.number(), double(std::get<uint32_t>(report.settings[i])));
+            break;
+        case wire::SettingKind::number:
+            EXPECT_EQ(value.number(), double(std::get<float>(report.settings[i])));
+            break;
+        case wire::SettingKind::vector:
+        case wire::SettingKind::colour:
+        case wire::SettingKind::direction:
+            EXPECT_EQ(value.vector()->y(), std::get<glm::vec3>(report.settings[i]).y);
+            break;
+        case wire::SettingKind::text:
+            EXPECT_EQ(value.text()->str(), std::get<std::string>(report.settings[i]));
+            ASSERT_TRUE(told.choices()) << setting.path;
+            EXPECT_EQ(told.choices()->size(), setting.path == "render.method" ? 2 : setting.choices.size());
+            break;
+        }
+    }
 }
 
 } // namespace

@@ -124,8 +124,8 @@ TEST(Plan, WhatIsAskedForIsKept) {
     EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.rate, 2u);
     wanted.slabs = 100; // none of those that the plan would try
     EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.slabs, 100u);
-    wanted.method = "isv", wanted.quadrature = "simpson", wanted.steps = 7;
-    EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.steps, 7u);
+    wanted.method = "isv", wanted.isv = {"simpson", 7};
+    EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.isv.steps, 7u);
 }
 
 // Closed by default: whatever its error may be, nobody has said what it takes.
@@ -148,7 +148,7 @@ TEST(Plan, ManyViewersOfManyParticlesShareTheGrid) {
     inputs.views.assign(16, inputs.views.front());
     const Plan plan = makePlan(inputs, builtInCosts());
     EXPECT_EQ(plan.chosen.settings.method, "grid");
-    EXPECT_GT(plan.chosen.settings.grid, 0);
+    EXPECT_GT(plan.chosen.settings.grid.spacing, 0);
     EXPECT_TRUE(hasPass(plan, "grid"));
     inputs.scene.wanted.method = "slabs";
     EXPECT_LT(plan.chosen.ms(), makePlan(inputs, builtInCosts()).chosen.ms());

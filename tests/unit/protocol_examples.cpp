@@ -166,22 +166,40 @@ Json of(const Goodbye& m) {
     return out;
 }
 
+// Without the underscore that keeps C++'s keyword apart.
+std::string nameOf(Role role) { return role == Role::operator_ ? "operator" : EnumNameRole(role); }
+
 Json of(const Welcome& m) {
-    return Json::object({{"viewer", m.viewer()},
-                         {"server", text(m.server())},
-                         {"scene", text(m.scene())},
-                         {"device", text(m.device())},
-                         {"width", m.width()},
-                         {"height", m.height()},
-                         {"views", m.views()},
-                         {"tick_hz", m.tick_hz()},
-                         {"max_in_flight", m.max_in_flight()},
-                         {"camera",
-                          {{"position", vec(m.camera()->position())},
-                           {"target", vec(m.camera()->target())},
-                           {"fov_y", m.camera()->fov_y()}}},
-                         {"methods", names(m.methods())},
-                         {"quadratures", names(m.quadratures())}});
+    Json out = Json::object({{"viewer", m.viewer()},
+                             {"server", text(m.server())},
+                             {"scene", text(m.scene())},
+                             {"device", text(m.device())},
+                             {"width", m.width()},
+                             {"height", m.height()},
+                             {"views", m.views()},
+                             {"tick_hz", m.tick_hz()},
+                             {"max_in_flight", m.max_in_flight()},
+                             {"camera",
+                              {{"position", vec(m.camera()->position())},
+                               {"target", vec(m.camera()->target())},
+                               {"fov_y", m.camera()->fov_y()}}},
+                             {"methods", names(m.methods())},
+                             {"quadratures", names(m.quadratures())}});
+    if (m.settings()) { // later than the first examples
+        out["settings"] = Json::array();
+        for (const Setting* s : *m.settings())
+            out["settings"].push_back({{"path", text(s->path())},
+                                       {"kind", EnumNameSettingKind(s->kind())},
+                                       {"unit", text(s->unit())},
+                                       {"help", text(s->help())},
+                                       {"least_role", nameOf(s->least_role())},
+                                       {"lowest", s->lowest()},
+                                       {"highest", s->highest()},
+                                       {"usual_lowest", s->usual_lowest()},
+                                       {"usual_highest", s->usual_highest()},
+                                       {"choices", names(s->choices())}});
+    }
+    return out;
 }
 
 Json of(const SceneState& m) {
@@ -211,6 +229,13 @@ Json of(const SceneState& m) {
                        {"rate", plan->rate()},           {"slabs", plan->slabs()},
                        {"error", plan->error()},         {"ms", plan->ms()},
                        {"relaxed", plan->relaxed()}};
+    if (m.plan() && m.plan()->text()) out["plan"]["text"] = text(m.plan()->text());
+    if (m.settings()) {
+        out["settings"] = Json::array();
+        for (const Value* value : *m.settings())
+            out["settings"].push_back(
+                {{"number", maybe(value->number())}, {"vector", vec(value->vector())}, {"text", text(value->text())}});
+    }
     return out;
 }
 
@@ -321,6 +346,27 @@ std::vector<Example> makeExamples() {
         const auto plan = CreatePlanDirect(b, "slabs", "", 8, 32, 0.00390625f, 7.5f, 2);
         return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0, 15, 1.5f, 0, 0, &albedo,
                                       "auto", "simpson", 2, 1, nullptr, plan);
+    }));
+    all.push_back(example("welcome_settings", [&](Builder& b) {
+        const std::vector choices{b.CreateString("auto"), b.CreateString("isv")};
+        const std::vector settings{CreateSettingDirect(b, "medium.albedo", SettingKind::colour, nullptr,
+                                                       "Single-scattering albedo", Role::controller, 0, 1, 0, 1),
+                                   CreateSettingDirect(b, "light.rotate", SettingKind::number, "rad/s",
+                                                       "Turning of the light", Role::controller, -10, 10, -2, 2),
+                                   CreateSettingDirect(b, "render.method", SettingKind::text, nullptr,
+                                                       "How the medium is rendered", Role::operator_, 0, 0, 0, 0,
+                                                       &choices)};
+        const Vec3 position(0, 2, 26), target(0, 0.5f, 0);
+        const auto camera = CreateCamera(b, &position, &target, 0.75f);
+        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "plume", "llvmpipe", 1280, 720, 1, 60, 2, camera, &choices,
+                                   nullptr, nullptr, false, Role::controller, &settings);
+    }));
+    all.push_back(example("scene_state_settings", [&](Builder& b) {
+        const auto plan = CreatePlanDirect(b, "isv", "simpson", 0, 0, 0.125f, 7.5f, 0, "isv, simpson 2");
+        const std::vector values{CreateValue(b, {}, &albedo), CreateValue(b, 0.25),
+                                 CreateValueDirect(b, {}, nullptr, "isv")};
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
+                                      "isv", "simpson", 2, 1, nullptr, plan, &values);
     }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));

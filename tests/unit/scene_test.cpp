@@ -106,15 +106,20 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[camera]\nfov_y = 3.2", 2, "camera.fov_y", "3.2 is not", "from 0.05 to 3"},
         Wrong{"[simulation]\npaused = 1", 2, "simulation.paused", "1 is not", "true or false"},
         Wrong{"[render]\nmethod = \"\"", 2, "render.method", "\"\" is not", "text of 1 to 64"},
-        Wrong{"[render]\nquadrature = \"gauss\"", 2, "render.quadrature", "\"gauss\"",
+        Wrong{"[render]\nquadrature = \"simpson\"", 2, "render.quadrature", "unknown key", "method"},
+        Wrong{"[render.isv]\nquadrature = \"gauss\"", 2, "render.isv.quadrature", "\"gauss\"",
               "\"simpson\", \"transmittance\", \"analytic\""},
-        Wrong{"[render]\nsteps = 11", 2, "render.steps", "11 is not", "from 1 to 10"},
-        Wrong{"[render]\nquadrature = \"transmittance\"\nsteps = 4", 3, "render.steps", "4 is not", "from 1 to 3"},
+        Wrong{"[render.isv]\nsteps = 11", 2, "render.isv.steps", "11 is not", "from 1 to 10"},
+        Wrong{"[render.isv]\nquadrature = \"transmittance\"\nsteps = 4", 3, "render.isv.steps", "4 is not",
+              "from 1 to 3"},
         Wrong{"[render]\nshadow_slices = 1", 2, "render.shadow_slices", "1 is not",
-              "0, or a whole number from 2 to 128"},
-        Wrong{"[render]\nshadow_size = 0.0", 2, "render.shadow_size", "0 is not",
-              "0, or a whole number from 16 to 1024"},
-        Wrong{"[render]\nshading = 6", 2, "render.shading", "6 is not", "0, 1, 2, 4 or 8"},
+              "\"auto\", or a whole number from 2 to 128"},
+        Wrong{"[render]\nshadow_size = 0", 2, "render.shadow_size", "0 is not",
+              "\"auto\", or a whole number from 16 to 1024"},
+        Wrong{"[render]\nrate = \"automatic\"", 2, "render.rate", "\"automatic\" is not",
+              "\"auto\", or a whole number from 1 to 16"},
+        Wrong{"[render.grid]\nspacing = 0", 2, "render.grid.spacing", "0 is not", "\"auto\", or a number from 0.01"},
+        Wrong{"[render]\nshading = 6", 2, "render.shading", "6 is not", "\"auto\", 1, 2, 4 or 8"},
         Wrong{"[render]\nmerge = 8.5", 2, "render.merge", "8.5 is not", "from 0 to 8"},
         Wrong{"[render]\nshadow_error = 0", 2, "render.shadow_error", "0 is not", "from 0.0001 to 0.1"},
         Wrong{"name = 1979-05-27", 1, "name", "a date or time", "text"},
@@ -154,12 +159,18 @@ ambient = [0, 0, 0.5]
 [camera]
 fov_y = 1
 [render]
-shadow_size = 0
+shadow_size = "auto"
 shadow_slices = 9
 shadow_error = 0.01
+slabs = "auto"
 method = "isv"
+[render.isv]
 quadrature = "transmittance"
 steps = 3
+[render.tiles]
+quadrature = "hermite"
+[render.grid]
+spacing = "auto"
 )"));
     EXPECT_EQ(scene.name, "all");
     EXPECT_EQ(scene.medium.layout, Layout::emitter);
@@ -181,8 +192,12 @@ steps = 3
     EXPECT_EQ(scene.sky.ambient.z, 0.5f);
     EXPECT_EQ(scene.camera.fov_y, 1);
     EXPECT_EQ(scene.render.method, "isv");
-    EXPECT_EQ(scene.render.steps, 3u);
-    EXPECT_EQ(scene.render.shadow_size, 0u);
+    EXPECT_EQ(scene.render.isv.steps, 3u);
+    EXPECT_EQ(scene.render.isv.quadrature, "transmittance");
+    EXPECT_EQ(scene.render.tiles.quadrature, "hermite");
+    EXPECT_EQ(scene.render.grid.spacing, kAuto);
+    EXPECT_EQ(scene.render.shadow_size, kAuto);
+    EXPECT_EQ(scene.render.slabs, kAuto);
     EXPECT_EQ(scene.render.shadow_slices, 9u);
     EXPECT_EQ(scene.render.shadow_error, 0.01f);
 }

@@ -48,7 +48,7 @@ TEST(Settings, ALiveOneHasAValueThatACommandCanHave) {
     EXPECT_GE(live, 13u);
     EXPECT_EQ(liveSetting("medium.cuont"), nullptr);
     EXPECT_THROW(Change("medium.count", 3u), std::invalid_argument) << "not live";
-    EXPECT_THROW(Change("render.steps", 3.0f), std::invalid_argument) << "a whole number";
+    EXPECT_THROW(Change("render.isv.steps", 3.0f), std::invalid_argument) << "a whole number";
 }
 
 } // namespace

@@ -54,8 +54,8 @@ constexpr Variant kVariants[] = {
 
 Scene withVariant(Scene scene, const Variant& v) {
     scene.render.method = v.method;
-    scene.render.quadrature = v.quadrature;
-    scene.render.steps = v.steps;
+    scene.render.isv.quadrature = v.quadrature;
+    scene.render.isv.steps = v.steps;
     return scene;
 }
 

@@ -9,6 +9,9 @@ import { Message } from './wire/brume/wire/message';
 import { Ping as WirePing } from './wire/brume/wire/ping';
 import { Quat as WireQuat } from './wire/brume/wire/quat';
 import type { Plan as WirePlan } from './wire/brume/wire/plan';
+import { SettingKind as WireKind } from './wire/brume/wire/setting-kind';
+import type { Setting as WireSetting } from './wire/brume/wire/setting';
+import type { Value as WireValue } from './wire/brume/wire/value';
 import { SceneState as WireSceneState } from './wire/brume/wire/scene-state';
 import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Welcome as WireWelcome } from './wire/brume/wire/welcome';
@@ -16,10 +19,12 @@ import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
 import { ProtocolError } from './protocol';
 import { roleOf } from './role';
 import type { Frame, Frustum, Plan, Quat, SceneState, ServerMessage, Vec3, Welcome } from './protocol';
+import type { Setting, SettingKind, SettingValue } from './protocol';
 
 // The longest lists that a message may have; a longer one makes the message invalid.
 const MAX_VIEWS = 2;
 const MAX_NAMES = 64;
+const MAX_SETTINGS = 200;
 
 // Throws ProtocolError for anything that is not a message of a brume.v1 server.
 export function decode(data: ArrayBuffer): ServerMessage {
@@ -80,6 +85,37 @@ function toList<T>(count: number, limit: number, item: (index: number) => T): T[
   return Array.from({ length: count }, (_, index) => item(index));
 }
 
+const KINDS: Record<number, SettingKind> = {
+  [WireKind.boolean]: 'boolean',
+  [WireKind.whole]: 'whole',
+  [WireKind.number]: 'number',
+  [WireKind.vector]: 'vector',
+  [WireKind.colour]: 'colour',
+  [WireKind.direction]: 'direction',
+  [WireKind.text]: 'text',
+};
+
+function decodeSetting(s: WireSetting | null): Setting {
+  if (!s) throw new ProtocolError('a setting that is not there');
+  return {
+    path: s.path() ?? '',
+    kind: KINDS[s.kind()],
+    unit: s.unit() ?? '',
+    help: s.help() ?? '',
+    leastRole: roleOf(s.leastRole()),
+    lowest: s.lowest(),
+    highest: s.highest(),
+    usualLowest: s.usualLowest(),
+    usualHighest: s.usualHighest(),
+    choices: toList(s.choicesLength(), MAX_NAMES, (i) => s.choices(i)),
+  };
+}
+
+function decodeValue(v: WireValue | null): SettingValue {
+  const vector = v?.vector();
+  return vector ? toVec3(vector) : (v?.text() ?? v?.number() ?? 0);
+}
+
 function decodeWelcome(w: WireWelcome): Welcome {
   const camera = w.camera();
   if (!camera) throw new ProtocolError('welcome without a camera');
@@ -94,8 +130,7 @@ function decodeWelcome(w: WireWelcome): Welcome {
     tickHz: w.tickHz(),
     maxInFlight: w.maxInFlight(),
     camera: { position: toVec3(camera.position()), target: toVec3(camera.target()), fovY: camera.fovY() },
-    methods: toList(w.methodsLength(), MAX_NAMES, (i) => w.methods(i)),
-    quadratures: toList(w.quadraturesLength(), MAX_NAMES, (i) => w.quadratures(i)),
+    settings: toList(w.settingsLength(), MAX_SETTINGS, (i) => decodeSetting(w.settings(i))),
     resume: w.resume() ?? '',
     role: roleOf(w.role()),
   };
@@ -104,9 +139,7 @@ function decodeWelcome(w: WireWelcome): Welcome {
 function decodePlan(p: WirePlan): Plan {
   return {
     method: p.method() ?? '',
-    quadrature: p.quadrature() ?? '',
-    rate: p.rate(),
-    slabs: p.slabs(),
+    text: p.text() ?? '',
     error: p.error(),
     ms: p.ms(),
     relaxed: p.relaxed(),
@@ -121,19 +154,7 @@ function decodeScene(s: WireSceneState): SceneState {
     stateHash: s.stateHash(),
     viewers: s.viewers(),
     particles: s.particles(),
-    paused: s.paused(),
-    toLight: toVec3(s.toLight(), [0, 1, 0]),
-    irradiance: toVec3(s.irradiance(), [0, 0, 0]),
-    rotate: s.rotate(),
-    extinction: s.extinction(),
-    falloff: s.falloff(),
-    anisotropy: s.anisotropy(),
-    asymmetry: s.asymmetry(),
-    albedo: toVec3(s.albedo(), [0, 0, 0]),
-    method: s.method() ?? '',
-    quadrature: s.quadrature() ?? '',
-    steps: s.steps(),
-    exposure: s.exposure(),
+    settings: toList(s.settingsLength(), MAX_SETTINGS, (i) => decodeValue(s.settings(i))),
     passes: toList(s.passesLength(), MAX_NAMES, (i) => {
       const pass = s.passes(i);
       return { name: pass?.name() ?? '', ms: pass?.ms() ?? 0 };

@@ -2,6 +2,7 @@
 import { Builder } from 'flatbuffers';
 import { Ack } from './wire/brume/wire/ack';
 import { Body } from './wire/brume/wire/body';
+import { Change } from './wire/brume/wire/change';
 import { Command as CommandType } from './wire/brume/wire/command';
 import { Goodbye as WireGoodbye } from './wire/brume/wire/goodbye';
 import { Hello } from './wire/brume/wire/hello';
@@ -14,10 +15,7 @@ import { Pong as WirePong } from './wire/brume/wire/pong';
 import { Pose as WirePose } from './wire/brume/wire/pose';
 import { Quat as WireQuat } from './wire/brume/wire/quat';
 import { Restart } from './wire/brume/wire/restart';
-import { SetLight } from './wire/brume/wire/set-light';
-import { SetMedium } from './wire/brume/wire/set-medium';
-import { SetRender } from './wire/brume/wire/set-render';
-import { SetSimulation } from './wire/brume/wire/set-simulation';
+import { Set as WireSet } from './wire/brume/wire/set';
 import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
 import type { Command, Frustum, HelloMessage, PoseMessage, Vec3 } from './protocol';
@@ -83,34 +81,21 @@ function buildCommand(builder: Builder, command: Command): [CommandType, number]
       MoveVolume.startMoveVolume(builder);
       MoveVolume.addOffset(builder, vec3(builder, command.offset));
       return [CommandType.MoveVolume, MoveVolume.endMoveVolume(builder)];
-    case 'light':
-      SetLight.startSetLight(builder);
-      if (command.toLight) SetLight.addToLight(builder, vec3(builder, command.toLight));
-      if (command.irradiance) SetLight.addIrradiance(builder, vec3(builder, command.irradiance));
-      if (command.rotate !== undefined) SetLight.addRotate(builder, command.rotate);
-      return [CommandType.SetLight, SetLight.endSetLight(builder)];
-    case 'medium':
-      SetMedium.startSetMedium(builder);
-      if (command.extinction !== undefined) SetMedium.addExtinction(builder, command.extinction);
-      if (command.falloff !== undefined) SetMedium.addFalloff(builder, command.falloff);
-      if (command.anisotropy !== undefined) SetMedium.addAnisotropy(builder, command.anisotropy);
-      if (command.asymmetry !== undefined) SetMedium.addAsymmetry(builder, command.asymmetry);
-      if (command.albedo) SetMedium.addAlbedo(builder, vec3(builder, command.albedo));
-      return [CommandType.SetMedium, SetMedium.endSetMedium(builder)];
-    case 'render': {
-      const method = command.method === undefined ? 0 : builder.createString(command.method);
-      const quadrature = command.quadrature === undefined ? 0 : builder.createString(command.quadrature);
-      SetRender.startSetRender(builder);
-      if (method) SetRender.addMethod(builder, method);
-      if (quadrature) SetRender.addQuadrature(builder, quadrature);
-      if (command.steps !== undefined) SetRender.addSteps(builder, command.steps);
-      if (command.exposure !== undefined) SetRender.addExposure(builder, command.exposure);
-      return [CommandType.SetRender, SetRender.endSetRender(builder)];
+    case 'set': {
+      const changes = command.changes.map(({ path, value }) => {
+        const [name, text] = [builder.createString(path), typeof value === 'string' ? builder.createString(value) : 0];
+        Change.startChange(builder);
+        Change.addPath(builder, name);
+        if (typeof value === 'number') Change.addNumber(builder, value);
+        if (typeof value === 'object') Change.addVector(builder, vec3(builder, value));
+        if (text) Change.addText(builder, text);
+        return Change.endChange(builder);
+      });
+      const list = WireSet.createChangesVector(builder, changes);
+      WireSet.startSet(builder);
+      WireSet.addChanges(builder, list);
+      return [CommandType.Set, WireSet.endSet(builder)];
     }
-    case 'simulation':
-      SetSimulation.startSetSimulation(builder);
-      SetSimulation.addPaused(builder, command.paused);
-      return [CommandType.SetSimulation, SetSimulation.endSetSimulation(builder)];
     case 'restart':
       Restart.startRestart(builder);
       return [CommandType.Restart, Restart.endRestart(builder)];

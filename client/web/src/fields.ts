@@ -75,9 +75,7 @@ export interface SliderOptions {
 
 const LOG_STEPS = 400;
 
-export function slider(
-  options: SliderOptions,
-): Field<number> & { range(max: number): void; enable(on: boolean): void } {
+export function slider(options: SliderOptions): Field<number> {
   const { min, logarithmic } = options;
   let max = options.max;
   const format = options.format ?? ((value: number): string => String(Math.round(value * 100) / 100));
@@ -122,17 +120,10 @@ export function slider(
   return {
     element,
     follow: (value) => hold.held || place(value),
-    range: (most) => {
-      if (most !== max && !hold.held) bounds(most);
-    },
-    enable: (on) => {
-      input.disabled = !on;
-      element.classList.toggle('off', !on);
-    },
   };
 }
 
-export function colour(label: string, change: (hex: string) => void): Field<string> {
+export function colour(label: string, change: (hex: string) => void, hint?: string): Field<string> {
   const input = el('input', { type: 'color' });
   const output = valueText();
   const hold = new Hold(input);
@@ -142,7 +133,7 @@ export function colour(label: string, change: (hex: string) => void): Field<stri
     setText(output, input.value);
     send(input.value);
   });
-  const element = row(label, input, output);
+  const element = row(label, input, output, hint);
   element.classList.add('tinted');
   return {
     element,
@@ -155,6 +146,23 @@ export function colour(label: string, change: (hex: string) => void): Field<stri
   };
 }
 
+export function toggle(label: string, change: (on: boolean) => void, hint?: string): Field<boolean> {
+  const input = el('input', { type: 'checkbox' });
+  const hold = new Hold(input);
+  input.addEventListener('change', () => {
+    hold.touch();
+    change(input.checked);
+  });
+  const element = row(label, input, undefined, hint);
+  element.classList.add('inline');
+  return {
+    element,
+    follow: (on) => {
+      if (!hold.held) input.checked = on;
+    },
+  };
+}
+
 export interface Option {
   value: string;
   text: string;
@@ -163,14 +171,15 @@ export interface Option {
 export function select(
   label: string,
   change: (value: string) => void,
-): Field<string> & { options(list: Option[]): void; enable(on: boolean): void } {
+  hint?: string,
+): Field<string> & { options(list: Option[]): void } {
   const input = el('select');
   const hold = new Hold(input);
   input.addEventListener('change', () => {
     hold.touch();
     change(input.value);
   });
-  const element = row(label, input);
+  const element = row(label, input, undefined, hint);
   element.classList.add('inline');
   return {
     element,
@@ -180,10 +189,6 @@ export function select(
     },
     options: (list) => {
       input.replaceChildren(...list.map(({ value, text }) => el('option', { value }, text)));
-    },
-    enable: (on) => {
-      input.disabled = !on;
-      element.classList.toggle('off', !on);
     },
   };
 }

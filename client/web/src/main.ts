@@ -17,6 +17,8 @@ import { Picture } from './picture';
 import type { Command, Frame, SceneState, ServerMessage, Welcome } from './protocol';
 import { Pusher } from './pusher';
 import { mayControl, takeToken } from './role';
+import { valuesOf } from './shared-settings';
+import type { Values } from './shared-settings';
 import { followAddress, loadSettings, saveSettings } from './settings';
 import { Predictor } from './predict';
 import { publishReport } from './report';
@@ -27,6 +29,7 @@ import { Viewing } from './viewing';
 import { Visibility } from './visibility';
 
 // A still camera sends its pose again this often: the latency shown is then never older.
+const PAUSED = 'simulation.paused'; // path of the setting
 const POSE_REFRESH_MS = 500;
 const OVERLAY_MS = 250;
 const RESIZE_SETTLE_MS = 150;
@@ -43,6 +46,7 @@ followAddress(settings, location.search);
 
 let welcome: Welcome | undefined;
 let scene: SceneState | undefined;
+let values: Values = new Map(); // of the scene's settings, as last reported
 let camera: Camera = lookAt([0, 2, 26], [0, 0, 0]);
 let home = camera;
 let mode: Mode = 'orbit';
@@ -121,8 +125,9 @@ function receive(message: ServerMessage, bytes: number): void {
       break;
     case 'scene':
       scene = message;
-      panel.follow(message);
-      setPressed(find('tool-pause'), message.paused);
+      values = valuesOf(welcome?.settings ?? [], message.settings);
+      panel.follow(values, message.plan);
+      setPressed(find('tool-pause'), paused());
       break;
     case 'error':
       if (message.code !== ERROR_FULL) notices.note(sentence(message.text || 'The server refused that.'), 'error');
@@ -197,6 +202,7 @@ function setMode(value: Mode): void {
   hint();
 }
 
+const paused = (): boolean => values.get(PAUSED) === 1;
 const mayPush = (): boolean => mayControl(welcome?.role ?? 'operator');
 
 function setPushing(on: boolean): void {
@@ -267,7 +273,7 @@ const actions: Record<string, () => void> = {
   orbit: () => setMode('orbit'),
   fly: () => setMode('fly'),
   push: () => setPushing(!pushing),
-  pause: () => mayPush() && command({ kind: 'simulation', paused: !(scene?.paused ?? false) }),
+  pause: () => mayPush() && command({ kind: 'set', changes: [{ path: PAUSED, value: paused() ? 0 : 1 }] }),
   reset: () => (camera = home),
   vr: () => void toggleHeadset(),
   stats: () => toggles.stats(!settings.stats),
@@ -392,5 +398,6 @@ publishReport({
   sentPose: () => (sent && same(sent.camera, camera) ? sent.pose : undefined), // undefined while a newer one is due
   camera: () => camera,
   scene: () => scene,
+  values: () => values,
   headset: () => headset,
 });

@@ -121,9 +121,7 @@ export class Overlay {
     this.fact('tick', scene && (frame ?? scene).tick.toLocaleString('en'));
     this.fact('viewers', scene && String(scene.viewers));
     this.fact('particles', scene && scene.particles.toLocaleString('en'));
-    const quadrature =
-      scene && scene.quadrature && scene.method === 'isv' ? ` · ${scene.quadrature} ${scene.steps}` : '';
-    this.fact('method', scene && `${scene.method}${quadrature}`);
+    this.fact('method', scene?.plan && (scene.plan.text || scene.plan.method));
     this.fact('picture', frame && `${frame.width}×${frame.height} q${frame.quality}`);
     this.fact('stream', formatBytes(data.bytesPerSecond));
     this.fact('round trip', data.roundTripMs === undefined ? undefined : `${ms(data.roundTripMs)} ms`);

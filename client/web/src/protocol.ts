@@ -39,18 +39,25 @@ export interface PoseMessage {
 export type Command =
   | { kind: 'impulse'; origin: Vec3; direction: Vec3; push?: Vec3; strength: number }
   | { kind: 'move'; offset: Vec3 }
-  | { kind: 'light'; toLight?: Vec3; irradiance?: Vec3; rotate?: number }
-  | {
-      kind: 'medium';
-      extinction?: number;
-      falloff?: number;
-      anisotropy?: number;
-      asymmetry?: number;
-      albedo?: Vec3;
-    }
-  | { kind: 'render'; method?: string; quadrature?: string; steps?: number; exposure?: number }
-  | { kind: 'simulation'; paused: boolean }
+  | { kind: 'set'; changes: { path: string; value: SettingValue }[] }
   | { kind: 'restart' };
+
+export type SettingKind = 'boolean' | 'whole' | 'number' | 'vector' | 'colour' | 'direction' | 'text';
+export type SettingValue = number | Vec3 | string; // of a boolean 0 or 1
+
+// A setting of the scene that may be changed while the server runs.
+export interface Setting {
+  path: string; // as in a scene file: medium.extinction
+  kind: SettingKind | undefined; // undefined: one that this page does not know
+  unit: string; // empty: none
+  help: string;
+  leastRole: Role; // that may change it
+  lowest: number; // of each of its numbers
+  highest: number;
+  usualLowest: number; // the part of that range that a slider offers
+  usualHighest: number;
+  choices: string[]; // of a text
+}
 
 export interface Welcome {
   kind: 'welcome';
@@ -63,8 +70,7 @@ export interface Welcome {
   tickHz: number;
   maxInFlight: number;
   camera: { position: Vec3; target: Vec3; fovY: number };
-  methods: string[];
-  quadratures: string[];
+  settings: Setting[];
   resume: string; // key to be the same viewer again when the connection is lost; empty from older servers
   role: Role;
 }
@@ -75,28 +81,14 @@ export interface SceneState {
   stateHash: bigint;
   viewers: number;
   particles: number;
-  paused: boolean;
-  toLight: Vec3;
-  irradiance: Vec3;
-  rotate: number;
-  extinction: number;
-  falloff: number;
-  anisotropy: number;
-  asymmetry: number;
-  albedo: Vec3;
-  method: string;
-  quadrature: string;
-  steps: number;
-  exposure: number;
+  settings: SettingValue[]; // in the order of Welcome.settings
   passes: { name: string; ms: number }[];
   plan?: Plan; // method and settings in use; older servers leave it out
 }
 
 export interface Plan {
   method: string;
-  quadrature: string; // empty if the method has only one
-  rate: number; // slabs: pixels between rays
-  slabs: number;
+  text: string; // method and settings in a few words
   error: number; // relative RMSE, predicted
   ms: number; // of a frame of all viewers, predicted
   relaxed: number; // steps of accuracy given up under overload

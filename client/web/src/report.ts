@@ -3,6 +3,7 @@ import type { Camera } from './camera';
 import type { LinkState } from './connection';
 import type { Headset } from './headset';
 import type { SceneState } from './protocol';
+import type { Values } from './shared-settings';
 import { hash } from './statistics';
 import type { Statistics } from './statistics';
 import type { Viewing } from './viewing';
@@ -15,6 +16,7 @@ export interface Sources {
   sentPose(): number | undefined;
   camera(): Camera;
   scene(): SceneState | undefined;
+  values(): Values;
   headset(): Headset | undefined;
 }
 
@@ -47,7 +49,8 @@ function report(of: Sources) {
     },
     get scene() {
       const scene = of.scene();
-      return scene && { ...scene, tick: Number(scene.tick), stateHash: hash(scene.stateHash) };
+      const settings = Object.fromEntries(of.values()); // by path
+      return scene && { ...scene, settings, tick: Number(scene.tick), stateHash: hash(scene.stateHash) };
     },
     get lastFrame() {
       const { lastFrame, lastLatency } = statistics;

@@ -12,6 +12,8 @@ const ROLES: Record<number, Role> = {
 // A role that this page does not know counts as viewer.
 export const roleOf = (role: number): Role => ROLES[role] ?? 'viewer';
 
+const RANKS: readonly Role[] = ['viewer', 'controller', 'operator'];
+export const atLeast = (role: Role, least: Role): boolean => RANKS.indexOf(role) >= RANKS.indexOf(least);
 export const mayControl = (role: Role): boolean => role !== 'viewer';
 export const mayOperate = (role: Role): boolean => role === 'operator';
 

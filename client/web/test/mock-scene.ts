@@ -1,5 +1,6 @@
 // A stand-in for the real simulation and renderer: a few dozen soft blobs on springs, drawn small in plain code.
 import jpeg from 'jpeg-js';
+import { SettingKind } from '../src/wire/brume/wire/setting-kind';
 
 type V3 = [number, number, number];
 
@@ -33,24 +34,38 @@ function rotateBack([x, y, z, w]: View['orientation'], v: V3): V3 {
   return [v[0] + w * tx + b * tz - c * ty, v[1] + w * ty + c * tx - a * tz, v[2] + w * tz + a * ty - b * tx];
 }
 
+// A few of the real server's live settings.
+export const SETTINGS: readonly {
+  path: string;
+  kind: SettingKind;
+  value: number | V3 | string;
+  range: [lowest: number, highest: number];
+  choices?: string[];
+}[] = [
+  { path: 'light.to_light', kind: SettingKind.direction, value: [0.4, 0.8, 0.45], range: [-1, 1] },
+  { path: 'light.irradiance', kind: SettingKind.colour, value: [10, 9.4, 8.6], range: [0, 40] },
+  { path: 'light.rotate', kind: SettingKind.number, value: 0, range: [-2, 2] },
+  { path: 'medium.extinction', kind: SettingKind.number, value: 15, range: [0, 100] },
+  { path: 'medium.albedo', kind: SettingKind.colour, value: [0.92, 0.94, 0.97], range: [0, 1] },
+  { path: 'simulation.paused', kind: SettingKind.boolean, value: 0, range: [0, 1] },
+  { path: 'render.method', kind: SettingKind.text, value: 'sphere', range: [0, 0], choices: ['sphere', 'isv'] },
+  { path: 'render.exposure', kind: SettingKind.number, value: 1, range: [0.05, 20] },
+  { path: 'render.isv.steps', kind: SettingKind.whole, value: 2, range: [1, 10] },
+];
+
 export class MockScene {
   tick = 0;
-  paused = false;
-  toLight: V3 = [0.4, 0.8, 0.45];
-  irradiance: V3 = [10, 9.4, 8.6];
-  rotate = 0;
-  extinction = 15;
-  falloff = 1.6;
-  anisotropy = 0.3;
-  asymmetry = 0.6;
-  albedo: V3 = [0.92, 0.94, 0.97];
-  method = 'sphere';
-  quadrature = 'simpson';
-  steps = 2;
-  exposure = 1;
+  readonly settings = new Map<string, number | V3 | string>(SETTINGS.map(({ path, value }) => [path, value]));
   private readonly home: V3[] = [];
   private readonly at: V3[] = [];
   private readonly speed: V3[] = [];
+
+  private number(path: string): number {
+    return Number(this.settings.get(path));
+  }
+  private vector(path: string): V3 {
+    return this.settings.get(path) as V3;
+  }
 
   constructor() {
     const dice = random();
@@ -76,10 +91,14 @@ export class MockScene {
 
   step(dt: number): void {
     this.tick += 1;
-    if (this.paused) return;
-    const turn = this.rotate * dt;
-    const [x, y, z] = this.toLight;
-    this.toLight = [x * Math.cos(turn) + z * Math.sin(turn), y, z * Math.cos(turn) - x * Math.sin(turn)];
+    if (this.number('simulation.paused') === 1) return;
+    const turn = this.number('light.rotate') * dt;
+    const [x, y, z] = this.vector('light.to_light');
+    this.settings.set('light.to_light', [
+      x * Math.cos(turn) + z * Math.sin(turn),
+      y,
+      z * Math.cos(turn) - x * Math.sin(turn),
+    ]);
     this.at.forEach((blob, i) => {
       const speed = this.speed[i] as V3;
       const home = this.home[i] as V3;
@@ -104,6 +123,9 @@ export class MockScene {
   }
 
   draw(view: View, quality: number): { width: number; height: number; bytes: Uint8Array } {
+    const [toLight, irradiance] = [this.vector('light.to_light'), this.vector('light.irradiance')];
+    const [albedo, exposure] = [this.vector('medium.albedo'), this.number('render.exposure')];
+    const extinction = this.number('medium.extinction');
     const shrink = Math.min(1, Math.sqrt(PIXELS / (view.width * view.height)));
     const width = Math.max(2, Math.round(view.width * shrink));
     const height = Math.max(2, Math.round(view.height * shrink));
@@ -116,11 +138,11 @@ export class MockScene {
       const cx = width / 2 + (focal * v[0]) / -v[2];
       const cy = height / 2 - (focal * v[1]) / -v[2];
       const sigma = (focal * RADIUS) / 2 / -v[2];
-      const bright = 0.75 + 0.09 * (blob[0] * this.toLight[0] + blob[1] * this.toLight[1] + blob[2] * this.toLight[2]);
+      const bright = 0.75 + 0.09 * (blob[0] * toLight[0] + blob[1] * toLight[1] + blob[2] * toLight[2]);
       const reach = Math.min(2.4 * sigma, width);
       for (let y = Math.max(0, Math.floor(cy - reach)); y < Math.min(height, cy + reach); ++y) {
         for (let x = Math.max(0, Math.floor(cx - reach)); x < Math.min(width, cx + reach); ++x) {
-          const g = Math.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (2 * sigma * sigma)) * this.extinction * 0.02;
+          const g = Math.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (2 * sigma * sigma)) * extinction * 0.02;
           depth[y * width + x] = (depth[y * width + x] ?? 0) + g;
           lit[y * width + x] = (lit[y * width + x] ?? 0) + g * bright;
         }
@@ -133,7 +155,7 @@ export class MockScene {
       const through = Math.exp(-d);
       const light = d > 0 ? ((lit[i] ?? 0) / d) * 22 : 0;
       for (const k of [0, 1, 2] as const) {
-        const cloud = Math.min(255, light * this.irradiance[k] * this.albedo[k] * this.exposure);
+        const cloud = Math.min(255, light * irradiance[k] * albedo[k] * exposure);
         data[4 * i + k] = sky(Math.floor(i / width) / height, k) * through + cloud * (1 - through);
       }
       data[4 * i + 3] = 255;

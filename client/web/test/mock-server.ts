@@ -26,15 +26,15 @@ import { Pong } from '../src/wire/brume/wire/pong';
 import { Pose } from '../src/wire/brume/wire/pose';
 import { Quat } from '../src/wire/brume/wire/quat';
 import { Plan } from '../src/wire/brume/wire/plan';
+import { Role } from '../src/wire/brume/wire/role';
 import { SceneState } from '../src/wire/brume/wire/scene-state';
-import { SetLight } from '../src/wire/brume/wire/set-light';
-import { SetMedium } from '../src/wire/brume/wire/set-medium';
-import { SetRender } from '../src/wire/brume/wire/set-render';
-import { SetSimulation } from '../src/wire/brume/wire/set-simulation';
+import { Set as WireSet } from '../src/wire/brume/wire/set';
+import { Setting } from '../src/wire/brume/wire/setting';
+import { Value } from '../src/wire/brume/wire/value';
 import { Stages } from '../src/wire/brume/wire/stages';
 import { Vec3 } from '../src/wire/brume/wire/vec3';
 import { Welcome } from '../src/wire/brume/wire/welcome';
-import { MockScene } from './mock-scene';
+import { MockScene, SETTINGS } from './mock-scene';
 import type { View } from './mock-scene';
 
 // Options of the real server that are not here are ignored.
@@ -80,9 +80,23 @@ const error = (code: ErrorCode, text: string): Uint8Array =>
 const welcome = (viewer: Viewer): Uint8Array =>
   message(Body.Welcome, (b) => {
     const strings = ['mock 0.1.0', sceneName, 'no device'].map((text) => b.createString(text));
-    const methods = Welcome.createMethodsVector(b, [b.createString('sphere'), b.createString('isv')]);
-    const rules = ['simpson', 'transmittance', 'analytic'].map((name) => b.createString(name));
-    const quadratures = Welcome.createQuadraturesVector(b, rules);
+    const settings = Welcome.createSettingsVector(
+      b,
+      SETTINGS.map(({ path, kind, range, choices }) => {
+        const names = (choices ?? []).map((name) => b.createString(name));
+        return Setting.createSetting(
+          b,
+          b.createString(path),
+          kind,
+          b.createString(''),
+          b.createString('Of the stand-in.'),
+          Role.controller,
+          ...range,
+          ...range,
+          Setting.createChoicesVector(b, names),
+        );
+      }),
+    );
     Camera.startCamera(b);
     Camera.addPosition(b, Vec3.createVec3(b, 0, 2, 16));
     Camera.addTarget(b, Vec3.createVec3(b, 0, 0, 0));
@@ -97,10 +111,18 @@ const welcome = (viewer: Viewer): Uint8Array =>
     Welcome.addMaxInFlight(b, 2);
     Welcome.addViews(b, 1);
     Welcome.addCamera(b, camera);
-    Welcome.addMethods(b, methods);
-    Welcome.addQuadratures(b, quadratures);
+    Welcome.addSettings(b, settings);
     return Welcome.endWelcome(b);
   });
+
+function packed(b: Builder, value: number | V3 | string): number {
+  const text = typeof value === 'string' ? b.createString(value) : 0;
+  Value.startValue(b);
+  if (typeof value === 'number') Value.addNumber(b, value);
+  if (typeof value === 'object') Value.addVector(b, Vec3.createVec3(b, ...value));
+  if (text) Value.addText(b, text);
+  return Value.endValue(b);
+}
 
 const sceneState = (): Uint8Array =>
   message(Body.SceneState, (b) => {
@@ -115,27 +137,18 @@ const sceneState = (): Uint8Array =>
         ] as const
       ).map(([name, ms]) => PassTime.createPassTime(b, b.createString(name), ms)),
     );
-    const method = b.createString(scene.method);
-    const plan = Plan.createPlan(b, method, b.createString(''), 0, 0, 0.015, 11.4, 0);
-    const quadrature = b.createString(scene.quadrature);
+    const method = b.createString(String(scene.settings.get('render.method')));
+    const plan = Plan.createPlan(b, method, 0, 0, 0, 0.015, 11.4, 0, method);
+    const values = SceneState.createSettingsVector(
+      b,
+      SETTINGS.map(({ path }) => packed(b, scene.settings.get(path) ?? 0)),
+    );
     SceneState.startSceneState(b);
     SceneState.addTick(b, BigInt(scene.tick));
     SceneState.addStateHash(b, scene.hash());
     SceneState.addViewers(b, [...viewers].filter((viewer) => viewer.greeted).length);
     SceneState.addParticles(b, 500);
-    SceneState.addPaused(b, scene.paused);
-    SceneState.addToLight(b, Vec3.createVec3(b, ...scene.toLight));
-    SceneState.addIrradiance(b, Vec3.createVec3(b, ...scene.irradiance));
-    SceneState.addRotate(b, scene.rotate);
-    SceneState.addExtinction(b, scene.extinction);
-    SceneState.addFalloff(b, scene.falloff);
-    SceneState.addAnisotropy(b, scene.anisotropy);
-    SceneState.addAsymmetry(b, scene.asymmetry);
-    SceneState.addAlbedo(b, Vec3.createVec3(b, ...scene.albedo));
-    SceneState.addMethod(b, method);
-    SceneState.addQuadrature(b, quadrature);
-    SceneState.addSteps(b, scene.steps);
-    SceneState.addExposure(b, scene.exposure);
+    SceneState.addSettings(b, values);
     SceneState.addPasses(b, passes);
     SceneState.addPlan(b, plan);
     return SceneState.endSceneState(b);
@@ -148,33 +161,15 @@ function command(input: Input): void {
       scene.impulse(v3(c.origin()) ?? [0, 0, 0], v3(c.direction()) ?? [0, 0, -1], v3(c.push()), c.strength());
       return;
     }
-    case Command.SetLight: {
-      const c = input.command(new SetLight()) as SetLight;
-      scene.toLight = v3(c.toLight()) ?? scene.toLight;
-      scene.irradiance = v3(c.irradiance()) ?? scene.irradiance;
-      scene.rotate = c.rotate() ?? scene.rotate;
+    case Command.Set: {
+      const set = input.command(new WireSet()) as WireSet;
+      for (let i = 0; i < set.changesLength(); ++i) {
+        const change = set.changes(i);
+        const value = v3(change?.vector() ?? null) ?? change?.text() ?? change?.number();
+        if (value !== undefined && value !== null) scene.settings.set(change?.path() ?? '', value);
+      }
       return;
     }
-    case Command.SetMedium: {
-      const c = input.command(new SetMedium()) as SetMedium;
-      scene.extinction = c.extinction() ?? scene.extinction;
-      scene.falloff = c.falloff() ?? scene.falloff;
-      scene.anisotropy = c.anisotropy() ?? scene.anisotropy;
-      scene.asymmetry = c.asymmetry() ?? scene.asymmetry;
-      scene.albedo = v3(c.albedo()) ?? scene.albedo;
-      return;
-    }
-    case Command.SetRender: {
-      const c = input.command(new SetRender()) as SetRender;
-      scene.method = c.method() ?? scene.method;
-      scene.quadrature = c.quadrature() ?? scene.quadrature;
-      scene.steps = c.steps() ?? scene.steps;
-      scene.exposure = c.exposure() ?? scene.exposure;
-      return;
-    }
-    case Command.SetSimulation:
-      scene.paused = (input.command(new SetSimulation()) as SetSimulation).paused() ?? scene.paused;
-      return;
     case Command.Restart:
       scene = new MockScene();
   }

@@ -4,7 +4,7 @@ import { describe, expect, test } from 'vitest';
 import { decode } from '../src/decode';
 import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodePong, encodePose } from '../src/encode';
 import { ProtocolError } from '../src/protocol';
-import type { Command, Frustum, Quat, Vec3 } from '../src/protocol';
+import type { Command, Frustum, Quat, SettingValue, Vec3 } from '../src/protocol';
 import { Ack } from '../src/wire/brume/wire/ack';
 import { Body } from '../src/wire/brume/wire/body';
 import { Command as CommandType } from '../src/wire/brume/wire/command';
@@ -22,6 +22,8 @@ import { Ping } from '../src/wire/brume/wire/ping';
 import { Pong } from '../src/wire/brume/wire/pong';
 import { Pose } from '../src/wire/brume/wire/pose';
 import { Restart } from '../src/wire/brume/wire/restart';
+import { Role } from '../src/wire/brume/wire/role';
+import { SettingKind } from '../src/wire/brume/wire/setting-kind';
 import { SceneState } from '../src/wire/brume/wire/scene-state';
 import { Set as WireSet } from '../src/wire/brume/wire/set';
 import { SetLight } from '../src/wire/brume/wire/set-light';
@@ -63,6 +65,8 @@ const tables: { [type: string]: new () => object } = {
   ...{ Set: WireSet, SetLight, SetMedium, SetRender, SetSimulation, Welcome },
 };
 
+const LISTS = ['methods', 'quadratures', 'jpeg_bytes', 'passes', 'changes', 'settings', 'choices'];
+
 // Reads, with the generated code, the fields that `like` has, into the JSON that the examples are written in.
 function read(table: object, like: Fields): Fields {
   const out: Fields = {};
@@ -72,11 +76,13 @@ function read(table: object, like: Fields): Fields {
     const name = key.replace(/_(\w)/g, (_, letter: string) => letter.toUpperCase());
     if (key === 'command_type') out[key] = CommandType[call(name) as number] ?? null;
     else if (key === 'encoding') out[key] = Encoding[call(name) as number] ?? null;
+    else if (key === 'kind') out[key] = SettingKind[call(name) as number] ?? null;
+    else if (key === 'least_role') out[key] = Role[call(name) as number] ?? null;
     else if (key === 'code') out[key] = ErrorCode[call(name) as number] ?? null;
     else if (key === 'command') {
       const Table = tables[like['command_type'] as string];
       out[key] = Table ? read(call(name, new Table()) as object, value as Fields) : null;
-    } else if (['methods', 'quadratures', 'jpeg_bytes', 'passes', 'changes'].includes(key)) {
+    } else if (LISTS.includes(key) && value !== null) {
       const items = Array.from({ length: call(`${name}Length`) as number }, (_, i) => call(name, i));
       const wanted = value as Json[];
       out[key] = items.map((x, i) => {
@@ -139,8 +145,8 @@ describe('decode', () => {
     expect(decode(bytesOf('welcome'))).toEqual({
       kind: 'welcome',
       ...present(b, { viewer: 'viewer', server: 'server', scene: 'scene', device: 'device', width: 'width' }),
-      ...present(b, { height: 'height', tickHz: 'tick_hz', maxInFlight: 'max_in_flight', methods: 'methods' }),
-      ...present(b, { quadratures: 'quadratures' }),
+      ...present(b, { height: 'height', tickHz: 'tick_hz', maxInFlight: 'max_in_flight' }),
+      settings: [],
       resume: '',
       role: 'operator', // as before there were roles
       camera: present(camera, { position: 'position', target: 'target', fovY: 'fov_y' }),
@@ -153,18 +159,34 @@ describe('decode', () => {
       kind: 'scene',
       tick: BigInt(b['tick'] as string),
       stateHash: BigInt(b['state_hash'] as string),
-      ...present(b, { viewers: 'viewers', particles: 'particles', paused: 'paused', toLight: 'to_light' }),
-      ...present(b, { irradiance: 'irradiance', rotate: 'rotate', extinction: 'extinction', falloff: 'falloff' }),
-      ...present(b, { anisotropy: 'anisotropy', asymmetry: 'asymmetry', albedo: 'albedo', method: 'method' }),
-      ...present(b, { quadrature: 'quadrature', steps: 'steps', exposure: 'exposure', passes: 'passes' }),
+      ...present(b, { viewers: 'viewers', particles: 'particles', passes: 'passes' }),
+      settings: [],
     });
   });
 
   test('scene state with its plan', () => {
     const scene = decode(bytesOf('scene_state_plan'));
     if (scene.kind !== 'scene') throw new Error('not a scene state');
-    expect(scene.plan).toEqual(body('scene_state_plan')['plan']);
-    expect(scene.method).toBe('auto');
+    const { method, error, ms, relaxed } = body('scene_state_plan')['plan'] as Record<string, unknown>;
+    expect(scene.plan).toEqual({ method, error, ms, relaxed, text: '' });
+  });
+
+  test('settings and their values', () => {
+    const welcome = decode(bytesOf('welcome_settings'));
+    const scene = decode(bytesOf('scene_state_settings'));
+    if (welcome.kind !== 'welcome' || scene.kind !== 'scene') throw new Error('other messages');
+    const said = body('welcome_settings')['settings'] as Fields[];
+    expect(welcome.settings).toEqual(
+      said.map((s) => ({
+        ...present(s, { path: 'path', kind: 'kind', help: 'help', leastRole: 'least_role' }),
+        ...present(s, { lowest: 'lowest', highest: 'highest' }),
+        ...present(s, { usualLowest: 'usual_lowest', usualHighest: 'usual_highest' }),
+        unit: s['unit'] ?? '',
+        choices: s['choices'] ?? [],
+      })),
+    );
+    expect(scene.settings).toEqual([[0.5, 0.75, 1], 0.25, 'isv']);
+    expect(scene.plan?.text).toBe('isv, simpson 2');
   });
 
   test.each(['frame', 'frame_stereo', 'frame_frusta', 'frame_png'])('%s, with the bytes of each view', (name) => {
@@ -279,19 +301,13 @@ describe('encode', () => {
       as('impulse', present(c, { origin: 'origin', direction: 'direction', push: 'push', strength: 'strength' })),
     );
     input('input_move_volume', (c) => as('move', present(c, { offset: 'offset' })));
-    input('input_set_light', (c) =>
-      as('light', present(c, { toLight: 'to_light', irradiance: 'irradiance', rotate: 'rotate' })),
-    );
-    input('input_set_medium', (c) =>
-      as('medium', {
-        ...present(c, { extinction: 'extinction', falloff: 'falloff', anisotropy: 'anisotropy' }),
-        ...present(c, { asymmetry: 'asymmetry', albedo: 'albedo' }),
-      }),
-    );
-    input('input_set_render', (c) =>
-      as('render', present(c, { method: 'method', quadrature: 'quadrature', steps: 'steps', exposure: 'exposure' })),
-    );
-    input('input_set_simulation', (c) => as('simulation', present(c, { paused: 'paused' })));
+    input('input_set', (c) => ({
+      kind: 'set',
+      changes: (field(c, 'changes') as Fields[]).map((change) => ({
+        path: change['path'] as string,
+        value: (change['number'] ?? change['vector'] ?? change['text']) as unknown as SettingValue,
+      })),
+    }));
     input('input_restart', () => ({ kind: 'restart' }));
   });
 
@@ -300,11 +316,9 @@ describe('encode', () => {
       const like = { type: 'Input', body: { seq: 1, command_type: type, command: body } };
       expect(readMessage(encodeInput(1, 0n, command), like)).toEqual(like);
     };
-    of({ kind: 'light', rotate: 0 }, 'SetLight', { to_light: null, irradiance: null, rotate: 0 });
-    of({ kind: 'light', toLight: [0, 1, 0] }, 'SetLight', { to_light: [0, 1, 0], irradiance: null, rotate: null });
-    of({ kind: 'simulation', paused: false }, 'SetSimulation', { paused: false });
-    of({ kind: 'medium', anisotropy: 0 }, 'SetMedium', { extinction: null, anisotropy: 0, asymmetry: null });
-    of({ kind: 'render', steps: 0 }, 'SetRender', { method: null, quadrature: null, steps: 0, exposure: null });
+    of({ kind: 'set', changes: [{ path: 'light.rotate', value: 0 }] }, 'Set', {
+      changes: [{ path: 'light.rotate', number: 0, vector: null, text: null }],
+    });
     const impulse: Command = { kind: 'impulse', origin: [0, 0, 0], direction: [0, 0, -1], strength: 0 };
     of(impulse, 'Impulse', { push: null, strength: 0 });
   });

@@ -27,8 +27,8 @@ public:
         return "slabs sampled from a grid in world space that all viewers share, the full Gaussian";
     }
     std::string text(const RenderSettings& s) const override {
-        return fmt::format("grid, nodes {:.3g} deviations apart, a ray per {}x{} pixels, {} slabs", s.grid, s.rate,
-                           s.rate, s.slabs);
+        return fmt::format("grid, nodes {:.3g} deviations apart, a ray per {}x{} pixels, {} slabs", s.grid.spacing,
+                           s.rate, s.rate, s.slabs);
     }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
@@ -37,8 +37,8 @@ public:
                  std::string& refused) const override {
         RenderSettings way = wanted;
         for (const float spacing : kSpacings) {
-            if (wanted.grid > 0 && spacing != kSpacings[0]) break;
-            way.grid = wanted.grid > 0 ? wanted.grid : spacing;
+            if (wanted.grid.spacing != kAuto && spacing != kSpacings[0]) break;
+            way.grid.spacing = wanted.grid.spacing != kAuto ? wanted.grid.spacing : spacing;
             const std::string why = gridRefusal(scene.extent, way);
             if (why.empty()) addRays(way, ways);
             refused = why.empty() ? why : "grid: " + why; // the coarsest one's is kept
@@ -71,7 +71,7 @@ private:
     // Upper bounds of the error that was measured for cloud, cloud-5000, tubes, plume and grid_test's particles of
     // several sizes: with linear sampling, then with cubic. At spacing 0.5 the largest is 0.3 %, and cloud has 0.06 %.
     double nodeError(const RenderSettings& settings) const override {
-        const auto spacing = double(settings.grid);
+        const auto spacing = double(settings.grid.spacing);
         return spacing >= double(kCubicBelow) ? 0.012 * std::pow(spacing, 2) : 0.0016 * std::pow(spacing, 4);
     }
 };

@@ -22,7 +22,7 @@ gpu::MediumGrid gridOf(const MediumExtent& extent, float spacing, bool cubic) {
 } // namespace
 
 gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings) {
-    const float spacing = settings.grid > 0 ? settings.grid : kGridSpacing;
+    const float spacing = settings.grid.spacing != kAuto ? settings.grid.spacing : kGridSpacing;
     return gridOf(extent, spacing * extent.deviation, isCubic(settings));
 }
 

@@ -15,14 +15,16 @@
 
 namespace brume {
 
-inline constexpr float kGridSpacing = 0.5f; // standard deviations between nodes, where settings.grid is 0
+inline constexpr float kGridSpacing = 0.5f; // standard deviations between nodes, where the setting is kAuto
 // Below this spacing sampling is cubic, with 64 nodes instead of 8. That is more accurate than linear sampling of nodes
 // still closer together.
 inline constexpr float kCubicBelow = 0.25f;
 inline constexpr uint64_t kMostGridBytes = 96ull << 20; // of the nodes' buffer: every device can bind 128 MiB
 
 // True: 64 nodes are read for a sample instead of 8.
-inline bool isCubic(const RenderSettings& settings) { return settings.grid > 0 && settings.grid < kCubicBelow; }
+inline bool isCubic(const RenderSettings& settings) {
+    return settings.grid.spacing != kAuto && settings.grid.spacing < kCubicBelow;
+}
 
 // Where the nodes lie that the medium asks for, on multiples of the spacing, so that they stay where they are when the
 // medium grows.

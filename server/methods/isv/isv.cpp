@@ -1,5 +1,5 @@
 // Interval shaded volumetrics (seed 000): tetrahedra as interval proxies, by mesh shader where the device has it.
-#include "server/methods/plans.h"
+#include "server/methods/isv/quadrature.h"
 #include "server/methods/proxies/raster.h"
 #include "shaders/isv_frag.h"
 #include "shaders/isv_mesh.h"
@@ -17,11 +17,8 @@ std::unique_ptr<Method> make(const MethodContext& context) {
     info.shaders.push_back({VK_SHADER_STAGE_FRAGMENT_BIT, isv_frag, "isv_frag"});
     info.vertices = 12;
     info.particles_per_group = 32; // as in isv.mesh
-    const std::string_view quadrature = quadratureOf(context.settings);
-    info.constants = {{gpu::kIdQuadrature, quadrature == "simpson"         ? 0u
-                                           : quadrature == "transmittance" ? 1u
-                                                                           : 2u},
-                      {gpu::kIdSteps, context.settings.steps}};
+    const IsvSettings& settings = context.settings.isv;
+    info.constants = {{gpu::kIdQuadrature, quadratureId(settings)}, {gpu::kIdSteps, settings.steps}};
     return makeRaster(context, std::move(info));
 }
 

@@ -29,7 +29,7 @@ class Tiles : public Method {
 public:
     explicit Tiles(const MethodContext& context)
         : device_(context.device), order_(context.depth_order), features_(context.features),
-          cached_(quadratureOf(context.settings) == "cached"),
+          cached_(context.settings.tiles.quadrature == "cached"),
           project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"},
                    {{gpu::kIdCached, cached_}}),
           bin_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_bin_comp, "tiles_bin"}) {}
@@ -65,7 +65,7 @@ public:
         const gpu::SplatGrid grid{
             {gpu::groups(in.size.width, block_.width), gpu::groups(in.size.height, block_.height)},
             {block_.width, block_.height},
-            in.shared->settings->least_transmittance};
+            in.shared->settings->tiles.least_transmittance};
         const gpu::Resource arguments = storageBuffer(5, order_.arguments()), cones = storageBuffer(7, cones_),
                             splats = storageBuffer(8, splats_), masks = storageBuffer(9, masks_);
         const gpu::Buffer& light = cached_ ? *in.medium->light : *in.medium->particles; // bound, but not read

@@ -8,7 +8,6 @@ namespace {
 constexpr CostInfo kBin{"tile_bin", "bin", 870};    // particles
 constexpr CostInfo kMedium{"tiles", "medium", 1.1}; // fragments, twice with two points
 constexpr const CostInfo* kCosts[] = {&costs::kOrder, &kBin, &kMedium};
-constexpr const char* kQuadratures[] = {"cached", "hermite"};
 
 class Plan final : public MethodPlan {
 public:
@@ -16,9 +15,8 @@ public:
     const char* about() const override {
         return "compute tiles, the full Gaussian, light cached on particles or 2-point Gauss-Hermite";
     }
-    std::span<const char* const> quadratures() const override { return kQuadratures; }
     uint32_t variant(const RenderSettings& s) const override { return isCached(s); }
-    std::string text(const RenderSettings& s) const override { return "tiles, " + s.quadrature; }
+    std::string text(const RenderSettings& s) const override { return "tiles, " + s.tiles.quadrature; }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::Splat) + sizeof(gpu::SplatCone); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
 
@@ -26,8 +24,8 @@ public:
                  std::string&) const override {
         if (asked) return ways.push_back(wanted);
         RenderSettings way = wanted;
-        for (const char* quadrature : kQuadratures) {
-            way.quadrature = quadrature;
+        for (const char* quadrature : {"cached", "hermite"}) {
+            way.tiles.quadrature = quadrature;
             ways.push_back(way);
         }
     }
@@ -45,7 +43,7 @@ public:
     }
 
 private:
-    bool isCached(const RenderSettings& settings) const { return quadratureOf(settings) == kQuadratures[0]; }
+    bool isCached(const RenderSettings& settings) const { return settings.tiles.quadrature == "cached"; }
 };
 
 } // namespace
