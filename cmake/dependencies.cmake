@@ -1,7 +1,8 @@
 # Every outside thing that the build needs, with a clear message when it is missing. `./dev` installs them all.
 if((CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 12) OR
    (CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 14))
-  message(FATAL_ERROR "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION} is too old: GCC >= 12 or Clang >= 14 is needed. "
+  message(FATAL_ERROR "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION} is too old: "
+                      "GCC >= 12 or Clang >= 14 is needed. "
                       "Set CXX to a newer one (on Debian 12 and 13: CXX=g++) and delete this build folder.")
 endif()
 
@@ -11,7 +12,8 @@ find_package(PkgConfig REQUIRED)
 
 find_package(Boost 1.81 CONFIG QUIET)
 if(NOT Boost_FOUND)
-  message(FATAL_ERROR "Boost >= 1.81 is needed (libboost1.81-dev on Debian 12, libboost-dev on 13): run ./dev, which installs it.")
+  message(FATAL_ERROR "Boost >= 1.81 is needed (libboost1.81-dev on Debian 12, libboost-dev on 13): "
+                      "run ./dev, which installs it.")
 endif()
 find_package(glm REQUIRED)
 find_package(CLI11 REQUIRED)

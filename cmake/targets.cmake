@@ -6,9 +6,11 @@ target_include_directories(brume_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-missing-field-initializers
                                              -ffp-contract=off)
 target_compile_definitions(brume_flags INTERFACE BRUME_VERSION="${PROJECT_VERSION}")
-if(BRUME_SANITIZE) # GCC warns without cause about instrumented code (its manual advises against -Werror here): release is the judge
-  target_compile_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
-                                               -Wno-error)
+# GCC warns without cause about instrumented code, and its manual advises against -Werror there. Warnings are errors in
+# the other builds.
+if(BRUME_SANITIZE)
+  target_compile_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all
+                                               -fno-omit-frame-pointer -Wno-error)
   target_link_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE})
 endif()
 

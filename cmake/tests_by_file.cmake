@@ -9,7 +9,8 @@ if(NOT EXISTS ${program})
 endif()
 
 set(list ${program}.json)
-execute_process(COMMAND ${program} --gtest_list_tests --gtest_output=json:${list} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${program} --gtest_list_tests --gtest_output=json:${list}
+                OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${list} list)
 string(JSON suites GET ${list} testsuites)
 string(JSON suite_count LENGTH ${suites})

@@ -16,7 +16,8 @@ layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
 layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdRate) const uint kRate = 1;
-layout(constant_id = kIdSources) const uint kSources = 1;
+layout(constant_id = kIdSunColours) const uint kSunColours = 1;
+layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdDrawn) const bool kDrawn = true;
 layout(constant_id = kIdKeep) const bool kKeep = false;
 layout(constant_id = kIdBlocks) const uint kBlocks = 1;
@@ -24,7 +25,7 @@ layout(constant_id = kIdBlocks) const uint kBlocks = 1;
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(rgba32f, binding = 2) uniform image2D radiance;
 layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // bytes: Y, then Cb, then Cr
-layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // lib/slab_field.glsl
+layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // shared/field.h
 layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
 layout(binding = 8) uniform sampler2D view_depth;
 
@@ -42,10 +43,10 @@ vec3 pixelOf(MediumRun run, inout MediumCut cut, uvec2 at, vec3 before) {
     if (kHasOpaque) here = imageLoad(radiance, ivec2(at));
     else here = vec4(skyRadiance(normalize(dir)), 1);
     const vec4 across = fieldAcross(int(at.x));
-    float depth, scattered[kMostSources];
-    wholeRay(run, across, depth, scattered);
-    if (kHasOpaque) cutRay(cut, run, ivec2(at), dir, across, depth, scattered);
-    here = mediumOver(here, dir, depth, scattered);
+    float ray[kMostFieldQuantities];
+    wholeRay(run, across, ray);
+    if (kHasOpaque) cutRay(cut, run, ivec2(at), dir, across, ray);
+    here = mediumOver(here, dir, ray);
     if (at.x >= eye.size.x) return before;
     if (kKeep) imageStore(radiance, ivec2(at), here);
     return displayed(here.rgb);

@@ -10,12 +10,13 @@
 layout(local_size_x = 64) in; // kSlabTile * kSlabTile
 
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
-layout(constant_id = kIdSources) const uint kSources = 1;
+layout(constant_id = kIdSunColours) const uint kSunColours = 1;
+layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdCubic) const bool kCubic = true;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
-layout(scalar, binding = 3) buffer Field { float field[]; };          // lib/slab_field.glsl
+layout(scalar, binding = 3) buffer Field { float field[]; };          // shared/field.h
 layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };  // lib/grid_marks.glsl
 layout(binding = 6) uniform sampler2DArray shadow_volume;
 layout(binding = 7) uniform sampler2D opaque_shadow;
@@ -32,10 +33,11 @@ void startRay(uvec2 tile, uint ray, vec2 pixel) {
     ray_dir = (eye.ray + pixel.x * eye.ray_right + pixel.y * eye.ray_down) / push.medium.spacing;
 }
 
+#include "shaders/lib/field_planes.glsl"
 #include "shaders/lib/spline.glsl"
 #include "shaders/lib/whole.glsl"
 
-// The quantities at position `t` (0 ... 1) in the cell whose nodes begin at `first`.
+// A quantity at position `t` (0 ... 1) in the cell whose nodes begin at `first`.
 float linear(uint first, uint row, uint sheet, vec3 t) {
     const vec4 below = vec4(nodes[first], nodes[first + 1], nodes[first + row], nodes[first + row + 1]);
     const vec4 above = vec4(nodes[first + sheet], nodes[first + sheet + 1], nodes[first + sheet + row],
@@ -63,9 +65,9 @@ vec4 mediumAt(uint s) {
         if ((marks[markWord(kSampled, brick)] >> (brick.x % 32) & 1) != 0) {
             const vec3 t = fract(at);
             const uint row = size.x, sheet = size.y * row, first = cell.z * sheet + cell.y * row + cell.x;
-            for (uint c = 0; c < (kSources > 1 ? 4 : 1); ++c) {
-                const uint from = first + c * size.z * sheet;
-                medium[c] = kCubic ? cubic(from, row, sheet, t) : linear(from, row, sheet, t);
+            for (uint q = 0; q < mediumQuantities(kSunColours == 1); ++q) {
+                const uint from = first + q * size.z * sheet;
+                medium[q] = kCubic ? cubic(from, row, sheet, t) : linear(from, row, sheet, t);
             }
         }
     }

@@ -14,11 +14,12 @@ const bool kHasOpaque = false, kHasCasters = false;
 layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
 layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdRate) const uint kRate = 2;
-layout(constant_id = kIdSources) const uint kSources = 1;
+layout(constant_id = kIdSunColours) const uint kSunColours = 1;
+layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 3) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl
-layout(scalar, binding = 4) readonly buffer Field { float field[]; };   // lib/slab_field.glsl
+layout(scalar, binding = 4) readonly buffer Field { float field[]; };   // shared/field.h
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"
@@ -36,8 +37,8 @@ void main() {
     const ivec2 pixel = (ivec2(node) - 1) * int(kStep) + ivec2(0, view.first);
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
     const MediumRun run = mediumRun(pixel);
-    float depth, scattered[kMostSources];
-    wholeRay(run, fieldAcross(pixel.x), depth, scattered);
-    const vec3 shown = displayed(mediumOver(vec4(skyRadiance(normalize(dir)), 1), dir, depth, scattered).rgb);
+    float ray[kMostFieldQuantities];
+    wholeRay(run, fieldAcross(pixel.x), ray);
+    const vec3 shown = displayed(mediumOver(vec4(skyRadiance(normalize(dir)), 1), dir, ray).rgb);
     writeShaded(view.shaded, node, nodes, shown);
 }

@@ -9,14 +9,17 @@
 layout(local_size_x = 64) in; // kSlabTile * kSlabTile
 
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
-layout(constant_id = kIdSources) const uint kSources = 1;
+layout(constant_id = kIdSunColours) const uint kSunColours = 1;
+layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Added { float added[]; }; // written by slabs.comp
-layout(scalar, binding = 3) buffer Field { float field[]; };          // lib/slab_field.glsl
+layout(scalar, binding = 3) buffer Field { float field[]; };          // shared/field.h
 layout(binding = 6) uniform sampler2DArray shadow_volume;
 layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 8) uniform sampler2D view_depth;
+
+#include "shaders/lib/field_planes.glsl"
 
 uint from, apart; // in `added`: index of the ray's first slab; distance between quantities
 
@@ -28,9 +31,8 @@ void startRay(uvec2 tile, uint ray, vec2 pixel) {
 
 vec4 mediumAt(uint s) {
     const uint at = from + s * gl_WorkGroupSize.x;
-    vec4 medium = vec4(added[at], 0, 0, 0);
-    if (kSources > 1)
-        for (uint c = 1; c < 4; ++c) medium[c] = added[at + c * apart];
+    vec4 medium = vec4(0);
+    for (uint q = 0; q < mediumQuantities(kSunColours == 1); ++q) medium[q] = added[at + q * apart];
     return medium;
 }
 

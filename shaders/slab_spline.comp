@@ -12,12 +12,12 @@
 layout(local_size_x = 64) in;
 
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
-layout(constant_id = kIdRate) const uint kRate = 2;
-layout(constant_id = kIdSources) const uint kSources = 1;
+layout(constant_id = kIdSunColours) const uint kSunColours = 1;
+layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 
 layout(scalar, binding = 2) buffer Field { float field[]; };
 
-#include "shaders/lib/slab_field.glsl"
+#include "shaders/lib/field_planes.glsl"
 
 // Approximate inverse of the B-spline's samples (1, 4, 1) / 6, cut to five taps; exact for cubics.
 const float kInverse[5] = {0.05, -0.36666667, 1.63333333, -0.36666667, 0.05};
@@ -53,16 +53,16 @@ void main() {
     if (n >= fieldNodes()) return;
     const uvec2 node = uvec2(n % grid.nodes.x, n / grid.nodes.x);
     float values[25];
-    valuesAround(node, fieldWhole(0), values);
+    valuesAround(node, fieldWhole(kFieldDepth), values);
     uint known = 0;
     [[unroll]] for (int i = 0; i < 25; ++i) known |= uint(values[i] > 0) << i;
-    field[fieldSpline(0) + n] = coefficient(values, all);
-    for (uint c = 1; c <= kSources; ++c) {
-        valuesAround(node, fieldWhole(c), values);
-        field[fieldSpline(c) + n] = coefficient(values, known);
+    field[fieldSpline(kFieldDepth) + n] = coefficient(values, all);
+    for (uint q = kFieldSun; q < fieldQuantities(); ++q) {
+        valuesAround(node, fieldWhole(q), values);
+        field[fieldSpline(q) + n] = coefficient(values, known);
     }
     if (kHasOpaque) {
-        valuesAround(node, fieldEnds(), values);
-        field[fieldSpline(kSources + 1) + n] = coefficient(values, all);
+        valuesAround(node, fieldEnd(), values);
+        field[fieldEndSpline() + n] = coefficient(values, all);
     }
 }

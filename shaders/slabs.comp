@@ -10,19 +10,20 @@
 // little more than 64 multiply-adds.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
+#include "shaders/shared/field.h"
 #include "shaders/lib/view.glsl"
 
 layout(local_size_x_id = kIdSheet) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
-// [quantity][tile][slab][ray / 4], 1/m. Quantities: extinction; with kColours also scattering in red, green and blue.
+// [quantity][tile][slab][ray / 4]: quantities of the medium (shared/field.h), 1/m
 layout(scalar, binding = 3) writeonly buffer Added { vec4 added[]; };
 layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };    // written by slab_bins.comp
 
 layout(push_constant, scalar) uniform Push {
-    uint sheets; // z of workgroups: views, then quantities, then sheets; a view may have fewer sheets
-    uint whats;
+    uint sheets;     // z of workgroups: views, then quantities, then sheets; a view may have fewer sheets
+    uint quantities; // of the medium
 } push;
 
 const uint kLanes = gl_WorkGroupSize.x;
@@ -31,8 +32,8 @@ const uint kLanes = gl_WorkGroupSize.x;
 #include "shaders/lib/tile_members.glsl"
 
 void main() {
-    const uint view = gl_WorkGroupID.z / (push.sheets * push.whats);
-    const uint sheet = gl_WorkGroupID.z % push.sheets, what = gl_WorkGroupID.z / push.sheets % push.whats;
+    const uint view = gl_WorkGroupID.z / (push.sheets * push.quantities);
+    const uint sheet = gl_WorkGroupID.z % push.sheets, quantity = gl_WorkGroupID.z / push.sheets % push.quantities;
     enterView(view);
     if (any(greaterThanEqual(uvec3(gl_WorkGroupID.xy, sheet), grid.lines))) return; // true for the whole workgroup
     const uint bits = views[view].bins, first_member = views[view].members;
@@ -59,7 +60,7 @@ void main() {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
             if (base + gl_SubgroupInvocationID < count)
                 mine = members[first_member + list[base + gl_SubgroupInvocationID]];
-            if (what > 0) mine.sigma *= mine.albedo[what - 1];
+            if (quantity >= kScattering) mine.sigma *= mine.albedo[quantity - kScattering];
             // Width of a tile on the farthest of its planes that the member reaches.
             const float widest = max(mine.centre.z, 0) * pixel * float(grid.rate) * float(kSlabTile);
             addMembers(sum, mine, min(held(), count - base), vec3(at, z), spacing, widest);
@@ -69,7 +70,7 @@ void main() {
     const uint tile = gl_WorkGroupID.y * grid.lines.x + gl_WorkGroupID.x;
     const uint tiles = grid.lines.x * grid.lines.y;
     const uint out_at =
-        views[view].added + ((what * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
+        views[view].added + ((quantity * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
     [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] =
         vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
 }

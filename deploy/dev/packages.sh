@@ -13,9 +13,11 @@ asRoot() {
 
 # What apt says is long: it goes to a file, and its end is shown when it fails.
 aptGet() {
-    asRoot env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 "$@" >>$apt_log 2>&1 && return
+    asRoot env DEBIAN_FRONTEND=noninteractive \
+        apt-get -q -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 "$@" >>$apt_log 2>&1 && return
     tail -n 20 $apt_log >&2
-    die "apt-get $1 failed, see above and $apt_log. Once the reason is gone (network? mirror? password?), run this again."
+    die "apt-get $1 failed, see above and $apt_log." \
+        "Once the reason is gone (network? mirror? password?), run this again."
 }
 
 # The machine's own source of Debian 12, once more, with the suite changed to its backports: same mirror, same key.
@@ -29,7 +31,8 @@ addBackports() {
     read -r release_name file <<<"$entry"
     number=${file##*:} file=${file%:*} # of the line in a .list, of the stanza in a .sources
     target=/etc/apt/sources.list.d/brume-backports.${file##*.}
-    say "Adding an apt source, $target: bookworm-backports from the mirror that this machine uses, for $mesa_package only"
+    say "Adding an apt source, $target:" \
+        "bookworm-backports from the mirror that this machine uses, for $mesa_package only"
     if [[ "$file" == *.sources ]]; then
         awk -v RS= -v number="$number" '/(^|\n)Types:/ && ++n == number' "$file" |
             sed -e '/^#/d' -e 's/^Types:.*/Types: deb/' -e 's/^Suites:.*/Suites: bookworm-backports/'

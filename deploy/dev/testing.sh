@@ -1,7 +1,8 @@
 # shellcheck shell=bash
 # Part of ./dev: the parts of `./dev test`, and the summary at its end.
 
-readonly without_device='^(unit|fuzz|reference)$' # labels of the quick tests, which need no Vulkan and can run side by side
+# Labels of the quick tests, which need no Vulkan and can run side by side.
+readonly without_device='^(unit|fuzz|reference)$'
 steps=() # "result|seconds|name" of each step taken
 last=ok  # result of the last one
 

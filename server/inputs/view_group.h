@@ -7,18 +7,19 @@
 
 #include "server/gpu/commands.h"
 #include "server/inputs/eye_inputs.h"
+#include "shaders/shared/field.h"
 
 namespace brume {
 
 struct ViewGroup {
-    const EyeInputs* any =
-        nullptr; // an eye of the group. Settings and medium are equal in all; the rest is this eye's alone
+    const EyeInputs* any = nullptr;     // an eye of the group; settings and medium are equal in all eyes
     std::span<const gpu::View> views;   // on the CPU: whole pictures, or bands of their rows
-    gpu::Resource block;                // the same on the device: storage buffer, binding 1
-    uint32_t rate = 1, sources = 1;     // of their fields (shaders/lib/slab_field.glsl)
+    gpu::Resource block;                // the views on the device: storage buffer, binding 1
+    uint32_t rate = 1;                  // pixels between neighbouring rays of the fields
+    gpu::FieldColours colours{1, 0};    // of the fields (shaders/shared/field.h)
     uint32_t step = 1;                  // pixels between those that are shaded
     VkDeviceSize bins = 0;              // 32-bit words of bin bits for all views together
-    const gpu::Buffer* field = nullptr; // rays of these views (shaders/lib/slab_field.glsl), written by the method;
+    const gpu::Buffer* field = nullptr; // rays of these views (shaders/shared/field.h), written by the method;
                                         // null: it draws into RenderTarget::radiance
 
     // View `i` alone on the device.

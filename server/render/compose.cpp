@@ -37,7 +37,8 @@ const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
                                        {gpu::kIdHasLobe, v.lobe},
                                        {gpu::kIdHasAmbient, features_.ambient},
                                        {gpu::kIdRate, v.rate},
-                                       {gpu::kIdSources, v.sources},
+                                       {gpu::kIdSunColours, v.colours.sun},
+                                       {gpu::kIdAmbientColours, v.colours.ambient},
                                        {gpu::kIdDrawn, v.drawn},
                                        {gpu::kIdKeep, v.keep},
                                        {gpu::kIdFull, v.full},
@@ -53,7 +54,8 @@ const gpu::ComputeProgram& Compose::someNodes(const Variant& v) {
                                        {gpu::kIdHasAmbient, features_.ambient},
                                        {gpu::kIdStep, v.step},
                                        {gpu::kIdRate, v.rate},
-                                       {gpu::kIdSources, v.sources}});
+                                       {gpu::kIdSunColours, v.colours.sun},
+                                       {gpu::kIdAmbientColours, v.colours.ambient}});
     return program;
 }
 
@@ -74,8 +76,8 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
                                                      .lobe = !drawn && in.shared->lobe,
                                                      .full = full_,
                                                      .rate = drawn ? 8 : group.rate,
-                                                     .sources = drawn ? 1 : group.sources,
-                                                     .step = 1});
+                                                     .step = 1,
+                                                     .colours = drawn ? gpu::FieldColours{1, 0} : group.colours});
     const uint32_t blocks = drawn ? 1 : blocksOf(group.rate);
     for (uint32_t i = 0; i < group.count(); ++i) {
         program.bind(commands,
@@ -100,8 +102,8 @@ void Compose::shadeField(gpu::Commands& commands, const ViewGroup& group) {
                .lobe = in.shared->lobe,
                .full = false,
                .rate = group.rate,
-               .sources = group.sources,
-               .step = group.step})
+               .step = group.step,
+               .colours = group.colours})
         .bind(commands,
               {in.medium->tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, *group.field)});
     vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8),

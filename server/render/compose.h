@@ -29,7 +29,8 @@ public:
 private:
     struct Variant {
         bool drawn, keep, lobe, full;
-        uint32_t rate, sources, step;
+        uint32_t rate, step;
+        gpu::FieldColours colours;
         auto
         operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14 takes it for a 0
     };

@@ -4,15 +4,14 @@
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/caster_shadow.glsl"
 
-const float kSameFace = 0.1;              // of a slab: most distance of the pixel's surface from that of its rays
-const uint kFurther = 1u << 31;           // bit of castersMet() for all casters after the first 31
-const uint kLit = kSources == 1 ? 1 : 3; // sources scattered from the light; the others are of ambient light
+const float kSameFace = 0.1;    // of a slab: most distance of the pixel's surface from that of its rays
+const uint kFurther = 1u << 31; // bit of castersMet() for all casters after the first 31
 
 // Values that a run of pixels shares.
 struct MediumCut {
     vec4 ends;    // the face at which whole rays end
     uint casters; // bits of casters whose shadow the run may meet; see kFurther
-    FieldFaces ended[kMostSources + 1], shadow_begin[3], shadow_end[3];
+    FieldFaces ended[kMostFieldQuantities], shadow_begin[3], shadow_end[3]; // shadows: each colour of the sun
 };
 
 // Bits of casters whose shadow a ray of the `pixels` may meet, from `pixel` on. The sphere around a caster has a
@@ -41,17 +40,17 @@ uint castersMet(ivec2 pixel, uint pixels) {
 MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
     MediumCut cut;
     cut.casters = kHasCasters ? castersMet(pixel, pixels) : 0;
-    for (uint c = 0; c <= kSources; ++c) cut.ended[c].below = -1;
-    for (uint c = 0; c < kLit; ++c) cut.shadow_begin[c].below = cut.shadow_end[c].below = -1;
+    for (uint q = 0; q < fieldQuantities(); ++q) cut.ended[q].below = -1;
+    for (uint c = 0; c < kSunColours; ++c) cut.shadow_begin[c].below = cut.shadow_end[c].below = -1;
     if (kHasOpaque)
-        cut.ends = fieldColumns(kRate == 1 ? fieldEnds() : fieldSpline(kSources + 1), run.at, spline(run.at.down));
+        cut.ends = fieldColumns(kRate == 1 ? fieldEnd() : fieldEndSpline(), run.at, spline(run.at.down));
     return cut;
 }
 
-// Subtracts the light that objects' shadows remove before `end` (face). Shadows are visited nearest first, so that
-// overlaps count once: the nearest two, then those that begin behind them.
-void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, MediumRun run, vec3 dir, float end,
-                     float part) {
+// Subtracts the sun's light that objects' shadows remove before `end` (face). Shadows are visited nearest first, so
+// that overlaps count once: the nearest two, then those that begin behind them.
+void leaveOutShadows(inout float ray[kMostFieldQuantities], inout MediumCut cut, MediumRun run, vec3 dir,
+                     float end, float part) {
     const vec2 none = vec2(1e30, 0);
     vec2 first = none, second = none;
     float from = 0;
@@ -72,11 +71,11 @@ void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, M
             more = found > 2;
             if (found == 0) break;
         }
-        for (uint c = 0; c < kLit; ++c) {
-            const uint set = fieldSetOf(c + 1);
-            const float lost = fieldAt(cut.shadow_end[c], set, run.at, first.y, part) -
-                               fieldAt(cut.shadow_begin[c], set, run.at, first.x, part);
-            scattered[c] = max(scattered[c] - lost, 0);
+        for (uint c = 0; c < kSunColours; ++c) {
+            const uint q = kFieldSun + c;
+            const float lost = fieldAt(cut.shadow_end[c], q, run.at, first.y, part) -
+                               fieldAt(cut.shadow_begin[c], q, run.at, first.x, part);
+            ray[q] = max(ray[q] - lost, 0);
         }
         from = first.y;
         first = vec2(max(second.x, from), second.y);
@@ -84,16 +83,14 @@ void leaveOutShadows(inout float scattered[kMostSources], inout MediumCut cut, M
     }
 }
 
-// Changes the values of a whole ray (wholeRay()) to those of the pixel's own ray. `dir`: ray direction of unit view
+// Changes the quantities of a whole ray (wholeRay()) to those of the pixel's own ray. `dir`: ray direction of unit view
 // depth.
-void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 across, inout float depth,
-            inout float scattered[kMostSources]) {
+void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 across,
+            inout float ray[kMostFieldQuantities]) {
     const float part = fieldPart(pixel.x), z = texelFetch(view_depth, pixel, 0).r;
     const float end = clamp(faceAt(z), 0, float(grid.slabs));
-    if (abs(dot(across, cut.ends) - end) > kSameFace) {
-        depth = max(fieldAt(cut.ended[0], fieldSetOf(0), run.at, end, part), 0);
-        for (uint c = 0; c < kSources; ++c)
-            scattered[c] = max(fieldAt(cut.ended[c + 1], fieldSetOf(c + 1), run.at, end, part), 0);
-    }
-    if (kHasCasters && depth > 0) leaveOutShadows(scattered, cut, run, dir, end, part);
+    if (abs(dot(across, cut.ends) - end) > kSameFace)
+        for (uint q = 0; q < fieldQuantities(); ++q)
+            ray[q] = max(fieldAt(cut.ended[q], q, run.at, end, part), 0);
+    if (kHasCasters && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, end, part);
 }

@@ -1,22 +1,22 @@
 // Puts the medium in front of the background in a run of pixels, from a field of coarse rays. Include after the tick,
-// lib/view.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate and kSources are declared.
+// lib/view.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate, kSunColours and kAmbientColours are declared.
 #include "shaders/shared/phase.h"
 #include "shaders/shared/transmittance.h"
 #include "shaders/lib/slab_field.glsl"
 
-// A run with the node columns of whole rays, which end at the surface that they hit: optical depth, then scattered
-// light / opacity.
+// A run with the node columns of whole rays: the quantities of the field. Arrays have the largest size, since GLSL does
+// not copy arrays of specialised sizes.
 struct MediumRun {
     FieldRun at;
-    vec4 whole[kMostSources + 1];
+    vec4 whole[kMostFieldQuantities];
 };
 
 MediumRun mediumRun(ivec2 pixel) {
     MediumRun run;
     run.at = fieldRun(pixel);
     const vec4 down = spline(run.at.down);
-    for (uint c = 0; c <= kSources; ++c)
-        run.whole[c] = fieldColumns(kRate == 1 ? fieldWhole(c) : fieldSpline(c), run.at, down);
+    for (uint q = 0; q < fieldQuantities(); ++q)
+        run.whole[q] = fieldColumns(kRate == 1 ? fieldWhole(q) : fieldSpline(q), run.at, down);
     return run;
 }
 
@@ -24,32 +24,32 @@ MediumRun mediumRun(ivec2 pixel) {
 void mediumRuns(ivec2 pixel, out MediumRun run, out MediumRun next) {
     run.at = fieldRun(pixel);
     next.at = fieldRun(pixel + ivec2(0, 1));
-    for (uint c = 0; c <= kSources; ++c) {
-        const mat2x4 rows = transpose(fieldColumnsOfTwo(fieldSpline(c), run.at, next.at));
-        run.whole[c] = rows[0];
-        next.whole[c] = rows[1];
+    for (uint q = 0; q < fieldQuantities(); ++q) {
+        const mat2x4 rows = transpose(fieldColumnsOfTwo(fieldSpline(q), run.at, next.at));
+        run.whole[q] = rows[0];
+        next.whole[q] = rows[1];
     }
 }
 
-// Optical depth of a pixel's whole ray, and its scattered light from each source.
-void wholeRay(MediumRun run, vec4 across, out float depth, out float scattered[kMostSources]) {
-    depth = max(dot(across, run.whole[0]), 0);
-    for (uint c = 0; c < kSources; ++c) scattered[c] = max(dot(across, run.whole[c + 1]), 0) * opacity(depth);
+// The quantities of a pixel's whole ray.
+void wholeRay(MediumRun run, vec4 across, out float ray[kMostFieldQuantities]) {
+    ray[kFieldDepth] = max(dot(across, run.whole[kFieldDepth]), 0);
+    for (uint q = kFieldSun; q < fieldQuantities(); ++q)
+        ray[q] = max(dot(across, run.whole[q]), 0) * opacity(ray[kFieldDepth]);
 }
 
-// Radiance of the medium in front of `behind` and its transmittance, along `dir`.
-vec4 mediumOver(vec4 behind, vec3 dir, float depth, float scattered[kMostSources]) {
+// Radiance of the medium in front of `behind` and its transmittance, along `dir`. `ray`: the ray's quantities.
+vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities]) {
     float phase = 0.07957747154594767;
     if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -normalize(dir), tick.anisotropy, tick.asymmetry);
-    const float opaque_part = opacity(depth);
+    const float opaque_part = opacity(ray[kFieldDepth]);
     vec3 light;
-    if (kSources == 1) {
-        light = grid.albedo * tick.sun.irradiance * (phase * scattered[0]);
+    if (kSunColours == 1) {
+        light = grid.albedo * tick.sun.irradiance * (phase * ray[kFieldSun]);
         if (kHasAmbient) light += grid.albedo * tick.ambient * opaque_part;
     } else {
-        for (uint c = 0; c < 3; ++c) light[c] = tick.sun.irradiance[c] * phase * scattered[c];
-        if (kSources == 6)
-            for (uint c = 0; c < 3; ++c) light[c] += tick.ambient[c] * scattered[min(c + 3, kSources - 1)];
+        for (uint c = 0; c < 3; ++c) light[c] = tick.sun.irradiance[c] * phase * ray[kFieldSun + c];
+        for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
     }
     return vec4(light, 0) + (1 - opaque_part) * behind;
 }

@@ -1,31 +1,6 @@
 // The field: the medium between the eye and points of the picture, from a coarse grid of rays, one per node. Include
-// after lib/view.glsl, `field`, kHasOpaque, kSources and kRate are declared. `field` holds planes; a plane has a
-// float for each node.
-//
-//   field_at                                               with opaque objects   with kRate > 1
-//   |                                                      |                     |
-//   +---------------+------------------+-----+-------------+---------------------+---------------------------+
-//   | optical depth | scattered light, | ... | source      | the face at which   | whole rays of all sets as |
-//   |               | source 1         |     | kSources    | each whole ray ends | coefficients of B-splines |
-//   +---------------+------------------+-----+-------------+---------------------+---------------------------+
-//         set 0             set 1              set kSources         1 plane            kSources + 1 planes
-//
-//   a set with opaque objects:     | face 0 (near) | face 1 | ... | face `slabs` (far) | whole ray |
-//   a set without opaque objects:  | whole ray |
-//
-// A whole ray ends at the surface that it hits. Its scattered light is stored divided by its opacity: both are then
-// smooth where the medium is band-limited, however dense it is. Scattered light is for rho p E = 1. Sources: one if
-// all particles have the same albedo; otherwise red, green and blue, with the albedos, of the light, then the same of
-// ambient light.
-
-uint fieldNodes() { return grid.nodes.x * grid.nodes.y; }
-uint fieldSet() { return (kHasOpaque ? grid.slabs + 2 : 1) * fieldNodes(); }
-// Index of the first plane of set `c`, of its whole rays, of the faces at which they end, and of its B-spline.
-uint fieldSetOf(uint c) { return field_at + c * fieldSet(); }
-uint fieldWhole(uint c) { return fieldSetOf(c) + (kHasOpaque ? (grid.slabs + 1) * fieldNodes() : 0); }
-uint fieldEnds() { return fieldSetOf(kSources + 1); }
-uint fieldSpline(uint c) { return fieldEnds() + (c + (kHasOpaque ? 1 : 0)) * fieldNodes(); }
-
+// after lib/view.glsl, `field`, kHasOpaque, kSunColours, kAmbientColours and kRate are declared.
+#include "shaders/lib/field_planes.glsl"
 #include "shaders/lib/spline.glsl"
 #include "shaders/lib/whole.glsl"
 
@@ -37,7 +12,6 @@ vec4 through(float t) {
 // Neighbouring pixels in one cell that are computed together: the largest power of two that divides the rate, at most
 // 8.
 const uint kRun = (kRate & 7u) == 0u ? 8u : kRate & (~kRate + 1u);
-const uint kMostSources = 6;      // size of arrays, since GLSL does not copy arrays of specialised sizes
 
 // Position of a row of pixels in a cell among the nodes.
 struct FieldRun {
@@ -87,11 +61,11 @@ struct FieldFaces {
     vec4 near, far;
 };
 
-// Value of a set up to `face`, a fractional index, at `part` of the cell's width. `set`: index of its first plane.
-float fieldAt(inout FieldFaces faces, uint set, FieldRun run, float face, float part) {
+// A quantity up to `face`, a fractional index, at `part` of the cell's width.
+float fieldAt(inout FieldFaces faces, uint quantity, FieldRun run, float face, float part) {
     const float below = min(floor(face), float(grid.slabs - 1));
     if (below != faces.below) {
-        const uint plane = set + nearestWhole(below) * fieldNodes();
+        const uint plane = fieldFace(quantity, nearestWhole(below));
         faces.near = fieldColumns(plane, run, through(run.down));
         faces.far = fieldColumns(plane + fieldNodes(), run, through(run.down));
         faces.below = below;

@@ -34,17 +34,18 @@ const uint kIdPixelsPerLane = 14u; // pixels of a lane's run
 const uint kIdTileLanes = 15u;     // lanes of a workgroup
 
 // Methods `slabs` and `grid`: the field of rays.
-const uint kIdSheet = 16u;   // slabs that one workgroup works on together: its lanes
-const uint kIdCubic = 17u;   // bool: the grid is interpolated by cubics; else linearly, and it is finer
-const uint kIdRate = 18u;    // pixels between neighbouring rays
-const uint kIdSources = 19u; // sources of scattered light that are kept apart: lib/slab_field.glsl
+const uint kIdSheet = 16u;          // slabs that one workgroup works on together: its lanes
+const uint kIdCubic = 17u;          // bool: the grid is interpolated by cubics; else linearly, and it is finer
+const uint kIdRate = 18u;           // pixels between neighbouring rays
+const uint kIdSunColours = 19u;     // FieldColours::sun (field.h)
+const uint kIdAmbientColours = 20u; // FieldColours::ambient
 
 // The picture.
-const uint kIdStep = 20u;   // pixels between neighbouring nodes of a picture that is shaded or drawn coarsely
-const uint kIdDrawn = 21u;  // bool: `radiance` holds the medium already
-const uint kIdKeep = 22u;   // bool: the radiance of every pixel is stored for later reading
-const uint kIdFull = 23u;   // bool: R, G, B of all pixels instead of Y, Cb, Cr
-const uint kIdBlocks = 24u; // blocks of 8x2 pixels that a lane makes: 3 are whole cells of rates 3, 6, 12
+const uint kIdStep = 21u;   // pixels between neighbouring nodes of a picture that is shaded or drawn coarsely
+const uint kIdDrawn = 22u;  // bool: `radiance` holds the medium already
+const uint kIdKeep = 23u;   // bool: the radiance of every pixel is stored for later reading
+const uint kIdFull = 24u;   // bool: R, G, B of all pixels instead of Y, Cb, Cr
+const uint kIdBlocks = 25u; // blocks of 8x2 pixels that a lane makes: 3 are whole cells of rates 3, 6, 12
 
 #ifdef __cplusplus
 } // namespace brume::gpu

@@ -73,7 +73,12 @@ const contrast = (half) => {
 async function setPaused(page, paused) {
   await page.evaluate(() => document.activeElement?.blur());
   await page.keyboard.press('p');
+<<<<<<< HEAD
   await until(page, `the scene ${paused ? 'rests' : 'goes on'}`, pausedIs, paused);
+=======
+  const what = `the scene ${paused ? 'rests' : 'goes on'}`;
+  await until(page, what, (brume, wanted) => brume.scene.paused === wanted, paused);
+>>>>>>> lights
 }
 
 // Until frames come for two eyes, and what is drawn is the newest that was asked for.
@@ -187,7 +192,8 @@ describe('two eyes', () => {
     const before = await halves(page, 'div[data-webxr_runtime]');
     const old = await asked();
     assert.ok(between(old, await made()) < 1e-3);
-    await page.evaluate((angle) => window.device.quaternion.set(0, Math.sin(angle / 2), 0, Math.cos(angle / 2)), ANGLE); // left
+    // To the left.
+    await page.evaluate((angle) => window.device.quaternion.set(0, Math.sin(angle / 2), 0, Math.cos(angle / 2)), ANGLE);
     await bothEyes(page);
     const after = await halves(page, 'div[data-webxr_runtime]');
     assert.ok(between(old, await made()) < 1e-3, 'the picture is still the old one');
@@ -214,7 +220,8 @@ describe('two eyes', () => {
 
   test('a refusal is one line, and the page goes on', async (t) => {
     const refuse = `${headset()};
-      navigator.xr.requestSession = () => Promise.reject(new DOMException('The headset is in use.', 'InvalidStateError'));`;
+      navigator.xr.requestSession = () =>
+        Promise.reject(new DOMException('The headset is in use.', 'InvalidStateError'));`;
     const page = await openPage(t, browser, server.url, { script: refuse });
     await connected(page);
     await page.locator('#tool-vr').click();

@@ -84,7 +84,8 @@ async function judge({ width, height }, size) {
     const { position, yaw, pitch, distance } = camera;
     const ahead = [-Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), -Math.cos(yaw) * Math.cos(pitch)];
     const target = position.map((x, i) => x + ahead[i] * distance);
-    const answer = await fetch(`snapshot.jpg?w=${size.width}&h=${size.height}&quality=95&position=${position}&target=${target}`);
+    const query = `w=${size.width}&h=${size.height}&quality=95&position=${position}&target=${target}`;
+    const answer = await fetch(`snapshot.jpg?${query}`);
     if (!answer.ok) throw new Error(`snapshot: ${await answer.text()}`);
     const copy = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
     copy.imageSmoothingQuality = 'high';
@@ -125,9 +126,9 @@ const after = [];
 const browser = await startBrowser();
 const server = await startServer();
 const delay = await startDelay(server.url, ADDED_MS / 2);
-console.log(
-  '| pictures are | camera | behind, median | 95 % | aside, median | 95 % | error, median | 95 % | at rest | input to picture p50 · p95 · p99, ms | frames/s |',
-);
+const columns = ['pictures are', 'camera', 'behind, median', '95 %', 'aside, median', '95 %', 'error, median', '95 %'];
+columns.push('at rest', 'input to picture p50 · p95 · p99, ms', 'frames/s');
+console.log(`| ${columns.join(' | ')} |`);
 console.log('|---|---|---|---|---|---|---|---|---|---|---|');
 try {
   for (const camera of ['orbit', 'fly'])
@@ -176,7 +177,9 @@ try {
       best.sort((a, b) => a.latency[0] - b.latency[0]);
       const { angles, errors, latency, rate } = best[0];
       const seen = angles.map((angle, i) => (i > 1 && camera === 'fly' ? '' : `${degrees(angle)}°`));
-      console.log(`| ${name} | ${camera} | ${seen.join(' | ')} | ${errors.map((error) => error.toFixed(1)).join(' | ')} | ${latency.join(' · ')} | ${rate.toFixed(0)} |`);
+      const wrong = errors.map((error) => error.toFixed(1));
+      const row = [name, camera, ...seen, ...wrong, latency.join(' · '), rate.toFixed(0)];
+      console.log(`| ${row.join(' | ')} |`);
     }
 } finally {
   delay.stop();

@@ -84,7 +84,8 @@ export async function rested(page) {
     'the picture rests',
     (brume) => brume.lastFrame.quality >= 90 && brume.lastFrame.poseSeq >= brume.sentPose,
   );
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))); // drawn, too
+  // Until it is drawn, too.
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 
 // Until so many more pictures are shown.

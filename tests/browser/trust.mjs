@@ -32,7 +32,10 @@ const disabled = (page, id) => page.evaluate((name) => document.getElementById(n
 const inert = (page) =>
   page.evaluate(() =>
     Object.fromEntries(
-      [...document.querySelectorAll('#panel details')].map((part) => [part.querySelector('summary').textContent, part.inert]),
+      [...document.querySelectorAll('#panel details')].map((part) => [
+        part.querySelector('summary').textContent,
+        part.inert,
+      ]),
     ),
   );
 

@@ -11,8 +11,9 @@ Watcher::Watcher(const client::Endpoint& server, const client::Wishes& wishes) :
 }
 
 uint32_t Watcher::look(const Pose& pose) {
-    const auto seq = session.sendPose(pose);
-    if (!seq) throw std::runtime_error("the socket takes no more poses");
+    std::optional<uint32_t> seq; // nothing while the socket still writes the pose before
+    if (!watch({this}, [&] { return bool(seq = session.sendPose(pose)); }))
+        throw std::runtime_error("the socket takes no more poses");
     return *seq;
 }
 

@@ -23,8 +23,11 @@ private:
         const uint32_t cubic = isCubic(*in.shared->settings);
         const gpu::Commands::Pass pass(commands, "grid rays", group.view());
         gpu::computeToCompute(cmd);
-        program(grid_rays_comp, "grid_rays", 2 * group.sources + cubic,
-                {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdCubic, cubic}, {gpu::kIdSources, group.sources}})
+        program(grid_rays_comp, "grid_rays", 2 * gpu::fieldQuantities(group.colours) + cubic,
+                {{gpu::kIdHasOpaque, features_.opaque},
+                 {gpu::kIdCubic, cubic},
+                 {gpu::kIdSunColours, group.colours.sun},
+                 {gpu::kIdAmbientColours, group.colours.ambient}})
             .bind(commands,
                   {in.medium->tick, group.block, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
                    gpu::storageBuffer(5, medium_.marks()),

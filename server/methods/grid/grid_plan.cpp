@@ -57,14 +57,14 @@ public:
         constexpr double kNodesOfBrick = double(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
         work[kBins] = scene.particles * (bricks.x + bricks.y + bricks.z);
         work[kNodes] =
-            kindsOf(scene) * kNodesOfBrick * (reached * scene.weight() + 0.5 * bricks.x * bricks.y * bricks.z);
+            quantitiesOf(scene) * kNodesOfBrick * (reached * scene.weight() + 0.5 * bricks.x * bricks.y * bricks.z);
     }
 
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
         addDisplayWork(view, settings, work);
         const glm::dvec2 rays = raysOf(view, settings);
         work[kRays] = rays.x * rays.y * settings.slabs * (isCubic(settings) ? kCubicSampling : 1) *
-                      kindsOf(view.scene()) * facesKept(view);
+                      quantitiesOf(view.scene()) * facesKept(view);
     }
 
 private:

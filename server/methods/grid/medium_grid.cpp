@@ -3,6 +3,7 @@
 #include "server/methods/rays/line_bins.h"
 #include "shaders/grid_bins_comp.h"
 #include "shaders/grid_fill_comp.h"
+#include "shaders/shared/field.h"
 
 namespace brume {
 namespace {
@@ -55,7 +56,7 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
                        {in.tick, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, nodes_),
                         gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, marks_)},
                        grid);
-    vkCmdDispatch(cmd, grid.bricks.x, grid.bricks.y, grid.bricks.z * (one_albedo_ ? 1 : 4));
+    vkCmdDispatch(cmd, grid.bricks.x, grid.bricks.y, grid.bricks.z * gpu::mediumQuantities(one_albedo_));
     gpu::computeToCompute(cmd);
 }
 

@@ -20,9 +20,9 @@ public:
     void record(gpu::Commands& commands, const MediumView& medium, const RenderSettings& settings);
 
     const gpu::MediumGrid& grid() const { return grid_; }
-    const gpu::Buffer& nodes() const {
-        return nodes_;
-    } // float[kind][plane][row][node]; bricks without a mark for reading are undefined
+    // float[quantity of the medium][plane][row][node] (shaders/shared/field.h). Bricks without a mark for reading are
+    // undefined.
+    const gpu::Buffer& nodes() const { return nodes_; }
     const gpu::Buffer& marks() const { return marks_; } // shaders/lib/grid_marks.glsl
 
 private:

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "shaders/shared/field.h"
+
 namespace brume {
 namespace {
 
@@ -35,7 +37,8 @@ gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& s
 
 uint64_t gridBytes(const gpu::MediumGrid& grid, bool one_albedo) {
     constexpr uint64_t kNodes = uint64_t(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
-    return uint64_t(grid.bricks.x) * grid.bricks.y * grid.bricks.z * kNodes * (one_albedo ? 1 : 4) * sizeof(float);
+    return uint64_t(grid.bricks.x) * grid.bricks.y * grid.bricks.z * kNodes * gpu::mediumQuantities(one_albedo) *
+           sizeof(float);
 }
 
 std::string gridRefusal(const MediumExtent& extent, const RenderSettings& settings) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/plan/method_plan.h"
+#include "shaders/shared/field.h"
 
 namespace brume {
 
@@ -48,8 +49,7 @@ protected:
     static glm::dvec2 raysOf(const ViewWork& view, const RenderSettings& settings);
     // 1.4 where faces of all slabs are kept, beside objects; else 1.
     static double facesKept(const ViewWork& view) { return view.scene().features.opaque ? 1.4 : 1; }
-    // What is summed: extinction, and where albedos differ what scatters each colour.
-    static double kindsOf(const PlanScene& scene) { return scene.extent.one_albedo ? 1 : 4; }
+    static double quantitiesOf(const PlanScene& scene) { return gpu::mediumQuantities(scene.extent.one_albedo); }
 };
 
 } // namespace brume

@@ -101,7 +101,7 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
     for (const EyeInputs& in : eyes) order_.push_back(&in);
     const auto kind = [&](const EyeInputs* in) {
         const uint32_t rate = gridOf(*in).rate;
-        return std::tuple(in->medium->particles, sources(*in), rate, shadingStepOf(*in, rate));
+        return std::tuple(in->medium->particles, coloursOf(*in), rate, shadingStepOf(*in, rate));
     };
     const bool alone = eyes.front().shared->uses_target;
     if (!alone)
@@ -116,19 +116,20 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
     bool open = false; // True: the last group takes more views
     for (const EyeInputs* in : order_) {
         const Bands bands = bandsOf(*in);
-        const uint32_t step = shadingStepOf(*in, bands.grid.rate), count = sources(*in);
+        const uint32_t step = shadingStepOf(*in, bands.grid.rate);
+        const gpu::FieldColours colours = coloursOf(*in);
         const bool whole = bands.step >= bands.cells && !alone;
         for (uint32_t row = 0; row < bands.cells; row += bands.step) {
             Room with = room;
             gpu::View view = viewOf(*in, bands, row, step, with);
             const auto fits = [&](const ViewGroup& last) {
-                return last.any->medium == in->medium && last.rate == bands.grid.rate && last.sources == count &&
+                return last.any->medium == in->medium && last.rate == bands.grid.rate && last.colours == colours &&
                        last.step == step && bytesOfLargest(with) <= kMostBytes;
             };
             if (!(open && whole && fits(groups_.back()))) {
                 with = {};
                 view = viewOf(*in, bands, row, step, with);
-                groups_.push_back({.any = in, .rate = bands.grid.rate, .sources = count, .step = step});
+                groups_.push_back({.any = in, .rate = bands.grid.rate, .colours = colours, .step = step});
                 firsts_.push_back(views_.size());
             }
             groups_.back().bins = with.bins;
@@ -162,11 +163,11 @@ gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t fir
     view.added = uint32_t(room.added);
     view.field = uint32_t(room.field);
     view.shaded = uint32_t(room.shaded);
-    const Room own = roomOf(in, view.grid, sources(in));
+    const Room own = roomOf(in, view.grid);
     room.members += own.members;
     room.bins += own.bins;
     room.added += own.added;
-    room.field += fieldWords(view.grid, sources(in));
+    room.field += fieldWords(in, view.grid);
     room.shaded += shadedWords(view, step);
     return view;
 }
@@ -179,17 +180,25 @@ void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
 
 void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
     const gpu::Commands::Pass pass(commands, "spline", group.view());
-    program(slab_spline_comp, "slab_spline", group.sources,
-            {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdSources, group.sources}})
+    program(slab_spline_comp, "slab_spline", gpu::fieldQuantities(group.colours),
+            {{gpu::kIdHasOpaque, features_.opaque},
+             {gpu::kIdSunColours, group.colours.sun},
+             {gpu::kIdAmbientColours, group.colours.ambient}})
         .bind(commands, {group.block, gpu::storageBuffer(2, field_)});
     const uint32_t nodes = group.most([](const gpu::View& v) { return v.grid.nodes.x * v.grid.nodes.y; });
     vkCmdDispatch(commands.handle(), gpu::groups(nodes, 64), 1, group.count());
     gpu::computeToCompute(commands.handle());
 }
 
-VkDeviceSize SlabRays::fieldWords(const gpu::SlabGrid& grid, uint32_t sources) const { // lib/slab_field.glsl
-    const uint32_t planes = (sources + 1) * (features_.opaque ? grid.slabs + 3 : 2) + 2;
-    return VkDeviceSize(grid.nodes.x) * grid.nodes.y * planes;
+gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
+    if (in.medium->extent->one_albedo) return {.sun = 1, .ambient = 0};
+    return {.sun = 3, .ambient = features_.ambient ? 3u : 0u};
+}
+
+VkDeviceSize SlabRays::fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid) const {
+    const gpu::FieldPlanes planes{.quantities = gpu::fieldQuantities(coloursOf(in)),
+                                  .faces = features_.opaque ? grid.slabs + 1 : 0};
+    return VkDeviceSize(grid.nodes.x) * grid.nodes.y * gpu::planesOf(planes);
 }
 
 SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
@@ -197,7 +206,7 @@ SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
     gpu::SlabGrid& grid = bands.grid;
     bands.cells = gpu::groups(in.size.height, grid.rate);
     const auto tooLarge = [&] {
-        const Room room{.added = roomOf(in, grid, sources(in)).added, .field = fieldWords(grid, sources(in))};
+        const Room room{.added = roomOf(in, grid).added, .field = fieldWords(in, grid)};
         return bytesOfLargest(room) > kMostBytes;
     };
     const auto rowsOfTiles = [&](uint32_t rows) {

@@ -27,17 +27,13 @@ protected:
         VkDeviceSize members = 0, bins = 0, added = 0, field = 0, shaded = 0;
     };
     // What a band needs of the method's own buffers: members, bins, added.
-    virtual Room roomOf(const EyeInputs&, const gpu::SlabGrid&, uint32_t /*sources*/) const { return {}; }
+    virtual Room roomOf(const EyeInputs&, const gpu::SlabGrid&) const { return {}; }
     // Makes such room. Precondition: nothing of the method is on the device.
     virtual void fitRoom(const Room&) {}
     // Writes field_ for all rays of a group; earlier contents have been read. Its writes are visible to compute
     // afterwards.
     virtual void recordRays(gpu::Commands& commands, const ViewGroup& group) = 0;
 
-    // Sources of scattered light that are kept apart (shaders/lib/slab_field.glsl).
-    uint32_t sources(const EyeInputs& in) const {
-        return in.medium->extent->one_albedo ? 1u : features_.ambient ? 6u : 3u;
-    }
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
     // A program, made when it is first asked for. `variant` differs between programs of one shader.
     const gpu::ComputeProgram& program(std::span<const uint32_t> code, const char* name, uint32_t variant,
@@ -56,7 +52,8 @@ private:
     Bands bandsOf(const EyeInputs& in) const;
     static VkDeviceSize bytesOfLargest(const Room& room); // of the buffers
     uint32_t shadingStepOf(const EyeInputs& in, uint32_t rate) const;
-    VkDeviceSize fieldWords(const gpu::SlabGrid& grid, uint32_t sources) const;
+    gpu::FieldColours coloursOf(const EyeInputs& in) const;
+    VkDeviceSize fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid) const;
     // The view of `in` in rows of pixels from first_row on. It is put behind what is in `room` already, which grows by
     // it.
     gpu::View viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const;

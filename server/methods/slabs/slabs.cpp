@@ -15,12 +15,11 @@ public:
         : SlabRays(context), bins_program_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, slab_bins_comp, "slab_bins"}) {}
 
 private:
-    Room roomOf(const EyeInputs& in, const gpu::SlabGrid& grid, uint32_t sources) const override {
+    Room roomOf(const EyeInputs& in, const gpu::SlabGrid& grid) const override {
         const VkDeviceSize bits = lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.medium->count);
         return {.members = in.medium->count,
                 .bins = bits / sizeof(uint32_t),
-                .added =
-                    VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * quantitiesOf(sources)};
+                .added = VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * quantitiesOf(in)};
     }
 
     void fitRoom(const Room& room) override {
@@ -29,8 +28,7 @@ private:
         fit(added_, room.added * sizeof(glm::vec4), "slab extinction");
     }
 
-    // What is added up: extinction, and where albedos differ what scatters each colour.
-    static uint32_t quantitiesOf(uint32_t sources) { return sources > 1 ? 4 : 1; }
+    static uint32_t quantitiesOf(const EyeInputs& in) { return gpu::mediumQuantities(in.medium->extent->one_albedo); }
 
     void recordRays(gpu::Commands& commands, const ViewGroup& group) override {
         const VkCommandBuffer cmd = commands.handle();
@@ -50,21 +48,23 @@ private:
         {
             const gpu::Commands::Pass pass(commands, "slabs", group.view());
             struct Push {
-                uint32_t sheets, whats;
-            } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), quantitiesOf(group.sources)};
+                uint32_t sheets, quantities;
+            } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), quantitiesOf(in)};
             const uint32_t sheet = group.views.front().grid.sheet;
             program(slabs_comp, "slabs", sheet, {{gpu::kIdSheet, sheet}})
                 .bind(commands,
                       {in.medium->tick, group.block, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
                        gpu::storageBuffer(4, bins_)},
                       push);
-            vkCmdDispatch(cmd, columns, rows, push.sheets * push.whats * group.count());
+            vkCmdDispatch(cmd, columns, rows, push.sheets * push.quantities * group.count());
             gpu::computeToCompute(cmd);
         }
         {
             const gpu::Commands::Pass pass(commands, "slab light", group.view());
-            program(slab_light_comp, "slab_light", group.sources,
-                    {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdSources, group.sources}})
+            program(slab_light_comp, "slab_light", gpu::fieldQuantities(group.colours),
+                    {{gpu::kIdHasOpaque, features_.opaque},
+                     {gpu::kIdSunColours, group.colours.sun},
+                     {gpu::kIdAmbientColours, group.colours.ambient}})
                 .bind(commands,
                       {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
                        gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),

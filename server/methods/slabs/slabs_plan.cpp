@@ -47,7 +47,7 @@ public:
                        cellsTouched(s.near - view.near(), s.far - view.near(), sheet, sheets);
         constexpr double kSamples = double(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
         work[kBin] = scene.particles * (tiles_x + tiles_y + sheets);
-        work[kSlabs] = kindsOf(scene) * kSamples * (reached * scene.weight() + 0.5 * tiles_x * tiles_y * sheets);
+        work[kSlabs] = quantitiesOf(scene) * kSamples * (reached * scene.weight() + 0.5 * tiles_x * tiles_y * sheets);
         work[kLight] = rays.x * rays.y * settings.slabs * facesKept(view);
     }
 };

@@ -1,0 +1,17 @@
+// Addresses in `field`, the buffer of planes that shared/field.h describes. Include after lib/view.glsl, kHasOpaque,
+// kSunColours and kAmbientColours are declared.
+#include "shaders/shared/field.h"
+
+FieldColours fieldColours() { return FieldColours(kSunColours, kAmbientColours); }
+uint fieldAmbient() { return fieldAmbient(fieldColours()); }
+uint fieldQuantities() { return fieldQuantities(fieldColours()); }
+
+uint fieldNodes() { return grid.nodes.x * grid.nodes.y; }
+FieldPlanes fieldPlanes() { return FieldPlanes(fieldQuantities(), kHasOpaque ? grid.slabs + 1 : 0); }
+// Index of a plane's first node.
+uint planeAt(uint plane) { return field_at + plane * fieldNodes(); }
+uint fieldFace(uint quantity, uint face) { return planeAt(facePlane(fieldPlanes(), quantity, face)); }
+uint fieldWhole(uint quantity) { return planeAt(wholePlane(fieldPlanes(), quantity)); }
+uint fieldEnd() { return planeAt(endPlane(fieldPlanes())); }
+uint fieldSpline(uint quantity) { return planeAt(splinePlane(fieldPlanes(), quantity)); }
+uint fieldEndSpline() { return planeAt(endSplinePlane(fieldPlanes())); }

@@ -1,0 +1,75 @@
+// What the passes of methods `slabs` and `grid` hand to each other, and the order of planes in the field of rays: one
+// text, compiled as C++ and as GLSL.
+#ifndef BRUME_SHARED_FIELD_H
+#define BRUME_SHARED_FIELD_H
+
+#ifdef __cplusplus
+#include <compare>
+#include <cstdint>
+namespace brume::gpu {
+using uint = uint32_t;
+#define BRUME_INLINE constexpr
+#else
+#define BRUME_INLINE
+#endif
+
+// Quantities of the medium at a slab of a ray or a node of the grid, 1/m.
+const uint kExtinction = 0u;
+const uint kScattering = 1u; // in red, green and blue; absent if all particles have the same albedo
+
+BRUME_INLINE uint mediumQuantities(bool one_albedo) { return one_albedo ? kScattering : kScattering + 3u; }
+
+// Colours of the light in a field. If all particles have the same albedo, light is without albedo and thus colour.
+struct FieldColours {
+    uint sun;     // 1 if all particles have the same albedo; otherwise 3: red, green and blue
+    uint ambient; // 3 if albedos differ and there is ambient light; otherwise 0
+#ifdef __cplusplus
+    auto operator<=>(const FieldColours&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
+#endif
+};
+
+// Quantities of the field, numbered. A light's colours follow each other.
+const uint kFieldDepth = 0u; // optical depth
+const uint kFieldSun = 1u;   // scattered light of the sun, for p E = 1
+BRUME_INLINE uint fieldAmbient(FieldColours colours) { return kFieldSun + colours.sun; } // scattered ambient light
+BRUME_INLINE uint fieldQuantities(FieldColours colours) { return fieldAmbient(colours) + colours.ambient; }
+const uint kMostFieldQuantities = 7u;
+
+// The planes of a field. A plane has a float for each ray.
+//
+//   quantity 0    quantity 1    ...   with faces         as coefficients of B-splines
+//   |             |                   |                  |
+//   +-------------+-------------+-----+------------------+------------+-----+--------------------+
+//   | faces + 1   | faces + 1   | ... | the face where   | quantity 0 | ... | with faces: the    |
+//   | planes      | planes      |     | a whole ray ends | of whole   |     | face where a whole |
+//   |             |             |     |                  | rays       |     | ray ends           |
+//   +-------------+-------------+-----+------------------+------------+-----+--------------------+
+//
+//   a quantity:  | up to face 0 (near) | up to face 1 | ... | up to face `slabs` (far) | whole ray |
+//
+// A whole ray ends at the surface that it hits. Its light is stored divided by its opacity: both are then smooth where
+// the medium is band-limited, however dense it is.
+struct FieldPlanes {
+    uint quantities;
+    uint faces; // slabs + 1 in scenes with opaque objects; otherwise 0: there are only whole rays
+};
+
+BRUME_INLINE uint facePlane(FieldPlanes field, uint quantity, uint face) {
+    return quantity * (field.faces + 1u) + face;
+}
+BRUME_INLINE uint wholePlane(FieldPlanes field, uint quantity) { return facePlane(field, quantity, field.faces); }
+// Planes of the faces at which whole rays end.
+BRUME_INLINE uint endPlanes(FieldPlanes field) { return field.faces > 0u ? 1u : 0u; }
+BRUME_INLINE uint endPlane(FieldPlanes field) { return facePlane(field, field.quantities, 0u); }
+BRUME_INLINE uint splinePlane(FieldPlanes field, uint quantity) {
+    return endPlane(field) + endPlanes(field) + quantity;
+}
+BRUME_INLINE uint endSplinePlane(FieldPlanes field) { return splinePlane(field, field.quantities); }
+BRUME_INLINE uint planesOf(FieldPlanes field) { return endSplinePlane(field) + endPlanes(field); }
+
+#ifdef __cplusplus
+static_assert(fieldQuantities({.sun = 3, .ambient = 3}) == kMostFieldQuantities);
+} // namespace brume::gpu
+#endif
+#undef BRUME_INLINE
+#endif
