@@ -63,11 +63,12 @@ TEST_F(HardTest, NoParticleAtAll) {
     scene.medium.emitter.rate = 1e-3f;
     scene.medium.emitter.life = 0.1f;
     scene.sky.zenith = scene.sky.horizon = glm::vec3(0.25f);
+    Stage stage(device(), scene, Simulation(scene).capacity());
     for (const Way& way : ways()) {
         choose(scene, way);
         ASSERT_EQ(Simulation(scene).liveCount(), 0u);
         double error = 0;
-        for (const glm::vec4& pixel : render(device(), scene, Pose{}, 20, 10).pixels)
+        for (const glm::vec4& pixel : stage.see(scene, Pose{}, 20, 10).pixels)
             for (int c = 0; c < 4; ++c) error = worse(error, std::abs(double(pixel[c]) - (c < 3 ? 0.25 : 1.0)));
         judge("no particle: the sky", way, error, 1e-6); // blended between two equal colours
     }

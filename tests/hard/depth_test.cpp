@@ -23,20 +23,19 @@ TEST_F(HardTest, ZeroExtinctionLeavesTheBackground) {
     const Pose pose = lookAt({0, 0.5f, 4}, {0, 0, 0}, 1);
     ASSERT_EQ(Simulation(empty).liveCount(), 0u);
     const Picture background = stage.see(empty, pose, kWidth, kHeight);
-    for (const float sigma_t : {0.0f, 1e-30f})
-        for (const float cutoff : {1e-6f, 0.0f}) {
-            Scene scene = sceneOf(randomPoints(100, 4, 2, sigma_t), 1.6f);
-            scene.sky = empty.sky;
-            scene.planes = empty.planes;
-            scene.boxes = empty.boxes;
-            scene.render.shadow_size = 32;
-            scene.render.cutoff = cutoff;
-            for (const Way& way : ways()) {
+    for (const Way& way : ways())
+        for (const float sigma_t : {0.0f, 1e-30f})
+            for (const float cutoff : {1e-6f, 0.0f}) {
+                Scene scene = sceneOf(randomPoints(100, 4, 2, sigma_t), 1.6f);
+                scene.sky = empty.sky;
+                scene.planes = empty.planes;
+                scene.boxes = empty.boxes;
+                scene.render.shadow_size = 32;
+                scene.render.cutoff = cutoff;
                 choose(scene, way);
                 judge("zero extinction: pixels that are not the background's bits", way,
                       differing(stage.see(scene, pose, kWidth, kHeight), background), 0);
             }
-        }
 }
 
 // Naive: blends into 8 or 16 bits, where a layer of 1e-4 rounds to nothing and the picture stays clear; or drops

@@ -43,8 +43,8 @@ TEST_F(HardTest, InsideAThousandParticles) {
     std::vector<Point> points = randomPoints(1000, 1, 8, 1.2e-3f); // of inradius 1.3 to 4, all around the eye
     const Scene scene = sceneNear(points, 1.6f);
     Stage stage(device(), scene, 1000);
-    for (const glm::vec3 direction : {glm::vec3(0, 0, -1), glm::vec3(1, 0.5f, 0.2f)})
-        for (const Way& way : ways()) {
+    for (const Way& way : ways())
+        for (const glm::vec3 direction : {glm::vec3(0, 0, -1), glm::vec3(1, 0.5f, 0.2f)}) {
             const Seen seen = transmittance(stage, scene, way, lookAt({0, 0, 0}, direction, 1.2f), 24, 18);
             EXPECT_LT(seen.lowest, 0.2);
             // A thousand roundings of 1.5 * 2^-24 of T, a thousand lengths that err by 1e-5 m at 1.2e-3/m, and the
