@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <optional>
 
 #include <unistd.h>
@@ -39,9 +40,10 @@ private:
 class Shared : public testing::Environment {
 public:
     std::optional<gpu::Device> device, without_mesh;
-    std::optional<Stage> plain, plain_without_mesh;
+    std::map<std::string, Stage> plain; // by use
+    std::optional<Stage> plain_without_mesh;
     void TearDown() override {
-        plain.reset();
+        plain.clear();
         plain_without_mesh.reset();
         device.reset();
         without_mesh.reset();
@@ -54,17 +56,18 @@ const gpu::Device& made(std::optional<gpu::Device>& device, bool mesh) {
     return *device;
 }
 
-Stage& made(std::optional<Stage>& stage, const gpu::Device& device, uint32_t capacity) {
-    if (!stage) stage.emplace(device, sceneOf({Point{}}), capacity);
-    return *stage;
-}
-
 } // namespace
 
 const gpu::Device& GpuTest::device() { return made(shared->device, true); }
 const gpu::Device& GpuTest::deviceWithoutMesh() { return made(shared->without_mesh, false); }
-Stage& GpuTest::plain() { return made(shared->plain, device(), kPlainCapacity); }
-Stage& GpuTest::plainWithoutMesh() { return made(shared->plain_without_mesh, deviceWithoutMesh(), kPlainCapacity); }
+Stage& GpuTest::plain(const std::string& use) {
+    return shared->plain.try_emplace(use, device(), sceneOf({Point{}}), kPlainCapacity).first->second;
+}
+Stage& GpuTest::plainWithoutMesh() {
+    std::optional<Stage>& stage = shared->plain_without_mesh;
+    if (!stage) stage.emplace(deviceWithoutMesh(), sceneOf({Point{}}), kPlainCapacity);
+    return *stage;
+}
 
 void GpuTest::TearDown() {
     EXPECT_EQ(device().validationMessages(), 0u);

@@ -42,14 +42,14 @@ TEST_F(HardTest, PlacesThatAreNotNumbers) {
     const Pose pose = lookAt({0, 1, 9}, {0, 0, 0}, 0.8f);
     for (const Way& way : ways()) {
         for (Scene* scene : {&with, &without, &zero}) choose(*scene, way);
-        const Picture clean = plain().see(without, pose, 48, 36);
+        const Picture clean = plain(way).see(without, pose, 48, 36);
         const Log log;
-        const Picture rest = plain().see(with, pose, 48, 36);
+        const Picture rest = plain(way).see(with, pose, 48, 36);
         EXPECT_NE(log.text().find("dropped 5 of 65 points"), std::string::npos) << log.text();
         judge("NaN and infinite places in a PLY: pixels that differ from those without", way, differing(clean, rest),
               0);
         judge("place -0 in a PLY: pixels that differ from those of 0", way,
-              differing(clean, plain().see(zero, pose, 48, 36)), 0);
+              differing(clean, plain(way).see(zero, pose, 48, 36)), 0);
         double finite = 0;
         for (const glm::vec4& pixel : rest.pixels)
             finite = worse(finite, double(0 * (pixel.r + pixel.g + pixel.b + pixel.a)));
@@ -63,11 +63,12 @@ TEST_F(HardTest, NoParticleAtAll) {
     scene.medium.emitter.rate = 1e-3f;
     scene.medium.emitter.life = 0.1f;
     scene.sky.zenith = scene.sky.horizon = glm::vec3(0.25f);
+    Stage stage(device(), scene, Simulation(scene).capacity());
     for (const Way& way : ways()) {
         choose(scene, way);
         ASSERT_EQ(Simulation(scene).liveCount(), 0u);
         double error = 0;
-        for (const glm::vec4& pixel : render(device(), scene, Pose{}, 20, 10).pixels)
+        for (const glm::vec4& pixel : stage.see(scene, Pose{}, 20, 10).pixels)
             for (int c = 0; c < 4; ++c) error = worse(error, std::abs(double(pixel[c]) - (c < 3 ? 0.25 : 1.0)));
         judge("no particle: the sky", way, error, 1e-6); // blended between two equal colours
     }

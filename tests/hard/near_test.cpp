@@ -1,7 +1,6 @@
 // The camera inside the medium: in one particle, in a thousand, moving through, the near plane cutting what it may.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 
 #include "tests/hard/hard.h"
@@ -20,22 +19,8 @@ Scene sceneNear(const std::vector<Point>& points, float falloff) {
 // Float: places err by about 1e-6 m, ten times that where a ray grazes a face, and extinctions reach 4/m here.
 constexpr double kFloat = 5e-5;
 
-// A stage for each way. A renderer keeps two methods, and these cases go through all ways for every picture.
-class StageOfWay {
-public:
-    explicit StageOfWay(const gpu::Device& device) : device_(device) {}
-    Stage& operator()(const Way& way) {
-        return stages_.try_emplace(way.name(), device_, sceneOf({Point{}}), 1).first->second;
-    }
-
-private:
-    const gpu::Device& device_;
-    std::map<std::string, Stage> stages_;
-};
-
 // Naive: the proxy's front lies behind the camera and is clipped away, and the particle vanishes when entered.
 TEST_F(HardTest, InsideOneParticle) {
-    StageOfWay stage(device());
     for (const float falloff : {1.6f, 8.0f}) {
         const Point point{{1, -2, 3}, 1.5f, 1};
         for (const glm::vec3 from : {glm::vec3(0), glm::vec3(0.2f, 0.1f, 0), glm::vec3(0, 0, 0.4f),
@@ -44,7 +29,7 @@ TEST_F(HardTest, InsideOneParticle) {
                 for (const float fov : {0.3f, 1.2f, 2.6f}) {
                     const glm::vec3 eye = point.centre + from;
                     for (const Way& way : ways()) {
-                        const Seen seen = transmittance(stage(way), sceneNear({point}, falloff), way,
+                        const Seen seen = transmittance(plain(way), sceneNear({point}, falloff), way,
                                                         lookAt(eye, eye + direction, fov), 24, 18);
                         judge("camera inside one particle: transmittance", way, seen.error, kFloat);
                         EXPECT_GT(seen.covered, 300) << way.name();
@@ -58,8 +43,8 @@ TEST_F(HardTest, InsideAThousandParticles) {
     std::vector<Point> points = randomPoints(1000, 1, 8, 1.2e-3f); // of inradius 1.3 to 4, all around the eye
     const Scene scene = sceneNear(points, 1.6f);
     Stage stage(device(), scene, 1000);
-    for (const glm::vec3 direction : {glm::vec3(0, 0, -1), glm::vec3(1, 0.5f, 0.2f)})
-        for (const Way& way : ways()) {
+    for (const Way& way : ways())
+        for (const glm::vec3 direction : {glm::vec3(0, 0, -1), glm::vec3(1, 0.5f, 0.2f)}) {
             const Seen seen = transmittance(stage, scene, way, lookAt({0, 0, 0}, direction, 1.2f), 24, 18);
             EXPECT_LT(seen.lowest, 0.2);
             // A thousand roundings of 1.5 * 2^-24 of T, a thousand lengths that err by 1e-5 m at 1.2e-3/m, and the
@@ -110,7 +95,7 @@ TEST_F(HardTest, TheWayThroughAParticle) {
             pose.fov_y = 1;
             frames[2] = std::move(frames[1]);
             frames[1] = std::move(frames[0]);
-            frames[0] = plain().see(scene, pose, 16, 12);
+            frames[0] = plain(way).see(scene, pose, 16, 12);
             const auto change = [&](int back, size_t p) {
                 return std::abs(double(frames[0].pixels[p].r) - double(frames[back].pixels[p].r));
             };
@@ -134,7 +119,6 @@ TEST_F(HardTest, TheWayThroughAParticle) {
 
 // Naive: clips triangles against the near plane and interpolates across the cut.
 TEST_F(HardTest, TheNearPlaneCutsOneTwoOrThreeVertices) {
-    StageOfWay stage(device());
     Random random(5);
     int cut[5] = {};
     for (int i = 0; i < 80; ++i) {
@@ -147,7 +131,7 @@ TEST_F(HardTest, TheNearPlaneCutsOneTwoOrThreeVertices) {
         for (const Way& way : ways()) {
             if (behind < 1 || behind > 3) continue;
             const Seen seen =
-                transmittance(stage(way), sceneNear({point}, i % 2 ? 1.6f : 8), way, pose, kWidth, kHeight);
+                transmittance(plain(way), sceneNear({point}, i % 2 ? 1.6f : 8), way, pose, kWidth, kHeight);
             judge("near plane cuts " + std::to_string(behind) + " of 4 vertices: transmittance", way, seen.error,
                   kFloat);
         }
