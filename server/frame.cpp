@@ -140,9 +140,9 @@ bool FrameLoop::render(Batch& batch) {
     const Plan& plan = planner_.plan();
     const bool rests = plan.relaxed == 0 && batch_planner_.camerasRest(batch.taken);
     const double dearer = plan.still_ms / plan.chosen.ms();
-    batch.low_error =
+    batch.finer =
         batch.still_pictures || refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken);
-    const RenderSettings settings = batch.low_error ? finer(planned) : planned;
+    const RenderSettings settings = batch.finer ? finer(planned) : planned;
     for (EyeRequest& eye : batch.eyes) eye.rate = planner_.rateOf({eye.pose, eye.width, eye.height}, settings);
     try {
         renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, batch.still_pictures);
@@ -187,9 +187,9 @@ void FrameLoop::encode(Batch& batch) {
     planner_.took(double(took * batch.full_batch_ratio), batch.done);
     audience_.frameTook(took * batch.full_batch_ratio);
     const DeviceLedger::Times times = ledger_.book(batch.submission.commands.readTimes(), batch);
-    metrics_.drawn(times.shared_ms, times.views_ms, batch.low_error);
-    batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.low_error);
-    if (batch.low_error && !batch.still_pictures) refinement_.took(double(took));
+    metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
+    batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);
+    if (batch.finer && !batch.still_pictures) refinement_.took(double(took));
 
     const std::span<const PictureView> pictures = batch.submission.pictures();
     const auto draws = [&](const BatchJob& job) { return &job == &batch.jobs[job.pictures]; };

@@ -53,8 +53,8 @@ private:
         Submission submission;
         uint64_t tick = 0, state_hash = 0;
         Clock::time_point taken{}, done{}; // when its poses were taken; when the device was done
-        // True: half the distance between rays and slabs. For still pictures, and for others if there is time.
-        bool low_error = false;
+        // True: drawn with finer() settings. For still pictures, and for others if there is time.
+        bool finer = false;
         std::atomic<uint32_t> pending{0}; // jobs not encoded yet
     };
 

@@ -17,8 +17,8 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 constexpr uint64_t kPoseEveryUs = 16'393;  // 61 Hz, not 60: no phase to the server's ticks lasts for a whole run
-constexpr uint64_t kLookEveryUs = 100'000; // between two checks for viewers that get no frames
-constexpr uint64_t kTryEveryUs = 250'000;  // between two tries to connect of a viewer that lost the server
+constexpr uint64_t kLookEveryUs = 100'000; // period of the check for viewers that get no frames
+constexpr uint64_t kTryEveryUs = 250'000;  // wait before a viewer that lost the server tries to connect again
 constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may wait for shaders to be compiled
 
 milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1e3)); }
@@ -29,12 +29,12 @@ struct Crowd::Viewer {
     uint32_t number; // from 1
     client::Session session;
     Path path;
-    double phase; // its start on the path, in [0, 1) of a round
+    double phase; // where its path begins, in [0, 1) of a round
     client::CameraPath camera;
     uint64_t next_pose_us = 0, heard_us = nowUs(), frames = 0;
-    uint64_t lost_us = 0, next_try_us = 0; // from the end of its connection to the first frame of the next; else 0
+    uint64_t lost_us = 0, next_try_us = 0; // end of its connection, next try to connect; 0 while frames come
     std::string key;                       // Granted::resume of the connection that was lost
-    std::deque<uint64_t> unanswered;       // times (nowUs()) at which poses were sent that no frame has answered yet
+    std::deque<uint64_t> unanswered;       // sending times (nowUs()) of poses that no frame has answered yet
 };
 
 Crowd::Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt)

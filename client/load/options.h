@@ -31,7 +31,7 @@ struct Options {
     bool decode = false;                       // true: the pictures are decoded too
     bool reconnect = false;                    // true: a viewer whose connection ends connects again
     std::optional<client::Endpoint> server;    // a running server; none: one is started
-    std::vector<std::string> server_arguments; // of the server that is started
+    std::vector<std::string> server_arguments; // arguments for a server that is started here
     std::filesystem::path out;                 // folder for the results; empty: nothing is written
     std::vector<Budget> budgets;
 };

@@ -14,7 +14,7 @@ namespace brume::load {
 
 struct Report {
     std::string server, scene, device; // from the server's welcome
-    uint16_t width = 0, height = 0;    // of one eye, as the server granted
+    uint16_t width = 0, height = 0;    // pixels of one eye's picture, as the server granted
     std::string machine;               // cores and load average before the first run
     std::vector<Run> runs;
     std::vector<std::string> broken; // one line for each budget that does not hold

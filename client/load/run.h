@@ -11,13 +11,13 @@ namespace brume::load {
 // What the server spent in a run; NaN for what it does not export. "At the end" marks values that are not sums over
 // the run.
 struct ServerCost {
-    double cpu_s = 0;                 // all threads
-    double shared_s = 0, views_s = 0; // device time: passes made once for all viewers, passes of each view
-    double batches = 0, rendered = 0; // submissions to the device, frames
-    double superseded = 0;            // frames that a newer one replaced before they were sent
-    double memory_bytes = 0;          // resident memory, at the end
-    double plan_error = 0,
-           relaxed = 0; // at the end: the plan's relative RMSE, and steps of accuracy given up under overload
+    double cpu_s = 0;                        // all threads
+    double shared_s = 0, views_s = 0;        // device time: passes made once for all viewers, passes of each view
+    double batches = 0, rendered = 0;        // submissions to the device, frames
+    double superseded = 0;                   // frames that a newer one replaced before they were sent
+    double memory_bytes = 0;                 // resident memory, at the end
+    double plan_error = 0;                   // at the end: relative RMSE that the plan expects
+    double relaxed = 0;                      // at the end: steps of accuracy given up under overload
     std::map<std::string, double> passes_ms; // at the end: device time of each pass, smoothed
 };
 
@@ -35,9 +35,9 @@ struct Run {
     uint32_t viewers = 0;
     double seconds = 0, warm_up_s = 0;
     std::vector<uint64_t> frames;    // number of frames of each viewer
-    uint64_t bytes = 0;              // of all frame messages
-    std::vector<float> latencies_ms; // of all poses: from sending it to the first frame of it or of a later pose
-    std::vector<float> ages_ms;      // of all frames: from sending the pose that it shows to receiving it
+    uint64_t bytes = 0;              // size of all frame messages
+    std::vector<float> latencies_ms; // for each pose, from sending it to the first frame of it or of a later pose
+    std::vector<float> ages_ms;      // for each frame, from sending the pose that it shows to receiving it
     std::vector<Return> returns;
     double oldest_unanswered_ms = 0; // at the end: how long the oldest pose without a frame has waited
     StageMeans stages;
@@ -50,9 +50,9 @@ struct Run {
     uint64_t allFrames() const;
     double leastFps() const; // frames a second of the slowest viewer
     double medianFps() const;
-    double mostFps() const;                  // of the fastest viewer
+    double mostFps() const;                  // frames a second of the fastest viewer
     double latencyMs(double fraction) const; // percentile of latencies_ms, nearest rank; NaN without a sample
-    double ageMs(double fraction) const;     // likewise of ages_ms; 1 is the oldest
+    double ageMs(double fraction) const;     // percentile of ages_ms; 1: the oldest
     double cpuMsPerFrame() const { return 1e3 * server.cpu_s / server.rendered; }
     double deviceMsPerFrame() const { return 1e3 * (server.shared_s + server.views_s) / server.rendered; }
 };

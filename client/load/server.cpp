@@ -53,7 +53,7 @@ double at(const Series& series, std::string_view name) {
 Server::Server(const Options& options) {
     if (options.server) {
         endpoint_ = *options.server;
-        try { // that nobody is there is said before anything else
+        try { // fails before the first run if no server is there
             (void)counters();
         } catch (const std::runtime_error& error) {
             throw std::runtime_error("no server to load at " + endpoint_.url() + ": " + error.what());
@@ -81,7 +81,7 @@ Series Server::counters() const { return scrape(endpoint_, kAnswer); }
 
 std::string Server::ended() {
     if (!process_) return {};
-    const auto code = process_->exitCode(milliseconds(500)); // its sockets close a moment before it is gone
+    const auto code = process_->exitCode(milliseconds(500)); // its sockets close a moment before the process ends
     if (!code) return {};
     const std::string words = lastLine(process_->err());
     return "it ended " +

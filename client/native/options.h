@@ -27,7 +27,7 @@ struct Options {
     bool reconnect = true;            // true: connect again when the connection is lost
     std::filesystem::path out;        // folder for statistics and pictures; empty: write nothing
     bool save = true;                 // true: write the pictures too
-    std::optional<CameraPath> camera; // in place of the scene's own; its kind is `path`
+    std::optional<CameraPath> camera; // replaces the scene's own camera; its kind is `path`
     PathKind path = PathKind::still;
     std::vector<TimedImpulse> impulses; // sorted by time
 };

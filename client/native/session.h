@@ -42,7 +42,7 @@ private:
 };
 
 struct Wishes {                         // what a viewer asks for in its hello
-    uint16_t width = 640, height = 360; // of one eye
+    uint16_t width = 640, height = 360; // pixels of one eye's picture
     uint8_t views = 1;                  // 2 for left and right eye
     uint8_t quality = 0;                // JPEG, 0 = the server's
     bool lossless = true;               // true: a still picture comes once more, as PNG

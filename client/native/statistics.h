@@ -19,8 +19,7 @@ struct FrameRecord {
     uint32_t id = 0, pose_seq = 0;
     uint64_t tick = 0, state_hash = 0;
     uint64_t presented_us = 0;
-    std::optional<float>
-        total_ms; // from sending the pose to presenting the frame; nothing if the echoed time is impossible
+    std::optional<float> total_ms; // from sending the pose to presenting the frame; none: the echoed time is impossible
     float wait_ms = 0, render_ms = 0, encode_ms = 0, queue_ms = 0, gpu_ms = 0; // wire::Stages
     float decode_ms = 0;
     uint32_t bytes = 0; // message and JPEG
@@ -57,7 +56,7 @@ public:
     uint64_t frames() const { return frames_; }
     std::string lastError() const { return error_records_.empty() ? "" : error_records_.back().text; }
     double secondsShown() const; // from the first frame to the last
-    double frameRate() const;    // frames a second over that time; 0 for fewer than two frames
+    double frameRate() const;    // frames a second from first to last; 0 for fewer than two frames
     // Frames a second, and the median latency, of the frames presented since `since_us`.
     double recentRate(uint64_t since_us) const;
     std::optional<float> recentLatencyMs(uint64_t since_us) const;

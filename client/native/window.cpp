@@ -227,7 +227,7 @@ private:
     JpegDecoder decoder_;
     CameraPath camera_;
     std::optional<Gestures> gestures_; // from the first welcome on
-    Pose seen_;                        // of the picture that is shown
+    Pose seen_;                        // camera of the picture that is shown
     std::string scene_;
     bool quit_ = false, paused_ = false;
     bool hidden_ = false; // true: the window is minimised

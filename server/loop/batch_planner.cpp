@@ -8,7 +8,7 @@
 namespace brume {
 namespace {
 
-constexpr uint32_t kMostEyes = 64; // of a submission; a viewer who is left out comes first in the next one
+constexpr uint32_t kMostEyes = 64; // of a submission; viewers beyond that are first in the next one
 constexpr auto kRestsFor = std::chrono::milliseconds(150);
 
 double pixelsOf(const PoseRequest& request) { return double(request.width) * request.height * request.views; }
@@ -44,7 +44,7 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     out.views.clear();
     out.still_pictures = false;
     findDue(viewers, scene, false, now);
-    if (draw_requests_.empty()) { // nothing has changed for anybody
+    if (draw_requests_.empty()) { // no viewer's picture has changed
         out.still_pictures = true;
         findDue(viewers, scene, true, now);
     }

@@ -30,7 +30,7 @@ DeviceLedger::Times DeviceLedger::book(std::span<const gpu::PassSample> samples,
     return times;
 }
 
-// A pass of several views counts once, as the mean of a view.
+// A pass that runs for several views counts once, with its mean time for a view.
 void DeviceLedger::smoothPasses(std::span<const gpu::PassSample> samples, uint32_t pictures) {
     for (PassTime& pass : passes_) {
         float ms = 0;

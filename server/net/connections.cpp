@@ -3,8 +3,8 @@
 namespace brume::net {
 namespace {
 
-constexpr size_t kMostLately =
-    4096; // addresses that are all busy at once: a flood from everywhere, and no more are let in
+// Networks whose connection rate is remembered. While so many use up their rate at once, others are refused.
+constexpr size_t kMostLately = 4096;
 
 } // namespace
 
@@ -66,7 +66,7 @@ std::vector<std::shared_ptr<Connection>> Connections::open() {
 
 void Connections::setLimits(const Limits& limits) {
     const std::scoped_lock lock(mutex_);
-    if (limits.accept_rate != limits_.accept_rate) accepted_.clear(); // their buckets have the old rate
+    if (limits.accept_rate != limits_.accept_rate) accepted_.clear(); // token buckets have the old rate
     limits_ = limits;
 }
 

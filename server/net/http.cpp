@@ -31,7 +31,7 @@ using asio::ip::tcp;
 constexpr char kBoundary[] = "brume-frame";
 constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the last answer before the socket closes
 
-// The status line and the headers, without length and the empty line.
+// The status line and the headers, without Content-Length and the empty line at the end.
 std::string headOf(const Reply& reply, std::string_view connection) {
     const beast::string_view reason = http::obsolete_reason(http::status(reply.status));
     std::string head = fmt::format("HTTP/1.1 {} {}\r\nServer: brume/{}\r\nConnection: {}\r\nContent-Type: {}\r\n"
@@ -89,7 +89,7 @@ private:
     ByteStream stream_;
     beast::flat_buffer buffer_;
     std::shared_ptr<Event> event_; // notified when a frame is ready, and when the server stops
-    bool idle_ = false;            // true: waits for a request or a TLS handshake
+    bool idle_ = false;            // true: the connection waits for a request or a TLS handshake
 };
 
 asio::awaitable<void> HttpConnection::run() {
@@ -107,7 +107,7 @@ asio::awaitable<void> HttpConnection::run() {
             co_await send(parser.get(), "refused", *std::move(refusal));
             break;
         }
-        if (error) co_return; // closed, reset, or nothing came in time
+        if (error) co_return; // the connection was closed or reset, or no request came in time
         const bool again = co_await answer(parser.get());
         if (!again) break;
     }
@@ -183,7 +183,7 @@ Reply HttpConnection::health(std::string_view path) const {
     return reply;
 }
 
-// To a WebSocket, or one line on why not.
+// Makes the connection a WebSocket, or answers with one line that says why not.
 asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Authorization authorization) {
     const auto text = [](beast::string_view value) { return std::string_view(value.data(), value.size()); };
     const std::string_view origin = text(request[http::field::origin]);
@@ -292,7 +292,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         const error_code error = co_await write(part);
         if (error) break;
         head.clear();
-        // The next one is rendered when its time has come, not before.
+        // The next frame is asked for one period after this one, not at once.
         due = std::max(due + period, Clock::now());
         while (Clock::now() < due && !context_->stopping) co_await event_->wait(due);
         handle->viewer().acknowledge(frame->id);
@@ -302,7 +302,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     co_return false;
 }
 
-// Null when none comes in time or the server stops.
+// Waits for the viewer's next frame. Null if no frame comes in time, the server refuses the viewer, or it stops.
 asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle) {
     const auto deadline = Clock::now() + context_->options.frame_wait;
     for (;;) {
@@ -313,7 +313,7 @@ asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle) {
     }
 }
 
-// One buffer for the header, one for the body, written together.
+// Header and body are two buffers, written together.
 asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::string_view route, Reply reply) {
     context_->metrics.requested(route, reply.status);
     const bool again = request.keep_alive() && !reply.close && !context_->stopping;
@@ -332,7 +332,8 @@ asio::awaitable<error_code> HttpConnection::write(Parts parts) {
     co_return error;
 }
 
-// Closing with unread data resets the connection, and the peer may lose the answer: lets the peer read first.
+// Ends the connection. Closing a socket with unread data resets it, and the peer may lose the answer: so this side
+// stops sending first, and reads what the peer still sends.
 asio::awaitable<void> HttpConnection::linger() {
     stream_.tcp().expires_after(kLinger);
     if (stream_.tls()) {

@@ -19,7 +19,7 @@ std::string_view withoutPort(std::string_view host, std::string_view port) {
 }
 
 bool isAddress(int family, std::string_view text) {
-    in6_addr address; // room for either
+    in6_addr address; // large enough for IPv4 and IPv6
     return inet_pton(family, std::string(text).c_str(), &address) == 1;
 }
 
@@ -36,13 +36,13 @@ bool listed(std::string_view origin, const std::vector<std::string>& allowed) {
                        [&](const std::string& entry) { return entry == "*" || sameText(entry, origin); });
 }
 
-// "https://a.example" of "https://a.example/page?x".
+// The origin of a URL: "https://a.example" for "https://a.example/page?x".
 std::string_view originOf(std::string_view url) {
     const size_t host = url.find("://");
     return host == url.npos ? std::string_view() : url.substr(0, url.find('/', host + 3));
 }
 
-// "clouds" of "clouds" and of "clouds:8080"; nothing if what follows the colon is no port.
+// A host without its port: "clouds" for "clouds" and "clouds:8080". Nothing if no number follows the colon.
 std::optional<std::string_view> nameOf(std::string_view host) {
     const size_t end = host.find(':', host.starts_with('[') ? std::min(host.find(']'), host.size()) : 0);
     if (end == host.npos) return host;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A page's largest part is below 1 MiB; a folder given by mistake must not be read into memory.
+// The page's largest file is below 1 MiB. The limit keeps huge files out of memory if --web-root names a wrong folder.
 constexpr uintmax_t kMaxFileBytes = 32 << 20;
 
 std::string_view typeOf(const fs::path& file) {
@@ -42,7 +42,7 @@ std::string_view typeOf(const fs::path& file) {
     return found == kTypes.end() ? "application/octet-stream" : found->second;
 }
 
-// The path below the root that a request names; nothing when it names none.
+// The path below the root that a request names. Nothing if the path is not allowed.
 std::optional<fs::path> relativePath(std::string_view encoded) {
     const auto decoded = percentDecode(encoded);
     if (!decoded || !decoded->starts_with('/')) return {};
@@ -52,7 +52,7 @@ std::optional<fs::path> relativePath(std::string_view encoded) {
     for (;;) {
         const size_t end = std::min(rest.find('/'), rest.size());
         const std::string_view segment = rest.substr(0, end);
-        // No climbing, no hidden files, nothing that another system might take for a separator.
+        // Refused: "..", hidden files, and characters that some systems take for a separator.
         if (segment.empty() || segment.front() == '.' ||
             segment.find_first_of(std::string_view("\\\0:", 3)) != segment.npos)
             return {};
@@ -62,7 +62,7 @@ std::optional<fs::path> relativePath(std::string_view encoded) {
     }
 }
 
-// `file` with its links resolved, when that is a plain file below `root`.
+// `file` with its links resolved. Nothing unless the result is a plain file below `root`.
 std::optional<fs::path> inside(const fs::path& root, const fs::path& file) {
     std::error_code error;
     const fs::path real_root = fs::canonical(root, error);
@@ -78,8 +78,7 @@ std::optional<fs::path> inside(const fs::path& root, const fs::path& file) {
 Reply Pages::serve(std::string_view path, std::string_view if_none_match,
                    const std::vector<std::string>& framed_by) const {
     Reply reply = read(path, if_none_match);
-    // Everything that the page loads and runs is a file of ours. It connects to this server, and to whichever one a
-    // goodbye names.
+    // The page loads and runs this server's files only. It may connect to any server, since a goodbye can name one.
     std::string policy = "default-src 'self'; connect-src http: https: ws: wss:; object-src 'none'; base-uri 'none'; "
                          "form-action 'none'; frame-ancestors 'self'";
     for (const std::string& origin : framed_by) policy += " " + origin;
@@ -104,7 +103,7 @@ Reply Pages::read(std::string_view path, std::string_view if_none_match) const {
 
     Reply reply;
     const std::string tag = fmt::format("\"{:x}-{:x}\"", size, changed.time_since_epoch().count());
-    // Names under assets/ carry a hash of what is in them: they never change.
+    // Files under assets/ have a hash of their content in their names: a file of the same name never changes.
     const bool immutable = relative->begin()->string() == "assets";
     reply.headers = {{"ETag", tag}, {"Cache-Control", immutable ? "public, max-age=31536000, immutable" : "no-cache"}};
     if (if_none_match == "*" || if_none_match.find(tag) != if_none_match.npos) {

@@ -60,7 +60,7 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
             if (!readNumbers(value, &camera.target.x, 3, limits::kPlace)) return refuse("x,y,z in metres");
         } else if (name == "views") {
             if (value != "1") return refuse("1: a JPEG shows one eye; both come over the WebSocket");
-        } else if (name != "token") { // whose is the door's (access.h)
+        } else if (name != "token") { // `token` is read by the access check (access.h)
             return fmt::format("no setting called {}; there is w h quality fps fov position target",
                                oneLine(name.substr(0, 32)));
         }

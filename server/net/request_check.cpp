@@ -12,7 +12,7 @@ std::optional<Reply> unfit(const boost::system::error_code& error, const Request
                            const NetOptions& options) {
     const auto refuse = [](unsigned status, std::string line) {
         Reply reply = lineReply(status, std::move(line));
-        reply.close = true; // what follows on this connection cannot be understood
+        reply.close = true; // it is unknown where the next request would begin
         return reply;
     };
     if (error == http::error::header_limit || error == http::error::buffer_overflow) {

@@ -26,7 +26,7 @@ namespace beast = boost::beast;
 
 namespace {
 
-constexpr int kMostUnsent = 32 << 10; // bytes that wait in the kernel
+constexpr int kMostUnsent = 32 << 10; // bytes of a connection that may wait in the kernel
 
 constexpr std::string_view kNoRoom =
     "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nRetry-After: 5\r\n"
@@ -40,7 +40,8 @@ Connections::Limits limitsOf(const NetOptions& options) {
     return {options.max_connections, options.max_connections_per_address, options.accept_rate, options.burst_s};
 }
 
-// What counts as one address: of IPv6 the 64 bits that one site has to itself, of IPv4 in IPv6 the IPv4.
+// The network that limits count as one address: an IPv4 address, also if it is mapped to IPv6; otherwise the first 64
+// bits of an IPv6 address, which belong to one site.
 std::string networkOf(const asio::ip::address& address) {
     if (address.is_v4()) return address.to_string();
     const auto v6 = address.to_v6();
@@ -89,7 +90,8 @@ struct NetServer::State {
     ServerState shared;
     mutable std::mutex mutex;
     std::shared_ptr<const Context> newest; // guarded by mutex
-    // Dies before `shared`: coroutines that never ended are destroyed with it and give their slots back.
+    // Declared after `shared`, so that it is destroyed first: coroutines that never ended are destroyed with it, and
+    // give their slots back to `shared`.
     asio::io_context io;
     tcp::acceptor acceptor{asio::make_strand(io)};
     std::vector<std::thread> threads;
@@ -100,7 +102,7 @@ asio::awaitable<void> NetServer::State::accept() {
     for (;;) {
         auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kToken);
         if (shared.stopping || error == asio::error::operation_aborted) co_return;
-        if (error) { // out of descriptors, most likely: what is open may end
+        if (error) { // most likely no descriptor is free: after a pause another connection may have ended
             spdlog::warn("cannot accept a connection: {}", error.message());
             pause.expires_after(std::chrono::milliseconds(100));
             co_await pause.async_wait(kToken);
@@ -115,13 +117,13 @@ void NetServer::State::serve(tcp::socket socket) const {
     const Context& context = *shared_context;
     error_code error;
     const auto remote = socket.remote_endpoint(error);
-    if (error) return; // gone already
+    if (error) return; // the peer has closed already
     socket.set_option(tcp::no_delay(true), error);
-    // Few bytes wait in the kernel, so that a newer frame can still take the place of an older one, and control
-    // messages pass both.
+    // Few bytes wait in the kernel: a frame that waits here can still be replaced by a newer one, and control messages
+    // can be sent before it.
     const int unsent = kMostUnsent;
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
-    // What the kernel has taken from us but the peer does not: a peer that vanished, or shut its window for good.
+    // Ends the connection if the peer acknowledges no byte for so long: it vanished, or it keeps its window closed.
     const auto stall_ms = static_cast<unsigned>(context.options.write_stall.count());
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &stall_ms, sizeof stall_ms);
     auto refused = Connections::Refused::nothing;
@@ -129,10 +131,10 @@ void NetServer::State::serve(tcp::socket socket) const {
     if (!slot) {
         const bool full = refused == Connections::Refused::full;
         context.metrics.refused(full ? "connections" : "accept_rate");
-        if (context.tls) return; // who expects TLS reads no plain words
+        if (context.tls) return; // a peer that expects TLS cannot read plain text
         socket.non_blocking(true, error);
-        socket.write_some(asio::buffer(full ? kNoRoom : kTooOften),
-                          error); // fits a fresh socket's buffer; nobody waits for it
+        // The answer fits into the buffer of a new socket, so nothing has to wait for it.
+        socket.write_some(asio::buffer(full ? kNoRoom : kTooOften), error);
         return;
     }
     beast::tcp_stream tcp(std::move(socket));
@@ -192,12 +194,12 @@ void NetServer::stop(std::chrono::milliseconds grace, std::string go_to) {
     const auto deadline = std::chrono::steady_clock::now() + grace;
     s.shared.go_to = std::move(go_to);
     s.shared.stopping = true;
-    // Closed when stop() goes on: nobody connects to a server that will not answer.
+    // Waits until the listener is closed, so that no client connects to a server that will not answer.
     asio::post(s.acceptor.get_executor(), asio::use_future([&s] { s.acceptor.close(); })).wait();
     s.shared.connections.stopAll();
     if (!s.shared.connections.waitUntilEmpty(deadline)) {
         s.shared.connections.killAll();
-        // Cut sockets end their coroutines at once; what does not is destroyed with the io_context.
+        // Coroutines end at once when their socket is cut. One that does not is destroyed with the io_context.
         if (!s.shared.connections.waitUntilEmpty(std::chrono::steady_clock::now() + std::chrono::seconds(1)))
             spdlog::warn("stop: a connection did not end when it was cut");
     }

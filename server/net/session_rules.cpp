@@ -11,14 +11,14 @@
 namespace brume::net {
 namespace {
 
-constexpr size_t kLongestKey = 64; // bytes of a key to resume with; the rest is ignored
-constexpr int kMaxMalformed = 3;   // then the connection is closed: the program speaks another protocol
-// A viewer with a bug is told of it; one that sends nothing but refused messages is closed.
+constexpr size_t kLongestKey = 64; // bytes of a key to resume with; further bytes are ignored
+constexpr int kMaxMalformed = 3;   // malformed messages until the connection is closed: it speaks another protocol
+// Refusals a second, and in a burst. A viewer with a bug is told of each; one that exceeds them is disconnected.
 constexpr double kRefusalRate = 50, kRefusalBurst = 200;
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-// For the log: 64 printable ASCII characters at most.
+// A viewer's name for the log: at most 64 printable ASCII characters.
 std::string printable(const flatbuffers::String* text) {
     std::string out = text ? text->str().substr(0, 64) : "unnamed";
     std::replace_if(
@@ -38,11 +38,11 @@ SessionRules::SessionRules(const NetOptions& options, const SceneFacts& facts, C
 
 void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out) {
     if (state_ == State::closed) return;
-    messages_.take(now); // an empty bucket shows in pause()
+    messages_.take(now); // pause() says how long to wait if the bucket is empty
     const auto message = wire::parse(bytes);
     if (!message) return malformed("not a message of brume.v1", now, out);
 
-    // At any time.
+    // Messages that are allowed at any time.
     if (const auto* ping = message->as<wire::Ping>()) {
         out.push_back(AnswerPing{ping->nonce(), ping->time_us()});
         return;
@@ -54,7 +54,7 @@ void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point n
     if (message->as<wire::Goodbye>()) return close(kCloseNormal, "the viewer said goodbye", out);
     if (const auto* hello = message->as<wire::Hello>()) return onHello(*hello, now, out);
 
-    // After hello.
+    // Messages that are allowed after Hello.
     const bool watching = state_ == State::watching;
     if (const auto* pose = message->as<wire::Pose>(); pose && watching) return onPose(*pose, now, out);
     if (const auto* input = message->as<wire::Input>(); input && watching) return onInput(*input, now, out);
@@ -144,7 +144,7 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
     request.hidden = pose.hidden();
     request.received = now;
 
-    if (held_ && int32_t(request.seq - held_->seq) <= 0) return; // older than what waits
+    if (held_ && int32_t(request.seq - held_->seq) <= 0) return; // older than the pose that waits
     if (poses_.take(now)) {
         held_.reset();
         out.push_back(SetPose{request});
@@ -160,7 +160,7 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
     const uint32_t seq = input.seq();
     if (input_seq_ && seq != *input_seq_ + 1) {
         const uint32_t due = *input_seq_ + 1;
-        if (int32_t(seq - due) > 0) input_seq_ = seq; // a gap: go on from here; a repetition changes nothing
+        if (int32_t(seq - due) > 0) input_seq_ = seq; // after a gap counting goes on from here
         return refuse(wire::ErrorCode::unexpected, fmt::format("input {} came where {} was due", seq, due), now, out,
                       seq);
     }

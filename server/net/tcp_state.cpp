@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include <linux/tcp.h> // newer than netinet/tcp.h, with which it cannot be
+#include <linux/tcp.h> // has newer fields than netinet/tcp.h; both cannot be included
 #include <netinet/in.h>
 #include <sys/socket.h>
 
@@ -12,7 +12,7 @@ namespace brume::net {
 TcpState tcpState(int socket) {
     tcp_info info{};
     socklen_t size = sizeof info;
-    constexpr size_t kNeeded = offsetof(tcp_info, tcpi_min_rtt) + sizeof info.tcpi_min_rtt; // the last one that is used
+    constexpr size_t kNeeded = offsetof(tcp_info, tcpi_min_rtt) + sizeof info.tcpi_min_rtt; // the last field read
     static_assert(offsetof(tcp_info, tcpi_notsent_bytes) < kNeeded && offsetof(tcp_info, tcpi_rtt) < kNeeded);
     if (::getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || size < kNeeded) return {};
     const uint32_t us = info.tcpi_rtt - std::min(info.tcpi_rtt, info.tcpi_min_rtt);

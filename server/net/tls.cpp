@@ -16,12 +16,12 @@ Tls::Tls(const std::filesystem::path& certificate, const std::filesystem::path& 
             throw std::runtime_error(fmt::format("{} {}: {}; allowed: PEM", option, file.string(), error.message()));
     };
     SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_2_VERSION);
-    // Nobody needs another handshake on an open connection, which costs us more than who asks for it.
+    // Renegotiation is off: no client needs it, and it costs the server more than the client.
     SSL_CTX_set_options(context.native_handle(), SSL_OP_NO_RENEGOTIATION | SSL_OP_CIPHER_SERVER_PREFERENCE);
-    SSL_CTX_set_mode(context.native_handle(), SSL_MODE_RELEASE_BUFFERS); // idle connections keep none
+    SSL_CTX_set_mode(context.native_handle(), SSL_MODE_RELEASE_BUFFERS); // idle connections keep no buffers
     context.use_certificate_chain_file(certificate.string(), error);
     check("--tls-certificate", certificate);
-    // A key that wants a password is refused rather than asked for on a terminal.
+    // A key with a password is refused; without this OpenSSL would ask for the password on the terminal.
     context.set_password_callback([](size_t, ssl::context::password_purpose) { return std::string(); }, error);
     context.use_private_key_file(key.string(), ssl::context::pem, error);
     check("--tls-key", key);

@@ -38,7 +38,7 @@ std::optional<std::string> fromBase64Url(std::string_view text) {
         EVP_DecodeBlock(out.data(), reinterpret_cast<const unsigned char*>(padded.data()), int(padded.size()));
     const size_t padding = padded.size() - text.size();
     if (length < 0 || padding > 2) return {};
-    return std::string(out.begin(), out.begin() + length - std::ptrdiff_t(padding)); // zeros stand for the padding
+    return std::string(out.begin(), out.begin() + length - std::ptrdiff_t(padding)); // OpenSSL decodes padding as zeros
 }
 
 std::string signatureOf(std::string_view payload, std::string_view key) {
@@ -53,12 +53,12 @@ bool printable(std::string_view text) {
     return std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
 }
 
-// Seconds since 1970 of which a clock's type can hold more: until the year 9999.
+// End of the year 9999 in seconds since 1970; a clock's type can hold it.
 constexpr int64_t kLastSecond = 253'402'300'799;
 
 } // namespace
 
-// What flatc calls them in C++ avoids the language's keywords.
+// The role's name in texts. flatc's EnumNameRole() says operator_, since operator is a keyword of C++.
 const char* nameOf(Role role) {
     return role == Role::viewer ? "viewer" : role == Role::controller ? "controller" : "operator";
 }

@@ -29,7 +29,8 @@ struct Descriptor {
 } // namespace
 
 std::string readTokenKey(const std::filesystem::path& file) {
-    // What is judged is what is read. A pipe would keep us waiting.
+    // The open descriptor is checked, so that the file that is checked is the one that is read. O_NONBLOCK: opening a
+    // pipe would wait for its writer.
     const Descriptor in{::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     struct stat about {};
     if (in.fd < 0 || ::fstat(in.fd, &about) != 0) refuse(file, std::strerror(errno));

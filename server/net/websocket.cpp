@@ -23,10 +23,10 @@ constexpr auto kHeartbeat = std::chrono::milliseconds(100); // how often deadlin
 constexpr auto kStatePeriod = std::chrono::seconds(1);
 constexpr auto kPingEvery = std::chrono::milliseconds(200);
 constexpr auto kPingLost = std::chrono::seconds(10);
-constexpr size_t kMostPings = 8;   // unanswered
-constexpr size_t kMaxControl = 64; // answers that wait for the socket; at so many, no more messages are read
+constexpr size_t kMostPings = 8;   // unanswered pings
+constexpr size_t kMaxControl = 64; // control messages that wait for the socket; with so many, run() reads no more
 constexpr auto kCloseHandshake = std::chrono::seconds(1);
-constexpr float kRetryFull = 5, kRetryRestart = 2; // s
+constexpr float kRetryFull = 5, kRetryRestart = 2; // s: Goodbye::retry_after_s of a full and of a stopping server
 
 float millisecondsSince(Clock::time_point start) {
     return std::chrono::duration<float, std::milli>(Clock::now() - start).count();
@@ -90,19 +90,19 @@ private:
     std::shared_ptr<Event> event_; // notified when there may be something to write
     std::shared_ptr<Event> taken_; // notified when write() takes a control message
     asio::steady_timer heartbeat_;
-    std::unique_ptr<ViewerHandle> handle_; // after hello
+    std::unique_ptr<ViewerHandle> handle_; // null before Hello
     std::string name_;                     // for the log
     std::deque<wire::Packed> control_;
     struct Ping {
         uint32_t nonce;
         Clock::time_point sent;
     };
-    std::deque<Ping> pings_; // unanswered
+    std::deque<Ping> pings_; // the unanswered ones
     uint32_t last_nonce_ = 0;
     bool ping_due_ = false;
     std::optional<Clock::time_point> write_began_;
     bool backlog_ = false;                           // true: bytes waited for the link since the last heartbeat
-    std::optional<websocket::close_reason> closing_; // after what is queued
+    std::optional<websocket::close_reason> closing_; // set: write() closes once control_ is empty
     uint64_t revision_told_ = 0;
     Clock::time_point state_told_{};
     bool ended_ = false;
@@ -118,7 +118,7 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
     ws_.read_message_max(context_->options.max_message_bytes);
     ws_.auto_fragment(false);
     ws_.binary(true);
-    ws_.next_layer().tcp().expires_never(); // the WebSocket has deadlines of its own
+    ws_.next_layer().tcp().expires_never(); // the timeouts above apply instead
     const auto [refused] = co_await ws_.async_accept(request, kToken);
     if (refused) {
         context_->metrics.requested("ws", 400);
@@ -130,7 +130,7 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
     asio::co_spawn(
         ws_.get_executor(), [self = shared_from_this()] { return self->beat(); }, kLogFailure);
 
-    beast::flat_buffer buffer; // always whole messages, so that their bytes stay aligned
+    beast::flat_buffer buffer; // holds one whole message at a time, so that its bytes are aligned
     asio::steady_timer pause(ws_.get_executor());
     Effects effects;
     while (!ended_) {
@@ -138,7 +138,7 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
         if (error) {
             if (error == websocket::error::message_too_big)
                 context_->metrics.refused("oversized"); // Beast closed with 1009
-            // While we are closing, the writer sees the handshake through.
+            // While closing, write() completes the closing handshake.
             if (!closing_) {
                 if (error != websocket::error::closed && handle_) handle_->markLost();
                 finish(error == websocket::error::closed ? "the viewer closed" : error.message());
@@ -248,7 +248,7 @@ void WebSocketSession::ping(Clock::time_point now) {
     ping_due_ = due && pings_.size() < kMostPings;
 }
 
-// Packed when the socket takes it, so that its time does not count what waited in this program.
+// A ping is packed when the socket takes it, so that the round trip does not include waiting in this program.
 wire::Packed WebSocketSession::newPing() {
     ping_due_ = false;
     const auto now = Clock::now();
@@ -320,7 +320,7 @@ void WebSocketSession::enqueueCommand(EnqueueCommand&& command) {
     enqueue(packError(wire::ErrorCode::busy, "too many commands wait: try again", seq));
 }
 
-// The viewer leaves the audience at once; the connection ends when what is queued is sent.
+// The viewer leaves the audience at once. The connection ends when all control messages are sent.
 void WebSocketSession::close(uint16_t code, std::string_view reason, float retry_after_s) {
     if (closing_ || ended_) return;
     enqueue(packGoodbye(reason, retry_after_s, context_->stopping ? context_->go_to : ""));
@@ -336,7 +336,7 @@ void WebSocketSession::leave(std::string_view why) {
     handle_.reset();
 }
 
-// Bounded: run() reads nothing while kMaxControl messages wait, and one message is answered with a few at most.
+// The queue is bounded: run() reads nothing while kMaxControl messages wait, and each message read adds only a few.
 void WebSocketSession::enqueue(wire::Packed message) {
     if (ended_ || closing_) return;
     control_.push_back(std::move(message));
@@ -349,12 +349,12 @@ bool WebSocketSession::newsAreDue() const {
 }
 
 wire::Packed WebSocketSession::takeNews() {
-    revision_told_ = context_->audience.revision(); // before the report: a change in between is told again
+    revision_told_ = context_->audience.revision(); // read before the report: a change in between is sent again
     state_told_ = Clock::now();
     return packSceneState(*context_->audience.report(), context_->audience.size());
 }
 
-// The end, once: every coroutine finds ended_ or an aborted operation.
+// Ends the session once. Every coroutine then finds ended_ set or its operation aborted.
 void WebSocketSession::finish(std::string_view why) {
     if (ended_) return;
     ended_ = true;

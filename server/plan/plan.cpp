@@ -242,7 +242,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
             return prices.of(way).error <= kMostRelaxed * double(wanted.error);
         });
         if (!next) break;
-        plan.finer_ms = plan.chosen.ms();
+        plan.less_relaxed_ms = plan.chosen.ms();
         plan.chosen = prices.of(*next);
         ++plan.relaxed;
     }

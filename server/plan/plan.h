@@ -55,13 +55,13 @@ struct Plan {
     std::vector<PassCost> passes;  // of the frame
     std::vector<Candidate> others; // the best way of each method and rate that was not chosen
     size_t views = 1;
-    std::string refused;  // "METHOD: reason" for a method that the scene does not allow; empty: none
-    bool within = true;   // True: the error budget holds; false: the cheapest of the most accurate ways was taken
-    bool kept = false;    // True: PlanInputs::before was kept, though another way is a little cheaper
-    RenderSettings base;  // the settings before overload
-    uint32_t relaxed = 0; // overload steps taken, of those asked for; they end at ten times the error budget
-    double finer_ms = 0;  // predicted time one overload step earlier
-    double still_ms = 0;  // predicted time with finer(), for still pictures
+    std::string refused;        // "METHOD: reason" for a method that the scene does not allow; empty: none
+    bool within = true;         // True: the error budget holds; false: the cheapest of the most accurate ways was taken
+    bool kept = false;          // True: PlanInputs::before was kept, though another way is a little cheaper
+    RenderSettings base;        // the settings before overload
+    uint32_t relaxed = 0;       // overload steps taken, of those asked for; they end at ten times the error budget
+    double less_relaxed_ms = 0; // predicted time one overload step earlier
+    double still_ms = 0;        // predicted time with finer(), for still pictures
     // The medium's standard deviation, in pixels, in the view that settings.rate fits; other views have rates of
     // their own, by rateFor(). 0: all have one rate, or no view sees the medium.
     double reference_deviation_px = 0;

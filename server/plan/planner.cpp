@@ -120,9 +120,9 @@ uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings) c
 }
 
 void Planner::took(double ms, Time now) {
-    const double finer = plan_.relaxed > 0 ? plan_.finer_ms / plan_.chosen.ms() : 1;
+    const double restored = plan_.relaxed > 0 ? plan_.less_relaxed_ms / plan_.chosen.ms() : 1;
     const uint32_t before = overload_.level();
-    if (!overload_.took(ms, finer, now)) return;
+    if (!overload_.took(ms, restored, now)) return;
     make();
     if (plan_.relaxed < overload_.level()) { // nothing is left to give up
         overload_.stepBack();

@@ -7,8 +7,8 @@
 namespace brume {
 namespace {
 
-// Error that a cubic may make of the length of medium in front of a surface, or in shadow: in standard deviations of
-// the medium.
+// The largest error of a cubic that is accepted, in standard deviations of the medium: of the length of medium in front
+// of a surface, plus that in shadow.
 constexpr float kSame = 0.25f;
 
 } // namespace

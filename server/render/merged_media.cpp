@@ -29,7 +29,7 @@ void MergedMedia::choose(std::span<const gpu::Particle> ordered, bool moved, con
     }
 }
 
-// The level of that exponent: as it was made before, or instead of one that no eye wants.
+// The level of detail of this exponent: the one made before, or a new one, which replaces a level that no eye wants.
 MergedMedia::Medium& MergedMedia::merged(std::span<const gpu::Particle> ordered, int exponent, float falloff) {
     for (const auto& medium : all_)
         if (medium->exponent == exponent) return *medium;
@@ -55,7 +55,8 @@ void MergedMedia::write(const gpu::Device& device, const gpu::Buffer& through, V
     for (Medium* medium : media_) {
         if (!medium->fresh) continue;
         const VkDeviceSize bytes = medium->list.size() * sizeof(gpu::Particle);
-        const VkDeviceSize room = medium->particles.size() < bytes ? bytes + bytes / 4 : bytes; // it may grow a little
+        const VkDeviceSize room =
+            medium->particles.size() < bytes ? bytes + bytes / 4 : bytes; // with a reserve, since lists grow a little
         medium->particles.atLeast(device, room, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                                   gpu::Memory::device, "merged particles");
         std::copy(medium->list.begin(), medium->list.end(),

@@ -10,7 +10,7 @@ namespace {
 
 SceneFeatures compiledFor(const Scene& scene, const SceneFeatures& besides) {
     SceneFeatures features = featuresOf(scene, scene.medium) | besides;
-    features.lobe = besides.lobe; // the scene's own may be turned on and off
+    features.lobe = besides.lobe; // commands turn the scene's lobe on and off: methodFor() decides
     return features;
 }
 
@@ -77,8 +77,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.submitted();
 }
 
-// The method compiled for these settings. The two last used are kept: switching between two costs nothing, and memory
-// is bounded.
+// The method compiled for these settings. The two methods used last are kept: switching between two costs nothing, and
+// memory is bounded.
 Method& Renderer::methodFor(const RenderSettings& settings) {
     const MethodPlan* plan = planOf(settings.method);
     const uint32_t variant = plan ? plan->variant(settings) : 0;
@@ -90,7 +90,7 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
     if (is(methods_[0])) return *methods_[0].method;
     std::swap(methods_[0], methods_[1]);
     if (!is(methods_[0])) {
-        methods_[0] = {}; // before the new one, so that there are never three
+        methods_[0] = {}; // freed before the new one is made, so that there are never three
         methods_[0] = {plan, variant, features.lobe, makeMethod({device_, depth_order_, settings, features})};
     }
     return *methods_[0].method;
@@ -101,14 +101,14 @@ size_t Renderer::methodsKept() const {
         std::count_if(methods_.begin(), methods_.end(), [](const Made& made) { return made.method != nullptr; }));
 }
 
-// Pixels between those that are drawn: 1, 2, 4 or 8, the steps that present.comp is written for.
+// The method draws every so many pixels: 1, 2, 4 or 8, the steps that present.comp is written for.
 uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
     const uint32_t rate = now_.render.rate;
     if (!needs.draws || rate < 2) return 1;
     return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
 }
 
-// Room for all pictures' planes, and where each begins.
+// Makes room for the planes of all pictures, and sets where each picture's begin.
 void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool full) {
     VkDeviceSize bytes = 0;
     s.pictures_.clear();
@@ -137,7 +137,7 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
     compose_.fullColour(full);
 }
 
-// Both shadow maps, and light cached on the particles of every list that some eye sees.
+// Records both shadow maps, and the light cached on the particles of every list that some eye sees.
 void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     MediumView& all = upload_.all();
     opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_buffer_, objects_);
@@ -208,30 +208,30 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
         inputs_[i].size = {eyes[i].width, eyes[i].height};
         inputs_[i].step = 1;
         inputs_[i].eye = blocks.pictureEye(i);
-        inputs_[i].order_ready = true; // the coarse picture's sort is used again
+        inputs_[i].order_ready = true; // the coarse picture has sorted the particles already
     }
 }
 
-// Which views are drawn together; without a medium each eye by itself.
+// The groups of views that are drawn together; without a medium each eye is a group.
 std::span<const ViewGroup> Renderer::groupsOf(Method& method) {
     if (!upload_.all().empty()) return method.prepare(inputs_);
     drawnOneByOne(inputs_, no_medium_);
     return no_medium_;
 }
 
-// Surfaces are drawn for every picture that passes through the target, once for all bands of it: `before` was the last
-// one.
+// True if surfaces must be drawn into the target for this group. All bands of one picture share them. `before`: eye of
+// the previous group.
 bool Renderer::needsSurfaces(const ViewGroup& group, const EyeInputs* before) const {
     return group.any != before && (!group.field || features_.opaque);
 }
 
-// The medium at every step-th pixel, interpolated to all pixels whose cell no edge crosses.
-void Renderer::recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& fine) {
-    const EyeInputs& coarse = coarse_inputs_[fine.view];
+// Draws the medium at every step-th pixel, and interpolates it to all pixels whose cell no edge crosses.
+void Renderer::recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye) {
+    const EyeInputs& coarse = coarse_inputs_[eye.view];
     surfaces_.record(commands, coarse);
     cells_.clear(commands, coarse);
     method.recordGroup(commands, drawnAlone(coarse));
-    cells_.interpolate(commands, fine, coarse);
+    cells_.interpolate(commands, eye, coarse);
 }
 
 void Renderer::recordReadBack(Submission& s) {

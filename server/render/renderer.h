@@ -82,7 +82,7 @@ private:
     void gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
-    void recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& fine);
+    void recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye);
     void recordReadBack(Submission& submission);
 
     const gpu::Device& device_;

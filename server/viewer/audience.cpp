@@ -11,7 +11,7 @@ namespace {
 constexpr size_t kMostLost = 1024;
 constexpr std::chrono::seconds kComesBackWithin{60};
 
-// 128 bits that nobody guesses, in hexadecimal.
+// A secret key: 128 random bits in hexadecimal.
 std::string newKey() {
     std::random_device random;
     std::string key;
@@ -47,7 +47,7 @@ std::shared_ptr<Viewer> Audience::join(std::function<void()> notify, uint32_t ma
     viewers_.push_back(std::make_shared<Viewer>(back ? known->second.id : next_id_++, pacing, std::move(notify)));
     viewers_.back()->known(newKey());
     if (back) viewers_.back()->resume(known->second.pose);
-    if (known != lost_.end()) lost_.erase(known); // a key is good once
+    if (known != lost_.end()) lost_.erase(known); // a key can be used once
     ++revision_;
     return viewers_.back();
 }
@@ -77,7 +77,7 @@ void Audience::leave(const std::shared_ptr<Viewer>& viewer, bool lost) {
         if (lost && lost_.size() < kMostLost)
             lost_[viewer->key()] = {viewer->id(), viewer->pose(), now + kComesBackWithin};
     }
-    viewer->close(); // outside the lock: it waits for the viewer's notify, which may ask us
+    viewer->close(); // without the lock: close() waits for the viewer's notify, which may call this class
 }
 
 uint32_t Audience::size() const {

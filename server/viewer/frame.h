@@ -26,8 +26,8 @@ struct PoseRequest {
     bool lowered = false;               // True: quality or size is below what the viewer asked for
     bool hidden = false;                // True: the viewer's window is hidden. Nothing is drawn until it shows again
     bool takes_png = false;             // True: the viewer accepts PNG for still pictures
-    bool fine = false;                  // True: a still picture, with less error and full colour (4:4:4)
-    bool lossless = false;              // True: a `fine` picture as PNG
+    bool still_picture = false;         // True: redraws a view at rest, with less error and full colour (4:4:4)
+    bool lossless = false;              // True: a still picture as PNG
     Clock::time_point received{};
     Clock::time_point since{}; // when this view was first asked for; set by Viewer
 };

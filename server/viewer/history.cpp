@@ -28,7 +28,7 @@ History::Percentiles History::of(size_t stage) const {
 float History::rate(Clock::time_point now) const {
     const size_t count = std::min(frames_, kFrames);
     Clock::time_point oldest = now - kRateOver;
-    // More than are remembered: over the time that those took.
+    // With more frames than the ring holds, the rate is that of the frames in the ring.
     if (frames_ > kFrames) oldest = std::max(oldest, ring_[frames_ % kFrames].at);
     const auto newer = std::count_if(ring_.begin(), ring_.begin() + std::ptrdiff_t(count),
                                      [&](const Sample& s) { return s.at > oldest; });

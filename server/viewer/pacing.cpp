@@ -8,8 +8,8 @@ namespace {
 
 constexpr float kSmoothing = 0.1f;
 constexpr float kDisplayMs = 1000.0f / 60;
-constexpr uint32_t kProbe = 3;   // pings
-constexpr float kSpread = 0.75f; // of a window's even spacing; under 1, so that who falls behind catches up
+constexpr uint32_t kProbe = 3;   // pings that are waited for after probe()
+constexpr float kSpread = 0.75f; // least interval of frames / even interval; below 1, so that a late viewer catches up
 
 bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; } // serial numbers that wrap around
 
@@ -68,7 +68,7 @@ void Pacing::fitFrames() {
     frames_ = uint32_t(std::clamp(frames, float(options_.least_frames), float(options_.most_frames)));
 }
 
-// Once for what was acknowledged since: a queue that does not move says nothing new.
+// Changes the window of bytes at most once after each acknowledgement: without one, the queue's length is no news.
 void Pacing::fitBytes(size_t frame) {
     if (!acknowledged_ || frame == 0) return;
     if (queue_ms_ > Millis(options_.shrink_above).count()) {
@@ -77,14 +77,14 @@ void Pacing::fitBytes(size_t frame) {
         acknowledged_ = false;
     } else if (bytes_ && queue_ms_ < Millis(options_.grow_below).count()) {
         *bytes_ += frame;
-        if (*bytes_ >= (options_.most_frames + 1) * frame) bytes_.reset(); // the window of frames is the narrower one
+        if (*bytes_ >= (options_.most_frames + 1) * frame) bytes_.reset(); // the window of frames is narrower
         acknowledged_ = false;
     }
 }
 
 bool Pacing::isOpen(Clock::time_point now) const {
     if (flight_.size() >= frames_ || isSilent(now)) return false;
-    const float even = tripMs() / float(frames_); // between the window's frames
+    const float even = tripMs() / float(frames_); // ms between frames if the window's frames were evenly spaced
     if (even > kDisplayMs && now - last_issued_ < Millis(kSpread * even)) return false;
     return !exceedsBytes();
 }
@@ -92,7 +92,7 @@ bool Pacing::isOpen(Clock::time_point now) const {
 bool Pacing::isHeldByBytes() const { return probing_ == 0 && exceedsBytes(); }
 
 bool Pacing::exceedsBytes() const {
-    // A frame whose size is not known yet counts as the usual one; so does the one to come.
+    // The next frame, and frames whose size is not known yet, count with the mean size of earlier frames.
     return bytes_ && !flight_.empty() && bytesInFlight() + size_t(frame_bytes_) > *bytes_;
 }
 

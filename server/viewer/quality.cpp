@@ -5,7 +5,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kActEvery{250}, kCleanFor{1000}, kTakenBack{2000}, kMostPatience{16000};
 constexpr float kQueueTooLong = 50, kQueueClean = 20; // ms
-constexpr double kTooMuch = 1.5, kSpare = 0.8;        // of the budget
+constexpr double kTooMuch = 1.5, kSpare = 0.8;        // parts of the frame budget
 
 } // namespace
 
@@ -26,7 +26,7 @@ QualityStep QualityControl::step() const {
 }
 
 bool QualityControl::observeDevice(const DeviceLoad& load, Clock::time_point now) {
-    // One step better makes the picture four times as large, or only comes more often.
+    // Going back from level 1 makes the picture four times as large; from other levels it only comes more often.
     const double more = device_level_ == 1 && !stepAt(level_).half ? 3 * load.own_ms : 0;
     const bool over =
         load.exhausted && load.whole_ms > kTooMuch * load.budget_ms && load.own_ms * load.viewers > load.budget_ms;
@@ -56,7 +56,7 @@ bool QualityControl::observe(const Observation& seen, Clock::time_point now) {
         raised_.reset();
     } else if (!bad && level_ > 0 && now - clean_since_ >= patience_) {
         --level_;
-        raised_ = clean_since_ = now; // the next step needs a time of its own
+        raised_ = clean_since_ = now; // the wait for the next step begins anew
     }
     const bool device_changed = seen_.device && observeDevice(*seen_.device, now);
     acted_ = now;

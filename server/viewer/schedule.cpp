@@ -9,7 +9,7 @@ namespace {
 using Millis = std::chrono::duration<double, std::milli>;
 
 constexpr double kSmoothing = 0.2; // weight of the newest sample
-constexpr double kWorthIt = 1.5;   // budgets that a batch of all may take rather than be two batches
+constexpr double kWorthIt = 1.5;   // one batch of all viewers may take so many budgets before it is split into two
 constexpr std::chrono::seconds kLongest{1}, kActive{1}, kForget{10};
 
 void smooth(double& value, double sample) { value = value == 0 ? sample : value + kSmoothing * (sample - value); }

@@ -7,8 +7,8 @@ namespace brume {
 namespace {
 
 constexpr std::chrono::milliseconds kRestsFor{150};
-constexpr uint8_t kFineQuality = 90;
-constexpr float kDisplayMs = 500.0f / 60; // until a display's next frame, on average
+constexpr uint8_t kStillQuality = 90;
+constexpr float kDisplayMs = 500.0f / 60; // mean time until a display's next frame
 
 // Serial numbers that wrap around: `a` is newer when less than half the range ahead.
 bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
@@ -19,7 +19,7 @@ bool samePictures(const PoseRequest& a, const PoseRequest& b) {
     return a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation &&
            a.pose.fov_y == b.pose.fov_y && a.pose.eye_separation == b.pose.eye_separation &&
            a.pose.frustum == b.pose.frustum && a.pose.right_frustum == b.pose.right_frustum && a.width == b.width &&
-           a.height == b.height && a.views == b.views && a.quality == b.quality && a.fine == b.fine &&
+           a.height == b.height && a.views == b.views && a.quality == b.quality && a.still_picture == b.still_picture &&
            a.lossless == b.lossless;
 }
 
@@ -100,11 +100,11 @@ void Viewer::close() {
         frame_.reset();
         pacing_.clear();
     }
-    const std::scoped_lock lock(notify_mutex_); // waits for a running notify
+    const std::scoped_lock lock(notify_mutex_); // waits until a running notify_ returns
     notify_ = nullptr;
 }
 
-std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool fine) {
+std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_ || pose_->hidden || !refusal_.empty()) return {};
     const QualityStep step = quality_.step();
@@ -115,14 +115,14 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         request.width = std::max<uint16_t>(request.width / 2, 1),
         request.height = std::max<uint16_t>(request.height / 2, 1);
     if (made_ && !always_ && scene && scene == scene_ && samePictures(*made_, request)) {
-        // PNG is large: not over a link that has queued, where the next pose's picture would wait behind it.
-        const bool lossless = made_detail_ == Detail::fine && request.takes_png && !pacing_.bytes();
-        if (!fine || (made_detail_ != Detail::moving && !lossless)) return {};
+        // PNG is large: over a link that has queued, the next pose's picture would wait behind it.
+        const bool lossless = made_detail_ == Detail::still && request.takes_png && !pacing_.bytes();
+        if (!still_picture || (made_detail_ != Detail::moving && !lossless)) return {};
         if (quality_.level() > 0 || quality_.deviceLevel() > 0 || now - made_at_ < kRestsFor) return {};
-        request.fine = true;
+        request.still_picture = true;
         request.lossless = lossless;
-        request.quality = std::max(request.quality, kFineQuality);
-    } else if (fine) {
+        request.quality = std::max(request.quality, kStillQuality);
+    } else if (still_picture) {
         return {};
     }
     if (!pacing_.isOpen(now)) {
@@ -144,9 +144,9 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
     const bool again = made_ && made_->seq == request.seq;
     if (++issued_ == 0) ++issued_; // 0 is no frame
     pacing_.issued(issued_, now);
-    made_detail_ = request.lossless ? Detail::lossless : request.fine ? Detail::fine : Detail::moving;
+    made_detail_ = request.lossless ? Detail::lossless : request.still_picture ? Detail::still : Detail::moving;
     made_at_ = now;
-    if (!request.fine) made_ = request;
+    if (!request.still_picture) made_ = request;
     scene_ = scene;
     return Due{issued_, request, again};
 }
@@ -156,7 +156,7 @@ void Viewer::deliver(FramePtr frame) {
         const std::scoped_lock lock(mutex_);
         if (closed_) return;
         ++counts_.rendered;
-        // Frames may leave the encoder out of order: one that a newer frame has overtaken is of no use.
+        // Frames may leave the encoders out of order. A frame that is older than one here or sent is dropped.
         const bool overtaken =
             (counts_.sent > 0 && !isNewer(frame->id, sent_)) || (frame_ && !isNewer(frame->id, frame_->id));
         if (overtaken || frame_) {
@@ -173,7 +173,7 @@ void Viewer::deliver(FramePtr frame) {
 void Viewer::abandon(uint32_t frame_id) {
     const std::scoped_lock lock(mutex_);
     pacing_.dropped(frame_id);
-    made_.reset(); // whatever it was has not been made
+    made_.reset(); // its frame was not made: the same view is due again
     made_detail_ = Detail::moving;
 }
 

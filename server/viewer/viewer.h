@@ -64,10 +64,10 @@ public:
     // frames as QualityStep::every says, and it notes when the window of bytes held a request back. Nothing is due
     // while there is no pose, the viewer's window is hidden, or a window of frames or bytes is full. Nothing is due
     // either when the picture would equal the last one: same view and same `scene` (a version of all that is seen;
-    // nothing: it always differs). `fine`: asks for refinements of a still picture instead. First, after 150 ms, JPEG
-    // quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a link that does not queue. Each
-    // comes once.
-    std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool fine);
+    // nothing: it always differs). `still_picture`: asks for refinements of a still picture instead. First, after
+    // 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a link that does not
+    // queue. Each comes once.
+    std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture);
     // Hands out a frame for a request that pollDue() returned. Nothing if the viewer has left or was hidden meanwhile.
     std::optional<Due> take(const PoseRequest& due, Clock::time_point now, std::optional<uint64_t> scene);
     // Sets the device's load for the next observe().
@@ -110,7 +110,7 @@ private:
     uint32_t issued_ = 0, sent_ = 0; // frame ids: the last handed out, the last taken by the connection
     Pacing pacing_;
     QualityControl quality_;
-    enum class Detail { moving, fine, lossless };
+    enum class Detail { moving, still, lossless };
     std::optional<PoseRequest> made_;     // the last request handed out; still-picture refinements do not change it
     Clock::time_point made_at_{};         // when a frame was last handed out
     std::optional<uint64_t> scene_;       // its version of the scene

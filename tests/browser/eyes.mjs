@@ -73,12 +73,7 @@ const contrast = (half) => {
 async function setPaused(page, paused) {
   await page.evaluate(() => document.activeElement?.blur());
   await page.keyboard.press('p');
-<<<<<<< HEAD
   await until(page, `the scene ${paused ? 'rests' : 'goes on'}`, pausedIs, paused);
-=======
-  const what = `the scene ${paused ? 'rests' : 'goes on'}`;
-  await until(page, what, (brume, wanted) => brume.scene.paused === wanted, paused);
->>>>>>> lights
 }
 
 // Until frames come for two eyes, and what is drawn is the newest that was asked for.

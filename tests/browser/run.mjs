@@ -249,19 +249,11 @@ describe('one server', () => {
       return values.filter((value) => value.scrollWidth > value.clientWidth).length;
     });
     assert.equal(cut, 0, 'values that are cut off');
-<<<<<<< HEAD
-    assert.ok(
-      await page.evaluate(
-        () => document.getElementById('overlay').scrollWidth <= document.getElementById('overlay').clientWidth,
-      ),
-    );
-=======
     const fits = await page.evaluate(() => {
       const overlay = document.getElementById('overlay');
       return overlay.scrollWidth <= overlay.clientWidth;
     });
     assert.ok(fits, 'the statistics are wider than their box');
->>>>>>> lights
     await page.leave();
   });
 

@@ -370,7 +370,7 @@ TEST(Relaxed, OverloadPredictsLessTimeAndMoreErrorWithinTenBudgets) {
         EXPECT_GE(plan.chosen.error, last.chosen.error);
         EXPECT_LE(plan.chosen.error, 10 * 5e-3);
         if (plan.relaxed == inputs.relaxed) {
-            EXPECT_DOUBLE_EQ(plan.finer_ms, last.chosen.ms());
+            EXPECT_DOUBLE_EQ(plan.less_relaxed_ms, last.chosen.ms());
         }
         last = plan;
     }

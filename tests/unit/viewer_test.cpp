@@ -222,25 +222,25 @@ TEST(Viewer, WhatRestsComesFinerThenWithoutLossThenNotAtAll) {
         pass(149);
         EXPECT_FALSE(takeDue(viewer, now, 7, true));
         pass(1);
-        const auto fine = takeDue(viewer, now, 7, true);
-        ASSERT_TRUE(fine);
-        EXPECT_TRUE(fine->request.fine);
-        EXPECT_FALSE(fine->request.lossless);
-        EXPECT_GE(fine->request.quality, 90);
+        const auto still = takeDue(viewer, now, 7, true);
+        ASSERT_TRUE(still);
+        EXPECT_TRUE(still->request.still_picture);
+        EXPECT_FALSE(still->request.lossless);
+        EXPECT_GE(still->request.quality, 90);
         pass(149);
         EXPECT_FALSE(takeDue(viewer, now, 7, true));
         pass(1);
         const auto lossless = takeDue(viewer, now, 7, true);
         EXPECT_EQ(lossless.has_value(), takes_png);
         if (takes_png) {
-            EXPECT_TRUE(lossless->request.fine && lossless->request.lossless);
+            EXPECT_TRUE(lossless->request.still_picture && lossless->request.lossless);
         }
         pass(10'000);
         EXPECT_FALSE(takeDue(viewer, now, 7, true));
         EXPECT_FALSE(takeDue(viewer, now, 7));
         const auto moved = takeDue(viewer, now, 8); // the scene goes on
         ASSERT_TRUE(moved);
-        EXPECT_FALSE(moved->request.fine || moved->request.lossless);
+        EXPECT_FALSE(moved->request.still_picture || moved->request.lossless);
     }
 }
 
@@ -262,8 +262,8 @@ TEST(Viewer, NothingWithoutLossOverALinkThatQueues) {
     ASSERT_TRUE(viewer.takeFrame(now));
     ASSERT_TRUE(viewer.acknowledge(first->frame_id, now));
     viewer.ponged(std::chrono::milliseconds(90), now); // 89 ms of queue: the window of bytes closes
-    const auto fine = takeDue(viewer, now + std::chrono::milliseconds(200), 7, true);
-    ASSERT_TRUE(fine && fine->request.fine);
+    const auto still = takeDue(viewer, now + std::chrono::milliseconds(200), 7, true);
+    ASSERT_TRUE(still && still->request.still_picture);
     EXPECT_FALSE(takeDue(viewer, now + std::chrono::milliseconds(500), 7, true));
 }
 
