@@ -37,15 +37,20 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
     warmUp();
 }
 
-// Drivers compile shaders when they are first used. What may be needed later: ahead.h.
+// Drivers compile shaders when they are first used: for a viewer's picture, and for a picture at rest, which snapshots
+// are. What may be needed later: ahead.h.
 void FrameLoop::warmUp() {
+    spdlog::info("drawing the first pictures: a driver without them in its cache compiles shaders now, once");
     const PlanView own = ownView(scene_);
     const EyeRequest eye{own.pose, own.width, own.height};
     Submission& submission = batches_.front()->submission;
-    renderer_->submit(submission, simulation_, {&eye, 1},
-                      &planner_.settings(simulation_, {&own, 1}, false, Clock::now()));
-    while (!submission.commands.wait(1'000'000'000)) {
-    }
+    const auto draw = [&](const RenderSettings& settings, bool still) {
+        renderer_->submit(submission, simulation_, {&eye, 1}, &settings, still);
+        while (!submission.commands.wait(1'000'000'000)) {
+        }
+    };
+    draw(planner_.settings(simulation_, {&own, 1}, false, Clock::now()), false);
+    draw(finer(planner_.once(simulation_, own).settings), true);
 }
 
 FrameLoop::~FrameLoop() { stop(); }
@@ -131,9 +136,11 @@ bool FrameLoop::render(Batch& batch) {
         {frame_ms_, before.still_ms / before.chosen.ms(), Renderer::mostPictureBytes(device_)}, batch.taken, batch);
     viewers_.clear();
     if (!any) return false;
-    most_full_ms_ = std::max(most_full_ms_, batch_planner_.fullBatchMs());
-    rendered_tick_ = batch.tick = simulation_.tick();
+    batch.tick = simulation_.tick();
     batch.state_hash = simulation_.stateHash();
+    if (batch.one_shot) return renderOneShot(batch);
+    most_full_ms_ = std::max(most_full_ms_, batch_planner_.fullBatchMs());
+    rendered_tick_ = batch.tick;
 
     const RenderSettings& planned =
         planner_.settings(simulation_, batch.views, std::exchange(replan_, false), batch.taken);
@@ -143,7 +150,23 @@ bool FrameLoop::render(Batch& batch) {
     batch.finer =
         batch.still_pictures || refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken);
     const RenderSettings settings = batch.finer ? finer(planned) : planned;
+    batch.error = float(plan.chosen.error);
     for (EyeRequest& eye : batch.eyes) eye.rate = planner_.rateOf({eye.pose, eye.width, eye.height}, settings);
+    if (!submit(batch, settings)) return false;
+    planner_.refresh(simulation_, batch.views, batch.taken);
+    return true;
+}
+
+// Neither the plan of the viewers nor their times take part in it, nor are they changed by it.
+bool FrameLoop::renderOneShot(Batch& batch) {
+    const Candidate way = planner_.once(simulation_, batch.views.front());
+    batch.finer = true;
+    batch.error = float(way.error);
+    return submit(batch, finer(way.settings));
+}
+
+// False when the device cannot draw the batch, which is dropped then.
+bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
     try {
         renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, batch.still_pictures);
     } catch (const gpu::DeviceLost&) {
@@ -152,7 +175,6 @@ bool FrameLoop::render(Batch& batch) {
         drop(batch, error.what());
         return false;
     }
-    planner_.refresh(simulation_, batch.views, batch.taken);
     return true;
 }
 
@@ -184,11 +206,14 @@ void FrameLoop::encode(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
     const float took = Millis(batch.done - batch.taken).count();
-    planner_.took(double(took * batch.full_batch_ratio), batch.done);
-    audience_.frameTook(took * batch.full_batch_ratio);
+    if (!batch.one_shot) {
+        planner_.took(double(took * batch.full_batch_ratio), batch.done);
+        audience_.frameTook(took * batch.full_batch_ratio);
+    }
     const DeviceLedger::Times times = ledger_.book(batch.submission.commands.readTimes(), batch);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
-    batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);
+    if (!batch.one_shot)
+        batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);
     if (batch.finer && !batch.still_pictures) refinement_.took(double(took));
 
     const std::span<const PictureView> pictures = batch.submission.pictures();
@@ -228,6 +253,7 @@ void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const Pictur
             frame->render_ms = Millis(batch.done - batch.taken).count();
             frame->encode_ms = Millis(encoded - batch.done).count();
             frame->gpu_ms = one.gpu_ms;
+            frame->error = batch.error;
             frame->encoded = encoded;
             frame->jpeg = pictures.bytes;
             frame->png = pictures.format == PictureFormat::png;

@@ -55,6 +55,7 @@ private:
         Clock::time_point taken{}, done{}; // when its poses were taken; when the device was done
         // True: drawn with finer() settings. For still pictures, and for others if there is time.
         bool finer = false;
+        float error = 0;                  // predicted relative RMSE of its pictures, at most
         std::atomic<uint32_t> pending{0}; // jobs not encoded yet
     };
 
@@ -63,6 +64,8 @@ private:
     void tick();
     Batch* freeBatch();
     bool render(Batch& batch);
+    bool renderOneShot(Batch& batch);
+    bool submit(Batch& batch, const RenderSettings& settings);
     void drop(Batch& batch, const char* why);
     void encode(Batch& batch);
     void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) noexcept;

@@ -42,13 +42,15 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     out.jobs.clear();
     out.eyes.clear();
     out.views.clear();
-    out.still_pictures = false;
+    out.still_pictures = out.one_shot = false;
+    if (!one_shot_last_ && planOneShot(viewers, scene, now, out)) return one_shot_last_ = true;
+    one_shot_last_ = false;
     findDue(viewers, scene, false, now);
     if (draw_requests_.empty()) { // no viewer's picture has changed
         out.still_pictures = true;
         findDue(viewers, scene, true, now);
     }
-    if (draw_requests_.empty()) return false;
+    if (draw_requests_.empty()) return one_shot_last_ = planOneShot(viewers, scene, now, out);
     const double dearer = out.still_pictures ? limits.still_ratio : 1;
     for (const uint32_t number :
          schedule_.choose(draw_requests_, {limits.budget_ms, dearer, kMostEyes, limits.bytes}, now, kTick))
@@ -60,6 +62,23 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
                 {eyePose(requests_[i].pose, eye, requests_[i].views), requests_[i].width, requests_[i].height});
     out.full_batch_ratio = schedule_.chosenMs() > 0 ? float(schedule_.fullBatchMs() / schedule_.chosenMs()) : 1;
     return !out.jobs.empty();
+}
+
+// The one that has waited longest, for all who ask for the same picture.
+bool BatchPlanner::planOneShot(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, Clock::time_point now,
+                               BatchContents& out) {
+    std::optional<PoseRequest> first;
+    for (const std::shared_ptr<Viewer>& viewer : viewers)
+        if (const auto request = viewer->pollOneShot(); request && (!first || request->received < first->received))
+            first = request;
+    if (!first) return false;
+    for (const std::shared_ptr<Viewer>& viewer : viewers)
+        if (const auto request = viewer->pollOneShot(); request && samePictures(*request, *first))
+            if (const auto due = viewer->take(*request, now, scene)) add(viewer, *due, out);
+    for (const EyeRequest& eye : out.eyes) out.views.push_back({eye.pose, eye.width, eye.height});
+    out.full_batch_ratio = 1;
+    out.one_shot = out.still_pictures = !out.jobs.empty();
+    return out.one_shot;
 }
 
 // Viewers that ask for the same pictures share them.

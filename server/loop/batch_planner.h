@@ -29,6 +29,7 @@ struct BatchContents {
     std::vector<PlanView> views;  // every distinct picture that is due, in this batch or not: what the plan is made for
     bool still_pictures =
         false;                  // True: redraws views that have not changed for 150 ms, with less error and full colour
+    bool one_shot = false;      // True: one picture of PoseRequest::one_shot; it says nothing about the viewers' load
     float full_batch_ratio = 1; // predicted time of a batch with all due viewers / of this batch; at least 1
 };
 
@@ -40,7 +41,8 @@ public:
         uint64_t bytes = ~0ull; // of a batch's pictures; a viewer that exceeds them alone is drawn alone
     };
     // Takes the due viewers that the budget allows. `scene`: a version of all that is seen. When nothing has changed
-    // for anybody, still pictures are taken. False when nobody is due.
+    // for anybody, still pictures are taken. Every other batch may be a one-shot picture, alone, so that neither
+    // those nor the viewers wait for the other. False when nobody is due.
     bool plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
               Clock::time_point now, BatchContents& out);
 
@@ -59,9 +61,12 @@ public:
     uint32_t activeViewers() const { return std::max(schedule_.active(), 1u); }
 
 private:
+    bool planOneShot(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, Clock::time_point now,
+                     BatchContents& out);
     void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, Clock::time_point now);
     void add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due, BatchContents& out) const;
 
+    bool one_shot_last_ = false; // True: the last batch was a one-shot picture
     Schedule schedule_;
     std::vector<std::shared_ptr<Viewer>> due_; // viewers of the requests in the next two lists
     std::vector<PoseRequest> requests_;

@@ -15,7 +15,7 @@
 #include "server/net/access.h"
 #include "server/net/coroutine.h"
 #include "server/net/origin.h"
-#include "server/net/picture_query.h"
+#include "server/net/picture_reply.h"
 #include "server/net/request_check.h"
 #include "server/net/viewer_handle.h"
 #include "server/net/viewers.h"
@@ -30,6 +30,18 @@ using asio::ip::tcp;
 
 constexpr char kBoundary[] = "brume-frame";
 constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the last answer before the socket closes
+
+constexpr auto kRepeatAfter = std::chrono::seconds(1); // of a stream: players take a longer pause for its end
+constexpr uint8_t kSnapshotQuality = 90;               // JPEG, as of every picture at rest
+constexpr char kNoFrame[] = "no picture came in time: shaders may be compiling, which is done once; see /readyz";
+
+// True if the client takes PNG and does not take JPEG.
+bool prefersPng(const HttpRequest& request) {
+    const auto accept = request[http::field::accept];
+    const std::string_view types(accept.data(), accept.size());
+    return types.find("image/png") != types.npos && types.find("image/jpeg") == types.npos &&
+           types.find("image/*") == types.npos && types.find("*/*") == types.npos;
+}
 
 // The status line and the headers, without Content-Length and the empty line at the end.
 std::string headOf(const Reply& reply, std::string_view connection) {
@@ -76,11 +88,12 @@ private:
     asio::awaitable<bool> secure();
     asio::awaitable<bool> answer(const HttpRequest& request);
     asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
-    asio::awaitable<bool> snapshot(const HttpRequest& request, std::string_view query);
+    asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query);
     asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);
     asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
+    asio::awaitable<bool> sendLater(const HttpRequest& request, std::string_view route, std::string line);
     asio::awaitable<error_code> write(Parts parts);
-    asio::awaitable<FramePtr> nextFrame(ViewerHandle& handle);
+    asio::awaitable<FramePtr> nextFrame(ViewerHandle& handle, Clock::duration patience);
     asio::awaitable<void> linger();
     Reply health(std::string_view path) const;
 
@@ -137,7 +150,8 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
                            query = target.substr(std::min(question + 1, target.size()));
 
     const bool operators = path == "/metrics" || path == "/viewers";
-    const bool guarded = path == "/ws" || path == "/snapshot.jpg" || path == "/stream.mjpg" || operators;
+    const bool guarded =
+        path == "/ws" || path == "/snapshot.jpg" || path == "/snapshot.png" || path == "/stream.mjpg" || operators;
     if (auto stranger = foreign(request, guarded, context_->options)) {
         context_->metrics.refused(stranger->reason);
         return send(request, "refused", std::move(stranger->reply));
@@ -152,7 +166,7 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
         }
         auto& authorization = std::get<Authorization>(checked);
         if (path == "/ws") return upgrade(request, std::move(authorization));
-        if (path == "/snapshot.jpg") return snapshot(request, query);
+        if (path == "/snapshot.jpg" || path == "/snapshot.png") return snapshot(request, path.ends_with("png"), query);
         if (path == "/stream.mjpg") return stream(request, query, std::move(authorization));
     }
     if (path == "/healthz" || path == "/readyz" || operators) return send(request, path.substr(1), health(path));
@@ -203,54 +217,62 @@ asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Author
     co_return co_await send(request, "ws", std::move(refusal));
 }
 
-// One frame of a camera that the query places.
-asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::string_view query) {
-    const auto send503 = [&](const char* line) {
-        Reply reply = lineReply(503, line);
-        reply.headers = {{"Retry-After", "5"}};
-        return send(request, "snapshot", std::move(reply));
-    };
+// A picture cannot be had now: says why, to the client and in the log, and when to try again.
+asio::awaitable<bool> HttpConnection::sendLater(const HttpRequest& request, std::string_view route, std::string line) {
+    spdlog::info("{} for {} refused: {}", route, slot_->address(), line);
+    Reply reply = lineReply(503, std::move(line));
+    reply.headers = {{"Retry-After", "5"}};
+    return send(request, route, std::move(reply));
+}
+
+// One still picture of a camera that the query places, within the scene's error whatever the load.
+asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query) {
     if (request.method() == http::verb::head)
         co_return co_await send(request, "snapshot", lineReply(405, "only GET is served here"));
     auto read = readPictureQuery(query, context_->options, context_->audience.facts());
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
+    const PictureQuery& picture = std::get<PictureQuery>(read);
 
     FramePtr frame;
     std::string refusal;
     {
         const Counted open(context_->snapshots);
-        const bool room = open.number() <= context_->options.max_snapshots;
-        const auto handle =
-            room ? ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1) : nullptr;
+        const uint32_t most = context_->options.max_snapshots;
+        if (open.number() > most) {
+            context_->metrics.refused("snapshots");
+            co_return co_await sendLater(request, "snapshot",
+                                         fmt::format("{} snapshots are being drawn, the most at a time", most));
+        }
+        const auto handle = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1);
         if (!handle) {
             context_->metrics.refused("snapshots");
-            co_return co_await send503("too many snapshots or viewers: try again later");
+            co_return co_await sendLater(request, "snapshot", context_->audience.whyFull());
         }
-        PoseRequest pose = std::get<PictureQuery>(read).request;
+        PoseRequest pose = picture.request;
+        pose.one_shot = true;
+        pose.lossless = pose.lossless || png || prefersPng(request);
+        if (!picture.has_quality) pose.quality = std::max(pose.quality, kSnapshotQuality);
         pose.received = Clock::now();
         handle->viewer().setPose(pose);
-        frame = co_await nextFrame(*handle);
+        frame = co_await nextFrame(*handle, context_->options.frame_wait);
         refusal = handle->viewer().refusal();
     }
     if (!refusal.empty()) co_return co_await send(request, "snapshot", lineReply(400, std::move(refusal)));
-    if (!frame) co_return co_await send503("no frame came in time: see /readyz");
+    if (!frame) co_return co_await sendLater(request, "snapshot", kNoFrame);
     context_->metrics.sent(frame->jpeg[0]->size(), 0);
     Reply reply;
-    reply.content_type = "image/jpeg";
+    reply.content_type = contentTypeOf(*frame);
     reply.body.assign(frame->jpeg[0]->begin(), frame->jpeg[0]->end());
-    reply.headers = {{"Cache-Control", "no-store"}};
+    reply.headers = headersOf(*frame, picture);
+    reply.headers.emplace_back("Cache-Control", "no-store");
     co_return co_await send(request, "snapshot", std::move(reply));
 }
 
-// Motion JPEG: every part is followed by its boundary at once, so that a reader shows it without waiting for the next.
+// Motion JPEG. A part that has not changed is sent again each second. Every part is followed by its boundary at once,
+// so that a reader shows it without waiting for the next.
 asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query,
                                              Authorization authorization) {
-    const auto send503 = [&](const char* line) {
-        Reply reply = lineReply(503, line);
-        reply.headers = {{"Retry-After", "5"}};
-        return send(request, "stream", std::move(reply));
-    };
     if (request.method() == http::verb::head)
         co_return co_await send(request, "stream", lineReply(405, "only GET is served here"));
     auto read = readPictureQuery(query, context_->options, context_->audience.facts());
@@ -258,21 +280,25 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
     PictureQuery picture = std::get<PictureQuery>(read);
 
+    if (picture.request.lossless)
+        co_return co_await send(request, "stream", lineReply(400, "a stream is JPEG; /snapshot.png is a PNG"));
     const Counted open(context_->streams);
-    const bool room = open.number() <= context_->options.max_streams;
-    const auto handle =
-        room ? ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1) : nullptr;
+    const uint32_t most = context_->options.max_streams;
+    if (open.number() > most) {
+        context_->metrics.refused("streams");
+        co_return co_await sendLater(request, "stream", fmt::format("{} streams are open, the most at a time", most));
+    }
+    const auto handle = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1);
     if (!handle) {
         context_->metrics.refused("streams");
-        co_return co_await send503("too many streams or viewers: try again later");
+        co_return co_await sendLater(request, "stream", context_->audience.whyFull());
     }
     picture.request.received = Clock::now();
-    handle->viewer().drawAlways();
     handle->viewer().setPose(picture.request);
-    FramePtr frame = co_await nextFrame(*handle);
+    FramePtr frame = co_await nextFrame(*handle, context_->options.frame_wait);
     if (std::string refusal = handle->viewer().refusal(); !refusal.empty())
         co_return co_await send(request, "stream", lineReply(400, std::move(refusal)));
-    if (!frame) co_return co_await send503("no frame came in time: see /readyz");
+    if (!frame) co_return co_await sendLater(request, "stream", kNoFrame);
 
     context_->metrics.requested("stream", 200);
     spdlog::info("viewer {}: stream to {}, {}x{}", handle->viewer().id(), slot_->address(), picture.request.width,
@@ -286,7 +312,9 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     auto due = Clock::now();
     while (frame && !context_->stopping && Clock::now() < authorization.until.value_or(Clock::time_point::max())) {
         const std::vector<uint8_t>& jpeg = *frame->jpeg[0];
-        head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.size());
+        head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n", jpeg.size());
+        for (const auto& [name, value] : headersOf(*frame, picture)) head += fmt::format("{}: {}\r\n", name, value);
+        head += "\r\n";
         context_->metrics.sent(jpeg.size(), 0);
         const Parts part{asio::buffer(head), asio::buffer(jpeg), asio::buffer(tail)};
         const error_code error = co_await write(part);
@@ -296,15 +324,16 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         due = std::max(due + period, Clock::now());
         while (Clock::now() < due && !context_->stopping) co_await event_->wait(due);
         handle->viewer().acknowledge(frame->id);
-        frame = co_await nextFrame(*handle);
+        if (FramePtr next = co_await nextFrame(*handle, kRepeatAfter)) frame = std::move(next);
+        if (!handle->viewer().refusal().empty()) break;
     }
     spdlog::info("viewer {}: stream ended after {} frames", handle->viewer().id(), handle->viewer().counts().sent);
     co_return false;
 }
 
 // Waits for the viewer's next frame. Null if no frame comes in time, the server refuses the viewer, or it stops.
-asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle) {
-    const auto deadline = Clock::now() + context_->options.frame_wait;
+asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle, Clock::duration patience) {
+    const auto deadline = Clock::now() + patience;
     for (;;) {
         FramePtr frame = handle.takeFrame();
         const bool over = context_->stopping || Clock::now() >= deadline || !handle.viewer().refusal().empty();

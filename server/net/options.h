@@ -38,7 +38,7 @@ struct NetOptions {
     std::chrono::milliseconds handshake{5000};    // connected -> request read, and upgraded -> hello
     std::chrono::milliseconds idle{60000};        // nothing received; a WebSocket ping is sent after half of it
     std::chrono::milliseconds write_stall{10000}; // a write does not finish, or the peer does not take its bytes
-    std::chrono::milliseconds frame_wait{5000};   // a snapshot or stream waits for its next frame
+    std::chrono::milliseconds frame_wait{20000};  // a snapshot or stream waits for its first frame
     std::chrono::milliseconds silence{15000};     // frames were sent, and the viewer acknowledged none
 
     // Rates, 1/s; a burst may be as long as `burst_s` seconds of it.

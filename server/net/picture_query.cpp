@@ -1,6 +1,7 @@
 #include "server/net/picture_query.h"
 
 #include <charconv>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
     if (!fields) return "the query is not of the form name=value&name=value";
 
     PictureQuery out;
-    float width = options.default_width, height = options.default_height, quality = options.default_quality;
+    float width = 0, height = 0, quality = options.default_quality; // 0: not given
     SceneCamera camera = facts.camera;
     for (const auto& [name, value] : *fields) {
         const auto number = [&, &text = value](float& into, Limits allowed) {
@@ -50,23 +51,32 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
             if (!number(height, side)) return range(side);
         } else if (name == "quality") {
             if (!number(quality, jpeg)) return range(jpeg);
+            out.has_quality = true;
         } else if (name == "fps") {
             if (!number(out.fps, rate)) return range(rate);
         } else if (name == "fov") {
-            if (!number(camera.fov_y, limits::kFovY)) return range(limits::kFovY);
+            if (!number(camera.fov_y, limits::kFovY)) return range(limits::kFovY) + " radians, from bottom to top";
         } else if (name == "position") {
             if (!readNumbers(value, &camera.position.x, 3, limits::kPlace)) return refuse("x,y,z in metres");
         } else if (name == "target") {
             if (!readNumbers(value, &camera.target.x, 3, limits::kPlace)) return refuse("x,y,z in metres");
+        } else if (name == "format") {
+            if (value != "jpeg" && value != "png") return refuse("jpeg or png");
+            out.request.lossless = value == "png";
         } else if (name == "views") {
             if (value != "1") return refuse("1: a JPEG shows one eye; both come over the WebSocket");
         } else if (name != "token") { // `token` is read by the access check (access.h)
-            return fmt::format("no setting called {}; there is w h quality fps fov position target",
+            return fmt::format("no setting called {}; there is w h quality fps fov position target format",
                                oneLine(name.substr(0, 32)));
         }
     }
     if (glm::distance(camera.position, camera.target) < 1e-3f) return "position and target must differ";
 
+    // One side alone keeps the shape of the default size.
+    const float shape = float(options.default_width) / float(options.default_height);
+    if (width == 0) width = height == 0 ? options.default_width : std::round(height * shape);
+    if (height == 0) height = std::round(width / shape);
+    out.asked_width = uint32_t(width), out.asked_height = uint32_t(height);
     const PictureSize size = fitSize({uint16_t(width), uint16_t(height)}, options);
     out.request.seq = 1;
     out.request.width = size.width;

@@ -1,4 +1,4 @@
-// The query of /snapshot.jpg and /stream.mjpg: ?w=&h=&quality=&position=x,y,z&target=x,y,z&fov=&fps=
+// The query of /snapshot.jpg, /snapshot.png and /stream.mjpg: ?w=&h=&quality=&position=x,y,z&target=x,y,z&fov=&fps=
 #pragma once
 
 #include <string>
@@ -13,6 +13,8 @@ namespace brume::net {
 struct PictureQuery {
     PoseRequest request; // the scene's own camera unless the query places another
     float fps = 30;
+    bool has_quality = false;                   // true: the query has a quality; else the request's is the server's
+    uint32_t asked_width = 0, asked_height = 0; // pixels; the request's are fewer where the server allows fewer
 };
 
 // The query's values, or one line that says what is wrong and what is allowed.

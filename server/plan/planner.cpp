@@ -114,6 +114,11 @@ void Planner::make() {
         spdlog::warn("refused: {}; instead: {}", plan_.refused, summary(plan_));
 }
 
+Candidate Planner::once(const Simulation& simulation, const PlanView& view) const {
+    const PlanInputs alone{.scene = planScene(scene_, simulation), .views = {view}, .methods = inputs_.methods};
+    return makePlan(alone, model_).chosen;
+}
+
 uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings) const {
     const double reference = plan_.reference_deviation_px;
     return reference > 0 ? rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / reference) : 0;

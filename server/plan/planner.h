@@ -32,6 +32,10 @@ public:
     // called while the device works, so that no frame waits.
     void refresh(const Simulation& simulation, std::span<const PlanView> views, Time now);
 
+    // The way to draw one picture within the scene's error budget, whatever the load. It depends on the scene's state,
+    // the view and the costs alone, so that equal requests of one state give equal pictures.
+    Candidate once(const Simulation& simulation, const PlanView& view) const;
+
     // Pixels between rays for `view`, which may have moved since the plan was made. `settings`: those of settings(),
     // or finer ones. 0: use settings.rate.
     uint32_t rateOf(const PlanView& view, const RenderSettings& settings) const;

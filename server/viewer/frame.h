@@ -28,6 +28,7 @@ struct PoseRequest {
     bool takes_png = false;             // True: the viewer accepts PNG for still pictures
     bool still_picture = false;         // True: redraws a view at rest, with less error and full colour (4:4:4)
     bool lossless = false;              // True: a still picture as PNG
+    bool one_shot = false;              // True: one still picture at full accuracy, whatever the load; then nothing
     Clock::time_point received{};
     Clock::time_point since{}; // when this view was first asked for; set by Viewer
 };
@@ -42,6 +43,7 @@ struct EncodedFrame {
     PoseRequest request;
     bool again = false; // True: an earlier frame answered this pose, so that wait_ms tells nothing about the server
     float wait_ms = 0, render_ms = 0, encode_ms = 0, gpu_ms = 0;
+    float error = 0; // predicted relative RMSE of the picture, at most
     Clock::time_point encoded{};
     std::array<Jpeg, 2> jpeg; // one for each of request.views eyes
     bool png = false;         // True: all pictures are PNG; false: JPEG

@@ -20,7 +20,7 @@ bool samePictures(const PoseRequest& a, const PoseRequest& b) {
            a.pose.fov_y == b.pose.fov_y && a.pose.eye_separation == b.pose.eye_separation &&
            a.pose.frustum == b.pose.frustum && a.pose.right_frustum == b.pose.right_frustum && a.width == b.width &&
            a.height == b.height && a.views == b.views && a.quality == b.quality && a.still_picture == b.still_picture &&
-           a.lossless == b.lossless;
+           a.lossless == b.lossless && a.one_shot == b.one_shot;
 }
 
 Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> notify)
@@ -42,11 +42,6 @@ void Viewer::resume(const std::optional<PoseRequest>& pose) {
     resumed_ = any_pose_ = true;
     pose_ = pose;
     if (pose_) pose_->received = Clock::now();
-}
-
-void Viewer::drawAlways() {
-    const std::scoped_lock lock(mutex_);
-    always_ = true;
 }
 
 std::optional<PoseRequest> Viewer::pose() const {
@@ -106,7 +101,7 @@ void Viewer::close() {
 
 std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture) {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || !pose_ || pose_->hidden || !refusal_.empty()) return {};
+    if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
     const QualityStep step = quality_.step();
     PoseRequest request = *pose_;
     request.lowered = quality_.level() > 0 || quality_.deviceLevel() > 0;
@@ -114,7 +109,7 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
     if (step.half)
         request.width = std::max<uint16_t>(request.width / 2, 1),
         request.height = std::max<uint16_t>(request.height / 2, 1);
-    if (made_ && !always_ && scene && scene == scene_ && samePictures(*made_, request)) {
+    if (made_ && scene && scene == scene_ && samePictures(*made_, request)) {
         // PNG is large: over a link that has queued, the next pose's picture would wait behind it.
         const bool lossless = made_detail_ == Detail::still && request.takes_png && !pacing_.bytes();
         if (!still_picture || (made_detail_ != Detail::moving && !lossless)) return {};
@@ -136,6 +131,14 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
     return request;
 }
 
+std::optional<PoseRequest> Viewer::pollOneShot() {
+    const std::scoped_lock lock(mutex_);
+    if (closed_ || !pose_ || !pose_->one_shot || made_ || !refusal_.empty()) return {};
+    PoseRequest request = *pose_;
+    request.still_picture = true;
+    return request;
+}
+
 std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_point now,
                                         std::optional<uint64_t> scene) {
     const std::scoped_lock lock(mutex_);
@@ -146,7 +149,7 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
     pacing_.issued(issued_, now);
     made_detail_ = request.lossless ? Detail::lossless : request.still_picture ? Detail::still : Detail::moving;
     made_at_ = now;
-    if (!request.still_picture) made_ = request;
+    if (!request.still_picture || request.one_shot) made_ = request;
     scene_ = scene;
     return Due{issued_, request, again};
 }

@@ -34,8 +34,6 @@ public:
     // --- the connection's side ---
     // Sets the pose. Ignored if its seq is not newer than the present pose's (wrap-around safe).
     void setPose(const PoseRequest& request);
-    // Draws frames also when nothing has changed: for MJPEG players that take a pause for a broken stream.
-    void drawAlways();
     // Takes the newest frame; null when there is none. A frame that was replaced before it was taken counts as
     // superseded.
     FramePtr takeFrame(Clock::time_point now = Clock::now());
@@ -68,7 +66,11 @@ public:
     // 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a link that does not
     // queue. Each comes once.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture);
-    // Hands out a frame for a request that pollDue() returned. Nothing if the viewer has left or was hidden meanwhile.
+    // The request of a viewer whose pose is PoseRequest::one_shot, until its frame was handed out. pollDue() returns
+    // nothing for such a viewer.
+    std::optional<PoseRequest> pollOneShot();
+    // Hands out a frame for a request that pollDue() or pollOneShot() returned. Nothing if the viewer has left or was
+    // hidden meanwhile.
     std::optional<Due> take(const PoseRequest& due, Clock::time_point now, std::optional<uint64_t> scene);
     // Sets the device's load for the next observe().
     void deviceHas(const DeviceLoad& load);
@@ -116,7 +118,6 @@ private:
     std::optional<uint64_t> scene_;       // its version of the scene
     Detail made_detail_ = Detail::moving; // its refinement
     uint32_t skipped_ = 0;                // frames skipped since the last one, for QualityStep::every
-    bool always_ = false;                 // True: drawAlways() was called
     std::optional<DeviceLoad> device_;    // since the last observe()
     bool held_back_ = false;              // True: the window of bytes held a request back since then
     uint64_t superseded_seen_ = 0;        // Counts::superseded at the last observe()

@@ -1,6 +1,7 @@
 // What the one port serves besides the WebSocket.
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -14,6 +15,19 @@ namespace brume::test {
 namespace {
 
 client::Bytes bytesOf(const std::string& text) { return {text.begin(), text.end()}; }
+
+struct Part {
+    std::map<std::string, std::string> headers;
+    std::string body;
+};
+// Of a stream, after its boundary.
+Part readPart(HttpConnection& connection) {
+    Part part;
+    for (std::string line = connection.readLine(); !line.empty(); line = connection.readLine())
+        part.headers[line.substr(0, line.find(": "))] = line.substr(line.find(": ") + 2);
+    part.body = connection.readBytes(std::stoul(part.headers.at("Content-Length")));
+    return part;
+}
 
 class Http : public testing::Test {
 protected:
@@ -144,6 +158,57 @@ TEST_F(Http, ASnapshotIsOnePicture) {
     EXPECT_EQ(get(port(), "/snapshot.jpg?w=potato").status, 400);
 }
 
+// One state gives one picture, whoever else is served meanwhile and whatever they cost.
+TEST(Snapshots, OfOneStateAreTheSameBytesAndGiveUpNothing) {
+    Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0", "--paused", "--ahead", "off", "--frame-budget",
+                    "20", "--max-viewers", "16"});
+    const auto line = server.lineStarting("listening on http://127.0.0.1:");
+    ASSERT_TRUE(line) << server.err();
+    const auto at = uint16_t(std::stoi(*line));
+    const std::string path = "/snapshot.jpg?w=480&h=270&position=3,4,20&target=0,0,0";
+    const HttpReply first = get(at, path);
+    ASSERT_EQ(first.status, 200) << first.body;
+    EXPECT_LE(std::stof(first.headers.at("brume-error")), 0.005f);
+    {
+        HttpConnection stream(at); // a viewer that is always there
+        stream.send("GET /stream.mjpg?w=640&h=360 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+        ASSERT_EQ(stream.readHead().status, 200);
+        for (int i = 0; i < 12; ++i) {
+            const HttpReply again = get(at, path);
+            ASSERT_EQ(again.status, 200) << again.body;
+            EXPECT_EQ(again.headers.at("brume-state"), first.headers.at("brume-state"));
+            EXPECT_TRUE(again.body == first.body) << "picture " << i << " differs";
+            const HttpReply other = get(at, "/snapshot.jpg?w=320&target=0,0,0&position=4,20," + std::to_string(i));
+            EXPECT_EQ(other.status, 200);
+        }
+    }
+    EXPECT_EQ(metric(at, "brume_plan_relaxed"), 0) << "snapshots push nobody into giving up";
+}
+
+// What does not change is not drawn again; its bytes are sent again each second, so that players do not give up.
+TEST(Snapshots, AStreamAtRestRepeatsItsLastPicture) {
+    Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0", "--paused", "--ahead", "off"});
+    const auto line = server.lineStarting("listening on http://127.0.0.1:");
+    ASSERT_TRUE(line) << server.err();
+    const auto at = uint16_t(std::stoi(*line));
+    HttpConnection stream(at);
+    stream.send("GET /stream.mjpg?w=160&h=96 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+    const HttpReply head = stream.readHead();
+    ASSERT_EQ(head.status, 200);
+    std::string last;
+    double drawn = -1;
+    for (int i = 0, same = 0; same < 3; ++i) {
+        ASSERT_LT(i, 20) << "it never rests";
+        stream.readLine(); // the boundary
+        const std::string body = readPart(stream).body;
+        stream.readLine();
+        same = body == last ? same + 1 : 0;
+        if (same == 1) drawn = *metric(at, "brume_frames_total{fate=\"rendered\"}");
+        last = body;
+    }
+    EXPECT_EQ(*metric(at, "brume_frames_total{fate=\"rendered\"}"), drawn);
+}
+
 TEST_F(Http, AStreamIsManyPictures) {
     HttpConnection connection(port());
     connection.send("GET /stream.mjpg?w=160&h=96&fps=20 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
@@ -157,12 +222,11 @@ TEST_F(Http, AStreamIsManyPictures) {
     constexpr int parts = 6;
     for (int i = 0; i < parts; ++i) {
         ASSERT_EQ(connection.readLine(), boundary);
-        EXPECT_EQ(connection.readLine(), "Content-Type: image/jpeg");
-        const std::string length = connection.readLine();
-        ASSERT_TRUE(length.starts_with("Content-Length: ")) << length;
-        ASSERT_EQ(connection.readLine(), "");
-        const std::string jpeg = connection.readBytes(std::stoul(length.substr(16)));
-        EXPECT_GT(contrast(decoded(bytesOf(jpeg), 160, 96)), 8);
+        const Part part = readPart(connection);
+        EXPECT_EQ(part.headers.at("Content-Type"), "image/jpeg");
+        EXPECT_EQ(part.headers.at("Brume-Size"), "160x96");
+        EXPECT_EQ(part.headers.at("Brume-State").size(), 16u);
+        EXPECT_GT(contrast(decoded(bytesOf(part.body), 160, 96)), 8);
         ASSERT_EQ(connection.readLine(), "");
     }
     // No faster than asked for: between the first and the last lie (parts - 1) periods, one of which may have begun

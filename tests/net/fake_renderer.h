@@ -94,6 +94,8 @@ private:
         frame->tick = report.tick;
         frame->state_hash = report.state_hash;
         frame->request = due.request;
+        frame->error = 0.0125f;
+        frame->png = due.request.lossless;
         frame->wait_ms = 1, frame->render_ms = 2, frame->encode_ms = 3, frame->gpu_ms = 1.5f;
         for (int view = 0; view < due.request.views; ++view)
             frame->jpeg[size_t(view)] =

@@ -192,10 +192,37 @@ TEST_F(HttpTest, ASnapshotIsOneFrameOfTheAskedCamera) {
     const auto text = [](const HttpAnswer& answer) {
         return pictureText({reinterpret_cast<const uint8_t*>(answer.body.data()), answer.body.size()});
     };
-    EXPECT_EQ(text(plain), "seq 1 eye 0 at 0 2 26 size 640x360 quality 80");
+    EXPECT_EQ(text(plain), "seq 1 eye 0 at 0 2 26 size 640x360 quality 90") << "as a picture at rest";
+    EXPECT_EQ(plain.header("Brume-Size"), "640x360");
+    EXPECT_EQ(plain.header("Brume-Error"), "0.0125");
+    EXPECT_NE(plain.header("Brume-Tick"), "");
+    EXPECT_EQ(plain.header("Brume-State").size(), 16u);
+    EXPECT_EQ(plain.header("Brume-Asked"), "") << "it is as large as asked for";
     EXPECT_EQ(text(get(port, "/snapshot.jpg?w=320&h=200&quality=50&position=1,-2.5,3&target=0,0,0&fov=0.5&views=1")),
               "seq 1 eye 0 at 1 -2.5 3 size 320x200 quality 50");
     EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(HttpTest, ASizeIsCompletedOrCutDownAndSaid) {
+    const uint16_t port = serve();
+    EXPECT_EQ(get(port, "/snapshot.jpg?w=1280").header("Brume-Size"), "1280x720");
+    EXPECT_EQ(get(port, "/snapshot.jpg?h=180").header("Brume-Size"), "320x180");
+    const auto large = get(port, "/snapshot.jpg?w=3840");
+    EXPECT_EQ(large.header("Brume-Size"), "1920x1080");
+    EXPECT_EQ(large.header("Brume-Asked"), "3840x2160");
+    EXPECT_NE(get(port, "/snapshot.jpg?fov=45").body.find("radians"), std::string::npos);
+}
+
+TEST_F(HttpTest, ASnapshotIsPngWhereOneIsAskedFor) {
+    const uint16_t port = serve();
+    for (const char* path : {"/snapshot.png", "/snapshot.jpg?format=png"})
+        EXPECT_EQ(get(port, path).header("Content-Type"), "image/png") << path;
+    const auto accepting = [&](const char* types) {
+        return get(port, "/snapshot.jpg", fmt::format("Accept: {}\r\n", types)).header("Content-Type");
+    };
+    EXPECT_EQ(accepting("image/png"), "image/png");
+    EXPECT_EQ(accepting("image/avif,image/png,image/*;q=0.8,*/*;q=0.5"), "image/jpeg") << "a browser's";
+    EXPECT_EQ(get(port, "/stream.mjpg?format=png").status, 400);
 }
 
 TEST_F(HttpTest, PicturesThatCannotBeAreToldWhatMayBe) {
@@ -222,6 +249,7 @@ TEST_F(HttpTest, PicturesThatCannotBeAreToldWhatMayBe) {
                               "views=2",
                               "w=100&w=200",
                               "width=100",
+                              "format=gif",
                               "two%0Alines%1B=100",
                               "w=%4"})
         for (const char* path : {"/snapshot.jpg?", "/stream.mjpg?"}) {
@@ -244,6 +272,23 @@ TEST_F(HttpTest, WithoutFramesPicturesEndIn503) {
         EXPECT_NE(answer.body.find("/readyz"), std::string::npos) << path;
     }
     EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(HttpTest, WhoIsTurnedAwayIsToldWhyAndWhenToComeBack) {
+    max_viewers = 1;
+    const uint16_t port = serve();
+    const auto seat = audience->join(nullptr);
+    const auto full = get(port, "/snapshot.jpg");
+    EXPECT_EQ(full.status, 503);
+    EXPECT_NE(full.body.find("every place is taken"), std::string::npos) << full.body;
+    EXPECT_EQ(full.header("Retry-After"), "5");
+    audience->setMaxViewers(8);
+    audience->admitUpTo(10);
+    audience->frameTook(9);
+    const auto late = get(port, "/snapshot.jpg");
+    EXPECT_EQ(late.status, 503);
+    EXPECT_NE(late.body.find("no time to draw"), std::string::npos) << late.body;
+    audience->leave(seat);
 }
 
 // Reads one part of a stream: its headers, its bytes, and the boundary that follows.

@@ -63,6 +63,35 @@ TEST(BatchPlanner, ViewersOfTheSamePictureShareIt) {
     }
 }
 
+// Snapshots neither hold up those who watch, nor wait for them, nor count in what the plan is made for.
+TEST(BatchPlanner, OneShotPicturesTakeTurnsWithTheViewers) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector viewers{viewerOf(1), viewerOf(2), viewerOf(3), viewerOf(4)};
+    viewers[0]->setPose(poseOf(1, 64, 36));
+    for (size_t i = 1; i < viewers.size(); ++i) { // the last two ask for the same picture
+        PoseRequest once = poseOf(1, 640, 360, i == 1 ? 1.0f : 2.0f);
+        once.one_shot = true;
+        once.received = kStart + std::chrono::milliseconds(i == 1 ? 5 : 0);
+        viewers[i]->setPose(once);
+    }
+    std::vector<std::vector<uint32_t>> drawn;
+    for (uint64_t scene = 1; scene <= 6; ++scene) {
+        const Clock::time_point now = kStart + std::chrono::milliseconds(20 * scene);
+        if (!planner.plan(viewers, scene, {.budget_ms = 50}, now, batch)) continue;
+        drawn.emplace_back();
+        for (const BatchJob& job : batch.jobs) drawn.back().push_back(job.viewer->id());
+        const bool once = drawn.back().front() != 1;
+        EXPECT_EQ(batch.one_shot, once);
+        EXPECT_EQ(batch.still_pictures, once);
+        ASSERT_EQ(batch.views.size(), 1u);
+        EXPECT_EQ(batch.views[0].width, once ? 640u : 64u);
+        EXPECT_EQ(batch.full_batch_ratio, 1.0f);
+        deliver(batch, now);
+    }
+    EXPECT_EQ(drawn, (std::vector<std::vector<uint32_t>>{{3, 4}, {1}, {2}, {1}, {1}, {1}}));
+}
+
 // What rests is drawn once more, finer, when nothing has changed for anybody; then nothing at all.
 TEST(BatchPlanner, StillPicturesComeOnceNothingMoves) {
     BatchPlanner planner;

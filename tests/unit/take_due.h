@@ -8,7 +8,8 @@ namespace brume {
 
 inline std::optional<Viewer::Due> takeDue(Viewer& viewer, Clock::time_point now = Clock::now(),
                                           std::optional<uint64_t> scene = {}, bool still_picture = false) {
-    const auto request = viewer.pollDue(now, scene, still_picture);
+    auto request = viewer.pollDue(now, scene, still_picture);
+    if (!request) request = viewer.pollOneShot();
     return request ? viewer.take(*request, now, scene) : std::nullopt;
 }
 
