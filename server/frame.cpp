@@ -35,6 +35,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       workers_(options.encode_threads) {
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
+    report(Clock::now()); // viewers who come before the first tick are told the scene's own settings
 }
 
 // Drivers compile shaders when they are first used: for a viewer's picture, and for a picture at rest, which snapshots
@@ -82,7 +83,6 @@ void FrameLoop::stop() {
 // frame   planes -> encodePictures -> Viewer::deliver                        per viewer, on the encoders' threads
 void FrameLoop::run() {
     if (ticked_) ticked_(simulation_, {});
-    report(Clock::now());
     audience_.ready = true;
     for (;;) {
         // Wait for the next tick, or for the device if that is earlier.

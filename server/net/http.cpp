@@ -1,10 +1,8 @@
 #include "server/net/http.h"
 
-#include <array>
-#include <optional>
+#include <algorithm>
 
 #include <boost/asio/write.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/rfc7230.hpp>
@@ -12,12 +10,8 @@
 #include <fmt/format.h>
 
 #include "protocol/message.h"
-#include "server/net/access.h"
-#include "server/net/coroutine.h"
+#include "server/net/http_connection.h"
 #include "server/net/origin.h"
-#include "server/net/picture_reply.h"
-#include "server/net/request_check.h"
-#include "server/net/viewer_handle.h"
 #include "server/net/viewers.h"
 #include "server/net/websocket.h"
 
@@ -28,20 +22,19 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using asio::ip::tcp;
 
-constexpr char kBoundary[] = "brume-frame";
+constexpr auto kAppliedWithin = std::chrono::seconds(2); // a command of HTTP
 constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the last answer before the socket closes
 
-constexpr auto kRepeatAfter = std::chrono::seconds(1); // of a stream: players take a longer pause for its end
-constexpr uint8_t kSnapshotQuality = 90;               // JPEG, as of every picture at rest
-constexpr char kNoFrame[] = "no picture came in time: shaders may be compiling, which is done once; see /readyz";
-
-// True if the client takes PNG and does not take JPEG.
-bool prefersPng(const HttpRequest& request) {
-    const auto accept = request[http::field::accept];
-    const std::string_view types(accept.data(), accept.size());
-    return types.find("image/png") != types.npos && types.find("image/jpeg") == types.npos &&
-           types.find("image/*") == types.npos && types.find("*/*") == types.npos;
+// The least role that a path takes; nothing for one that is open to everybody.
+std::optional<Role> roleFor(std::string_view path) {
+    if (path == "/metrics" || path == "/viewers") return Role::operator_;
+    if (path == "/pause" || path == "/resume") return Role::controller;
+    if (path == "/ws" || path == "/snapshot.jpg" || path == "/snapshot.png" || path == "/stream.mjpg")
+        return Role::viewer;
+    return {};
 }
+
+} // namespace
 
 // The status line and the headers, without Content-Length and the empty line at the end.
 std::string headOf(const Reply& reply, std::string_view connection) {
@@ -53,57 +46,6 @@ std::string headOf(const Reply& reply, std::string_view connection) {
     for (const auto& [name, value] : reply.headers) head += fmt::format("{}: {}\r\n", name, value);
     return head;
 }
-
-class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
-public:
-    HttpConnection(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot)
-        : context_(std::move(context)), slot_(std::move(slot)), stream_(std::move(stream)),
-          event_(std::make_shared<Event>(stream_.get_executor())) {
-        context_->metrics.connected(1);
-    }
-    ~HttpConnection() override { context_->metrics.connected(-1); }
-
-    void start() {
-        slot_->assign(shared_from_this());
-        asio::co_spawn(
-            stream_.get_executor(), [self = shared_from_this()] { return self->run(); }, kLogFailure);
-    }
-    void stop() override {
-        asio::post(stream_.get_executor(), [self = shared_from_this()] {
-            self->event_->notify();
-            if (self->idle_) self->stream_.tcp().close();
-        });
-    }
-    void kill() override {
-        asio::post(stream_.get_executor(), [self = shared_from_this()] {
-            self->event_->notify();
-            self->stream_.tcp().close();
-        });
-    }
-
-private:
-    using Parts = std::array<asio::const_buffer, 3>;
-
-    asio::awaitable<void> run();
-    asio::awaitable<bool> secure();
-    asio::awaitable<bool> answer(const HttpRequest& request);
-    asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
-    asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query);
-    asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);
-    asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
-    asio::awaitable<bool> sendLater(const HttpRequest& request, std::string_view route, std::string line);
-    asio::awaitable<error_code> write(Parts parts);
-    asio::awaitable<FramePtr> nextFrame(ViewerHandle& handle, Clock::duration patience);
-    asio::awaitable<void> linger();
-    Reply health(std::string_view path) const;
-
-    std::shared_ptr<const Context> context_;
-    std::unique_ptr<ConnectionSlot> slot_; // null once the connection is a WebSocket
-    ByteStream stream_;
-    beast::flat_buffer buffer_;
-    std::shared_ptr<Event> event_; // notified when a frame is ready, and when the server stops
-    bool idle_ = false;            // true: the connection waits for a request or a TLS handshake
-};
 
 asio::awaitable<void> HttpConnection::run() {
     const NetOptions& options = context_->options;
@@ -149,17 +91,14 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
     const std::string_view path = target.substr(0, question),
                            query = target.substr(std::min(question + 1, target.size()));
 
-    const bool operators = path == "/metrics" || path == "/viewers";
-    const bool guarded =
-        path == "/ws" || path == "/snapshot.jpg" || path == "/snapshot.png" || path == "/stream.mjpg" || operators;
-    if (auto stranger = foreign(request, guarded, context_->options)) {
+    const std::optional<Role> least = roleFor(path);
+    if (auto stranger = foreign(request, least.has_value(), context_->options)) {
         context_->metrics.refused(stranger->reason);
         return send(request, "refused", std::move(stranger->reply));
     }
-    if (guarded) {
+    if (least) {
         const auto bearer = request[http::field::authorization];
-        auto checked = authorize({bearer.data(), bearer.size()}, query, operators ? Role::operator_ : Role::viewer,
-                                 context_->options);
+        auto checked = authorize({bearer.data(), bearer.size()}, query, *least, context_->options);
         if (auto* refusal = std::get_if<Reply>(&checked)) {
             context_->metrics.refused(refusal->status == 401 ? "token" : "forbidden");
             return send(request, "refused", std::move(*refusal));
@@ -168,8 +107,9 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
         if (path == "/ws") return upgrade(request, std::move(authorization));
         if (path == "/snapshot.jpg" || path == "/snapshot.png") return snapshot(request, path.ends_with("png"), query);
         if (path == "/stream.mjpg") return stream(request, query, std::move(authorization));
+        if (least == Role::controller) return pause(request, path == "/pause");
     }
-    if (path == "/healthz" || path == "/readyz" || operators) return send(request, path.substr(1), health(path));
+    if (path == "/healthz" || path == "/readyz" || least) return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
     return send(request, "page",
                 context_->pages.serve(path, {tag.data(), tag.size()}, context_->options.allowed_origins));
@@ -197,6 +137,27 @@ Reply HttpConnection::health(std::string_view path) const {
     return reply;
 }
 
+// Pauses the scene for everybody, or lets it go on. The reply comes once that is so, with the tick and the state.
+asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on) {
+    const SceneSetting* const setting = liveSetting("simulation.paused");
+    const size_t at = size_t(std::ranges::find(liveSettings(), setting) - liveSettings().begin());
+    if (!context_->audience.commands().push({.body = Set{{setting->path, on}}}))
+        co_return co_await sendLater(request, "pause", "too many commands wait for their tick");
+    const auto deadline = Clock::now() + kAppliedWithin;
+    std::shared_ptr<const SceneReport> report = context_->audience.report();
+    while (report->settings[at] != SettingValue(on) && Clock::now() < deadline && !context_->stopping) {
+        co_await event_->wait(std::min(deadline, Clock::now() + std::chrono::milliseconds(5)));
+        report = context_->audience.report();
+    }
+    if (report->settings[at] != SettingValue(on))
+        co_return co_await sendLater(request, "pause", "the frame loop takes no commands now");
+    Reply reply = lineReply(200, on ? "paused" : "running");
+    reply.headers = {{"Brume-Tick", fmt::format("{}", report->tick)},
+                     {"Brume-State", fmt::format("{:016x}", report->state_hash)},
+                     {"Cache-Control", "no-store"}};
+    co_return co_await send(request, "pause", std::move(reply));
+}
+
 // Makes the connection a WebSocket, or answers with one line that says why not.
 asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Authorization authorization) {
     const auto text = [](beast::string_view value) { return std::string_view(value.data(), value.size()); };
@@ -215,131 +176,6 @@ asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Author
         co_return false;
     }
     co_return co_await send(request, "ws", std::move(refusal));
-}
-
-// A picture cannot be had now: says why, to the client and in the log, and when to try again.
-asio::awaitable<bool> HttpConnection::sendLater(const HttpRequest& request, std::string_view route, std::string line) {
-    spdlog::info("{} for {} refused: {}", route, slot_->address(), line);
-    Reply reply = lineReply(503, std::move(line));
-    reply.headers = {{"Retry-After", "5"}};
-    return send(request, route, std::move(reply));
-}
-
-// One still picture of a camera that the query places, within the scene's error whatever the load.
-asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query) {
-    if (request.method() == http::verb::head)
-        co_return co_await send(request, "snapshot", lineReply(405, "only GET is served here"));
-    auto read = readPictureQuery(query, context_->options, context_->audience.facts());
-    if (auto* wrong = std::get_if<std::string>(&read))
-        co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
-    const PictureQuery& picture = std::get<PictureQuery>(read);
-
-    FramePtr frame;
-    std::string refusal;
-    {
-        const Counted open(context_->snapshots);
-        const uint32_t most = context_->options.max_snapshots;
-        if (open.number() > most) {
-            context_->metrics.refused("snapshots");
-            co_return co_await sendLater(request, "snapshot",
-                                         fmt::format("{} snapshots are being drawn, the most at a time", most));
-        }
-        const auto handle = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1);
-        if (!handle) {
-            context_->metrics.refused("snapshots");
-            co_return co_await sendLater(request, "snapshot", context_->audience.whyFull());
-        }
-        PoseRequest pose = picture.request;
-        pose.one_shot = true;
-        pose.lossless = pose.lossless || png || prefersPng(request);
-        if (!picture.has_quality) pose.quality = std::max(pose.quality, kSnapshotQuality);
-        pose.received = Clock::now();
-        handle->viewer().setPose(pose);
-        frame = co_await nextFrame(*handle, context_->options.frame_wait);
-        refusal = handle->viewer().refusal();
-    }
-    if (!refusal.empty()) co_return co_await send(request, "snapshot", lineReply(400, std::move(refusal)));
-    if (!frame) co_return co_await sendLater(request, "snapshot", kNoFrame);
-    context_->metrics.sent(frame->jpeg[0]->size(), 0);
-    Reply reply;
-    reply.content_type = contentTypeOf(*frame);
-    reply.body.assign(frame->jpeg[0]->begin(), frame->jpeg[0]->end());
-    reply.headers = headersOf(*frame, picture);
-    reply.headers.emplace_back("Cache-Control", "no-store");
-    co_return co_await send(request, "snapshot", std::move(reply));
-}
-
-// Motion JPEG. A part that has not changed is sent again each second. Every part is followed by its boundary at once,
-// so that a reader shows it without waiting for the next.
-asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query,
-                                             Authorization authorization) {
-    if (request.method() == http::verb::head)
-        co_return co_await send(request, "stream", lineReply(405, "only GET is served here"));
-    auto read = readPictureQuery(query, context_->options, context_->audience.facts());
-    if (auto* wrong = std::get_if<std::string>(&read))
-        co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
-    PictureQuery picture = std::get<PictureQuery>(read);
-
-    if (picture.request.lossless)
-        co_return co_await send(request, "stream", lineReply(400, "a stream is JPEG; /snapshot.png is a PNG"));
-    const Counted open(context_->streams);
-    const uint32_t most = context_->options.max_streams;
-    if (open.number() > most) {
-        context_->metrics.refused("streams");
-        co_return co_await sendLater(request, "stream", fmt::format("{} streams are open, the most at a time", most));
-    }
-    const auto handle = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1);
-    if (!handle) {
-        context_->metrics.refused("streams");
-        co_return co_await sendLater(request, "stream", context_->audience.whyFull());
-    }
-    picture.request.received = Clock::now();
-    handle->viewer().setPose(picture.request);
-    FramePtr frame = co_await nextFrame(*handle, context_->options.frame_wait);
-    if (std::string refusal = handle->viewer().refusal(); !refusal.empty())
-        co_return co_await send(request, "stream", lineReply(400, std::move(refusal)));
-    if (!frame) co_return co_await sendLater(request, "stream", kNoFrame);
-
-    context_->metrics.requested("stream", 200);
-    spdlog::info("viewer {}: stream to {}, {}x{}", handle->viewer().id(), slot_->address(), picture.request.width,
-                 picture.request.height);
-    Reply opening;
-    opening.content_type = fmt::format("multipart/x-mixed-replace; boundary={}", kBoundary);
-    opening.headers = {{"Cache-Control", "no-store"}};
-    std::string head = headOf(opening, "close") + fmt::format("\r\n--{}\r\n", kBoundary);
-    const std::string tail = fmt::format("\r\n--{}\r\n", kBoundary);
-    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / picture.fps));
-    auto due = Clock::now();
-    while (frame && !context_->stopping && Clock::now() < authorization.until.value_or(Clock::time_point::max())) {
-        const std::vector<uint8_t>& jpeg = *frame->jpeg[0];
-        head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n", jpeg.size());
-        for (const auto& [name, value] : headersOf(*frame, picture)) head += fmt::format("{}: {}\r\n", name, value);
-        head += "\r\n";
-        context_->metrics.sent(jpeg.size(), 0);
-        const Parts part{asio::buffer(head), asio::buffer(jpeg), asio::buffer(tail)};
-        const error_code error = co_await write(part);
-        if (error) break;
-        head.clear();
-        // The next frame is asked for one period after this one, not at once.
-        due = std::max(due + period, Clock::now());
-        while (Clock::now() < due && !context_->stopping) co_await event_->wait(due);
-        handle->viewer().acknowledge(frame->id);
-        if (FramePtr next = co_await nextFrame(*handle, kRepeatAfter)) frame = std::move(next);
-        if (!handle->viewer().refusal().empty()) break;
-    }
-    spdlog::info("viewer {}: stream ended after {} frames", handle->viewer().id(), handle->viewer().counts().sent);
-    co_return false;
-}
-
-// Waits for the viewer's next frame. Null if no frame comes in time, the server refuses the viewer, or it stops.
-asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle, Clock::duration patience) {
-    const auto deadline = Clock::now() + patience;
-    for (;;) {
-        FramePtr frame = handle.takeFrame();
-        const bool over = context_->stopping || Clock::now() >= deadline || !handle.viewer().refusal().empty();
-        if (frame || over) co_return frame;
-        co_await event_->wait(deadline);
-    }
 }
 
 // Header and body are two buffers, written together.
@@ -379,8 +215,6 @@ asio::awaitable<void> HttpConnection::linger() {
     }
     stream_.tcp().close();
 }
-
-} // namespace
 
 void serveHttp(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot) {
     std::make_shared<HttpConnection>(context, std::move(stream), std::move(slot))->start();

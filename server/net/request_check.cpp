@@ -29,9 +29,12 @@ std::optional<Reply> unfit(const boost::system::error_code& error, const Request
     if (request.target().size() > options.max_target_bytes)
         return refuse(414, fmt::format("the path and query are over {} bytes", options.max_target_bytes));
     if (!request.target().starts_with('/')) return refuse(400, "the path must begin with /");
-    if (request.method() != http::verb::get && request.method() != http::verb::head) {
-        Reply reply = refuse(405, "only GET and HEAD are served here");
-        reply.headers = {{"Allow", "GET, HEAD"}};
+    const std::string_view target(request.target().data(), request.target().size());
+    const std::string_view path = target.substr(0, target.find('?'));
+    const bool posted = request.method() == http::verb::post, changes = path == "/pause" || path == "/resume";
+    if (changes ? !posted : request.method() != http::verb::get && request.method() != http::verb::head) {
+        Reply reply = refuse(405, changes ? "only POST is served here" : "only GET and HEAD are served here");
+        reply.headers = {{"Allow", changes ? "POST" : "GET, HEAD"}};
         return reply;
     }
     if (parser.chunked() || parser.content_length().value_or(0) > 0) return refuse(413, "a request here has no body");

@@ -141,7 +141,8 @@ TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
     EXPECT_NO_THROW(ComputeProgram(device(), slabs, {{kIdSheet, 8}})); // the size of its workgroups
     const auto unknown_id = [&] { ComputeProgram(device(), slabs, {{kIdSheet, 8}, {kIdStep, 4}}); };
     EXPECT_EQ(refusal(unknown_id),
-              "slabs: no shader has a specialization constant with the id 20 (shaders/shared/constants.h)");
+              fmt::format("slabs: no shader has a specialization constant with the id {} (shaders/shared/constants.h)",
+                          uint32_t{kIdStep}));
 
     // Of two stages, one that has the constant is enough.
     const ShaderCode stages[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},

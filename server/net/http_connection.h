@@ -1,0 +1,74 @@
+// One connection that speaks HTTP, until it ends or becomes a WebSocket. Pictures are in http_pictures.cpp, all else in
+// http.cpp.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include <boost/beast/core/flat_buffer.hpp>
+
+#include "protocol/net/byte_stream.h"
+#include "server/net/access.h"
+#include "server/net/context.h"
+#include "server/net/coroutine.h"
+#include "server/net/request_check.h"
+#include "server/net/viewer_handle.h"
+
+namespace brume::net {
+
+// The status line and the headers, without Content-Length and the empty line at the end.
+std::string headOf(const Reply& reply, std::string_view connection);
+
+class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
+public:
+    HttpConnection(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot)
+        : context_(std::move(context)), slot_(std::move(slot)), stream_(std::move(stream)),
+          event_(std::make_shared<Event>(stream_.get_executor())) {
+        context_->metrics.connected(1);
+    }
+    ~HttpConnection() override { context_->metrics.connected(-1); }
+
+    void start() {
+        slot_->assign(shared_from_this());
+        asio::co_spawn(
+            stream_.get_executor(), [self = shared_from_this()] { return self->run(); }, kLogFailure);
+    }
+    void stop() override {
+        asio::post(stream_.get_executor(), [self = shared_from_this()] {
+            self->event_->notify();
+            if (self->idle_) self->stream_.tcp().close();
+        });
+    }
+    void kill() override {
+        asio::post(stream_.get_executor(), [self = shared_from_this()] {
+            self->event_->notify();
+            self->stream_.tcp().close();
+        });
+    }
+
+private:
+    using Parts = std::array<asio::const_buffer, 3>;
+
+    asio::awaitable<void> run();
+    asio::awaitable<bool> secure();
+    asio::awaitable<bool> answer(const HttpRequest& request);
+    asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
+    asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query);
+    asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);
+    asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
+    asio::awaitable<bool> pause(const HttpRequest& request, bool on);
+    asio::awaitable<bool> sendLater(const HttpRequest& request, std::string_view route, std::string line);
+    asio::awaitable<error_code> write(Parts parts);
+    asio::awaitable<FramePtr> nextFrame(ViewerHandle& handle, Clock::duration patience);
+    asio::awaitable<void> linger();
+    Reply health(std::string_view path) const;
+
+    std::shared_ptr<const Context> context_;
+    std::unique_ptr<ConnectionSlot> slot_; // null once the connection is a WebSocket
+    ByteStream stream_;
+    boost::beast::flat_buffer buffer_;
+    std::shared_ptr<Event> event_; // notified when a frame is ready, and when the server stops
+    bool idle_ = false;            // true: the connection waits for a request or a TLS handshake
+};
+
+} // namespace brume::net

@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+
+#include "server/net/http_connection.h"
+#include "server/net/picture_reply.h"
+
+namespace brume::net {
+namespace {
+
+namespace http = boost::beast::http;
+
+constexpr char kBoundary[] = "brume-frame";
+constexpr auto kRepeatAfter = std::chrono::seconds(1); // of a stream: players take a longer pause for its end
+constexpr uint8_t kSnapshotQuality = 90;               // JPEG, as of every picture at rest
+constexpr char kNoFrame[] = "no picture came in time: shaders may be compiling, which is done once; see /readyz";
+
+// True if the client takes PNG and does not take JPEG.
+bool prefersPng(const HttpRequest& request) {
+    const auto accept = request[http::field::accept];
+    const std::string_view types(accept.data(), accept.size());
+    return types.find("image/png") != types.npos && types.find("image/jpeg") == types.npos &&
+           types.find("image/*") == types.npos && types.find("*/*") == types.npos;
+}
+
+} // namespace
+
+// A picture cannot be had now: says why, to the client and in the log, and when to try again.
+asio::awaitable<bool> HttpConnection::sendLater(const HttpRequest& request, std::string_view route, std::string line) {
+    spdlog::info("{} for {} refused: {}", route, slot_->address(), line);
+    Reply reply = lineReply(503, std::move(line));
+    reply.headers = {{"Retry-After", "5"}};
+    return send(request, route, std::move(reply));
+}
+
+// One still picture of a camera that the query places, within the scene's error whatever the load.
+asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query) {
+    if (request.method() == http::verb::head)
+        co_return co_await send(request, "snapshot", lineReply(405, "only GET is served here"));
+    auto read = readPictureQuery(query, context_->options, context_->audience.facts());
+    if (auto* wrong = std::get_if<std::string>(&read))
+        co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
+    const PictureQuery& picture = std::get<PictureQuery>(read);
+
+    FramePtr frame;
+    std::string refusal;
+    {
+        const Counted open(context_->snapshots);
+        const uint32_t most = context_->options.max_snapshots;
+        if (open.number() > most) {
+            context_->metrics.refused("snapshots");
+            co_return co_await sendLater(request, "snapshot",
+                                         fmt::format("{} snapshots are being drawn, the most at a time", most));
+        }
+        const auto handle = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1);
+        if (!handle) {
+            context_->metrics.refused("snapshots");
+            co_return co_await sendLater(request, "snapshot", context_->audience.whyFull());
+        }
+        PoseRequest pose = picture.request;
+        pose.one_shot = true;
+        pose.lossless = pose.lossless || png || prefersPng(request);
+        if (!picture.has_quality) pose.quality = std::max(pose.quality, kSnapshotQuality);
+        pose.received = Clock::now();
+        handle->viewer().setPose(pose);
+        frame = co_await nextFrame(*handle, context_->options.frame_wait);
+        refusal = handle->viewer().refusal();
+    }
+    if (!refusal.empty()) co_return co_await send(request, "snapshot", lineReply(400, std::move(refusal)));
+    if (!frame) co_return co_await sendLater(request, "snapshot", kNoFrame);
+    context_->metrics.sent(frame->jpeg[0]->size(), 0);
+    Reply reply;
+    reply.content_type = contentTypeOf(*frame);
+    reply.body.assign(frame->jpeg[0]->begin(), frame->jpeg[0]->end());
+    reply.headers = headersOf(*frame, picture);
+    reply.headers.emplace_back("Cache-Control", "no-store");
+    co_return co_await send(request, "snapshot", std::move(reply));
+}
+
+// Motion JPEG. A part that has not changed is sent again each second. Every part is followed by its boundary at once,
+// so that a reader shows it without waiting for the next.
+asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query,
+                                             Authorization authorization) {
+    if (request.method() == http::verb::head)
+        co_return co_await send(request, "stream", lineReply(405, "only GET is served here"));
+    auto read = readPictureQuery(query, context_->options, context_->audience.facts());
+    if (auto* wrong = std::get_if<std::string>(&read))
+        co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
+    PictureQuery picture = std::get<PictureQuery>(read);
+
+    if (picture.request.lossless)
+        co_return co_await send(request, "stream", lineReply(400, "a stream is JPEG; /snapshot.png is a PNG"));
+    const Counted open(context_->streams);
+    const uint32_t most = context_->options.max_streams;
+    if (open.number() > most) {
+        context_->metrics.refused("streams");
+        co_return co_await sendLater(request, "stream", fmt::format("{} streams are open, the most at a time", most));
+    }
+    const auto handle = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1);
+    if (!handle) {
+        context_->metrics.refused("streams");
+        co_return co_await sendLater(request, "stream", context_->audience.whyFull());
+    }
+    picture.request.received = Clock::now();
+    handle->viewer().setPose(picture.request);
+    FramePtr frame = co_await nextFrame(*handle, context_->options.frame_wait);
+    if (std::string refusal = handle->viewer().refusal(); !refusal.empty())
+        co_return co_await send(request, "stream", lineReply(400, std::move(refusal)));
+    if (!frame) co_return co_await sendLater(request, "stream", kNoFrame);
+
+    context_->metrics.requested("stream", 200);
+    spdlog::info("viewer {}: stream to {}, {}x{}", handle->viewer().id(), slot_->address(), picture.request.width,
+                 picture.request.height);
+    Reply opening;
+    opening.content_type = fmt::format("multipart/x-mixed-replace; boundary={}", kBoundary);
+    opening.headers = {{"Cache-Control", "no-store"}};
+    std::string head = headOf(opening, "close") + fmt::format("\r\n--{}\r\n", kBoundary);
+    const std::string tail = fmt::format("\r\n--{}\r\n", kBoundary);
+    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / picture.fps));
+    auto due = Clock::now();
+    while (frame && !context_->stopping && Clock::now() < authorization.until.value_or(Clock::time_point::max())) {
+        const std::vector<uint8_t>& jpeg = *frame->jpeg[0];
+        head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n", jpeg.size());
+        for (const auto& [name, value] : headersOf(*frame, picture)) head += fmt::format("{}: {}\r\n", name, value);
+        head += "\r\n";
+        context_->metrics.sent(jpeg.size(), 0);
+        const Parts part{asio::buffer(head), asio::buffer(jpeg), asio::buffer(tail)};
+        const error_code error = co_await write(part);
+        if (error) break;
+        head.clear();
+        // The next frame is asked for one period after this one, not at once.
+        due = std::max(due + period, Clock::now());
+        while (Clock::now() < due && !context_->stopping) co_await event_->wait(due);
+        handle->viewer().acknowledge(frame->id);
+        if (FramePtr next = co_await nextFrame(*handle, kRepeatAfter)) frame = std::move(next);
+        if (!handle->viewer().refusal().empty()) break;
+    }
+    spdlog::info("viewer {}: stream ended after {} frames", handle->viewer().id(), handle->viewer().counts().sent);
+    co_return false;
+}
+
+// Waits for the viewer's next frame. Null if no frame comes in time, the server refuses the viewer, or it stops.
+asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle, Clock::duration patience) {
+    const auto deadline = Clock::now() + patience;
+    for (;;) {
+        FramePtr frame = handle.takeFrame();
+        const bool over = context_->stopping || Clock::now() >= deadline || !handle.viewer().refusal().empty();
+        if (frame || over) co_return frame;
+        co_await event_->wait(deadline);
+    }
+}
+
+} // namespace brume::net
