@@ -2,7 +2,6 @@
 // picture is drawn. It owns the passes and the images that eyes share.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <span>
 #include <vector>
