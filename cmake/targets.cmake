@@ -58,3 +58,14 @@ include(\"${PROJECT_SOURCE_DIR}/cmake/tests_by_file.cmake\")
     set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT ${ARG_TIMEOUT})
   endif()
 endfunction()
+
+# Runs some tests of a test program (patterns of --gtest_filter) with a second implementation of Vulkan, so that nothing
+# is relied on that only Mesa does. The entry is called NAME_swiftshader. All entries together take less than 45 s of a
+# core, most of it for compiling shaders.
+function(brume_test_on_swiftshader name)
+  get_filename_component(label ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+  string(JOIN : tests ${ARGN})
+  add_test(NAME ${name}_swiftshader WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+           COMMAND tests/gpu/with_swiftshader.sh $<TARGET_FILE:${name}> --gtest_filter=${tests})
+  set_tests_properties(${name}_swiftshader PROPERTIES LABELS ${label} TIMEOUT 600 SKIP_RETURN_CODE 77)
+endfunction()

@@ -84,21 +84,17 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
     const uint32_t variant = plan ? plan->variant(settings) : 0;
     SceneFeatures features = features_;
     features.lobe = features.lobe || now_.medium.anisotropy > 0;
-    const auto is = [&](const Made& made) {
-        return made.method && made.plan == plan && made.variant == variant && made.lobe == features.lobe;
-    };
-    if (is(methods_[0])) return *methods_[0].method;
-    std::swap(methods_[0], methods_[1]);
-    if (!is(methods_[0])) {
-        methods_[0] = {}; // freed before the new one is made, so that there are never three
-        methods_[0] = {plan, variant, features.lobe, makeMethod({device_, depth_order_, settings, features})};
+    const auto made = std::find_if(methods_.begin(), methods_.end(), [&](const Made& m) {
+        return m.plan == plan && m.variant == variant && m.lobe == features.lobe;
+    });
+    if (made != methods_.end()) {
+        std::rotate(methods_.begin(), made, made + 1);
+        return *methods_.front().method;
     }
-    return *methods_[0].method;
-}
-
-size_t Renderer::methodsKept() const {
-    return size_t(
-        std::count_if(methods_.begin(), methods_.end(), [](const Made& made) { return made.method != nullptr; }));
+    if (methods_.size() >= most_methods_) methods_.resize(most_methods_ - 1); // before the new one: memory is bounded
+    auto method = makeMethod({device_, depth_order_, settings, features});
+    methods_.insert(methods_.begin(), {plan, variant, features.lobe, std::move(method)});
+    return *methods_.front().method;
 }
 
 // The method draws every so many pixels: 1, 2, 4 or 8, the steps that present.comp is written for.

@@ -2,7 +2,6 @@
 // picture is drawn. It owns the passes and the images that eyes share.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -62,10 +61,13 @@ public:
     // Bytes of the CPU's memory that lists of particles take here.
     uint64_t particleBytes() const { return upload_.cpuBytes(); }
     // Methods that are kept on the device, with their programs and buffers.
-    size_t methodsKept() const;
+    size_t methodsKept() const { return methods_.size(); }
 
     // For measurements: the next submission uploads and lights everything again, even if nothing has changed.
     void forget() { upload_.forget(); }
+
+    // For tests that go through many methods: keeps up to `most` compiled, at least 1, instead of two.
+    void keepMethods(size_t most) { most_methods_ = most; }
 
     // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly.
     // Needs keepRadiance(true) before the submission; methods with a field are slower then.
@@ -108,7 +110,8 @@ private:
         bool lobe = false;
         std::unique_ptr<Method> method;
     };
-    std::array<Made, 2> methods_; // the newest first
+    std::vector<Made> methods_; // the newest first
+    size_t most_methods_ = 2;
 
     // Of the present submission.
     SceneNow now_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <optional>
 
 #include <unistd.h>
@@ -40,10 +39,9 @@ private:
 class Shared : public testing::Environment {
 public:
     std::optional<gpu::Device> device, without_mesh;
-    std::map<std::string, Stage> plain; // by use
-    std::optional<Stage> plain_without_mesh;
+    std::optional<Stage> plain, plain_without_mesh;
     void TearDown() override {
-        plain.clear();
+        plain.reset();
         plain_without_mesh.reset();
         device.reset();
         without_mesh.reset();
@@ -56,18 +54,17 @@ const gpu::Device& made(std::optional<gpu::Device>& device, bool mesh) {
     return *device;
 }
 
+Stage& made(std::optional<Stage>& stage, const gpu::Device& device, uint32_t capacity) {
+    if (!stage) stage.emplace(device, sceneOf({Point{}}), capacity);
+    return *stage;
+}
+
 } // namespace
 
 const gpu::Device& GpuTest::device() { return made(shared->device, true); }
 const gpu::Device& GpuTest::deviceWithoutMesh() { return made(shared->without_mesh, false); }
-Stage& GpuTest::plain(const std::string& use) {
-    return shared->plain.try_emplace(use, device(), sceneOf({Point{}}), kPlainCapacity).first->second;
-}
-Stage& GpuTest::plainWithoutMesh() {
-    std::optional<Stage>& stage = shared->plain_without_mesh;
-    if (!stage) stage.emplace(deviceWithoutMesh(), sceneOf({Point{}}), kPlainCapacity);
-    return *stage;
-}
+Stage& GpuTest::plain() { return made(shared->plain, device(), kPlainCapacity); }
+Stage& GpuTest::plainWithoutMesh() { return made(shared->plain_without_mesh, deviceWithoutMesh(), kPlainCapacity); }
 
 void GpuTest::TearDown() {
     EXPECT_EQ(device().validationMessages(), 0u);
@@ -115,6 +112,7 @@ std::vector<Point> randomPoints(uint32_t count, float extent, float scale, float
 Stage::Stage(const gpu::Device& device, const Scene& fixed, uint32_t capacity)
     : renderer_(device, fixed, capacity), submission_(device, "stage") {
     renderer_.keepRadiance(true);
+    renderer_.keepMethods(16); // every way of tests/hard
 }
 
 Picture Stage::see(const Scene& scene, const Pose& pose, uint32_t width, uint32_t height) {

@@ -38,9 +38,8 @@ protected:
 
     static const gpu::Device& device(); // with mesh shaders if the device has them
     static const gpu::Device& deviceWithoutMesh();
-    // Stages for scenes of at most kPlainCapacity particles without objects, sky and ambient light. Each `use` has a
-    // stage of its own: a renderer keeps two compiled methods only.
-    static Stage& plain(const std::string& use = "");
+    // Stages for scenes of at most kPlainCapacity particles without objects, sky and ambient light.
+    static Stage& plain();
     static Stage& plainWithoutMesh();
 
     void TearDown() override;

@@ -121,6 +121,22 @@ TEST_F(FrameLoopTest, APictureThatCannotBeCostsItsViewerThePlaceAndNobodyElse) {
     EXPECT_FALSE(failed_);
 }
 
+// A viewer may be welcomed before the first tick.
+TEST_F(FrameLoopTest, TheScenesOwnSettingsAreToldBeforeTheFirstTick) {
+    scene_.simulation.paused = true;
+    scene_.render.exposure = 0.25f;
+    const FrameLoop loop(scene_, device(), audience_, metrics_, {});
+    const auto values = audience_.report()->settings;
+    for (size_t i = 0; i < values.size(); ++i) {
+        if (liveSettings()[i]->path == "simulation.paused") {
+            EXPECT_EQ(values[i], SettingValue(true));
+        }
+        if (liveSettings()[i]->path == "render.exposure") {
+            EXPECT_EQ(values[i], SettingValue(0.25f));
+        }
+    }
+}
+
 // A hundred changes of what is rendered with: two methods stay on the device, not a hundred.
 TEST_F(FrameLoopTest, MethodsThatAreNoLongerUsedAreGone) {
     Simulation simulation(scene_);

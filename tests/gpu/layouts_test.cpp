@@ -1,6 +1,8 @@
 // The shader sees every member of the shared structs where C++ has it.
 #include <numeric>
 
+#include <fmt/format.h>
+
 #include "tests/gpu/fixture.h"
 
 // After it: the words of a shader need <cstdint>.

@@ -42,14 +42,14 @@ TEST_F(HardTest, PlacesThatAreNotNumbers) {
     const Pose pose = lookAt({0, 1, 9}, {0, 0, 0}, 0.8f);
     for (const Way& way : ways()) {
         for (Scene* scene : {&with, &without, &zero}) choose(*scene, way);
-        const Picture clean = plain(way).see(without, pose, 48, 36);
+        const Picture clean = plain().see(without, pose, 48, 36);
         const Log log;
-        const Picture rest = plain(way).see(with, pose, 48, 36);
+        const Picture rest = plain().see(with, pose, 48, 36);
         EXPECT_NE(log.text().find("dropped 5 of 65 points"), std::string::npos) << log.text();
         judge("NaN and infinite places in a PLY: pixels that differ from those without", way, differing(clean, rest),
               0);
         judge("place -0 in a PLY: pixels that differ from those of 0", way,
-              differing(clean, plain(way).see(zero, pose, 48, 36)), 0);
+              differing(clean, plain().see(zero, pose, 48, 36)), 0);
         double finite = 0;
         for (const glm::vec4& pixel : rest.pixels)
             finite = worse(finite, double(0 * (pixel.r + pixel.g + pixel.b + pixel.a)));

@@ -91,7 +91,7 @@ TEST_F(HardTest, OneParticleAsThickAsAWall) {
                 for (const Way& way : ways()) {
                     choose(scene, way);
                     double error = 0, created = 0;
-                    const Picture picture = plain(way).see(scene, pose, kWidth, kHeight);
+                    const Picture picture = plain().see(scene, pose, kWidth, kHeight);
                     forPixels(picture, pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
                         error =
                             worse(error, std::abs(got.a - std::exp(-depthOn(blob, ray, supportOf(way, blob, ray)))));
@@ -123,7 +123,7 @@ TEST_F(HardTest, LightDepthThatCancelsViewDepth) {
         for (const Way& way : ways()) {
             choose(scene, way);
             double error = 0;
-            forPixels(plain(way).see(scene, pose, kWidth, kHeight), pose,
+            forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
                       [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
                           if (depthOn(blobs[0], ray, wholeRay(ray)) < 1e-2 * depth) return;
                           const double rule =
@@ -159,9 +159,9 @@ TEST_F(HardTest, LightDepth200) {
         choose(open, way);
         choose(hidden, way);
         double brightest = 0, leaked = 0;
-        for (const glm::vec4& pixel : plain(way).see(open, pose, kWidth, kHeight).pixels)
+        for (const glm::vec4& pixel : plain().see(open, pose, kWidth, kHeight).pixels)
             brightest = std::max(brightest, double(pixel.r));
-        for (const glm::vec4& pixel : plain(way).see(hidden, pose, kWidth, kHeight).pixels)
+        for (const glm::vec4& pixel : plain().see(hidden, pose, kWidth, kHeight).pixels)
             leaked = worse(leaked, std::abs(double(pixel.r)));
         EXPECT_GT(brightest, 0.02) << way.name();
         // The blocker is so wide (1/k = 2.5 m) that over the whole lit particle, 0.8 m from its axis, its depth is

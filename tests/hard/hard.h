@@ -52,9 +52,6 @@ protected:
     // error.
     static bool refused(const std::string& hard_case, const Way& way, const Scene& scene);
 
-    // plain(), a stage for each way: most cases go through all ways for every picture.
-    static Stage& plain(const Way& way) { return GpuTest::plain(way.name()); }
-
     // Steps, in pixels, to which the device rounds the vertices of what it draws, less the 1/256 that every tolerance
     // allows for.
     static double rounding();

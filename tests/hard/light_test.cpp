@@ -47,12 +47,12 @@ TEST_F(HardTest, LookingIntoTheLight) {
     for (const Way& way : ways()) {
         choose(scene, way);
         scene.medium.anisotropy = 0;
-        const Picture isotropic = plain(way).see(scene, pose, kWidth, kHeight);
+        const Picture isotropic = plain().see(scene, pose, kWidth, kHeight);
         for (const float g : {0.99f, -0.99f}) {
             scene.medium.anisotropy = 1;
             scene.medium.asymmetry = g;
             double error = 0, largest = 0;
-            forPixels(plain(way).see(scene, pose, kWidth, kHeight), pose,
+            forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
                       [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
                           const glm::dvec3 apart =
                               g < 0 ? to_light + ray.w : to_light - ray.w; // light travels along -to_light, then -w
@@ -116,7 +116,7 @@ TEST_F(HardTest, ASharpShaftInsideOneParticle) {
     for (const Way& way : ways()) {
         choose(scene, way);
         choose(open, way);
-        const Picture lit = plain(way).see(open, pose, kWidth, kHeight);
+        const Picture lit = plain().see(open, pose, kWidth, kHeight);
         float brightest = 0;
         for (const glm::vec4& pixel : lit.pixels) brightest = std::max(brightest, pixel.r);
         double error = 0;
@@ -149,7 +149,7 @@ TEST_F(HardTest, LightAlongYUpAndDown) {
         for (const Way& way : ways()) {
             choose(scene, way);
             double error = 0, largest = 0;
-            forPixels(plain(way).see(scene, pose, kWidth, kHeight), pose,
+            forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
                       [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
                           const auto lit = [&](Interval inside) {
                               return scatteredBy(way, blobs[0], ray, inside,
@@ -215,7 +215,7 @@ TEST_F(HardTest, AParticleInTheShadowOfOneSmallerThanASlice) {
         for (const Way& way : ways()) {
             choose(scene, way);
             double error = 0;
-            forPixels(plain(way).see(scene, pose, 5, 5), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
+            forPixels(plain().see(scene, pose, 5, 5), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
                 const double rule = scatteredBy(way, blobs[1], ray, [&](glm::dvec3 at) { return field.depth(at); });
                 error = worse(error, std::abs(got.r / rule - 1));
             });

@@ -29,7 +29,7 @@ TEST_F(HardTest, InsideOneParticle) {
                 for (const float fov : {0.3f, 1.2f, 2.6f}) {
                     const glm::vec3 eye = point.centre + from;
                     for (const Way& way : ways()) {
-                        const Seen seen = transmittance(plain(way), sceneNear({point}, falloff), way,
+                        const Seen seen = transmittance(plain(), sceneNear({point}, falloff), way,
                                                         lookAt(eye, eye + direction, fov), 24, 18);
                         judge("camera inside one particle: transmittance", way, seen.error, kFloat);
                         EXPECT_GT(seen.covered, 300) << way.name();
@@ -95,7 +95,7 @@ TEST_F(HardTest, TheWayThroughAParticle) {
             pose.fov_y = 1;
             frames[2] = std::move(frames[1]);
             frames[1] = std::move(frames[0]);
-            frames[0] = plain(way).see(scene, pose, 16, 12);
+            frames[0] = plain().see(scene, pose, 16, 12);
             const auto change = [&](int back, size_t p) {
                 return std::abs(double(frames[0].pixels[p].r) - double(frames[back].pixels[p].r));
             };
@@ -130,8 +130,7 @@ TEST_F(HardTest, TheNearPlaneCutsOneTwoOrThreeVertices) {
         ++cut[behind];
         for (const Way& way : ways()) {
             if (behind < 1 || behind > 3) continue;
-            const Seen seen =
-                transmittance(plain(way), sceneNear({point}, i % 2 ? 1.6f : 8), way, pose, kWidth, kHeight);
+            const Seen seen = transmittance(plain(), sceneNear({point}, i % 2 ? 1.6f : 8), way, pose, kWidth, kHeight);
             judge("near plane cuts " + std::to_string(behind) + " of 4 vertices: transmittance", way, seen.error,
                   kFloat);
         }

@@ -46,7 +46,7 @@ TEST_F(HardTest, SlowOrbitThroughOverlaps) {
         std::vector<RadianceImage> frames;
         for (int i = 0; i < kFrames; ++i) {
             RadianceImage frame{int(kWidth), int(kHeight), {}, {}};
-            for (const glm::vec4& pixel : plain(way).see(chosen, poseOf(i), kWidth, kHeight).pixels) {
+            for (const glm::vec4& pixel : plain().see(chosen, poseOf(i), kWidth, kHeight).pixels) {
                 frame.radiance.emplace_back(pixel);
                 frame.transmittance.push_back(pixel.a);
             }

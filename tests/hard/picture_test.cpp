@@ -24,7 +24,7 @@ TEST_F(HardTest, OddSizes) {
             choose(scene, way);
             if (refused("1x1 and odd sizes: transmittance", way, scene)) continue;
             const Seen seen =
-                transmittance(plain(way), scene, way, lookAt({0.3f, 0.2f, 9}, {0, 0, 0}, 0.7f), width, height);
+                transmittance(plain(), scene, way, lookAt({0.3f, 0.2f, 9}, {0, 0, 0}, 0.7f), width, height);
             judge("1x1 and odd sizes: transmittance", way, seen.error,
                   5 * allowed(9, k, 0.5)); // five lie on a ray at most
         }

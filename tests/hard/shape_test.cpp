@@ -24,8 +24,8 @@ TEST_F(HardTest, VertexOnEdgeEveryPixelOnce) {
     for (const glm::vec3 from :
          {glm::vec3(0, 0, 3), glm::vec3(3, 0, 0), glm::vec3(0, 3, 0), kVertices[0] * 3.0f, kVertices[3] * -3.0f})
         for (const Way& way : ways()) {
-            const Seen seen = transmittance(plain(way), sceneOfShape({point}, 8), way, lookAt(from, {0, 0, 0}, 0.7f),
-                                            kWidth, kHeight);
+            const Seen seen =
+                transmittance(plain(), sceneOfShape({point}, 8), way, lookAt(from, {0, 0, 0}, 0.7f), kWidth, kHeight);
             judge("vertex on an edge, every pixel once: transmittance", way, seen.error, kFloat);
             EXPECT_LT(seen.lowest, 0.4);
         }
@@ -51,7 +51,7 @@ TEST_F(HardTest, EdgeOn) {
     for (const Pose& pose : poses)
         for (const Way& way : ways())
             judge("edge-on, at a vertex, on a face: transmittance", way,
-                  transmittance(plain(way), sceneOfShape({point}, 8), way, pose, kWidth, kHeight).error, kFloat);
+                  transmittance(plain(), sceneOfShape({point}, 8), way, pose, kWidth, kHeight).error, kFloat);
 }
 
 // The smallest, the thinnest and the farthest that a scene may hold. Naive: their triangles have no area in float, and
@@ -70,7 +70,7 @@ TEST_F(HardTest, ZeroVolume) {
         for (const Way& way : ways()) {
             // Less than a thousandth of a pixel: nothing to see, at most where a pixel's centre happens to meet it.
             const Seen seen =
-                transmittance(plain(way), sceneOfShape({one.point}, one.falloff), way, one.pose, kWidth, kHeight);
+                transmittance(plain(), sceneOfShape({one.point}, one.falloff), way, one.pose, kWidth, kHeight);
             judge("particles without volume: transmittance", way, seen.error, 1e-6);
         }
 }
@@ -80,14 +80,14 @@ TEST_F(HardTest, ZeroVolume) {
 TEST_F(HardTest, TheSmallestAndTheLargestWidth) {
     for (const Way& way : ways()) {
         const Point tiny{{0, 0, 0}, 1e-3f, 1e4f}; // u = 1e-4, depth 0.25
-        const Seen small = transmittance(plain(way), sceneOfShape({tiny}, 0.1f), way,
+        const Seen small = transmittance(plain(), sceneOfShape({tiny}, 0.1f), way,
                                          lookAt({0, 0, 0.1f}, {0, 0, 0}, 0.004f), kWidth, kHeight);
         judge("u = 10^-4 m: transmittance", way, small.error, allowed(0.1, 7.07e4, 0.25));
         EXPECT_LT(small.lowest, 0.8);
         const Point huge{{0, 0, 0}, 1e3f, 1e-3f}; // u = 1e4, depth 2.5 of the whole, 1.3 of the tetrahedron
         for (const Pose& pose : {lookAt({10, 20, 30}, {0, 0, 0}, 1), lookAt({0, 700, 0}, {500, 0, 0}, 1),
                                  lookAt({0, 0, 2900}, {0, 0, 0}, 0.8f)}) {
-            const Seen large = transmittance(plain(way), sceneOfShape({huge}, 10), way, pose, kWidth, kHeight);
+            const Seen large = transmittance(plain(), sceneOfShape({huge}, 10), way, pose, kWidth, kHeight);
             // Lengths err by 10 ulps of a kilometre where a ray grazes a face, at 1e-3/m.
             judge("u = 10^4 m: transmittance", way, large.error, allowed(3000, 7.07e-4, 2.5) + 1e-6);
             EXPECT_LT(large.lowest, 0.6);
@@ -148,9 +148,9 @@ TEST_F(HardTest, CoincidentParticlesOfTwoColours) {
     const Pose pose = lookAt({0.3f, 0.5f, 9}, {0, 0, 0}, 0.6f);
     for (const Way& way : ways()) {
         choose(scene, way);
-        const Picture first = plain(way).see(scene, pose, kWidth, kHeight);
+        const Picture first = plain().see(scene, pose, kWidth, kHeight);
         int different = 0;
-        for (int i = 0; i < 5; ++i) different += differing(first, plain(way).see(scene, pose, kWidth, kHeight));
+        for (int i = 0; i < 5; ++i) different += differing(first, plain().see(scene, pose, kWidth, kHeight));
         different += differing(first, Stage(device(), sceneOf({Point{}}), 300).see(scene, pose, kWidth, kHeight));
         judge("coincident particles of two albedos: pixels that differ in 6 repeats", way, different, 0);
         EXPECT_GT(first.at(kWidth / 2, kHeight / 2).r, 1e-3f);

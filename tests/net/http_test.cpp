@@ -126,7 +126,7 @@ TEST_F(HttpTest, HealthReadinessAndMetrics) {
           "brume_http_requests_total{route=\"healthz\",status=\"200\"} 2",
           "brume_http_requests_total{route=\"readyz\",status=\"503\"} 1", "brume_ready 1", "brume_particles 500",
           "# TYPE brume_stage_seconds histogram", "brume_stage_seconds_bucket{stage=\"encode\",le=\"0.004\"}",
-          "brume_frames_total{fate=\"rendered\"}", "brume_frames_total{fate=\"superseded\"} 0",
+          "brume_frames_total{fate=\"rendered\"}", "brume_frames_total{fate=\"superseded\"}",
           "brume_tick_seconds_count", "# TYPE process_cpu_seconds_total counter", "process_resident_memory_bytes ",
           "process_open_fds ", "process_max_fds ", "brume_device_busy_ratio 0"})
         EXPECT_NE(answer.body.find(std::string("\n") + line), std::string::npos) << line << " in\n" << answer.body;
@@ -272,6 +272,27 @@ TEST_F(HttpTest, WithoutFramesPicturesEndIn503) {
         EXPECT_NE(answer.body.find("/readyz"), std::string::npos) << path;
     }
     EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+}
+
+TEST_F(HttpTest, TheSceneIsPausedForWhoMayDoSo) {
+    const uint16_t port = serve();
+    const auto paused = get(port, "/pause", "", "POST");
+    EXPECT_EQ(paused.status, 200);
+    EXPECT_EQ(paused.body, "paused\n");
+    EXPECT_EQ(paused.header("Brume-State").size(), 16u);
+    const auto commands = renderer->commands();
+    ASSERT_EQ(commands.size(), 1u);
+    const auto& set = std::get<Set>(commands[0].body);
+    EXPECT_EQ(set.changes.at(0).setting->path, "simulation.paused");
+    EXPECT_EQ(set.changes.at(0).value, SettingValue(true));
+    EXPECT_EQ(get(port, "/resume", "", "POST").body, "running\n");
+
+    const auto looked = get(port, "/pause");
+    EXPECT_EQ(looked.status, 405) << "a link must not pause";
+    EXPECT_EQ(looked.header("Allow"), "POST");
+    EXPECT_EQ(get(port, "/pause", "Sec-Fetch-Site: cross-site\r\n", "POST").status, 403);
+    pauseRenderer();
+    EXPECT_EQ(get(port, "/pause", "", "POST").status, 503) << "nobody takes the command";
 }
 
 TEST_F(HttpTest, WhoIsTurnedAwayIsToldWhyAndWhenToComeBack) {

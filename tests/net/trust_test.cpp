@@ -68,6 +68,14 @@ TEST_F(TrustTest, ATokenComesInTheHeaderOrTheQuery) {
     EXPECT_EQ(get(port, "/ws?token=" + viewer, "Origin: https://elsewhere.example\r\n").status, 426);
 }
 
+TEST_F(TrustTest, WhoMayControlMayPause) {
+    const uint16_t port = serve();
+    EXPECT_EQ(get(port, "/pause", "", "POST").status, 401);
+    EXPECT_EQ(get(port, "/pause", bearer(token(Role::viewer)), "POST").status, 403);
+    EXPECT_EQ(get(port, "/pause", bearer(token(Role::controller)), "POST").status, 200);
+    EXPECT_EQ(get(port, "/resume", bearer(token(Role::operator_)), "POST").status, 200);
+}
+
 TEST_F(TrustTest, MetricsAreTheOperators) {
     const uint16_t port = serve();
     const HttpAnswer answer = get(port, "/metrics", bearer(token(Role::controller)));
