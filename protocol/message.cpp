@@ -1,6 +1,7 @@
 #include "protocol/message.h"
 
 #include <cassert>
+#include <utility>
 
 namespace brume::wire {
 namespace {
@@ -18,6 +19,19 @@ bool lengthsAddUp(const Frame& frame, size_t jpeg_bytes) {
     return sum == jpeg_bytes;
 }
 
+// Bytes of the FlatBuffer with the size before it; 0 if there are too few for that.
+size_t lengthOf(std::span<const uint8_t> bytes) {
+    if (bytes.size() < kMinBytes) return 0;
+    return size_t{flatbuffers::ReadScalar<uint32_t>(bytes.data())} + sizeof(uint32_t);
+}
+
+template <bool with_size>
+bool verified(std::span<const uint8_t> bytes) {
+    if (bytes.size() < kMinBytes - (with_size ? 0 : sizeof(uint32_t))) return false;
+    flatbuffers::Verifier verifier(bytes.data(), bytes.size(), kMaxDepth, kMaxTables);
+    return with_size ? VerifySizePrefixedMessageBuffer(verifier) : VerifyMessageBuffer(verifier);
+}
+
 } // namespace
 
 std::span<const uint8_t> Parsed::view(uint32_t view) const {
@@ -28,21 +42,35 @@ std::span<const uint8_t> Parsed::view(uint32_t view) const {
 
 std::optional<Parsed> parse(std::span<const uint8_t> bytes) {
     assert(reinterpret_cast<uintptr_t>(bytes.data()) % 8 == 0);
-    if (bytes.size() < kMinBytes) return {};
-    const size_t length = size_t{flatbuffers::ReadScalar<uint32_t>(bytes.data())} + sizeof(uint32_t);
+    const size_t length = lengthOf(bytes);
     if (length < kMinBytes || length > bytes.size()) return {};
 
-    flatbuffers::Verifier verifier(bytes.data(), length, kMaxDepth, kMaxTables);
-    if (!VerifySizePrefixedMessageBuffer(verifier)) return {};
-
-    const Parsed parsed{GetSizePrefixedMessage(bytes.data()), bytes.subspan(length)};
+    Parsed parsed{nullptr, bytes.subspan(length)};
+    if (verified<true>(bytes.first(length))) {
+        parsed.message = GetSizePrefixedMessage(bytes.data());
+    } else {
+        parsed.copy.assign(bytes.begin() + sizeof(uint32_t), bytes.begin() + ptrdiff_t(length));
+        if (!verified<false>(parsed.copy)) return {};
+        parsed.message = GetMessage(parsed.copy.data());
+    }
     if (parsed.type() == Body::NONE || parsed.type() > Body::MAX) return {};
     if (const auto* input = parsed.as<Input>();
         input && (input->command_type() == Command::NONE || input->command_type() > Command::MAX))
         return {};
-    if (const auto* frame = parsed.as<Frame>())
-        return lengthsAddUp(*frame, parsed.jpeg.size()) ? std::optional(parsed) : std::nullopt;
-    return parsed.jpeg.empty() ? std::optional(parsed) : std::nullopt;
+    const auto* frame = parsed.as<Frame>();
+    const bool whole = frame ? lengthsAddUp(*frame, parsed.jpeg.size()) : parsed.jpeg.empty();
+    return whole ? std::optional(std::move(parsed)) : std::nullopt;
+}
+
+std::string whyNot(std::span<const uint8_t> bytes) {
+    if (bytes.size() < kMinBytes) return "it has " + std::to_string(bytes.size()) + " bytes, a message at least 12";
+    const size_t length = lengthOf(bytes);
+    if (length < kMinBytes || length > bytes.size())
+        return "its first four bytes say that " + std::to_string(length - sizeof(uint32_t)) + " follow, there are " +
+               std::to_string(bytes.size() - sizeof(uint32_t));
+    if (!flatbuffers::BufferHasIdentifier(bytes.data(), MessageIdentifier(), true))
+        return "its FlatBuffer has not the identifier BRM1";
+    return "its FlatBuffer is damaged, of a newer schema, or followed by other bytes";
 }
 
 } // namespace brume::wire

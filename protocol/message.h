@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "protocol/brume_generated.h"
 
@@ -13,10 +15,11 @@ namespace brume::wire {
 inline constexpr char kSubprotocol[] = "brume.v1";
 inline constexpr uint32_t kMaxViews = 2;
 
-// A verified message. It points into the bytes that it was parsed from.
+// A verified message. It points into the bytes that it was parsed from, or into its own copy.
 struct Parsed {
     const Message* message;
-    std::span<const uint8_t> jpeg; // of all views; empty unless the message is a frame
+    std::span<const uint8_t> jpeg;  // of all views; empty unless the message is a frame
+    std::vector<uint8_t> copy = {}; // of a FlatBuffer that was finished without its size: it begins aligned here
 
     Body type() const { return message->body_type(); }
     // The body as a T; null if it has another type.
@@ -30,9 +33,12 @@ struct Parsed {
 
 // Parses one message. Returns nothing unless the bytes are exactly one well-formed message of this schema: all
 // offsets are inside, the body type is known, no bytes are left over, and the JPEG lengths of a frame add up to the
-// bytes that follow. Values of numbers are not checked. Precondition: bytes.data() is aligned to 8, as fresh heap
-// memory is.
+// bytes that follow. Values of numbers are not checked. The FlatBuffer may have been finished with its size, which is
+// what FinishSizePrefixed does, or without, with the size put before it: the two differ in alignment. Precondition:
+// bytes.data() is aligned to 8, as fresh heap memory is.
 std::optional<Parsed> parse(std::span<const uint8_t> bytes);
+// Why parse() returns nothing for these bytes, for people: a part of a line.
+std::string whyNot(std::span<const uint8_t> bytes);
 
 using Packed = flatbuffers::DetachedBuffer;
 

@@ -40,7 +40,7 @@ void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point n
     if (state_ == State::closed) return;
     messages_.take(now); // pause() says how long to wait if the bucket is empty
     const auto message = wire::parse(bytes);
-    if (!message) return malformed("not a message of brume.v1", now, out);
+    if (!message) return malformed("not a message of brume.v1: " + wire::whyNot(bytes), now, out);
 
     // Messages that are allowed at any time.
     if (const auto* ping = message->as<wire::Ping>()) {
@@ -175,7 +175,7 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
     out.push_back(EnqueueCommand{seq, std::get<CommandBody>(std::move(command))});
 }
 
-void SessionRules::malformed(const char* text, Clock::time_point now, Effects& out) {
+void SessionRules::malformed(const std::string& text, Clock::time_point now, Effects& out) {
     refuse(wire::ErrorCode::malformed, text, now, out);
     if (state_ != State::closed && ++malformed_ >= kMaxMalformed)
         close(kCloseProtocol, fmt::format("{} malformed messages", kMaxMalformed), out);

@@ -74,7 +74,7 @@ private:
     void onHello(const wire::Hello& hello, Clock::time_point now, Effects& out);
     void onPose(const wire::Pose& pose, Clock::time_point now, Effects& out);
     void onInput(const wire::Input& input, Clock::time_point now, Effects& out);
-    void malformed(const char* text, Clock::time_point now, Effects& out);
+    void malformed(const std::string& text, Clock::time_point now, Effects& out);
     void refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Effects& out, uint32_t input_seq = 0);
     void close(uint16_t code, std::string reason, Effects& out);
 

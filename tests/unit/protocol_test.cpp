@@ -154,5 +154,42 @@ TEST(ProtocolParse, FrameLengthsMustAddUp) {
     EXPECT_FALSE(parses({0xffffffff, 11}, 10)); // the sum does not wrap around
 }
 
+// As a client of one's own does it in languages whose libraries have no FinishSizePrefixed: its fields of eight bytes
+// are aligned to another place.
+TEST(ProtocolFraming, AMessageThatWasFinishedWithoutItsSizeIsRead) {
+    flatbuffers::FlatBufferBuilder builder;
+    const Vec3 position(1.5f, -2, 3);
+    const Quat orientation(0, 0, 0, 1);
+    for (const uint32_t seq : {1u, 2u}) {
+        builder.Clear();
+        if (seq == 2) builder.CreateString("moves what follows");
+        const auto pose = CreatePose(builder, seq, 0x0102'0304'0506'0708, &position, &orientation);
+        FinishMessageBuffer(builder, CreateMessage(builder, Body::Pose, pose.Union()));
+        std::vector<uint8_t> bytes(sizeof(uint32_t));
+        flatbuffers::WriteScalar(bytes.data(), builder.GetSize());
+        bytes.insert(bytes.end(), builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
+        const auto message = parse(bytes);
+        ASSERT_TRUE(message) << whyNot(bytes);
+        ASSERT_TRUE(message->as<Pose>());
+        EXPECT_EQ(message->as<Pose>()->seq(), seq);
+        EXPECT_EQ(message->as<Pose>()->client_time_us(), 0x0102'0304'0506'0708u);
+        EXPECT_EQ(message->as<Pose>()->position()->z(), 3);
+        bytes.push_back(0);
+        EXPECT_FALSE(parse(bytes)) << "followed by another byte";
+    }
+}
+
+TEST(ProtocolFraming, WhatIsNoMessageIsToldWhy) {
+    const std::vector<uint8_t> none(5), text(40, 'x');
+    EXPECT_NE(whyNot(none).find("5 bytes"), std::string::npos);
+    EXPECT_NE(whyNot(text).find("36"), std::string::npos) << "that follow";
+    std::vector<uint8_t> other(40);
+    other[0] = 36;
+    EXPECT_NE(whyNot(other).find("BRM1"), std::string::npos);
+    std::copy_n("BRM1", 4, other.begin() + 8);
+    EXPECT_FALSE(parse(other));
+    EXPECT_NE(whyNot(other).find("damaged"), std::string::npos);
+}
+
 } // namespace
 } // namespace brume::wire
