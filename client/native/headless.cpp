@@ -4,6 +4,7 @@
 #include <iostream>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -78,6 +79,7 @@ private:
 
     // Poses, pushes and pings that are due.
     void talk(Session& session, uint64_t now) {
+        if (options_.pause && !std::exchange(paused_, true)) session.sendPaused(true);
         if (now >= next_pose_us_) {
             Pose pose = camera_.at(static_cast<double>(now - start_us_) * 1e-6);
             if (options_.wishes.views == 2) pose.eye_separation = kEyeSeparation;
@@ -120,6 +122,7 @@ private:
     Picture picture_;
     CameraPath camera_;
     uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
+    bool paused_ = false;                  // true: Options::pause was carried out
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0;
     size_t impulses_sent_ = 0;
 };

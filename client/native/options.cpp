@@ -95,6 +95,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--path", path, "How the camera moves by itself: still, orbit or fly")->capture_default_str();
     app.add_option("--impulse", impulses,
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
+    app.add_flag("--pause", options.pause, "Pause the scene, for everybody, before the first picture");
     app.add_flag("--headless", options.headless, "No window");
     app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on")
         ->check(CLI::Range(0, 10'000'000));

@@ -30,6 +30,7 @@ struct Options {
     std::optional<CameraPath> camera; // replaces the scene's own camera; its kind is `path`
     PathKind path = PathKind::still;
     std::vector<TimedImpulse> impulses; // sorted by time
+    bool pause = false;                 // true: pauses the scene, for everybody, before the first picture
 };
 
 constexpr float kEyeSeparation = 0.064f; // m, the mean of adults

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <SDL2/SDL.h>
 #include <fmt/format.h>
@@ -142,6 +143,7 @@ private:
 
     // Poses, pushes and pings that are due.
     void talk(Session& session, uint64_t now) {
+        if (options_.pause && !std::exchange(pause_sent_, true)) session.sendPaused(true);
         if (hidden_) link_.heard(now); // no frames come, and none are missed
         if (now >= next_pose_us_) {
             Pose pose = gestures_->pose();
@@ -229,6 +231,7 @@ private:
     std::optional<Gestures> gestures_; // from the first welcome on
     Pose seen_;                        // camera of the picture that is shown
     std::string scene_;
+    bool pause_sent_ = false; // true: Options::pause was carried out
     bool quit_ = false, paused_ = false;
     bool hidden_ = false; // true: the window is minimised
     uint32_t viewers_ = 0;

@@ -101,6 +101,18 @@ TEST_F(ClientProgram, FiveFramesAndTheirStatistics) {
     EXPECT_EQ(std::distance(fs::directory_iterator(out_), {}), 6);
 }
 
+// Pictures of one state from many sides.
+TEST_F(ClientProgram, PausedItSeesOneState) {
+    const RunningServer server;
+    const auto client = startClient({"--headless", "--pause", "--url", server.url(), "--size", "160x96", "--frames",
+                                     "6", "--path", "orbit", "--out", out_.string()});
+    ASSERT_EQ(client->exitCode(), 0) << client->err();
+    const Json pictures = stats()["pictures"];
+    ASSERT_EQ(pictures.size(), 6u);
+    EXPECT_EQ(pictures[1]["state_hash"], pictures[5]["state_hash"]);
+    EXPECT_NE(pictures[1]["pose"], pictures[5]["pose"]);
+}
+
 TEST_F(ClientProgram, StereoWritesBothEyes) {
     const auto client = startClient({"--headless", "--stereo", "--url", url(), "--size", "160x96", "--frames", "2",
                                      "--quality", "55", "--out", out_.string()});
