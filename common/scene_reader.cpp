@@ -32,10 +32,12 @@ const toml::node* TableReader::find(std::string_view key) {
 
 void TableReader::fail(std::string_view key, const std::string& problem, const std::string& allowed) const {
     const toml::node* node = key.empty() ? nullptr : table_.get(key);
-    const auto line = (node ? node->source() : table_.source()).begin.line;
+    const toml::source_region& source = node ? node->source() : table_.source();
     const std::string name = key.empty() ? path_ : joined(key);
-    throw SceneError(oneLine(file_ + ':' + std::to_string(std::max<unsigned>(line, 1)) + ": " + name + ": " + problem +
-                             "; allowed: " + allowed));
+    // A node without a file was given by an override.
+    const std::string where =
+        node && !source.path ? "--set " : file_ + ':' + std::to_string(std::max<unsigned>(source.begin.line, 1)) + ": ";
+    throw SceneError(oneLine(where + name + ": " + problem + "; allowed: " + allowed));
 }
 
 std::string TableReader::shown(const toml::node& node) {

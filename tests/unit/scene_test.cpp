@@ -264,9 +264,15 @@ TEST(Scene, OverridesReplaceTheFilesSettings) {
     EXPECT_EQ(scene.lights.at(0).irradiance, glm::vec3(1, 2, 3));
     EXPECT_EQ(scene.lights.at(0).rotate, 1);
     EXPECT_EQ(scene.sky.ambient, glm::vec3(0.5f));
-    for (const std::string wrong :
-         {"medium.count", "=3", "medium.cuont=3", "medium.count=0", "medium.count=x", "medium=3"})
-        EXPECT_THROW(loadScene(file, {&wrong, 1}), SceneError) << wrong;
+    for (const std::string wrong : {"medium.count", "=3", "medium.cuont=3", "medium.count=0", "medium.count=x",
+                                    "medium=3", "shape=3", "light.rotate=1e9"}) {
+        try {
+            loadScene(file, {&wrong, 1});
+            ADD_FAILURE() << wrong;
+        } catch (const SceneError& error) {
+            EXPECT_TRUE(std::string(error.what()).starts_with("--set ")) << error.what() << ": it is not the file's";
+        }
+    }
 }
 
 TEST(Scene, AParticleFileStandsBesideItsScene) {
