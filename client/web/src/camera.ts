@@ -121,9 +121,16 @@ export function rayThrough(camera: Camera, fovY: number, aspect: number, x: numb
 }
 
 // The same view from further back if the picture is narrower than high: it then shows all that the scene's camera
-// frames.
+// frames. A camera that looks up goes back at its own height: straight back would be below the ground.
 export function fitAspect(camera: Camera, aspect: number): Camera {
-  return aspect < 1 ? zoom(camera, Math.min(1 / aspect, 2.5)) : camera;
+  if (aspect >= 1) return camera;
+  const far = zoom(camera, Math.min(1 / aspect, 2.5));
+  if (camera.pitch <= 0) return far;
+  const target = pivot(camera);
+  const up = target[1] - camera.position[1];
+  const along = Math.sqrt(far.distance ** 2 - up ** 2);
+  const back: Vec3 = [Math.sin(camera.yaw) * along, -up, Math.cos(camera.yaw) * along];
+  return lookAt(bounded(add(target, back)), target);
 }
 
 export const same = (a: Camera, b: Camera): boolean =>

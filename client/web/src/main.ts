@@ -48,7 +48,7 @@ let welcome: Welcome | undefined;
 let scene: SceneState | undefined;
 let values: Values = new Map(); // of the scene's settings, as last reported
 let camera: Camera = lookAt([0, 2, 26], [0, 0, 0]);
-let home = camera;
+let home = camera; // the scene's own
 let mode: Mode = 'orbit';
 let pushing = false;
 let linkState: LinkState['name'] = 'connecting';
@@ -99,8 +99,8 @@ const link = new Connection(socketAddress(token), {
 function enter(greeting: Welcome): void {
   // The camera starts at the scene's own; in the same scene it stays where it was.
   if (welcome?.scene !== greeting.scene) {
-    home = fitAspect(lookAt(greeting.camera.position, greeting.camera.target), aspect());
-    camera = arrived ?? home;
+    home = lookAt(greeting.camera.position, greeting.camera.target);
+    camera = arrived ?? fitAspect(home, aspect());
     arrived = undefined;
   }
   welcome = greeting;
@@ -274,7 +274,7 @@ const actions: Record<string, () => void> = {
   fly: () => setMode('fly'),
   push: () => setPushing(!pushing),
   pause: () => mayPush() && command({ kind: 'set', changes: [{ path: PAUSED, value: paused() ? 0 : 1 }] }),
-  reset: () => (camera = home),
+  reset: () => (camera = fitAspect(home, aspect())), // for the shape that the window has now
   vr: () => void toggleHeadset(),
   stats: () => toggles.stats(!settings.stats),
   panel: () => toggles.panel(!settings.panel),

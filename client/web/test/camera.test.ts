@@ -131,4 +131,13 @@ describe('camera', () => {
     expect(fitAspect(camera, 0.8).distance).toBeCloseTo(camera.distance / 0.8, 9);
     expect(fitAspect(camera, 0.01).distance).toBeCloseTo(camera.distance * 2.5, 9);
   });
+
+  test('a narrow picture of a camera that looks up is not from below the ground', () => {
+    const camera = lookAt([-4, 3.5, 19], [1.2, 6.6, 0]); // of the scene plume
+    const narrow = fitAspect(camera, 320 / 800);
+    expect(narrow.position[1]).toBeCloseTo(3.5, 9);
+    expect(narrow.distance).toBeCloseTo(camera.distance * 2.5, 9);
+    expect(narrow.yaw).toBeCloseTo(camera.yaw, 9);
+    pivot(narrow).forEach((x, i) => expect(x).toBeCloseTo(pivot(camera)[i] as number, 9));
+  });
 });
