@@ -125,6 +125,30 @@ describe('the keyboard’s focus', () => {
     await page.leave();
   });
 
+  test('as narrow as a small phone cuts nothing off', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await page.setViewportSize({ width: 320, height: 640 });
+    const beyond = () =>
+      page.evaluate(() =>
+        [...document.querySelectorAll('#brand, #bar, #bar *, #hint, #overlay, #overlay *, #panel, #panel *')]
+          .filter((element) => element.checkVisibility() && element.getClientRects().length > 0)
+          .filter((element) => {
+            const { left, right } = element.getBoundingClientRect();
+            return left < -1 || right > window.innerWidth + 1;
+          })
+          .map((element) => `${element.tagName} ${element.id} ${element.textContent.slice(0, 30)}`),
+      );
+    assert.deepEqual(await beyond(), [], 'the hint and the tools');
+    await page.locator('#tool-stats').click();
+    await page.locator('#overlay .facts dd', { hasText: 'pixels' }).waitFor(); // the longest: what is rendered with
+    assert.deepEqual(await beyond(), [], 'the statistics');
+    await page.locator('#tool-stats').click();
+    await page.locator('#tool-panel').click();
+    assert.deepEqual(await beyond(), [], 'the settings');
+    await page.leave();
+  });
+
   test('leaves a field of the panel when the picture is pressed: keys move the camera again', async (t) => {
     const page = await openPage(t, browser, server.url);
     await connected(page);
