@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 namespace brume {
@@ -203,13 +204,15 @@ constexpr std::array<const SceneSetting*, kLiveCount> kLive = [] {
 }();
 
 struct Read {
-    SettingValue operator()(bool* member) const { return *member; }
-    SettingValue operator()(float* member) const { return *member; }
-    SettingValue operator()(uint32_t* member) const { return *member; }
-    SettingValue operator()(glm::vec3* member) const { return *member; }
-    SettingValue operator()(std::string* member) const { return *member; }
-    template <class Other>
-    SettingValue operator()(Other) const {
+    template <class T>
+    SettingValue operator()(const T* member) const {
+        if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, float> || std::is_same_v<T, uint32_t> ||
+                      std::is_same_v<T, glm::vec3> || std::is_same_v<T, std::string>)
+            return *member;
+        else
+            return (*this)(std::monostate());
+    }
+    SettingValue operator()(std::monostate) const {
         throw std::logic_error("a live setting of a type that no command has");
     }
 };

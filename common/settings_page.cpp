@@ -54,32 +54,32 @@ struct Cells {
     std::string values{}, standard{};
 
     void operator()(std::monostate) { values = names(), standard = code(setting.choices[0]); }
-    void operator()(bool* value) { values = "true or false", standard = fmt::format("{}", *value); }
-    void operator()(float* value) {
+    void operator()(const bool* value) { values = "true or false", standard = fmt::format("{}", *value); }
+    void operator()(const float* value) {
         values = setting.form == Form::height ? "a number" : "a number, " + rangeOf(setting.allowed);
         number(*value);
     }
-    void operator()(uint32_t* value) {
+    void operator()(const uint32_t* value) {
         values = "a whole number, " + rangeOf(setting.allowed);
         number(*value);
     }
-    void operator()(uint64_t* value) {
+    void operator()(const uint64_t* value) {
         values = fmt::format("a whole number, {:.0f} to {:.0f}", setting.allowed.lo, setting.allowed.hi);
         standard = fmt::format("{}", *value);
     }
-    void operator()(glm::vec3* value) { vector(*value); }
-    void operator()(glm::dvec3* value) { vector(*value); }
-    void operator()(Range* value) {
+    void operator()(const glm::vec3* value) { vector(*value); }
+    void operator()(const glm::dvec3* value) { vector(*value); }
+    void operator()(const Range* value) {
         values = "a number or [lowest, highest], " + rangeOf(setting.allowed);
         standard =
             value->lo == value->hi ? fmt::format("{}", value->lo) : fmt::format("[{}, {}]", value->lo, value->hi);
     }
-    void operator()(std::string* value) {
+    void operator()(const std::string* value) {
         values = setting.choices.empty() ? fmt::format("text, {} bytes", rangeOf(setting.allowed)) : names();
         standard = code(*value);
     }
-    void operator()(Layout* value) { values = names(), standard = code(setting.choices[static_cast<size_t>(*value)]); }
-    void operator()(std::filesystem::path*) { values = fmt::format("text, {} bytes", rangeOf(setting.allowed)); }
+    void operator()(const Layout* value) { values = names(), standard = code(setting.choices[static_cast<size_t>(*value)]); }
+    void operator()(const std::filesystem::path*) { values = fmt::format("text, {} bytes", rangeOf(setting.allowed)); }
 
 private:
     template <class Number>

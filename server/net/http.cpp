@@ -217,7 +217,7 @@ asio::awaitable<void> HttpConnection::linger() {
 }
 
 void serveHttp(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot) {
-    std::make_shared<HttpConnection>(context, std::move(stream), std::move(slot))->start();
+    std::make_shared<HttpConnection>(std::move(context), std::move(stream), std::move(slot))->start();
 }
 
 } // namespace brume::net

@@ -369,7 +369,7 @@ void WebSocketSession::finish(std::string_view why) {
 
 void serveWebSocket(std::shared_ptr<const Context> context, ByteStream stream, const HttpRequest& request,
                     std::unique_ptr<ConnectionSlot> slot, Authorization authorization) {
-    std::make_shared<WebSocketSession>(context, std::move(stream), std::move(slot), std::move(authorization))
+    std::make_shared<WebSocketSession>(std::move(context), std::move(stream), std::move(slot), std::move(authorization))
         ->start(request);
 }
 
