@@ -240,7 +240,6 @@ uint64_t Simulation::bytes() const {
 }
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }
-
 const PointCloudFacts* Simulation::pointCloud() const { return state_->cloud ? &*state_->cloud : nullptr; }
 
 void Simulation::write(std::span<gpu::Particle> out) const {
