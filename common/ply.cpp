@@ -86,8 +86,8 @@ std::string problemOf(const Point& point, const Columns& columns, glm::dvec3 ori
     for (size_t s = 0; s < kSlots; ++s) {
         if (!columns.there[s] || kRules[s].allowed.holds(point[s])) continue;
         if (s > kZ)
-            return fmt::format("{} is {}; allowed: {} to {}", kRules[s].name, point[s], kRules[s].allowed.lo,
-                               kRules[s].allowed.hi);
+            return fmt::format("{} is {}; allowed: {} to {}{}", kRules[s].name, point[s], kRules[s].allowed.lo,
+                               kRules[s].allowed.hi, kRules[s].part ? " as float, 0 to 255 as uchar" : "");
         return fmt::format(
             "{} is {}; allowed: finite, within 50 km of the scene's origin (origin = [x, y, z] at its top)",
             kRules[s].name, point[s] + origin[static_cast<int>(s)]);

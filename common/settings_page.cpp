@@ -34,11 +34,12 @@ little-endian. Of its element `vertex`, up to 1000000 rows, these properties are
 | `radius` | 0.001 to 1000 | m | Without `scale`: the standard deviation is radius / √5 |
 | `sigma_t` | 0 to 10000 | 1/m | Extinction at the particle's centre, instead of extinction · multiplier |
 | `opacity` | float 0 to 1, uchar 0 to 255 |  | Without `sigma_t`: the optical depth through the centre is -ln(1 - opacity) |
-| `red`, `green`, `blue`, or `diffuse_red` ... | float 0 to 1, uchar 0 to 255 |  | Albedo, instead of `medium.albedo`; linear |
+| `red`, `green`, `blue`, or `diffuse_red` ... | float 0 to 1, uchar 0 to 255 |  | Albedo, instead of `medium.albedo`; linear: no sRGB curve is applied |
 
-A ball of that radius spreads as far as the particle: along an axis, its mean square distance from the centre is
-radius² / 5. So much of the light on a ray through the centre is stopped as the opacity says. An opacity of 1 would
-need an infinite extinction and counts as 511/512, within half a level of a picture of 8 bits.
+The particle spreads as far as a ball of that `radius`: along an axis, the mean square distance from the ball's centre
+is radius² / 5. `opacity` is the part of the light that a ray through the particle's centre loses. An opacity of 1
+would need an infinite extinction and counts as 511/512, within half a level of a picture of 8 bits. Files of Gaussian
+splatting hold logarithms and logits instead (`scale_0`, `opacity`): convert them first.
 
 Points without a size take `medium.scale`. If the scene does not give it, the spacing of the points decides: the
 standard deviation is half the median distance to the 8th neighbour. A point with a number out of range is left out.

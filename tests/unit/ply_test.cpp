@@ -119,7 +119,7 @@ TEST(Ply, PointsThatCannotBeUsedAreDroppedAndCounted) {
     const PointCloud coloured = load(kAscii + "element vertex 2\n" + kXyz +
                                      "property float red\nproperty float green\nproperty float blue\nend_header\n"
                                      "1 1 1 0 0 1\n\n1 1 1 0 255 0\n");
-    EXPECT_EQ(coloured.first_dropped, "line 13: green is 255; allowed: 0 to 1");
+    EXPECT_EQ(coloured.first_dropped, "line 13: green is 255; allowed: 0 to 1 as float, 0 to 255 as uchar");
 }
 
 struct Broken {
