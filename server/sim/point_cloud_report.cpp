@@ -107,12 +107,13 @@ std::string ignoredText(const PointCloudFacts& facts) {
 std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
     const Cloud cloud(scene, simulation);
     const double depth = opticalDepth(cloud);
-    return oneLine(fmt::format(
-        "point cloud '{}': {} points in {}; scale {} m ({}); extinction {} 1/m ({}); {}; {}; optical depth about {:.2g}{}",
-        scene.medium.file.string(), cloud.particles.size(), cloud.boxText(), rangeOf(cloud, &gpu::Particle::scale),
-        cloud.facts.sizes_from, rangeOf(cloud, &gpu::Particle::sigma_t), cloud.facts.extinctions_from,
-        cloud.facts.coloured ? "with colours" : "no colours", ignoredText(cloud.facts), depth,
-        depth < kNearlyNothing ? ", nearly transparent: medium.extinction changes it" : ""));
+    return oneLine(fmt::format("point cloud '{}': {} points in {}; scale {} m ({}); extinction {} 1/m ({}); {}; {}; "
+                               "optical depth about {:.2g}{}",
+                               scene.medium.file.string(), cloud.particles.size(), cloud.boxText(),
+                               rangeOf(cloud, &gpu::Particle::scale), cloud.facts.sizes_from,
+                               rangeOf(cloud, &gpu::Particle::sigma_t), cloud.facts.extinctions_from,
+                               cloud.facts.coloured ? "with colours" : "no colours", ignoredText(cloud.facts), depth,
+                               depth < kNearlyNothing ? ", nearly transparent: medium.extinction changes it" : ""));
 }
 
 std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation) {
