@@ -10,19 +10,25 @@
 
 namespace brume {
 
-// The optional lists are empty, or as long as `position`.
+// The optional lists are empty, or as long as `position`. At most one of scale and radius is there, and at most one of
+// sigma_t and opacity.
 struct PointCloud {
-    std::vector<glm::vec3> position; // m
-    std::vector<float> scale;        // m, centre to vertex of a particle's tetrahedron
-    std::vector<float> sigma_t;      // 1/m, extinction at a particle's centre
-    std::vector<glm::vec3> albedo;   // linear, in [0, 1]; a uchar is divided by 255
-    size_t dropped = 0;              // number of points left out, since a number is not finite or out of range
+    std::vector<glm::vec3> position;  // m
+    std::vector<float> scale;         // m, centre to vertex of a particle's tetrahedron
+    std::vector<float> radius;        // m, of a ball that spreads as far as the particle
+    std::vector<float> sigma_t;       // 1/m, extinction at a particle's centre
+    std::vector<float> opacity;       // 0 ... 1, part of the light that a particle stops on a ray through its centre
+    std::vector<glm::vec3> albedo;    // linear, in [0, 1]
+    std::vector<std::string> ignored; // names of the points' properties that are not read
+    size_t dropped = 0;               // number of points left out, since a number is not finite or out of range
+    std::string first_dropped;        // why the first of them was left out: "line 9: x is nan; allowed: ..."
 };
 
-// Reads element `vertex` with x y z and, if present, scale, sigma_t, red green blue; everything else is skipped.
+// Reads element `vertex` with x y z and, if present, scale or radius, sigma_t or opacity, red green blue or
+// diffuse_red diffuse_green diffuse_blue; everything else is skipped. Of a uchar, 255 stands for 1.
 // Positions are read as doubles, and `origin` (m) is subtracted before they become floats. Points that then lie
-// beyond limits::kPlace are dropped. Logs how many points were dropped. Throws SceneError for a file that cannot be
-// read, is not such a PLY, ends early, or has no usable point.
+// beyond limits::kPlace are dropped. Throws SceneError for a file that cannot be read, is not such a PLY, ends early,
+// or has no usable point.
 PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin = glm::dvec3(0));
 
 // Reads the bytes of a PLY file from memory; messages call the file `name`.

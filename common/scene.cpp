@@ -96,6 +96,7 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
     read.readTable(in, "medium", parts, from_file ? nullptr : &origin);
     in.table("emitter", [&](TableReader& r) { read.readTable(r, "medium.emitter", parts, &origin); });
 
+    out.scale_by_spacing = from_file && !in.has("scale");
     if (from_file && out.file.empty())
         in.fail("layout", "\"file\" without a file", "with the key file, a PLY beside the scene");
     if (!from_file && in.has("file")) in.fail("file", "not used by this layout", "only with layout = \"file\"");

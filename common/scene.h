@@ -36,16 +36,17 @@ struct Emitter {
 
 struct Medium {
     Layout layout = Layout::cube;
-    uint32_t count = 500;    // 1 ... 1,000,000; an emitter's pool size
-    glm::vec3 centre{0};     // m, of the layout; with layout file what its points are moved by
-    float extent = 10;       // m, side of the cube, length of a tube, width of the cumulus
-    Range scale{6, 6};       // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
-    float falloff = 1.6f;    // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
-    float extinction = 15;   // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
-    Range multiplier{5, 10}; // per particle, uniform
-    glm::vec3 albedo{0.9f};  // rho, in [0, 1]
-    float anisotropy = 0;    // a in [0, 1]: p = (1-a)/4pi + a HG(g)
-    float asymmetry = 0;     // g in (-1, 1)
+    uint32_t count = 500;          // 1 ... 1,000,000; an emitter's pool size
+    glm::vec3 centre{0};           // m, of the layout; with layout file what its points are moved by
+    float extent = 10;             // m, side of the cube, length of a tube, width of the cumulus
+    Range scale{6, 6};             // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
+    bool scale_by_spacing = false; // layout file: points without sizes have one that follows from their spacing
+    float falloff = 1.6f;          // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
+    float extinction = 15;         // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
+    Range multiplier{5, 10};       // per particle, uniform
+    glm::vec3 albedo{0.9f};        // rho, in [0, 1]
+    float anisotropy = 0;          // a in [0, 1]: p = (1-a)/4pi + a HG(g)
+    float asymmetry = 0;           // g in (-1, 1)
     uint64_t seed = 1;
     Emitter emitter;            // layout emitter only
     std::filesystem::path file; // layout file only, resolved against the scene's folder

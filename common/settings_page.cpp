@@ -21,6 +21,35 @@ Units are metres, seconds and radians; colours are linear Rec. 709. Places are w
 `origin`. *Live* says which role may change a setting while the server runs; others change with a restart.
 
 This page is printed by `brume-server --print-settings`; a test compares the two.
+
+## Point clouds
+
+With `medium.layout = "file"` the particles are the points of a PLY file. It is ASCII, one row a line, or binary
+little-endian. Of its element `vertex`, up to 1000000 rows, these properties are read:
+
+| property | values | unit | what |
+|---|---|---|---|
+| `x`, `y`, `z` | within 50 km of `origin` | m | Place; `medium.centre` moves all points |
+| `scale` | 0.001 to 1000 | m | As `medium.scale`; the standard deviation is 0.1 · scale · falloff |
+| `radius` | 0.001 to 1000 | m | Without `scale`: the standard deviation is radius / √5 |
+| `sigma_t` | 0 to 10000 | 1/m | Extinction at the particle's centre, instead of extinction · multiplier |
+| `opacity` | float 0 to 1, uchar 0 to 255 |  | Without `sigma_t`: the optical depth through the centre is -ln(1 - opacity) |
+| `red`, `green`, `blue`, or `diffuse_red` ... | float 0 to 1, uchar 0 to 255 |  | Albedo, instead of `medium.albedo`; linear: no sRGB curve is applied |
+
+The particle spreads as far as a ball of that `radius`: along an axis, the mean square distance from the ball's centre
+is radius² / 5. `opacity` is the part of the light that a ray through the particle's centre loses. An opacity of 1
+would need an infinite extinction and counts as 511/512, within half a level of a picture of 8 bits. Files of Gaussian
+splatting hold logarithms and logits instead (`scale_0`, `opacity`): convert them first.
+
+Points without a size take `medium.scale`. If the scene does not give it, the spacing of the points decides: the
+standard deviation is half the median distance to the 8th neighbour. A point with a number out of range is left out.
+
+`medium.extinction` and `medium.albedo` are factors of values that came with the points, relative to the scene's start.
+Twice the extinction that the scene gives is twice every point's. Relative to a start of 0 nothing changes. Albedos end
+at 1, extinctions at 10000 per metre.
+
+At its start, and for `--explain`, the server says in one line what it found: box, sizes, extinctions, colours, and the
+properties that it ignored. It warns if the scene's camera sees no point, and says where to put it.
 )";
 
 struct Table {

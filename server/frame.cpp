@@ -8,6 +8,7 @@
 #include "server/encode/picture_encoder.h"
 #include "server/loop/scene_report.h"
 #include "server/plan/memory.h"
+#include "server/sim/point_cloud.h"
 
 namespace brume {
 namespace {
@@ -33,6 +34,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       renderer_(std::in_place, device, scene, bounded(scene, simulation_.capacity(), options.memory)),
       planner_(scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
+    tellOfPointCloud(scene_, simulation_);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
     report(Clock::now()); // viewers who come before the first tick are told the scene's own settings

@@ -17,6 +17,7 @@
 #include "server/operate/replay.h"
 #include "server/options.h"
 #include "server/reload.h"
+#include "server/sim/point_cloud.h"
 
 namespace {
 
@@ -37,7 +38,9 @@ CostModel costsOf(const ServerOptions& options, const gpu::Device& device) {
 
 std::string explained(const Scene& scene, const CostModel& costs) {
     PlanInputs inputs;
-    inputs.scene = planScene(scene, Simulation(scene));
+    const Simulation simulation(scene);
+    tellOfPointCloud(scene, simulation);
+    inputs.scene = planScene(scene, simulation);
     inputs.views = {ownView(scene)};
     inputs.methods = allMethods();
     return explain(makePlan(inputs, costs), inputs, costs);

@@ -15,7 +15,7 @@ enum class Column : uint32_t {
     vy,
     vz,     // m/s
     scale,  // m, centre to vertex
-    weight, // extinction's multiplier * 1e-4; unused where points bring their own sigma_t
+    weight, // extinction's multiplier * 1e-4; where points bring their own sigma_t, that (1/m)
     sigma,  // 1/m, now
     home_x, // home: m, target relative to the volume. Particles of an emitter have no
     home_y, // target; for them these columns hold the age (s)

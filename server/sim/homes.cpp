@@ -1,5 +1,7 @@
 #include "server/sim/homes.h"
 
+#include <algorithm>
+
 #include "server/sim/kernels.h"
 
 namespace brume {
@@ -13,7 +15,7 @@ void Homes::step(Columns& columns, const MotionStep& step) {
 }
 
 void Homes::settle(Columns& columns, float extinction) const {
-    if (!own_sigma_) setSigma(columns, {0, rows_}, extinction);
+    setSigma(columns, {0, rows_}, unit_ > 0 ? std::min(extinction / unit_, most_) : 1);
 }
 
 } // namespace brume

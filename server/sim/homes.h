@@ -1,14 +1,17 @@
 // Particles with homes: each is drawn to its own by a spring, and none is born or dies.
 #pragma once
 
+#include <limits>
+
 #include "server/sim/motion.h"
 
 namespace brume {
 
 class Homes final : public Motion {
 public:
-    // `own_sigma`: true if particles came with their own extinctions (1/m), so that the medium's does not apply.
-    Homes(uint32_t rows, bool own_sigma) : rows_(rows), own_sigma_(own_sigma) {}
+    // A particle's extinction is its weight times min(medium's extinction / unit, most). `unit` 0: always its weight.
+    explicit Homes(uint32_t rows, float unit = 1, float most = std::numeric_limits<float>::max())
+        : rows_(rows), unit_(unit), most_(most) {}
 
     void step(Columns& columns, const MotionStep& step) override;
     void settle(Columns& columns, float extinction) const override;
@@ -16,7 +19,7 @@ public:
 
 private:
     uint32_t rows_;
-    bool own_sigma_;
+    float unit_, most_;
 };
 
 } // namespace brume

@@ -1,6 +1,6 @@
 #include "server/sim/layout.h"
 
-#include "common/ply.h"
+#include "server/sim/point_cloud.h"
 #include "server/sim/random.h"
 
 namespace brume {
@@ -33,19 +33,6 @@ Placement tubes(const Medium& medium) {
     return out;
 }
 
-Placement fromFile(const Medium& medium, glm::dvec3 origin) {
-    PointCloud cloud = loadPly(medium.file, origin);
-    Placement out;
-    Random random(medium.seed);
-    out.position = std::move(cloud.position);
-    out.scale = std::move(cloud.scale);
-    out.sigma_t = std::move(cloud.sigma_t);
-    out.albedo = std::move(cloud.albedo);
-    while (out.scale.size() < out.position.size())
-        out.scale.push_back(random.uniform(medium.scale.lo, medium.scale.hi));
-    return out;
-}
-
 Placement beforeMoving(const Medium& medium, glm::dvec3 origin) {
     switch (medium.layout) {
     case Layout::tubes:
@@ -53,7 +40,7 @@ Placement beforeMoving(const Medium& medium, glm::dvec3 origin) {
     case Layout::cumulus:
         return cumulus(medium);
     case Layout::file:
-        return fromFile(medium, origin);
+        return placePointCloud(medium, origin);
     case Layout::cube:
     case Layout::emitter:
         break;

@@ -1,19 +1,31 @@
 // Initial particles of the layouts cube, tubes, cumulus and file.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/scene.h"
 
 namespace brume {
 
+// What is known about a point cloud besides its particles.
+struct PointCloudFacts {
+    std::string sizes_from, extinctions_from; // for people: "the file's scale"
+    bool coloured = false;                    // True: every point came with its albedo
+    std::vector<std::string> ignored;         // names of properties that are not read
+    size_t dropped = 0;                       // points that are left out
+    std::string first_dropped;                // why the first of them is
+};
+
 // One entry per particle. sigma_t and albedo come from files only and are empty otherwise.
 struct Placement {
-    std::vector<glm::vec3> position; // m, world
-    std::vector<float> scale;        // m
-    std::vector<float> multiplier;   // times the medium's extinction
-    std::vector<float> sigma_t;      // 1/m, replaces multiplier * extinction
-    std::vector<glm::vec3> albedo;   // replaces the medium's
+    std::vector<glm::vec3> position;      // m, world
+    std::vector<float> scale;             // m
+    std::vector<float> multiplier;        // times the medium's extinction
+    std::vector<float> sigma_t;           // 1/m, replaces multiplier * extinction
+    std::vector<glm::vec3> albedo;        // replaces the medium's
+    std::optional<PointCloudFacts> cloud; // of the layout file alone
 };
 
 // Places the particles of a medium. The result depends on the medium only, not on compiler or machine. Throws

@@ -43,6 +43,11 @@ void eachLive(const SceneParts& parts, F&& f) {
     }
 }
 
+// a / b, component by component; 1 where b is 0.
+glm::vec3 quotient(glm::vec3 a, glm::vec3 b) {
+    return {b.x > 0 ? a.x / b.x : 1, b.y > 0 ? a.y / b.y : 1, b.z > 0 ? a.z / b.z : 1};
+}
+
 // About +Y by a small angle; the series are exact in float32 for the at most 10/60 rad of a step.
 glm::vec3 turned(glm::vec3 v, float angle) {
     const float a2 = angle * angle, sine = angle * (1 - a2 / 6 * (1 - a2 / 20)),
@@ -67,6 +72,7 @@ struct Simulation::State {
 
     uint32_t rows = 0;
     std::vector<glm::vec3> albedos; // came with the points, or empty
+    std::optional<PointCloudFacts> cloud;
     std::optional<Columns> columns;
     std::unique_ptr<Motion> motion;
     uint64_t settings_version = 0;
@@ -98,11 +104,18 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
             c[Column::home_z][i] = c[Column::z][i] = placed.position[i].z;
         }
         std::copy(placed.scale.begin(), placed.scale.end(), c[Column::scale]);
-        std::transform(placed.multiplier.begin(), placed.multiplier.end(), c[Column::weight],
-                       [](float m) { return m * 1e-4f; });
-        motion = std::make_unique<Homes>(rows, !placed.sigma_t.empty());
-        std::copy(placed.sigma_t.begin(), placed.sigma_t.end(), c[Column::sigma]);
+        if (placed.sigma_t.empty()) {
+            std::transform(placed.multiplier.begin(), placed.multiplier.end(), c[Column::weight],
+                           [](float m) { return m * 1e-4f; });
+            motion = std::make_unique<Homes>(rows);
+        } else {
+            std::copy(placed.sigma_t.begin(), placed.sigma_t.end(), c[Column::weight]);
+            const float most = *std::max_element(placed.sigma_t.begin(), placed.sigma_t.end());
+            motion =
+                std::make_unique<Homes>(rows, scene.medium.extinction, static_cast<float>(limits::kSigmaT.hi) / most);
+        }
         albedos = std::move(placed.albedo);
+        cloud = std::move(placed.cloud);
     }
     first_step = motion->runUp();
     while (steps < first_step) advance();
@@ -112,6 +125,7 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
     for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c)
         for (const Rows run : motion->living())
             all.add(std::span((*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin));
+    for (const glm::vec3& albedo : albedos) all.add(std::span(&albedo.x, 3));
     origin = all.value();
     eachLive<std::string>(partsOf(now), [](std::string& text) { text.reserve(kLongestName); });
     settle();
@@ -226,16 +240,19 @@ uint64_t Simulation::bytes() const {
 }
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }
+const PointCloudFacts* Simulation::pointCloud() const { return state_->cloud ? &*state_->cloud : nullptr; }
 
 void Simulation::write(std::span<gpu::Particle> out) const {
     const State& s = *state_;
     const Columns& c = *s.columns;
+    // The medium's albedo acts on those that came with the points as a factor; nothing is relative to a start of 0.
+    const glm::vec3 factor = quotient(s.now.medium.albedo, s.first_now.medium.albedo);
     size_t to = 0;
     for (const Rows run : s.motion->living())
         for (uint32_t i = run.begin; i < run.end; ++i)
             out[to++] = {{c[Column::x][i], c[Column::y][i], c[Column::z][i]},
                          c[Column::scale][i],
-                         s.albedos.empty() ? s.now.medium.albedo : s.albedos[i],
+                         s.albedos.empty() ? s.now.medium.albedo : glm::min(s.albedos[i] * factor, 1.0f),
                          c[Column::sigma][i]};
 }
 

@@ -32,6 +32,8 @@ inline SceneParts partsOf(SceneNow& now) {
     return {.medium = &now.medium, .simulation = &now.simulation, .light = &now.light, .render = &now.render};
 }
 
+struct PointCloudFacts; // server/sim/layout.h
+
 class Simulation {
 public:
     // Throws SceneError when the scene's particle file is bad.
@@ -52,6 +54,7 @@ public:
     uint64_t bytes() const;    // of the particles' memory in the simulation
     const Bounds& bounds() const;
     const SceneNow& now() const;
+    const PointCloudFacts* pointCloud() const; // null unless the layout is `file`
     // Writes the live particles, in a stable order. Precondition: out.size() >= liveCount().
     void write(std::span<gpu::Particle> out) const;
 

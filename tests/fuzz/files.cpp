@@ -3,8 +3,6 @@
 #include <string>
 #include <vector>
 
-#include <spdlog/spdlog.h>
-
 #include "common/camera.h"
 #include "common/ply.h"
 #include "common/scene.h"
@@ -49,21 +47,20 @@ void scene(Bytes input) {
 }
 
 void ply(Bytes input) {
-    static const bool quiet = [] { // the reader logs how many points it drops
-        spdlog::set_level(spdlog::level::off);
-        return true;
-    }();
-    promise(quiet, "a quiet log");
     const std::string bytes(textOf(input)); // exactly so long
     try {
         const PointCloud cloud = parsePly(bytes, "points.ply");
         const size_t points = cloud.position.size();
         promise(limits::kCount.holds(double(points)), "a number of points within limits");
         promise(points + cloud.dropped <= bytes.size(), "every point has bytes of its own");
-        for (const size_t size : {cloud.scale.size(), cloud.sigma_t.size(), cloud.albedo.size()})
+        for (const size_t size :
+             {cloud.scale.size(), cloud.radius.size(), cloud.sigma_t.size(), cloud.opacity.size(), cloud.albedo.size()})
             promise(size == 0 || size == points, "a list is empty or complete");
         for (const glm::vec3& at : cloud.position) promise(within(at, limits::kPlace), "a place within limits");
         for (const float scale : cloud.scale) promise(limits::kScale.holds(double(scale)), "a size within limits");
+        for (const float radius : cloud.radius) promise(limits::kScale.holds(double(radius)), "a size within limits");
+        for (const float opacity : cloud.opacity)
+            promise(limits::kColour.holds(double(opacity)), "an opacity within limits");
         for (const float sigma_t : cloud.sigma_t)
             promise(limits::kSigmaT.holds(double(sigma_t)), "an extinction within limits");
         for (const glm::vec3& albedo : cloud.albedo)

@@ -143,6 +143,30 @@ TEST(Lifecycle, ExplainSaysThePlanOfEveryScene) {
     }
 }
 
+TEST(Lifecycle, APointCloudIsToldOfAtTheStartAndForExplain) {
+    const auto path = std::filesystem::temp_directory_path() / ("brume-cloud-" + std::to_string(getpid()));
+    const std::string ply = path.string() + ".ply", scene = path.string() + ".toml";
+    std::ofstream(ply) << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                          "property float z\nproperty float nx\nend_header\n2000 0 0 1\n2001 0 0 1\n";
+    std::ofstream(scene) << "[medium]\nlayout = 'file'\nfile = '" << path.filename().string() << ".ply'\n";
+    const auto expectTold = [&](const std::string& err) {
+        for (const std::string& what :
+             {"point cloud '" + ply + "': 2 points in [2000, 0, 0] to [2001, 0, 0] m; scale ",
+              std::string("ignored properties: nx"), std::string("sees none of the 2 points")}) {
+            const size_t at = err.find(what);
+            EXPECT_NE(at, err.npos) << what << '\n' << err;
+            EXPECT_EQ(err.find(what, at + 1), err.npos) << "once: " << err;
+        }
+    };
+    const auto explained = startServer({"--scene", scene, "--explain", "--costs", "/nowhere"});
+    EXPECT_EQ(explained->exitCode(), 0) << explained->err();
+    expectTold(explained->err());
+    RunningServer server({"--scene", scene});
+    expectTold(server.process().err());
+    std::filesystem::remove(ply);
+    std::filesystem::remove(scene);
+}
+
 TEST(Lifecycle, APlannedServerShowsItsPlanInMetrics) {
     RunningServer server(
         {"--method", "auto", "--set", "render.error=0.01", "--frame-budget", "10000"}); // ms: nothing is given up

@@ -97,10 +97,10 @@ TEST(Layouts, AFileBringsItsOwnParticles) {
     give(simulation, {command(change)});
     const auto own = particlesOf(simulation);
     EXPECT_EQ(own[0].scale, 0.5f);
-    EXPECT_EQ(own[0].sigma_t, 7);
-    EXPECT_EQ(own[1].sigma_t, 8);
-    EXPECT_EQ(own[1].albedo, glm::vec3(0, 1, 0));
-    EXPECT_EQ(simulation.bounds().max_sigma_t, 8);
+    EXPECT_EQ(own[0].sigma_t, 14) << "twice the scene's extinction: twice the file's";
+    EXPECT_EQ(own[1].sigma_t, 16);
+    EXPECT_EQ(own[1].albedo, glm::vec3(0, 0.5f / 0.9f, 0));
+    EXPECT_EQ(simulation.bounds().max_sigma_t, 16);
 
     scene.medium.file = "no/such.ply";
     EXPECT_THROW(Simulation{scene}, SceneError);

@@ -56,6 +56,31 @@ TEST(Ply, OnlyPlaces) {
     EXPECT_TRUE(cloud.scale.empty() && cloud.sigma_t.empty() && cloud.albedo.empty());
 }
 
+TEST(Ply, NamesOfOtherPrograms) {
+    const PointCloud cloud = load(kAscii + "element vertex 1\n" + kXyz +
+                                  "property float radius\nproperty uchar opacity\nproperty float nx\n"
+                                  "property uchar diffuse_red\nproperty uchar diffuse_green\n"
+                                  "property uchar diffuse_blue\nproperty list uchar int faces\nend_header\n"
+                                  "1 2 3 0.5 51 9 255 0 51 2 7 8\n");
+    EXPECT_TRUE(cloud.scale.empty() && cloud.sigma_t.empty());
+    EXPECT_EQ(cloud.radius, std::vector<float>{0.5f});
+    EXPECT_EQ(cloud.opacity, std::vector<float>{0.2f});
+    EXPECT_EQ(cloud.albedo, std::vector<glm::vec3>{glm::vec3(1, 0, 0.2f)});
+    EXPECT_EQ(cloud.ignored, (std::vector<std::string>{"nx", "faces"}));
+}
+
+TEST(Ply, OurOwnNamesComeFirst) {
+    const PointCloud cloud = load(kAscii + "element vertex 1\n" + kXyz +
+                                  "property float radius\nproperty float opacity\nproperty float scale\n"
+                                  "property float sigma_t\nproperty float diffuse_red\nproperty float red\n"
+                                  "property float green\nproperty float blue\nend_header\n1 2 3 4 5 6 7 8 0 .5 1\n");
+    EXPECT_EQ(cloud.scale, std::vector<float>{6});
+    EXPECT_EQ(cloud.sigma_t, std::vector<float>{7});
+    EXPECT_TRUE(cloud.radius.empty() && cloud.opacity.empty());
+    EXPECT_EQ(cloud.albedo, std::vector<glm::vec3>{glm::vec3(0, 0.5f, 1)});
+    EXPECT_EQ(cloud.ignored, (std::vector<std::string>{"radius", "opacity", "diffuse_red"}));
+}
+
 TEST(Ply, BinaryWithOtherElementsAndLists) {
     const std::string body = raw<uint8_t>(2) + raw(1) + raw(2) + raw<uint8_t>(0) + // 2 faces
                              raw(7.0) + raw(8.0) +                                 // 1 grid of two doubles
@@ -86,10 +111,15 @@ TEST(Ply, PointsThatCannotBeUsedAreDroppedAndCounted) {
     EXPECT_EQ(binary.position[0], glm::vec3(1, 1, 2));
     EXPECT_EQ(binary.scale.size(), 1u);
     EXPECT_EQ(binary.dropped, 4u);
+    EXPECT_EQ(binary.first_dropped.substr(0, 17), "row 1: x is nan; ");
     const PointCloud ascii =
         load(kAscii + "element vertex 4\n" + kXyz + "end_header\nnan 1 1\n1 -inf 1\n1 1 1e999\n1 2 3\n");
     EXPECT_EQ(ascii.position.size(), 1u);
     EXPECT_EQ(ascii.dropped, 3u);
+    const PointCloud coloured = load(kAscii + "element vertex 2\n" + kXyz +
+                                     "property float red\nproperty float green\nproperty float blue\nend_header\n"
+                                     "1 1 1 0 0 1\n\n1 1 1 0 255 0\n");
+    EXPECT_EQ(coloured.first_dropped, "line 13: green is 255; allowed: 0 to 1 as float, 0 to 255 as uchar");
 }
 
 struct Broken {
@@ -128,19 +158,27 @@ TEST(Ply, BrokenFilesSayWhatIsExpected) {
         {kAscii + "element face 0\nproperty list uchar int i\nend_header\n", "no element vertex"},
         {kAscii + "element vertex 0\n" + kXyz + "end_header\n", "allowed: 1 to 1000000"},
         {kAscii + "element vertex 1000001\n" + kXyz + "end_header\n", "allowed: 1 to 1000000"},
-        {kAscii + vertex1 + "1 2", "ends early"},
-        {kAscii + vertex1 + "1 two 3", "\"two\" is not a number"},
+        {kAscii + vertex1, "ends early"},
+        {kAscii + "element vertex 2\n" + kXyz + "end_header\n1 2 3\n", "after 1 of 2 rows of element vertex"},
+        {kAscii + vertex1 + "1 2", ":8: PLY: the line has 2 values; a row of element vertex has 3: x, y, z"},
+        {kAscii + "element vertex 2\n" + kXyz + "end_header\n1 2\n4 5 6\n", ":8: PLY: the line has 2 values; a row"},
+        {kAscii + "element vertex 1\n" + kXyz + "end_header\n1 2 3 4\n", ":8: PLY: the line has 4 values; a row"},
+        {kAscii + vertex1 + "1 two 3", ":8: PLY: property y: \"two\" is not a number"},
+        {kAscii + "comment\n" + vertex1 + "\n\n1 2 0,5",
+         ":11: PLY: property z: \"0,5\" is not a number; is its comma a decimal point? expected 0.5"},
         {kAscii + vertex1 + "1 2 3x", "\"3x\" is not a number"},
         {kAscii + vertex1 + "1 2 \x1b[2J", "\"?[2J\" is not a number"}, // shown, not done
-        {kAscii + vertex1 + "nan nan nan", "no point is usable"},
-        {kBinary + vertex1 + raw(1.0f) + raw(2.0f) + "abc", "ends early"},
+        {kAscii + vertex1 + "nan nan nan", "no point is usable; the first, line 8: x is nan; allowed: finite"},
+        {kBinary + vertex1 + raw(1.0f) + raw(2.0f) + "abc", "ends early, in row 1 of 1 of element vertex, property z"},
         {kBinary + "element face 4294967296\nproperty double a\n" + vertex1 + raw(1.0), "ends early"},
         {kBinary + "element face 2305843009213693952\nproperty double a\n" + vertex1 + raw(1.0),
          "ends early"}, // 8 times it is 2^64
-        {kBinary + "element face 1\nproperty list int char i\n" + vertex1 + raw(-1), "a list's length"},
+        {kBinary + "element face 1\nproperty list int char i\n" + vertex1 + raw(-1),
+         "row 1 of element face, property i: a list's length is -1"},
         {kBinary + "element face 1\nproperty list uint double i\n" + vertex1 + raw(0xffffffffu) + "1234",
          "a list's length"},
-        {kAscii + "element face 1\nproperty list uchar char i\n" + vertex1 + "1.5 1 1 1 1", "a list's length"},
+        {kAscii + "element face 1\nproperty list uchar char i\n" + vertex1 + "1.5 1 1 1 1",
+         ":10: PLY: property i: a list's length is 1.5"},
     };
     for (const Broken& broken : all) {
         const std::string message = errorOf(broken.bytes);
@@ -196,7 +234,7 @@ TEST(Ply, PlacesCountFromTheOriginInDouble) {
     ASSERT_EQ(cloud.position.size(), 2u);
     EXPECT_EQ(cloud.position[0], glm::vec3(0.0009765625f, 0, 0.5f));
     EXPECT_EQ(cloud.position[1], glm::vec3(0, 0.25f, 7));
-    const PointCloud ascii = parsePly(kAscii + xyz + "1000000.0009765625 -2e6 .5 0 0 0", "ply_test.ply", origin);
+    const PointCloud ascii = parsePly(kAscii + xyz + "1000000.0009765625 -2e6 .5\n0 0 0", "ply_test.ply", origin);
     EXPECT_EQ(ascii.position, std::vector<glm::vec3>{cloud.position[0]})
         << "the point at the world's zero is too far away";
     EXPECT_EQ(ascii.dropped, 1u);

@@ -1,0 +1,74 @@
+#include "server/sim/point_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/ply.h"
+#include "common/scene_limits.h"
+#include "server/sim/random.h"
+#include "server/sim/spacing.h"
+
+namespace brume {
+
+namespace {
+
+constexpr float kSqrt5 = 2.23606798f, kSqrt2Pi = 2.50662827f;
+// An opacity of 1 would need an infinite extinction. This one is within half a level of a picture of 8 bits.
+constexpr float kMostOpacity = 1 - 1 / 512.0f;
+
+// A particle's extinction is peak * exp(-50 r^2 / u^2), u = scale * falloff: its standard deviation is u / 10.
+float deviationOf(float scale, const Medium& medium) { return 0.1f * scale * medium.falloff; }
+float scaleOf(float deviation, const Medium& medium) { return limits::kScale.clamp(10 * deviation / medium.falloff); }
+
+// Fills out.scale and says where the sizes came from.
+std::string placeSizes(const PointCloud& cloud, const Medium& medium, Placement& out) {
+    if (!cloud.scale.empty()) {
+        out.scale = cloud.scale;
+        return "the file's scale";
+    }
+    if (!cloud.radius.empty()) { // along an axis, a ball's mean square distance from its centre is radius^2 / 5
+        for (const float radius : cloud.radius) out.scale.push_back(scaleOf(radius / kSqrt5, medium));
+        return "from the file's radius";
+    }
+    if (const float distance = medium.scale_by_spacing ? spacing(out.position) : 0; distance > 0) {
+        out.scale.assign(out.position.size(), scaleOf(0.5f * distance, medium));
+        return "from the spacing of the points, as no size came; medium.scale replaces it";
+    }
+    Random random(medium.seed);
+    while (out.scale.size() < out.position.size())
+        out.scale.push_back(random.uniform(medium.scale.lo, medium.scale.hi));
+    return "medium.scale";
+}
+
+// Fills out.sigma_t if the file has extinctions, and says where they come from.
+std::string placeExtinctions(const PointCloud& cloud, const Medium& medium, Placement& out) {
+    out.sigma_t = cloud.sigma_t;
+    if (cloud.opacity.empty())
+        return cloud.sigma_t.empty() ? "medium.extinction, medium.multiplier" : "the file's sigma_t";
+    // On a ray through the centre the optical depth is peak * deviation * sqrt(2 pi), and 1 - opacity is left.
+    for (size_t i = 0; i < cloud.opacity.size(); ++i) {
+        const float depth = -std::log1p(-std::min(cloud.opacity[i], kMostOpacity));
+        out.sigma_t.push_back(limits::kSigmaT.clamp(depth / (deviationOf(out.scale[i], medium) * kSqrt2Pi)));
+    }
+    return "from the file's opacity";
+}
+
+} // namespace
+
+Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
+    PointCloud cloud = loadPly(medium.file, origin);
+    Placement out;
+    out.position = std::move(cloud.position);
+    PointCloudFacts facts;
+    facts.sizes_from = placeSizes(cloud, medium, out);
+    facts.extinctions_from = placeExtinctions(cloud, medium, out);
+    out.albedo = std::move(cloud.albedo);
+    facts.coloured = !out.albedo.empty();
+    facts.ignored = std::move(cloud.ignored);
+    facts.dropped = cloud.dropped;
+    facts.first_dropped = std::move(cloud.first_dropped);
+    out.cloud = std::move(facts);
+    return out;
+}
+
+} // namespace brume

@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/gtc/quaternion.hpp>
+#include <spdlog/spdlog.h>
+
+#include "common/camera.h"
+#include "common/scene_limits.h"
+#include "common/text.h"
+#include "server/sim/point_cloud.h"
+#include "server/sim/simulation.h"
+
+namespace brume {
+
+namespace {
+
+constexpr size_t kLongestList = 300;    // bytes of names from the file
+constexpr double kNearlyNothing = 0.05; // optical depth: so much of the light is taken away that one hardly sees it
+constexpr float kVisibleDeviations = 3; // a particle reaches as far
+constexpr uint32_t kWidth = 16, kHeight = 9; // shape of the picture in which the camera looks for particles
+
+std::string vectorText(glm::dvec3 v) { return fmt::format("[{:.7g}, {:.7g}, {:.7g}]", v.x, v.y, v.z); }
+
+std::string rangeText(float lo, float hi) {
+    return lo < hi ? fmt::format("{:.4g} to {:.4g}", lo, hi) : fmt::format("{:.4g}", lo);
+}
+
+// What the lines are about: particles of a cloud as loaded.
+struct Cloud {
+    Cloud(const Scene& of, const Simulation& simulation)
+        : scene(of), facts(*simulation.pointCloud()), bounds(simulation.bounds()), particles(simulation.liveCount()) {
+        simulation.write(particles);
+    }
+    glm::dvec3 world(glm::vec3 place) const { return scene.origin + glm::dvec3(place); }
+    std::string boxText() const { return vectorText(world(bounds.lo)) + " to " + vectorText(world(bounds.hi)) + " m"; }
+    float deviation(const gpu::Particle& p) const { return 0.1f * p.scale * scene.medium.falloff; }
+    float reach() const { return kVisibleDeviations * 0.1f * bounds.max_scale * scene.medium.falloff; }
+
+    const Scene& scene;
+    const PointCloudFacts& facts;
+    const Bounds& bounds;
+    std::vector<gpu::Particle> particles;
+};
+
+template <class Member>
+std::string rangeOf(const Cloud& cloud, Member member) {
+    const auto [lo, hi] = std::minmax_element(cloud.particles.begin(), cloud.particles.end(),
+                                              [&](const auto& a, const auto& b) { return a.*member < b.*member; });
+    return rangeText((*lo).*member, (*hi).*member);
+}
+
+// Mean optical depth of the cloud's box, seen along the axes.
+double opticalDepth(const Cloud& cloud) {
+    double mass = 0; // integral of the extinction over the volume
+    for (const gpu::Particle& p : cloud.particles)
+        mass += double(p.sigma_t) * std::pow(double(cloud.deviation(p)) * 2.50662827, 3);
+    const glm::dvec3 side = glm::dvec3(cloud.bounds.hi - cloud.bounds.lo) + 4.0 / 3 * double(cloud.reach());
+    return mass * 3 / (side.x * side.y + side.y * side.z + side.z * side.x);
+}
+
+// True: the particle's visible part may reach into the field of view.
+bool sees(const Frustum& frustum, glm::vec3 in_view, float reach) {
+    const auto inside = [&](float across, float tangent) { // of one side's plane
+        return across + in_view.z * tangent <= reach * std::sqrt(1 + tangent * tangent);
+    };
+    return -in_view.z > -reach && inside(in_view.x, frustum.right) && inside(-in_view.x, frustum.left) &&
+           inside(in_view.y, frustum.up) && inside(-in_view.y, frustum.down);
+}
+
+bool seesAny(const Cloud& cloud) {
+    const SceneCamera& camera = cloud.scene.camera;
+    const Pose pose = lookAt(camera.position, camera.target, camera.fov_y);
+    const Frustum frustum = frustumOf(pose, kWidth, kHeight);
+    const glm::mat3 view_from_world = glm::mat3_cast(glm::conjugate(pose.orientation));
+    return std::any_of(cloud.particles.begin(), cloud.particles.end(), [&](const gpu::Particle& p) {
+        return sees(frustum, view_from_world * (p.centre - pose.position), kVisibleDeviations * cloud.deviation(p));
+    });
+}
+
+// The camera cannot see the cloud: where it could stand instead.
+std::string unseenText(const Cloud& cloud) {
+    const SceneCamera& camera = cloud.scene.camera;
+    const glm::vec3 middle = 0.5f * (cloud.bounds.lo + cloud.bounds.hi);
+    const float radius = 0.5f * glm::distance(cloud.bounds.lo, cloud.bounds.hi) + cloud.reach();
+    const float distance = radius / std::sin(0.5f * std::min(camera.fov_y, 2.0f));
+    glm::vec3 from = middle + distance * glm::normalize(camera.position - camera.target);
+    for (int i = 0; i < 3; ++i) from[i] = limits::kPlace.clamp(from[i]);
+    return fmt::format(
+        "the scene's camera sees none of the {} points: they are in {}, the camera is at {} and looks at "
+        "{}; set camera.position = {} and camera.target = {}, move the points with medium.centre, or write "
+        "the file in metres if it is in another unit",
+        cloud.particles.size(), cloud.boxText(), vectorText(cloud.world(camera.position)),
+        vectorText(cloud.world(camera.target)), vectorText(cloud.world(from)), vectorText(cloud.world(middle)));
+}
+
+std::string ignoredText(const PointCloudFacts& facts) {
+    if (facts.ignored.empty()) return "every property is read";
+    std::string names = fmt::format("{}", fmt::join(facts.ignored, ", "));
+    if (names.size() > kLongestList) names = names.substr(0, kLongestList) + "...";
+    return "ignored properties: " + names;
+}
+
+} // namespace
+
+std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
+    const Cloud cloud(scene, simulation);
+    const double depth = opticalDepth(cloud);
+    return oneLine(fmt::format("point cloud '{}': {} points in {}; scale {} m ({}); extinction {} 1/m ({}); {}; {}; "
+                               "optical depth about {:.2g}{}",
+                               scene.medium.file.string(), cloud.particles.size(), cloud.boxText(),
+                               rangeOf(cloud, &gpu::Particle::scale), cloud.facts.sizes_from,
+                               rangeOf(cloud, &gpu::Particle::sigma_t), cloud.facts.extinctions_from,
+                               cloud.facts.coloured ? "with colours" : "no colours", ignoredText(cloud.facts), depth,
+                               depth < kNearlyNothing ? ", nearly transparent: medium.extinction changes it" : ""));
+}
+
+std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation) {
+    const Cloud cloud(scene, simulation);
+    std::vector<std::string> warnings;
+    if (cloud.facts.dropped > 0)
+        warnings.push_back(oneLine(
+            fmt::format("point cloud '{}': dropped {} of {} points; the first, {}", scene.medium.file.string(),
+                        cloud.facts.dropped, cloud.facts.dropped + cloud.particles.size(), cloud.facts.first_dropped)));
+    if (!seesAny(cloud)) warnings.push_back(unseenText(cloud));
+    return warnings;
+}
+
+void tellOfPointCloud(const Scene& scene, const Simulation& simulation) {
+    if (!simulation.pointCloud()) return;
+    spdlog::info("{}", pointCloudLine(scene, simulation));
+    for (const std::string& warning : pointCloudWarnings(scene, simulation)) spdlog::warn("{}", warning);
+}
+
+} // namespace brume

@@ -1,0 +1,200 @@
+// Layout `file`: a user's own points, and what the user is told about them.
+#include "server/sim/point_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/simulation_scenes.h"
+
+namespace brume {
+namespace {
+
+// A scene of one point cloud, in files of its own. `header`: properties besides x, y, z; `body`: the points.
+std::filesystem::path cloudScene(const std::string& header, const std::string& body, const std::string& medium = "") {
+    const std::filesystem::path folder(testing::TempDir());
+    std::ofstream(folder / "layout_test.ply")
+        << "ply\nformat ascii 1.0\nelement vertex " << std::count(body.begin(), body.end(), '\n')
+        << "\nproperty float x\nproperty float y\nproperty float z\n"
+        << header << "end_header\n"
+        << body;
+    std::ofstream(folder / "layout_test.toml")
+        << "[medium]\nlayout = 'file'\nfile = 'layout_test.ply'\nmultiplier = 10\n"
+        << medium;
+    return folder / "layout_test.toml";
+}
+
+const std::string kOwn = "property float sigma_t\nproperty float red\nproperty float green\nproperty float blue\n";
+
+TEST(PointClouds, SlidersAreFactorsOfTheirOwnValues) {
+    const Scene scene = loadScene(
+        cloudScene(kOwn, "0 0 0 0.3 0.1 0.6 1\n1 0 0 7 1 0 0.7\n", "extinction = 7\nalbedo = [0.3, 0, 0.9]\n"));
+    Simulation simulation(scene);
+    const auto before = particlesOf(simulation);
+    EXPECT_EQ(before[0].sigma_t, 0.3f) << "as loaded: the file's own bits";
+    EXPECT_EQ(before[0].albedo, glm::vec3(0.1f, 0.6f, 1));
+    const uint64_t hash_before = simulation.stateHash();
+
+    give(simulation, {command(Set{{"medium.extinction", 3.5f}, {"medium.albedo", glm::vec3(0.9f, 0.5f, 0.45f)}})});
+    const auto after = particlesOf(simulation);
+    EXPECT_EQ(after[0].sigma_t, 0.15f);
+    EXPECT_EQ(after[1].sigma_t, 3.5f);
+    EXPECT_NEAR(after[0].albedo.x, 0.3f, 1e-6f);
+    EXPECT_EQ(after[0].albedo.y, 0.6f) << "nothing is relative to a start of 0";
+    EXPECT_EQ(after[0].albedo.z, 0.5f);
+    EXPECT_EQ(after[1].albedo, glm::vec3(1, 0, 0.35f)) << "at most 1";
+    EXPECT_NE(simulation.stateHash(), hash_before);
+
+    give(simulation, {command(Restart{})});
+    EXPECT_EQ(particlesOf(simulation)[0].sigma_t, before[0].sigma_t);
+    EXPECT_EQ(particlesOf(simulation)[0].albedo, before[0].albedo);
+
+    give(simulation, {command(Set{{"medium.extinction", 1e5f}})});
+    EXPECT_LE(particlesOf(simulation)[1].sigma_t, 1e4f) << "as for a file: limits::kSigmaT";
+}
+
+TEST(PointClouds, ADarkStartLeavesTheirOwnExtinctions) {
+    Simulation simulation(loadScene(cloudScene(kOwn, "0 0 0 0.3 0.1 0.6 1\n", "extinction = 0\n")));
+    EXPECT_EQ(particlesOf(simulation)[0].sigma_t, 0.3f);
+    give(simulation, {command(Set{{"medium.extinction", 3.0f}})});
+    EXPECT_EQ(particlesOf(simulation)[0].sigma_t, 0.3f);
+}
+
+TEST(PointClouds, TheirColoursArePartOfTheState) {
+    const uint64_t one = Simulation(loadScene(cloudScene(kOwn, "0 0 0 3 0.1 0.6 1\n"))).stateHash();
+    EXPECT_NE(Simulation(loadScene(cloudScene(kOwn, "0 0 0 3 0.2 0.6 1\n"))).stateHash(), one);
+    EXPECT_NE(Simulation(loadScene(cloudScene(kOwn, "0 0 0 4 0.1 0.6 1\n"))).stateHash(), one);
+}
+
+// 1000 points on a lattice; `step`: m.
+std::string lattice(float step) {
+    std::string body;
+    for (int i = 0; i < 1000; ++i) {
+        const glm::vec3 p = step * glm::vec3(i % 10, i / 10 % 10, i / 100);
+        body += std::to_string(p.x) + ' ' + std::to_string(p.y) + ' ' + std::to_string(p.z) + '\n';
+    }
+    return body;
+}
+
+TEST(PointClouds, WithoutSizesTheirSpacingDecides) {
+    for (const float step : {0.01f, 0.5f, 40.0f}) {
+        const auto placed = particlesOf(Simulation(loadScene(cloudScene("", lattice(step), "falloff = 2\n"))));
+        const float deviation = 0.1f * 2 * placed[0].scale;
+        EXPECT_NEAR(deviation, 0.5f * std::sqrt(2.0f) * step, 0.01f * step) << "half the distance to the 8th neighbour";
+        EXPECT_EQ(placed[999].scale, placed[0].scale);
+    }
+    const auto given = particlesOf(Simulation(loadScene(cloudScene("", lattice(0.5f), "scale = 6\n"))));
+    EXPECT_EQ(given[0].scale, 6) << "what the scene says holds, be it the default";
+    EXPECT_EQ(particlesOf(Simulation(loadScene(cloudScene("", "1 2 3\n"))))[0].scale, 6) << "no spacing: the default";
+}
+
+TEST(PointClouds, ARadiusIsThatOfABallThatSpreadsAsFar) {
+    const auto placed = particlesOf(
+        Simulation(loadScene(cloudScene("property float radius\n", "0 0 0 2\n1 0 0 0.5\n", "falloff = 2\n"))));
+    const auto deviation = [](const gpu::Particle& p) { return 0.1f * 2 * p.scale; };
+    EXPECT_NEAR(deviation(placed[0]), 2 / std::sqrt(5.0f), 1e-5f) << "mean of x^2 in a ball of radius r: r^2 / 5";
+    EXPECT_NEAR(deviation(placed[1]), 0.5f / std::sqrt(5.0f), 1e-5f);
+}
+
+TEST(PointClouds, AnOpacityIsThatOfARayThroughTheCentre) {
+    const auto placed = particlesOf(Simulation(loadScene(cloudScene(
+        "property float scale\nproperty float opacity\n", "0 0 0 2 0.75\n1 0 0 4 0.75\n2 0 0 3 0\n3 0 0 3 1\n"))));
+    const auto through = [](const gpu::Particle& p) { // of a Gaussian: peak * deviation * sqrt(2 pi)
+        return 1 - std::exp(-p.sigma_t * 0.1f * 1.6f * p.scale * 2.5066283f);
+    };
+    EXPECT_NEAR(through(placed[0]), 0.75f, 1e-5f);
+    EXPECT_NEAR(through(placed[1]), 0.75f, 1e-5f);
+    EXPECT_EQ(placed[2].sigma_t, 0);
+    EXPECT_NEAR(through(placed[3]), 1 - 1 / 512.0f, 1e-5f) << "1 within half a level of a picture of 8 bits";
+}
+
+// One after another, each with a line break.
+std::string told(const std::filesystem::path& file) {
+    const Scene scene = loadScene(file);
+    const Simulation simulation(scene);
+    std::string lines = pointCloudLine(scene, simulation) + '\n';
+    for (const std::string& warning : pointCloudWarnings(scene, simulation)) lines += warning + '\n';
+    return lines;
+}
+
+void expectIn(const std::string& text, const std::string& what) {
+    EXPECT_NE(text.find(what), text.npos) << what << "\nis not in: " << text;
+}
+
+TEST(PointClouds, OneLineSaysWhatCame) {
+    const std::string bare = told(cloudScene("property float nx\nproperty uchar alpha\n", "-1 0 2 1 9\n3 4 2.5 1 9\n"));
+    expectIn(bare, "layout_test.ply': 2 points in [-1, 0, 2] to [3, 4, 2.5] m; scale ");
+    expectIn(bare, "(from the spacing of the points, as no size came; medium.scale replaces it)");
+    expectIn(
+        bare,
+        "; extinction 0.015 1/m (medium.extinction, medium.multiplier); no colours; ignored properties: nx, alpha;");
+    EXPECT_EQ(std::count(bare.begin(), bare.end(), '\n'), 1) << bare;
+
+    const std::string all = told(cloudScene("property float scale\n" + kOwn, "0 0 0 2 0.3 .1 .6 1\n1 0 0 3 7 1 0 1\n"));
+    expectIn(all,
+             "; scale 2 to 3 m (the file's scale); extinction 0.3 to 7 1/m (the file's sigma_t); with colours; every");
+
+    const std::string other = told(cloudScene("property float radius\nproperty float opacity\n", "0 0 0 2 0.5\n"));
+    expectIn(other, " m (from the file's radius); extinction ");
+    expectIn(other, " 1/m (from the file's opacity); no colours;");
+
+    expectIn(told(cloudScene("", "0 0 0\n", "scale = [2, 2]\n")), "scale 2 m (medium.scale)");
+}
+
+TEST(PointClouds, TheLineSaysHowDenseTheyAre) {
+    // Along any axis a single particle's depth is sigma_t s sqrt(2 pi); its mean over a square of 4 s is smaller.
+    const std::string header = "property float scale\nproperty float sigma_t\n";
+    expectIn(told(cloudScene(header, "0 0 0 1 10\n", "falloff = 1\n")), "optical depth about 0.98\n");
+    expectIn(told(cloudScene(header, "0 0 0 1 .1\n", "falloff = 1\n")),
+             "about 0.0098, nearly transparent: medium.exti");
+}
+
+TEST(PointClouds, NamesOfAFileAreSafeToShow) {
+    const std::string line =
+        told(cloudScene("property float a\x1b[2J\nproperty float " + std::string(900, 'b') + "\n", "0 0 0 1 1\n"));
+    expectIn(line, "ignored properties: a?[2J, bbb");
+    EXPECT_LT(line.size(), 1200u);
+}
+
+TEST(PointClouds, LeftOutPointsAreToldWithTheFirstReason) {
+    const std::string lines = told(cloudScene("property float scale\n", "0 0 0 1\n1 0 0 0\n2 0 0 -1\n"));
+    expectIn(lines, "dropped 2 of 3 points; the first, line 10: scale is 0; allowed: 0.001 to 1000\n");
+}
+
+TEST(PointClouds, ACameraThatSeesNoneIsToldWhereToStand) {
+    const std::string millimetres = "3000 4000 5000\n3100 4000 5000\n3000 4100 5000\n",
+                      wrong = "sees none of the 3 points";
+    const auto with = [&](const std::string& rest) { return told(cloudScene("", millimetres, "scale = 50\n" + rest)); };
+    const std::string lines = with("");
+    expectIn(lines, wrong + ": they are in [3000, 4000, 5000] to [3100, 4100, 5000] m, the camera is at [0, 2, 26] and "
+                            "looks at [0, 0, 0]; set camera.position = [");
+    expectIn(lines, " and camera.target = [3050, 4050, 5000], ");
+    const size_t begin = lines.find("camera.position"), middle = lines.find(" and camera.target");
+    const std::string position = lines.substr(begin + 7, middle - begin - 7), target = "target = [3050, 4050, 5000]";
+    const std::string advised = "[camera]\n" + position + '\n' + target + '\n';
+    EXPECT_EQ(with(advised).find("sees none"), std::string::npos) << advised << with(advised);
+    EXPECT_EQ(with("centre = [-3000, -4000, -5000]\n").find("sees none"), std::string::npos);
+
+    for (const char* const behind : {"0 0 40\n1 0 40\n", "60 0 0\n61 0 0\n", "0 60 0\n1 60 0\n", "-60 0 0\n-61 0 0\n"})
+        expectIn(told(cloudScene("", behind, "scale = 1\n")), "sees none of the 2 points");
+    for (const char* const before : {"0 0 20\n1 0 20\n", "17 0 0\n16 0 0\n", "0 9 0\n0 60 0\n", "0 2 26.3\n1 90 27\n"})
+        EXPECT_EQ(told(cloudScene("", before, "scale = 1\n")).find("sees none"), std::string::npos) << before;
+}
+
+TEST(PointClouds, PlacesAreToldInTheWorld) {
+    const auto file = cloudScene("", "1000100 0 0\n1000101 0 0\n", "scale = 1\n");
+    const std::string origin[] = {"origin=[1e6, 0, 0]"};
+    const Scene scene = loadScene(file, origin);
+    const Simulation simulation(scene);
+    expectIn(pointCloudLine(scene, simulation), "2 points in [1000100, 0, 0] to [1000101, 0, 0] m");
+    const auto warnings = pointCloudWarnings(scene, simulation);
+    ASSERT_EQ(warnings.size(), 1u);
+    expectIn(warnings[0], "the camera is at [1000000, 2, 26]");
+}
+
+} // namespace
+} // namespace brume
