@@ -22,6 +22,9 @@ layout(scalar, binding = 2) buffer Field { float field[]; };
 // Approximate inverse of the B-spline's samples (1, 4, 1) / 6, cut to five taps; exact for cubics.
 const float kInverse[5] = {0.05, -0.36666667, 1.63333333, -0.36666667, 0.05};
 
+const float kSteep = 1;      // slabs: ends that differ by more are steep
+const float kNothing = 1e-4; // optical depth: where all rays around have less, there is nothing to cut
+
 // The 5x5 nodes around a node, row by row; nodes at the border are repeated.
 void valuesAround(uvec2 node, uint plane, out float values[25]) {
     [[unroll]] for (int n = 0; n < 25; ++n) {
@@ -57,6 +60,8 @@ void main() {
     uint known = 0;
     [[unroll]] for (int i = 0; i < 25; ++i) known |= uint(values[i] > 0) << i;
     field[fieldSpline(kFieldDepth) + n] = coefficient(values, all);
+    float deepest = 0;
+    [[unroll]] for (int i = 0; i < 25; ++i) deepest = max(deepest, values[i]);
     for (uint q = kFieldSun; q < fieldQuantities(); ++q) {
         valuesAround(node, fieldWhole(q), values);
         field[fieldSpline(q) + n] = coefficient(values, known);
@@ -64,5 +69,11 @@ void main() {
     if (kHasOpaque) {
         valuesAround(node, fieldEnd(), values);
         field[fieldEndSpline() + n] = coefficient(values, all);
+        float nearest = values[0], furthest = values[0];
+        [[unroll]] for (int i = 1; i < 25; ++i) {
+            nearest = min(nearest, values[i]);
+            furthest = max(furthest, values[i]);
+        }
+        field[fieldSteep() + n] = deepest > kNothing && furthest - nearest > kSteep ? 1 : 0;
     }
 }

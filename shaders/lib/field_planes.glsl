@@ -15,3 +15,4 @@ uint fieldWhole(uint quantity) { return planeAt(wholePlane(fieldPlanes(), quanti
 uint fieldEnd() { return planeAt(endPlane(fieldPlanes())); }
 uint fieldSpline(uint quantity) { return planeAt(splinePlane(fieldPlanes(), quantity)); }
 uint fieldEndSpline() { return planeAt(endSplinePlane(fieldPlanes())); }
+uint fieldSteep() { return planeAt(steepPlane(fieldPlanes())); }

@@ -10,6 +10,7 @@ const uint kFurther = 1u << 31; // bit of castersMet() for all casters after the
 // Values that a run of pixels shares.
 struct MediumCut {
     vec4 ends;    // the face at which whole rays end
+    bool steep;   // true: the ends of the rays around are steep (shared/field.h)
     uint casters; // bits of casters whose shadow the run may meet; see kFurther
     FieldFaces ended[kMostFieldQuantities], shadow_begin[3], shadow_end[3]; // shadows: each colour of the sun
 };
@@ -42,8 +43,13 @@ MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
     cut.casters = kHasCasters ? castersMet(pixel, pixels) : 0;
     for (uint q = 0; q < fieldQuantities(); ++q) cut.ended[q].below = -1;
     for (uint c = 0; c < kSunColours; ++c) cut.shadow_begin[c].below = cut.shadow_end[c].below = -1;
-    if (kHasOpaque)
+    cut.steep = false;
+    if (kHasOpaque) {
         cut.ends = fieldColumns(kRate == 1 ? fieldEnd() : fieldEndSpline(), run.at, spline(run.at.down));
+        // The nodes above and below the run: coefficients of a spline ring to two nodes around.
+        const uint upper = fieldSteep() + run.at.first + grid.nodes.x + 1;
+        if (kRate > 1) cut.steep = max(field[upper], field[upper + grid.nodes.x + 1]) > 0;
+    }
     return cut;
 }
 
@@ -89,7 +95,7 @@ void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 acro
             inout float ray[kMostFieldQuantities]) {
     const float part = fieldPart(pixel.x), z = texelFetch(view_depth, pixel, 0).r;
     const float end = clamp(faceAt(z), 0, float(grid.slabs));
-    if (abs(dot(across, cut.ends) - end) > kSameFace)
+    if (cut.steep || abs(dot(across, cut.ends) - end) > kSameFace)
         for (uint q = 0; q < fieldQuantities(); ++q)
             ray[q] = max(fieldAt(cut.ended[q], q, run.at, end, part), 0);
     if (kHasCasters && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, end, part);

@@ -39,16 +39,18 @@ const uint kMostFieldQuantities = 7u;
 //
 //   quantity 0    quantity 1    ...   with faces         as coefficients of B-splines
 //   |             |                   |                  |
-//   +-------------+-------------+-----+------------------+------------+-----+--------------------+
-//   | faces + 1   | faces + 1   | ... | the face where   | quantity 0 | ... | with faces: the    |
-//   | planes      | planes      |     | a whole ray ends | of whole   |     | face where a whole |
-//   |             |             |     |                  | rays       |     | ray ends           |
-//   +-------------+-------------+-----+------------------+------------+-----+--------------------+
+//   +-------------+-------------+-----+------------------+------------+-----+--------------------+---------------+
+//   | faces + 1   | faces + 1   | ... | the face where   | quantity 0 | ... | with faces: the    | with faces:   |
+//   | planes      | planes      |     | a whole ray ends | of whole   |     | face where a whole | 1 where the   |
+//   |             |             |     |                  | rays       |     | ray ends           | ends are steep|
+//   +-------------+-------------+-----+------------------+------------+-----+--------------------+---------------+
 //
 //   a quantity:  | up to face 0 (near) | up to face 1 | ... | up to face `slabs` (far) | whole ray |
 //
 // A whole ray ends at the surface that it hits. Its light is stored divided by its opacity: both are then smooth where
-// the medium is band-limited, however dense it is.
+// the medium is band-limited, however dense it is. The ends are steep where those of rays around differ by more than a
+// slab in the medium, such as on a ground that is seen along it. Whole rays are not smooth there; the planes of faces
+// are.
 struct FieldPlanes {
     uint quantities;
     uint faces; // slabs + 1 in scenes with opaque objects; otherwise 0: there are only whole rays
@@ -65,7 +67,8 @@ BRUME_INLINE uint splinePlane(FieldPlanes field, uint quantity) {
     return endPlane(field) + endPlanes(field) + quantity;
 }
 BRUME_INLINE uint endSplinePlane(FieldPlanes field) { return splinePlane(field, field.quantities); }
-BRUME_INLINE uint planesOf(FieldPlanes field) { return endSplinePlane(field) + endPlanes(field); }
+BRUME_INLINE uint steepPlane(FieldPlanes field) { return endSplinePlane(field) + endPlanes(field); }
+BRUME_INLINE uint planesOf(FieldPlanes field) { return steepPlane(field) + endPlanes(field); }
 
 #ifdef __cplusplus
 static_assert(fieldQuantities({.sun = 3, .ambient = 3}) == kMostFieldQuantities);

@@ -167,6 +167,38 @@ TEST_F(CoarseTest, DrawingSomePixelsKeepsEdgesOfObjectsAndShadows) {
         }
 }
 
+// Naive: the medium in front of a surface is interpolated between coarse rays also where those end at very different
+// depths, as on a ground that is seen along it. Rows of pixels are then bright and dark in turn beside a column of
+// smoke. The measure is how far a row is from the mean of its neighbours: 0.03 with fine rays, 0.12 to 0.20 naively.
+// 0.05 are left in one row, where the pixels' own depths begin to count.
+TEST_F(CoarseTest, AGroundSeenAlongItHasNoCombs) {
+    Scene scene = loadScene("server/scenes/plume.toml");
+    scene.render.method = "slabs";
+    scene.lights[0].to_light = glm::normalize(glm::vec3(0.94f, 0.087f, 0.33f));
+    Simulation simulation(scene);
+    for (int i = 0; i < 300; ++i) simulation.step({});
+    const EyeRequest eye{lookAt({-4, 3.5f, 19}, {1.2f, 6.6f, 0}, 0.75f), 480, 270};
+    const auto combs = [&](uint32_t rate, uint32_t slabs) {
+        scene.render.rate = rate;
+        scene.render.slabs = slabs;
+        Renderer renderer(device(), scene, simulation.capacity());
+        renderer.keepRadiance(true);
+        Submission submission(device(), "combs");
+        renderer.submit(submission, simulation, {&eye, 1}, &scene.render);
+        waitFor(submission.commands);
+        const auto radiance = renderer.readRadiance();
+        float most = 0;
+        for (size_t y = 200; y < 260; ++y) // the ground around the column's foot
+            for (size_t x = 180; x < 280; ++x) {
+                const auto at = [&](size_t row) { return radiance[row * eye.width + x].g; };
+                most = std::max(most, std::abs(at(y) - 0.5f * (at(y - 1) + at(y + 1))));
+            }
+        return most;
+    };
+    const float fine = combs(1, 256);
+    for (const uint32_t rate : {4u, 6u, 8u}) EXPECT_LT(combs(rate, 96), 2 * fine) << rate;
+}
+
 // The second eye of a head is drawn in the order of both, which changes as much as StereoTest.OneSortServesBothEyes
 // says.
 TEST_F(CoarseTest, TwoEyesDrawSomePixelsInOneOrder) {
