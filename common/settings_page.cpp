@@ -107,7 +107,9 @@ struct Cells {
         values = setting.choices.empty() ? fmt::format("text, {} bytes", rangeOf(setting.allowed)) : names();
         standard = code(*value);
     }
-    void operator()(const Layout* value) { values = names(), standard = code(setting.choices[static_cast<size_t>(*value)]); }
+    void operator()(const Layout* value) {
+        values = names(), standard = code(setting.choices[static_cast<size_t>(*value)]);
+    }
     void operator()(const std::filesystem::path*) { values = fmt::format("text, {} bytes", rangeOf(setting.allowed)); }
 
 private:

@@ -24,17 +24,21 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     Planner planner(scene, costs, frame_budget_ms);
     const PlanView own = ownView(scene);
     const RenderSettings planned = planner.settings(simulation, {&own, 1}, true, Planner::Time::clock::now());
-    const auto draw = [&](const PlanView& view, const RenderSettings& settings, bool rests) {
-        const EyeRequest eye{view.pose, view.width, view.height, false, planner.rateOf(view, settings)};
+    const auto drawAt = [&](const PlanView& view, uint32_t rate, const RenderSettings& settings, bool rests) {
+        const EyeRequest eye{view.pose, view.width, view.height, false, rate};
         renderer.submit(submission, simulation, {&eye, 1}, &settings, rests);
         while (!submission.commands.wait(1'000'000'000)) {
         }
+    };
+    const auto draw = [&](const PlanView& view, const RenderSettings& settings, bool rests) {
+        drawAt(view, planner.rateOf(view, settings), settings, rests);
     };
     for (const uint32_t height :
          kHeights) { // viewers near and far, with large and small pictures, that move and that rest
         const PlanView view{own.pose, height * 16 / 9, height};
         draw(view, planned, false);
         draw(view, finer(planned), true);
+        drawAt(view, 0, finer(planner.once(simulation, view).settings), true); // snapshots
     }
     std::optional<RenderSettings> coarser = planned;
     for (uint32_t step = 0, rate = planned.rate; step < kMostSteps && (coarser = relaxed(*coarser, step)); ++step)

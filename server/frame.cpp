@@ -1,6 +1,9 @@
 #include "server/frame.h"
 
 #include <algorithm>
+#include <condition_variable>
+#include <stop_token>
+#include <thread>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -17,6 +20,23 @@ constexpr auto kReportEvery = std::chrono::seconds(1);
 constexpr auto kLoadEvery = std::chrono::milliseconds(100);
 
 using Millis = std::chrono::duration<float, std::milli>;
+
+constexpr auto kLongStart = std::chrono::seconds(1);
+
+// Logs its text unless it is gone before that time is over.
+class Notice {
+public:
+    Notice(Clock::duration after, const char* text)
+        : thread_([this, after, text](const std::stop_token& over) {
+              std::unique_lock lock(mutex_);
+              if (!woken_.wait_for(lock, over, after, [&] { return over.stop_requested(); })) spdlog::info(text);
+          }) {}
+
+private:
+    std::mutex mutex_;
+    std::condition_variable_any woken_;
+    std::jthread thread_; // the last member: it uses the others
+};
 
 // `count`. Throws SceneError when so many particles do not fit the memory that there is for them.
 uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
@@ -43,7 +63,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
 // Drivers compile shaders when they are first used: for a viewer's picture, and for a picture at rest, which snapshots
 // are. What may be needed later: ahead.h.
 void FrameLoop::warmUp() {
-    spdlog::info("drawing the first pictures: a driver without them in its cache compiles shaders now, once");
+    const Notice notice(kLongStart, "compiling shaders: a driver does so once, and then has them in its cache");
     const PlanView own = ownView(scene_);
     const EyeRequest eye{own.pose, own.width, own.height};
     Submission& submission = batches_.front()->submission;

@@ -241,6 +241,15 @@ export class Controls {
 }
 
 // True if this is a field of the panel, whose keys are not for the camera.
-export function isField(target: EventTarget | null): boolean {
+function isField(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.matches('input, select, textarea');
+}
+
+// Calls the action of a key's code when it is pressed alone. In a field only Escape counts.
+export function onKeys(actions: Record<string, () => void>): void {
+  window.addEventListener('keydown', (event) => {
+    if (event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (isField(event.target) && event.code !== 'Escape') return;
+    actions[event.code]?.();
+  });
 }

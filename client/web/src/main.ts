@@ -3,7 +3,7 @@ import { fitAspect, lookAt, same } from './camera';
 import type { Camera } from './camera';
 import { Connection, socketAddress } from './connection';
 import type { LinkState } from './connection';
-import { Controls, isField } from './controls';
+import { Controls, onKeys } from './controls';
 import type { ControlsHost, Mode } from './controls';
 import { find, setPressed, setText } from './dom';
 import { Headset, headsetSupported } from './headset';
@@ -290,11 +290,7 @@ const keys: Record<string, () => void> = {
   KeyO: () => actions['panel']?.(),
   Escape: () => (pushing ? setPushing(false) : toggles.panel(false)),
 };
-window.addEventListener('keydown', (event) => {
-  if (event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
-  if (isField(event.target) && event.code !== 'Escape') return;
-  keys[event.code]?.();
-});
+onKeys(keys);
 
 // ---- panel and overlay ----
 

@@ -1,0 +1,302 @@
+#include "tests/unit/protocol_examples.h"
+
+#include <nlohmann/json.hpp>
+
+namespace brume::wire {
+namespace {
+
+Json number(uint64_t value) { return Json(std::to_string(value)); }
+Json text(const flatbuffers::String* value) { return value ? Json(value->c_str()) : Json(nullptr); }
+Json vec(const Vec3* v) { return v ? Json{v->x(), v->y(), v->z()} : Json(nullptr); }
+Json quat(const Quat* q) { return q ? Json{q->x(), q->y(), q->z(), q->w()} : Json(nullptr); }
+template <class T>
+Json maybe(flatbuffers::Optional<T> value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+Json names(const flatbuffers::Vector<flatbuffers::Offset<flatbuffers::String>>* list) {
+    if (!list) return nullptr;
+    Json out = Json::array();
+    for (const auto* name : *list) out.push_back(name->c_str());
+    return out;
+}
+
+Json frustum(const Frustum& f) {
+    return {{"left", f.left()}, {"right", f.right()}, {"up", f.up()}, {"down", f.down()}};
+}
+
+Json hex(std::span<const uint8_t> bytes) {
+    std::string out;
+    for (const uint8_t byte : bytes) {
+        out += "0123456789abcdef"[byte >> 4];
+        out += "0123456789abcdef"[byte & 15];
+    }
+    return out;
+}
+
+// Left out where there are none: examples that are released keep their words.
+template <class Table>
+void addFrusta(const Table& m, Json& out) {
+    if (m.frustum()) out["frustum"] = frustum(*m.frustum());
+    if (m.right_frustum()) out["right_frustum"] = frustum(*m.right_frustum());
+}
+
+Json of(const Hello& m) {
+    Json out = Json::object({{"client", text(m.client())},
+                             {"width", m.width()},
+                             {"height", m.height()},
+                             {"views", m.views()},
+                             {"quality", m.quality()}});
+    if (m.lossless()) out["lossless"] = true; // younger than the first examples
+    return out;
+}
+
+Json of(const Pose& m) {
+    Json out = Json::object({{"seq", m.seq()},
+                             {"client_time_us", number(m.client_time_us())},
+                             {"position", vec(m.position())},
+                             {"orientation", quat(m.orientation())},
+                             {"fov_y", m.fov_y()},
+                             {"eye_separation", m.eye_separation()},
+                             {"width", m.width()},
+                             {"height", m.height()}});
+    addFrusta(m, out);
+    if (m.hidden()) out["hidden"] = true; // younger than the first examples
+    return out;
+}
+
+Json of(const Impulse& c) {
+    return Json::object({{"origin", vec(c.origin())},
+                         {"direction", vec(c.direction())},
+                         {"push", vec(c.push())},
+                         {"strength", c.strength()}});
+}
+Json of(const MoveVolume& c) { return Json::object({{"offset", vec(c.offset())}}); }
+Json of(const SetLight& c) {
+    return Json::object(
+        {{"to_light", vec(c.to_light())}, {"irradiance", vec(c.irradiance())}, {"rotate", maybe(c.rotate())}});
+}
+Json of(const SetMedium& c) {
+    return Json::object({{"extinction", maybe(c.extinction())},
+                         {"falloff", maybe(c.falloff())},
+                         {"anisotropy", maybe(c.anisotropy())},
+                         {"asymmetry", maybe(c.asymmetry())},
+                         {"albedo", vec(c.albedo())}});
+}
+Json of(const SetRender& c) {
+    return Json::object({{"method", text(c.method())},
+                         {"quadrature", text(c.quadrature())},
+                         {"steps", maybe(c.steps())},
+                         {"exposure", maybe(c.exposure())}});
+}
+Json of(const SetSimulation& c) { return Json::object({{"paused", maybe(c.paused())}}); }
+Json of(const Restart&) { return Json::object(); }
+Json of(const Set& c) {
+    Json changes = Json::array();
+    for (const Change* change : *c.changes())
+        changes.push_back(Json::object({{"path", text(change->path())},
+                                        {"number", maybe(change->number())},
+                                        {"vector", vec(change->vector())},
+                                        {"text", text(change->text())}}));
+    return Json::object({{"changes", changes}});
+}
+
+Json of(const Input& m) {
+    Json command = Json::object();
+    switch (m.command_type()) {
+    case Command::Impulse:
+        command = of(*m.command_as_Impulse());
+        break;
+    case Command::MoveVolume:
+        command = of(*m.command_as_MoveVolume());
+        break;
+    case Command::SetLight:
+        command = of(*m.command_as_SetLight());
+        break;
+    case Command::SetMedium:
+        command = of(*m.command_as_SetMedium());
+        break;
+    case Command::SetRender:
+        command = of(*m.command_as_SetRender());
+        break;
+    case Command::SetSimulation:
+        command = of(*m.command_as_SetSimulation());
+        break;
+    case Command::Restart:
+        command = of(*m.command_as_Restart());
+        break;
+    case Command::Set:
+        command = of(*m.command_as_Set());
+        break;
+    case Command::NONE:
+        break;
+    }
+    return Json::object({{"seq", m.seq()},
+                         {"client_time_us", number(m.client_time_us())},
+                         {"command_type", EnumNameCommand(m.command_type())},
+                         {"command", std::move(command)}});
+}
+
+Json of(const Ack& m) { return Json::object({{"frame", m.frame()}}); }
+Json of(const Ping& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}); }
+Json of(const Pong& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}); }
+Json of(const Goodbye& m) {
+    Json out = Json::object({{"reason", text(m.reason())}, {"retry_after_s", m.retry_after_s()}});
+    if (m.go_to()) out["go_to"] = text(m.go_to()); // younger than the first examples
+    return out;
+}
+
+// Without the underscore that keeps C++'s keyword apart.
+std::string nameOf(Role role) { return role == Role::operator_ ? "operator" : EnumNameRole(role); }
+
+Json of(const Welcome& m) {
+    Json out = Json::object({{"viewer", m.viewer()},
+                             {"server", text(m.server())},
+                             {"scene", text(m.scene())},
+                             {"device", text(m.device())},
+                             {"width", m.width()},
+                             {"height", m.height()},
+                             {"views", m.views()},
+                             {"tick_hz", m.tick_hz()},
+                             {"max_in_flight", m.max_in_flight()},
+                             {"camera",
+                              {{"position", vec(m.camera()->position())},
+                               {"target", vec(m.camera()->target())},
+                               {"fov_y", m.camera()->fov_y()}}},
+                             {"methods", names(m.methods())},
+                             {"quadratures", names(m.quadratures())}});
+    if (m.settings()) { // later than the first examples
+        out["settings"] = Json::array();
+        for (const Setting* s : *m.settings())
+            out["settings"].push_back({{"path", text(s->path())},
+                                       {"kind", EnumNameSettingKind(s->kind())},
+                                       {"unit", text(s->unit())},
+                                       {"help", text(s->help())},
+                                       {"least_role", nameOf(s->least_role())},
+                                       {"lowest", s->lowest()},
+                                       {"highest", s->highest()},
+                                       {"usual_lowest", s->usual_lowest()},
+                                       {"usual_highest", s->usual_highest()},
+                                       {"choices", names(s->choices())}});
+    }
+    return out;
+}
+
+Json of(const SceneState& m) {
+    Json passes = Json::array();
+    if (m.passes())
+        for (const auto* pass : *m.passes()) passes.push_back({{"name", text(pass->name())}, {"ms", pass->ms()}});
+    Json out = Json::object({{"tick", number(m.tick())},
+                             {"state_hash", number(m.state_hash())},
+                             {"viewers", m.viewers()},
+                             {"particles", m.particles()},
+                             {"paused", m.paused()},
+                             {"to_light", vec(m.to_light())},
+                             {"irradiance", vec(m.irradiance())},
+                             {"rotate", m.rotate()},
+                             {"extinction", m.extinction()},
+                             {"falloff", m.falloff()},
+                             {"anisotropy", m.anisotropy()},
+                             {"asymmetry", m.asymmetry()},
+                             {"albedo", vec(m.albedo())},
+                             {"method", text(m.method())},
+                             {"quadrature", text(m.quadrature())},
+                             {"steps", m.steps()},
+                             {"exposure", m.exposure()},
+                             {"passes", std::move(passes)}});
+    if (const Plan* plan = m.plan()) // later than the first examples
+        out["plan"] = {{"method", text(plan->method())}, {"quadrature", text(plan->quadrature())},
+                       {"rate", plan->rate()},           {"slabs", plan->slabs()},
+                       {"error", plan->error()},         {"ms", plan->ms()},
+                       {"relaxed", plan->relaxed()}};
+    if (m.plan() && m.plan()->text()) out["plan"]["text"] = text(m.plan()->text());
+    if (m.settings()) {
+        out["settings"] = Json::array();
+        for (const Value* value : *m.settings())
+            out["settings"].push_back(
+                {{"number", maybe(value->number())}, {"vector", vec(value->vector())}, {"text", text(value->text())}});
+    }
+    return out;
+}
+
+Json of(const Frame& m) {
+    const Stages& s = *m.stages();
+    Json lengths = Json::array();
+    for (const uint32_t length : *m.jpeg_bytes()) lengths.push_back(length);
+    Json out = {
+        {"id", m.id()},
+        {"tick", number(m.tick())},
+        {"state_hash", number(m.state_hash())},
+        {"pose_seq", m.pose_seq()},
+        {"client_time_us", number(m.client_time_us())},
+        {"position", vec(m.position())},
+        {"orientation", quat(m.orientation())},
+        {"fov_y", m.fov_y()},
+        {"width", m.width()},
+        {"height", m.height()},
+        {"quality", m.quality()},
+        {"stages",
+         {{"wait", s.wait()}, {"render", s.render()}, {"encode", s.encode()}, {"queue", s.queue()}, {"gpu", s.gpu()}}},
+        {"jpeg_bytes", std::move(lengths)}};
+    addFrusta(m, out);
+    if (m.encoding() != Encoding::jpeg) out["encoding"] = EnumNameEncoding(m.encoding());
+    return out;
+}
+
+Json of(const Error& m) {
+    return Json::object(
+        {{"code", EnumNameErrorCode(m.code())}, {"text", text(m.text())}, {"input_seq", m.input_seq()}});
+}
+
+} // namespace
+
+Json describe(const Parsed& message) {
+    Json body = Json::object();
+    Json out = Json::object({{"type", EnumNameBody(message.type())}});
+    switch (message.type()) {
+    case Body::Hello:
+        body = of(*message.as<Hello>());
+        break;
+    case Body::Pose:
+        body = of(*message.as<Pose>());
+        break;
+    case Body::Input:
+        body = of(*message.as<Input>());
+        break;
+    case Body::Ack:
+        body = of(*message.as<Ack>());
+        break;
+    case Body::Ping:
+        body = of(*message.as<Ping>());
+        break;
+    case Body::Pong:
+        body = of(*message.as<Pong>());
+        break;
+    case Body::Goodbye:
+        body = of(*message.as<Goodbye>());
+        break;
+    case Body::Welcome:
+        body = of(*message.as<Welcome>());
+        break;
+    case Body::SceneState:
+        body = of(*message.as<SceneState>());
+        break;
+    case Body::Frame:
+        body = of(*message.as<Frame>());
+        break;
+    case Body::Error:
+        body = of(*message.as<Error>());
+        break;
+    case Body::NONE:
+        break;
+    }
+    out["body"] = std::move(body);
+    if (const Frame* frame = message.as<Frame>()) {
+        Json views = Json::array();
+        for (uint32_t view = 0; view < frame->jpeg_bytes()->size(); ++view) views.push_back(hex(message.view(view)));
+        out["jpeg"] = std::move(views);
+    }
+    return out;
+}
+
+} // namespace brume::wire
