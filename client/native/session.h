@@ -21,7 +21,7 @@ uint64_t nowUs();
 class Received {
 public:
     Received(Bytes bytes, wire::Parsed parsed, uint64_t received_us)
-        : bytes_(std::move(bytes)), parsed_(parsed), received_us_(received_us) {}
+        : bytes_(std::move(bytes)), parsed_(std::move(parsed)), received_us_(received_us) {}
     Received(Received&&) noexcept = default; // a moved vector keeps its memory, so `parsed_` stays right
     Received& operator=(Received&&) noexcept = default;
 
