@@ -21,7 +21,7 @@ constexpr uint64_t kMostBytes = 512ull << 20; // a million points of 64 doubles
 enum Slot : size_t { kX, kY, kZ, kScale, kRadius, kSigmaT, kOpacity, kRed, kGreen, kBlue, kSlots };
 
 struct SlotRule {
-    std::string_view name, other; // of the property; other: read where there is none of the first name
+    std::string_view name, other; // names of a property; `other` is read where a file has none called `name`
     Limits allowed;
     bool part = false; // True: a part of 1. 255 of a uchar stands for 1, and other whole-number types are refused
 };
@@ -41,7 +41,7 @@ using Point = std::array<double, kSlots>;
 struct Columns {
     std::vector<size_t> slot_of; // per property; kSlots: not taken
     std::array<bool, kSlots> there{};
-    Point unit{}; // what a file's number is multiplied by
+    Point unit{}; // factors: a slot's value is the file's number times its factor
 };
 
 // The number of `vertex`'s property of that name; none: properties.size().

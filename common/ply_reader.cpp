@@ -16,7 +16,7 @@ namespace brume::ply {
 
 namespace {
 
-constexpr size_t kLongestLine = 1024, kMostLines = 512; // of a header
+constexpr size_t kLongestLine = 1024, kMostLines = 512; // a header's limits, in bytes and in lines
 constexpr size_t kLongestName = 40, kLongestList = 200; // bytes, in messages
 constexpr std::string_view kBlank = " \t\r\n\v\f";
 

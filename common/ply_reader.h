@@ -26,7 +26,7 @@ struct Property {
 // Rows of equal properties. A row of an ASCII file is a line.
 struct Element {
     std::string name;
-    uint64_t count = 0; // of rows
+    uint64_t count = 0; // number of rows
     std::vector<Property> properties;
 };
 
@@ -73,7 +73,7 @@ private:
     std::string file_;
     size_t at_ = 0, line_ = 0; // line_: number of the line that holds at_, counted from 1
     bool ascii_ = true, in_header_ = true;
-    const Element* element_ = nullptr; // of the present row
+    const Element* element_ = nullptr; // the present row's element
     uint64_t row_ = 0;                 // its number, counted from 0
     size_t row_line_ = 0, row_at_ = 0; // ASCII: line of the present row, place in it
 };

@@ -89,7 +89,8 @@ const SceneSetting* liveSetting(std::string_view path);
 SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts);
 // That of a default-constructed struct.
 SettingValue defaultOf(const SceneSetting& setting);
-std::vector<SettingValue> defaultValues(); // of liveSettings(), in that order
+// The defaults of all live settings, in the order of liveSettings().
+std::vector<SettingValue> defaultValues();
 
 // A live setting of a scene and its new value.
 struct Change {

@@ -18,7 +18,7 @@ inline constexpr uint32_t kMaxViews = 2;
 // A verified message. It points into the bytes that it was parsed from, or into its own copy.
 struct Parsed {
     const Message* message;
-    std::span<const uint8_t> jpeg;  // of all views; empty unless the message is a frame
+    std::span<const uint8_t> jpeg;  // pictures of all views; empty unless the message is a frame
     std::vector<uint8_t> copy = {}; // of a FlatBuffer that was finished without its size: it begins aligned here
 
     Body type() const { return message->body_type(); }

@@ -33,8 +33,8 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     const auto draw = [&](const PlanView& view, const RenderSettings& settings, bool rests) {
         drawAt(view, planner.rateOf(view, settings), settings, rests);
     };
-    for (const uint32_t height :
-         kHeights) { // viewers near and far, with large and small pictures, that move and that rest
+    // Viewers near and far, with large and small pictures, that move and that rest.
+    for (const uint32_t height : kHeights) {
         const PlanView view{own.pose, height * 16 / 9, height};
         draw(view, planned, false);
         draw(view, finer(planned), true);

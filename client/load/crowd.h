@@ -31,7 +31,7 @@ public:
     // Sends every viewer's goodbye.
     void leave();
 
-    const client::Granted& granted() const; // what the server granted the first viewer
+    const client::Granted& granted() const; // size, scene, device: as the first viewer got them
 
 private:
     struct Viewer;

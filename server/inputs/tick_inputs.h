@@ -18,8 +18,8 @@ struct TickInputs {
     const gpu::Sampler* nearest = nullptr;
     float asymmetry = 0; // g of the phase function's lobe
     bool lobe = true;    // True: shaders are compiled with the lobe
-    bool uses_target =
-        false; // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one
+    // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one.
+    bool uses_target = false;
 };
 
 } // namespace brume

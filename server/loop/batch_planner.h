@@ -27,8 +27,8 @@ struct BatchContents {
     std::vector<BatchJob> jobs;
     std::vector<EyeRequest> eyes; // of the jobs that draw, each once
     std::vector<PlanView> views;  // every distinct picture that is due, in this batch or not: what the plan is made for
-    bool still_pictures =
-        false;                  // True: redraws views that have not changed for 150 ms, with less error and full colour
+    // True: redraws views that have not changed for 150 ms, with less error and full colour.
+    bool still_pictures = false;
     bool one_shot = false;      // True: one picture of PoseRequest::one_shot; it says nothing about the viewers' load
     float full_batch_ratio = 1; // predicted time of a batch with all due viewers / of this batch; at least 1
 };

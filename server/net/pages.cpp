@@ -93,9 +93,9 @@ Reply Pages::read(std::string_view path, std::string_view if_none_match) const {
     if (!file && path == "/")
         return lineReply(404, "the page is not built: run ./dev, or give its folder with --web-root");
     if (!file)
-        return lineReply(
-            404,
-            "no such page; there is / /ws /healthz /readyz /metrics /viewers /snapshot.jpg /snapshot.png /stream.mjpg /pause /resume");
+        return lineReply(404,
+                         "no such page; there is / /ws /healthz /readyz /metrics /viewers /snapshot.jpg /snapshot.png "
+                         "/stream.mjpg /pause /resume");
 
     std::error_code error;
     const uintmax_t size = fs::file_size(*file, error);

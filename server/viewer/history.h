@@ -13,8 +13,8 @@ namespace brume {
 class History {
 public:
     static constexpr size_t kFrames = 256, kStages = 5;
-    static constexpr std::array<const char*, kStages> kNames{"wait", "render", "encode", "queue",
-                                                             "gpu"}; // gpu is a part of render
+    // The stage gpu is a part of render.
+    static constexpr std::array<const char*, kStages> kNames{"wait", "render", "encode", "queue", "gpu"};
     static constexpr float kUnknown =
         std::numeric_limits<float>::quiet_NaN(); // a stage that was not measured; left out of percentiles
     using Stages = std::array<float, kStages>;   // ms, by kNames

@@ -104,8 +104,8 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
 TEST_F(GpuTest, EveryBindingOfARecordingIsKept) {
     constexpr uint32_t kBindings = 600, kWords = 64; // 256 bytes: any device allows such offsets
     const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, sort_scan_comp, "sort_scan"});
-    const Buffer buffer(device(), kBindings * kWords * 4, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::readback,
-                        "counts");
+    const Buffer buffer(device(), VkDeviceSize(kBindings) * kWords * 4, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                        Memory::readback, "counts");
     Commands commands(device(), "many bindings");
     for (uint32_t recording = 0; recording < 3; ++recording) {
         const auto words = buffer.mapped<uint32_t>(size_t(kBindings) * kWords);
@@ -113,16 +113,17 @@ TEST_F(GpuTest, EveryBindingOfARecordingIsKept) {
         buffer.flush();
         const VkCommandBuffer cmd = commands.begin();
         for (uint32_t i = 0; i < kBindings; ++i) {
-            program.bind(commands, {storageBuffer(2, buffer, i * kWords * 4, kWords * 4)}, kWords);
+            program.bind(commands, {storageBuffer(2, buffer, VkDeviceSize(i) * kWords * 4, VkDeviceSize(kWords) * 4)},
+                         kWords);
             vkCmdDispatch(cmd, 1, 1, 1);
         }
         commands.submit();
         waitFor(commands);
         buffer.invalidate();
         for (uint32_t i = 0; i < kBindings; ++i) { // sums of the words before
-            ASSERT_EQ(words[i * kWords], 0u) << i;
-            ASSERT_EQ(words[i * kWords + 1], i + recording) << i;
-            ASSERT_EQ(words[i * kWords + kWords - 1], 2 * (i + recording)) << i;
+            ASSERT_EQ(words[size_t(i) * kWords], 0u) << i;
+            ASSERT_EQ(words[size_t(i) * kWords + 1], i + recording) << i;
+            ASSERT_EQ(words[size_t(i) * kWords + kWords - 1], 2 * (i + recording)) << i;
         }
     }
 }

@@ -80,8 +80,8 @@ TEST_F(GpuTest, ParticleLightIsTheLeastSquaresFit) {
             darkest = std::min(darkest, mean);
             steepest = std::max(steepest, glm::length(slope));
         }
-        EXPECT_LT(defined,
-                  0.03); // of 1: the volumetric shadow map, made for a typical error of 0.003, ten times that at worst
+        // Of 1: the volumetric shadow map is made for a typical error of 0.003, and has ten times that at worst.
+        EXPECT_LT(defined, 0.03);
         EXPECT_LT(std::sqrt(mean_error), 0.01);
         EXPECT_LT(std::sqrt(slope_error), 0.015);
         EXPECT_LT(darkest, 0.4);

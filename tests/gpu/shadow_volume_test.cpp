@@ -171,8 +171,8 @@ TEST_F(ShadowVolumeTest, MassIsKept) {
         const double s = 0.16 * double(p.scale);
         mass += std::pow(2 * kPi, 1.5) * double(p.sigma_t) * s * s * s;
     }
-    for (const uint32_t size :
-         {64u, 101u, 256u}) { // texels of at most 0.9 standard deviations: sums are integrals to 1e-5
+    // Texels are at most 0.9 standard deviations wide: sums are integrals to 1e-5.
+    for (const uint32_t size : {64u, 101u, 256u}) {
         gpu::Tick tick;
         const std::vector<float> texels = texelsOf(lit({0.3f, 0.8f, 0.5f}, size, 5), particles, tick);
         const glm::dvec2 texel = glm::dvec2(tick.map.hi - tick.map.lo) / glm::dvec2(tick.map.texels);

@@ -93,8 +93,8 @@ protected:
         scene.render.shadow_size = 16;
         scene.render.shadow_slices = 2;
         scene.render.grid.spacing = 0.08f;
-        scene.render.merge =
-            0; // each of them is looked for; what merging changes is measured in tests/gpu/large_test.cpp
+        // Every particle is looked for; what merging changes is measured in tests/gpu/large_test.cpp.
+        scene.render.merge = 0;
         Simulation simulation(scene);
         Renderer renderer(device(), scene, simulation.capacity());
         renderer.keepRadiance(true);

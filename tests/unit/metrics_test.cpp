@@ -244,9 +244,9 @@ TEST(Metrics, SsimOfANegativeIsNegative) {
 TEST(Flip, EvenPictures) {
     // Linear inputs. As sRGB values 0.5 and 0.51 would give 0.0575: the next line would not hold.
     EXPECT_NEAR(uniformFlip(glm::vec3(0.5f), glm::vec3(0.51f)), 0.0407, 5e-5); // its printed digits
-    EXPECT_NEAR(uniformFlip(glm::vec3(0), glm::vec3(1)), 0.96738,
-                2e-5);                                       // printed digits, and 1e-5 of rounding as below
-    EXPECT_NEAR(uniformFlip({0, 1, 0}, {0, 0, 1}), 1, 2e-5); // the same
+    // Printed digits, and 1e-5 of rounding as below.
+    EXPECT_NEAR(uniformFlip(glm::vec3(0), glm::vec3(1)), 0.96738, 2e-5);
+    EXPECT_NEAR(uniformFlip({0, 1, 0}, {0, 0, 1}), 1, 2e-5);
 }
 
 // The authors' program, version 1.6, on the same pictures; both are float32 and add up in other orders. 1e-5: a

@@ -26,8 +26,8 @@ struct Frame {
     float corner_x, corner_y; // of node (0, 0), m right and down per m of view depth
     float spacing;            // of nodes, the same
     const Member* members;    // of all particles
-    float eye[3],
-        ray[3]; // the eye in the light's map (column, row, plane), and what a ray of node (0, 0) moves there per m
+    // The eye in the light's map (column, row, plane), and what a ray of node (0, 0) moves there per m.
+    float eye[3], ray[3];
     float right[3], down[3]; // and what a node to the right and below changes of that
     const float* light;      // its map: optical depths [plane][row][column]
     uint32_t light_size[3];  // columns, rows, planes
