@@ -86,6 +86,8 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms);
     SceneFacts facts{scene.name, device.name(), scene.camera, {kAutoMethod}};
     for (const std::string& method : methodNames()) facts.methods.push_back(method);
+    facts.layout = scene.medium.layout;
+    facts.rows = scene.medium.count;
     Audience audience(facts, options.max_viewers, options.max_in_flight);
     audience.admitUpTo(options.most_frame_ms);
     Metrics metrics;

@@ -44,6 +44,8 @@ struct SceneFacts {
     std::string scene, device;
     SceneCamera camera;
     std::vector<std::string> methods;
+    Layout layout = Layout::cube; // of the medium
+    uint32_t rows = 0;            // medium.count, for SetParticles
 
     // The texts that a live setting may have: of render.method those of this server, of others those of the table.
     std::vector<std::string> choicesOf(const SceneSetting& setting) const;

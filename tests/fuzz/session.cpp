@@ -88,6 +88,9 @@ public:
             std::visit([&](const auto& value) { allowed(*change.setting, value); }, change.value);
         }
     }
+    void operator()(const SetParticles& c) {
+        promise(problemOf(c, facts_.rows).empty(), "rows of particles within limits");
+    }
     // What holds no more than a number or a name of its own.
     template <class Other>
     void operator()(const Other&) {}
@@ -161,6 +164,12 @@ wire::Packed input(Numbers& in, const SceneFacts& facts) {
                 wire::CreateChangeDirect(b, path.c_str(), a, which % 2 ? &one : nullptr, text.c_str())};
             return as(wire::CreateSetDirect(b, &changes));
         }
+        if (which >= 240) {
+            const std::vector<float> positions(in.take<uint8_t>(), a), each(in.take<uint8_t>(), c);
+            const uint32_t first = in.take<uint16_t>(), live = in.take<uint16_t>();
+            return as(wire::CreateSetParticlesDirect(b, first, &positions, &each, &each,
+                                                     which % 2 ? &positions : nullptr, live, e));
+        }
         if (which % 5 == 0) return as(wire::CreateImpulse(b, &one, &two, which < 128 ? &three : nullptr, a));
         if (which % 5 == 1) return as(wire::CreateSetLight(b, &one, &two, a));
         if (which % 5 == 2) return as(wire::CreateSetMedium(b, a, c, d, e, &one));
@@ -224,7 +233,9 @@ wire::Packed made(Kind kind, Numbers& in, const SceneFacts& facts) {
 
 void session(Bytes bytes) {
     static const NetOptions options;
-    static const SceneFacts facts{"scene", "device", {}, {"auto"}};
+    static const SceneFacts cube{"scene", "device", {}, {"auto"}},
+        live{"scene", "device", {}, {"auto"}, Layout::live, 300};
+    const SceneFacts& facts = bytes.size() % 2 == 0 ? cube : live;
     Clock::time_point now{std::chrono::hours(1)};
     net::SessionRules rules(options, facts, now);
     Judge judge(options, facts, now);
