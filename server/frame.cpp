@@ -38,11 +38,11 @@ private:
     std::jthread thread_; // the last member: it uses the others
 };
 
-// `count`. Throws SceneError when so many particles do not fit the memory that there is for them.
-uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
-    const std::string wrong = memoryRefusal(count, memory);
+// The most particles that can be alive. Throws SceneError when so many do not fit the memory that there is for them.
+uint32_t bounded(const Scene& scene, const Simulation& simulation, uint64_t memory) {
+    const std::string wrong = memoryRefusal(simulation.capacity(), memory, simulation.besides());
     if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);
-    return count;
+    return simulation.capacity();
 }
 
 } // namespace
@@ -50,8 +50,8 @@ uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
                      const Options& options)
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
-      frame_ms_(options.frame_ms), simulation_(scene),
-      renderer_(std::in_place, device, scene, bounded(scene, simulation_.capacity(), options.memory)),
+      frame_ms_(options.frame_ms), simulation_(scene, options.memory),
+      renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
       planner_(scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
     tellOfPointCloud(scene_, simulation_);

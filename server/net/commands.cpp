@@ -85,8 +85,8 @@ public:
     }
     // Particles that come from elsewhere do not yield.
     void push() {
-        if (facts_.layout == Layout::live)
-            refuse(wire::ErrorCode::unexpected, "pushes move nothing here: a simulation elsewhere sets the particles");
+        if (facts_.layout == Layout::live || facts_.layout == Layout::sequence)
+            refuse(wire::ErrorCode::unexpected, "pushes move nothing here: the particles come from elsewhere");
     }
     template <class T>
     void change(Set& set, std::string_view path, flatbuffers::Optional<T> value) {
@@ -218,8 +218,8 @@ wire::Role roleFor(const CommandBody& body) {
     const bool for_controllers = set && std::all_of(set->changes.begin(), set->changes.end(), [](const Change& one) {
                                      return one.setting->changed_by == ChangedBy::controllers;
                                  });
-    return for_controllers ? wire::Role::controller
-                           : wire::Role::operator_; // what a frame costs everyone, Restart, SetParticles
+    // Operators: what a frame costs everyone, Restart, SetParticles.
+    return for_controllers ? wire::Role::controller : wire::Role::operator_;
 }
 
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts, wire::Role role) {

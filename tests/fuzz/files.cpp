@@ -35,7 +35,8 @@ void scene(Bytes input) {
         promise(medium.scale.lo <= medium.scale.hi && limits::kScale.holds(medium.scale.lo) &&
                     limits::kScale.holds(medium.scale.hi),
                 "sizes within limits");
-        promise((medium.layout == Layout::file) == !medium.file.empty(), "a file only where it is used");
+        promise((medium.layout == Layout::file || medium.layout == Layout::sequence) == !medium.file.empty(),
+                "a file only where it is used");
         promise(scene.lights.size() == 1 && std::abs(glm::length(scene.lights[0].to_light) - 1) < 1e-3f,
                 "one light, its direction unit");
         promise(scene.planes.size() <= 64 && scene.boxes.size() <= 64 && scene.spheres.size() <= 64,
