@@ -1,6 +1,7 @@
 // Turns a viewer's input into a command for the simulation and checks every number.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -21,6 +22,9 @@ wire::Role roleFor(const CommandBody& body);
 
 // Precondition: `input` comes from wire::parse. In the result directions have unit length and names are among `facts`.
 // A viewer whose role is too low is told that before anything else.
-std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts, wire::Role role);
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts, wire::Role role);
+
+// What only the scene that is shown can tell of a command that was read.
+std::optional<Refusal> refusalOf(const CommandBody& body, const Medium& medium);
 
 } // namespace brume::net

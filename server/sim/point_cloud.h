@@ -15,11 +15,13 @@ Placement placePointCloud(const Medium& medium, glm::dvec3 origin);
 
 // One line: file, points, box, sizes, extinctions, colours, ignored properties, optical depth. Of a sequence: what its
 // files are, then the same of the first.
-// Precondition of the three below: the simulation is of `scene`, whose points come from files, and has not been
+// Precondition of the four below: the simulation is of `scene`, whose points come from files, and has not been
 // stepped.
 std::string pointCloudLine(const Scene& scene, const Simulation& simulation);
 // One line each: points were left out; files are missing; the scene's camera sees no particle. Empty if none is so.
 std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation);
+// A camera that sees all points, in the direction and with the angle of the scene's own.
+SceneCamera cameraOnAll(const Scene& scene, const Simulation& simulation);
 // Logs these lines. Does nothing for other layouts.
 void tellOfPointCloud(const Scene& scene, const Simulation& simulation);
 

@@ -136,7 +136,7 @@ std::string gapsOf(const SequenceFiles& all, const std::filesystem::path& patter
 
 } // namespace
 
-std::vector<std::pair<uint64_t, std::filesystem::path>> filesOf(const std::filesystem::path& pattern) {
+std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std::filesystem::path& pattern) {
     std::vector<std::pair<uint64_t, std::filesystem::path>> found;
     const std::string name = pattern.filename().string();
     const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
@@ -158,7 +158,7 @@ SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t mos
     SequenceFiles out;
     Medium one = medium;
     std::string properties, without_ids;
-    const auto files = filesOf(medium.file);
+    const auto files = numberedFiles(medium.file);
     for (const auto& [number, path] : files) {
         one.file = path;
         Placement placed = placePointCloud(one, origin);
@@ -203,7 +203,7 @@ SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t mos
 Scene withoutSequence(Scene scene) {
     if (scene.medium.layout != Layout::sequence) return scene;
     scene.medium.layout = Layout::file;
-    scene.medium.file = filesOf(scene.medium.file).front().second;
+    scene.medium.file = numberedFiles(scene.medium.file).front().second;
     return scene;
 }
 

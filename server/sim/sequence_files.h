@@ -34,7 +34,7 @@ struct SequenceFiles {
 
 // Files of the name `pattern`, whose run of # stands for as many digits, by number.
 // Throws SceneError if there are none or too many.
-std::vector<std::pair<uint64_t, std::filesystem::path>> filesOf(const std::filesystem::path& pattern);
+std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std::filesystem::path& pattern);
 
 // Reads all files of the medium. `most_bytes`: of their points. Throws SceneError for a bad file, for files that have
 // not the same properties, and if there are more bytes. Precondition: the layout is `sequence`.
