@@ -18,6 +18,7 @@ namespace {
 
 constexpr auto kReportEvery = std::chrono::seconds(1);
 constexpr auto kLoadEvery = std::chrono::milliseconds(100);
+constexpr auto kLongestLook = std::chrono::milliseconds(100); // at ticks, before other things are seen to
 
 using Millis = std::chrono::duration<float, std::milli>;
 
@@ -54,6 +55,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
       planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
+    simulation_.countFrom(options.first_tick);
     tellOfPointCloud(scene_, simulation_);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
@@ -123,8 +125,14 @@ void FrameLoop::run() {
 
         if (!on_device_) takeScene();
         const Clock::time_point now = Clock::now();
-        while (ticks_->take(now, commands_)) tick();
-        if (!on_device_ && simulation_.tick() != rendered_tick_)
+        if (auto beginning = ticks_->beginning()) begin(*std::move(beginning));
+        const bool sought = ticks_->seeks();
+        while (ticks_->take(now, commands_)) {
+            tick();
+            if (Clock::now() - now > kLongestLook) break; // many ticks of a seek: the rest comes with the next look
+        }
+        if (paused_ != ticks_->paused() || sought != ticks_->seeks()) changed_ = true;
+        if (!on_device_ && !ticks_->seeks() && (simulation_.tick() != rendered_tick_ || ticks_->stands()))
             if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
         if (now - load_told_ >= kLoadEvery) tellLoad(now);
         if (changed_ || now - reported_ >= kReportEvery) report(now);
@@ -145,6 +153,14 @@ void FrameLoop::tick() {
     planner_->setFrameBudget(frame_ms_);
     planner_->setCompiled(compiled_);
     if (ticked_) ticked_(simulation_, commands_);
+}
+
+// Goes on from another state of the same scene.
+void FrameLoop::begin(Simulation simulation) {
+    simulation_ = std::move(simulation);
+    ++scene_version_;
+    changed_ = replan_ = true;
+    if (ticked_) ticked_(simulation_, {});
 }
 
 std::future<void> FrameLoop::show(NextScene next) {
@@ -355,6 +371,11 @@ void FrameLoop::report(Clock::time_point now) {
     reported_ = now;
     changed_ = false;
     const std::shared_ptr<SceneReport> report = sceneReport(simulation_, planner_->plan());
+    if (ticks_) {
+        if (paused_ != ticks_->paused()) ++pauses_;
+        paused_ = ticks_->paused();
+        if (paused_) tellPaused(*report, *paused_, pauses_);
+    }
     report->passes = ledger_.passes();
     report->memory = {device_.memoryInUse(), device_.peakMemory(), simulation_.bytes() + renderer_->particleBytes()};
     audience_.publish(report);

@@ -222,6 +222,12 @@ std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const S
     return body;
 }
 
+std::optional<bool> pauseOf(const CommandBody& body) {
+    const auto* set = std::get_if<Set>(&body);
+    if (!set || set->changes.size() != 1 || set->changes[0].setting != liveSetting("simulation.paused")) return {};
+    return std::get<bool>(set->changes[0].value);
+}
+
 std::optional<Refusal> refusalOf(const CommandBody& body, const Medium& medium) {
     const bool live = medium.layout == Layout::live;
     if (std::holds_alternative<Impulse>(body) && (live || medium.layout == Layout::sequence))

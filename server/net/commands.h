@@ -24,6 +24,8 @@ wire::Role roleFor(const CommandBody& body);
 // A viewer whose role is too low is told that before anything else.
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts, wire::Role role);
 
+// True or false where a command to a replay pauses it or lets it go on; nothing for all other commands.
+std::optional<bool> pauseOf(const CommandBody& body);
 // What only the scene that is shown can tell of a command that was read.
 std::optional<Refusal> refusalOf(const CommandBody& body, const Medium& medium);
 

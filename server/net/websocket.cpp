@@ -319,7 +319,17 @@ void WebSocketSession::acknowledge(uint32_t frame) {
 
 void WebSocketSession::enqueueCommand(EnqueueCommand&& command) {
     const uint32_t seq = command.seq;
-    if (const auto refusal = refusalOf(command.body, context_->audience.scene()->scene.medium)) {
+    std::optional<Refusal> refusal;
+    if (ReplayControl* const replay = context_->audience.replay()) {
+        if (const std::optional<bool> paused = pauseOf(command.body)) {
+            replay->paused = *paused;
+            return;
+        }
+        refusal = {wire::ErrorCode::unexpected, "this is a replay: pause it, resume it, or POST /seek?tick=N"};
+    } else {
+        refusal = refusalOf(command.body, context_->audience.scene()->scene.medium);
+    }
+    if (refusal) {
         context_->metrics.refused(wire::EnumNameErrorCode(refusal->code));
         return enqueue(packError(refusal->code, refusal->text, seq));
     }
