@@ -18,7 +18,7 @@ namespace {
 // Reads fields one after another and keeps the first refusal.
 class Reader {
 public:
-    explicit Reader(const ServerFacts& facts) : facts_(facts) {}
+    Reader(const ServerFacts& facts, const ShownMedium& medium) : facts_(facts), medium_(medium) {}
 
     std::optional<Refusal> refusal;
 
@@ -74,11 +74,19 @@ public:
         if (c.scales()) rows.scales.assign(c.scales()->begin(), c.scales()->end());
         if (c.extinctions()) rows.extinctions.assign(c.extinctions()->begin(), c.extinctions()->end());
         set.rows = std::make_shared<const ParticleRows>(std::move(rows));
-        if (!whole)
+        if (medium_.layout != Layout::live)
+            refuse(wire::ErrorCode::unexpected,
+                   "this scene sets its own particles: SetParticles is for layout \"live\"");
+        else if (!whole)
             refuse(wire::ErrorCode::out_of_range, "positions and albedos have three numbers for each row");
-        else if (std::string problem = problemOf(set, static_cast<uint32_t>(limits::kCount.hi)); !problem.empty())
+        else if (std::string problem = problemOf(set, medium_.rows); !problem.empty())
             refuse(wire::ErrorCode::out_of_range, std::move(problem));
         return set;
+    }
+    // Particles that come from elsewhere do not yield.
+    void push() {
+        if (medium_.layout == Layout::live || medium_.layout == Layout::sequence)
+            refuse(wire::ErrorCode::unexpected, "pushes move nothing here: the particles come from elsewhere");
     }
     template <class T>
     void change(Set& set, std::string_view path, flatbuffers::Optional<T> value) {
@@ -138,12 +146,14 @@ private:
     }
 
     const ServerFacts& facts_;
+    const ShownMedium& medium_;
 };
 
 CommandBody readBody(const wire::Input& input, Reader& in) {
     switch (input.command_type()) {
     case wire::Command::Impulse: {
         const auto& c = *input.command_as_Impulse();
+        in.push();
         return Impulse{.origin = in.vector("origin", *c.origin(), limits::kPlace),
                        .direction = in.direction("direction", *c.direction()),
                        .push = in.vector("push", c.push(), limits::kSpeed).value_or(glm::vec3(0)),
@@ -213,8 +223,9 @@ wire::Role roleFor(const CommandBody& body) {
     return for_controllers ? wire::Role::controller : wire::Role::operator_;
 }
 
-std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts, wire::Role role) {
-    Reader in(facts);
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
+                                               const ShownMedium& medium, wire::Role role) {
+    Reader in(facts, medium);
     CommandBody body = readBody(input, in);
     if (const wire::Role least = roleFor(body); role < least)
         return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};
@@ -226,20 +237,6 @@ std::optional<bool> pauseOf(const CommandBody& body) {
     const auto* set = std::get_if<Set>(&body);
     if (!set || set->changes.size() != 1 || set->changes[0].setting != liveSetting("simulation.paused")) return {};
     return std::get<bool>(set->changes[0].value);
-}
-
-std::optional<Refusal> refusalOf(const CommandBody& body, const Medium& medium) {
-    const bool live = medium.layout == Layout::live;
-    if (std::holds_alternative<Impulse>(body) && (live || medium.layout == Layout::sequence))
-        return Refusal{wire::ErrorCode::unexpected, "pushes move nothing here: the particles come from elsewhere"};
-    const auto* set = std::get_if<SetParticles>(&body);
-    if (!set) return {};
-    if (!live)
-        return Refusal{wire::ErrorCode::unexpected,
-                       "this scene sets its own particles: SetParticles is for layout \"live\""};
-    if (std::string problem = problemOf(*set, medium.count); !problem.empty())
-        return Refusal{wire::ErrorCode::out_of_range, std::move(problem)};
-    return {};
 }
 
 } // namespace brume::net

@@ -319,19 +319,14 @@ void WebSocketSession::acknowledge(uint32_t frame) {
 
 void WebSocketSession::enqueueCommand(EnqueueCommand&& command) {
     const uint32_t seq = command.seq;
-    std::optional<Refusal> refusal;
     if (ReplayControl* const replay = context_->audience.replay()) {
         if (const std::optional<bool> paused = pauseOf(command.body)) {
             replay->paused = *paused;
             return;
         }
-        refusal = {wire::ErrorCode::unexpected, "this is a replay: pause it, resume it, or POST /seek?tick=N"};
-    } else {
-        refusal = refusalOf(command.body, context_->audience.scene()->scene.medium);
-    }
-    if (refusal) {
-        context_->metrics.refused(wire::EnumNameErrorCode(refusal->code));
-        return enqueue(packError(refusal->code, refusal->text, seq));
+        context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::unexpected));
+        return enqueue(
+            packError(wire::ErrorCode::unexpected, "this is a replay: pause it, resume it, or POST /seek?tick=N", seq));
     }
     if (context_->audience.commands().push({handle_->viewer().id(), seq, std::move(command.body)})) return;
     context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::busy));
@@ -368,6 +363,7 @@ bool WebSocketSession::newsAreDue() const {
 
 wire::Packed WebSocketSession::welcome() {
     shown_ = context_->audience.scene();
+    rules_.shows({shown_->scene.medium.layout, shown_->scene.medium.count});
     return packWelcome(handle_->viewer(), granted_, context_->audience, *shown_, authorization_.role);
 }
 

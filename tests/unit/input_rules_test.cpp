@@ -182,6 +182,7 @@ auto setParticles(uint32_t first, const Floats& positions, const Floats& scales,
 
 TEST_F(SessionRulesTest, RowsOfParticlesArriveAsTheyWereSent) {
     watch();
+    rules->shows({Layout::live, 10});
     const auto set =
         std::get<SetParticles>(only<EnqueueCommand>(input(1, setParticles(3, {1, 2, 3, 4, 5, 6}, {0.5f, 1}, {0, 7},
                                                                           {0, 0.5f, 1, 1, 1, 0}, 5, 0.25f)))
@@ -202,8 +203,9 @@ TEST_F(SessionRulesTest, RowsOfParticlesArriveAsTheyWereSent) {
     EXPECT_TRUE(only_live.rows->positions.empty());
 }
 
-TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefused) {
+TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefusedAndPushesToo) {
     watch();
+    rules->shows({Layout::live, 10});
     uint32_t seq = 0;
     const auto refused = [&](auto&& build) {
         const auto effects = input(++seq, build);
@@ -216,10 +218,10 @@ TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefused) {
               "positions and albedos have three numbers for each row");
     EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {1, 1}, {1}, {}, 1)),
               "1 positions, 2 scales, 1 extinctions and 0 albedos; as many of each, or no albedos");
-    EXPECT_EQ(refused(setParticles(1'000'000, {1, 2, 3}, {1}, {1}, {}, 1)),
-              "rows 1000000 ... 1000001, 1 live: the scene has medium.count = 1000000 rows");
+    EXPECT_EQ(refused(setParticles(10, {1, 2, 3}, {1}, {1}, {}, 1)),
+              "rows 10 ... 11, 1 live: the scene has medium.count = 10 rows");
     EXPECT_EQ(refused(setParticles(0xffffffff, {1, 2, 3}, {1}, {1}, {}, 1)).find("rows 4294967295"), 0u);
-    EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 1'000'001)).find("rows 0"), 0u);
+    EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 11)).find("rows 0"), 0u);
     EXPECT_EQ(refused(setParticles(4, {1, kNan, 3}, {1}, {1}, {}, 1)),
               "the position of row 4 must be -50000 ... 50000");
     EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {0}, {1}, {}, 1)), "the scale of row 0 must be 0.001 ... 1000");
@@ -227,29 +229,20 @@ TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefused) {
     EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {1}, {1}, {0, 2, 0}, 1)), "the albedo of row 0 must be 0 ... 1");
     EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 1, 61)), "seconds must be 0 ... 60");
     EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 1, kNan)), "seconds must be 0 ... 60");
+    rules->shows({Layout::live, 1'000'000});
     const Floats many(3001, 1.0f), places(3 * 3001, 1.0f);
     EXPECT_EQ(refused(setParticles(0, places, many, many, {}, 1)), "3001 rows in one message; at most 3000");
-}
 
-TEST(CommandsOfAScene, AreRefusedWhereTheSceneHasNoUseForThem) {
-    const auto codeOf = [](const CommandBody& body, const Medium& medium) {
-        const auto refusal = refusalOf(body, medium);
-        return refusal ? std::string(wire::EnumNameErrorCode(refusal->code)) : "";
-    };
-    SetParticles set{.first = 3, .live = 4};
-    Medium medium{.layout = Layout::live, .count = 10};
-    EXPECT_EQ(codeOf(set, medium), "");
-    set.live = 11;
-    EXPECT_EQ(codeOf(set, medium), "out_of_range");
-    EXPECT_EQ(refusalOf(set, medium)->text, "rows 3 ... 3, 11 live: the scene has medium.count = 10 rows");
-    EXPECT_EQ(codeOf(Impulse{}, medium), "unexpected");
-    EXPECT_EQ(codeOf(Restart{}, medium), "");
-    medium.layout = Layout::sequence;
-    EXPECT_EQ(codeOf(Impulse{}, medium), "unexpected");
-    medium.layout = Layout::cube;
-    EXPECT_EQ(codeOf(Impulse{}, medium), "");
-    EXPECT_EQ(codeOf(set, medium), "unexpected");
-    EXPECT_NE(refusalOf(set, medium)->text.find("layout \"live\""), std::string::npos);
+    const wire::Vec3 ahead(0, 0, -1);
+    const auto push = input(++seq, [&](auto& b) { return wire::CreateImpulse(b, &ahead, &ahead); });
+    EXPECT_EQ(onlyError(push), ErrorCode::unexpected);
+    rules->shows({Layout::sequence, 10});
+    EXPECT_EQ(onlyError(input(++seq, [&](auto& b) { return wire::CreateImpulse(b, &ahead, &ahead); })),
+              ErrorCode::unexpected);
+    rules->shows({Layout::cube, 10});
+    const auto elsewhere = input(++seq, setParticles(0, {}, {}, {}, {}, 0));
+    EXPECT_EQ(onlyError(elsewhere), ErrorCode::unexpected);
+    EXPECT_NE(only<SendError>(elsewhere).text.find("layout \"live\""), std::string::npos);
 }
 
 // The largest messages are within the limit of the socket.
@@ -274,8 +267,10 @@ TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
 
 // The least role of each command; a refusal uses up the input's number, as all do.
 TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
+    ShownMedium medium;
     const auto answer = [&](wire::Role role, auto&& build) {
         rules.emplace(options, facts, now, Authorization{role, {}, {}});
+        rules->shows(medium);
         watch();
         const Effects effects = input(1, build);
         EXPECT_EQ(effects.size(), 1u);
@@ -310,6 +305,7 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
     EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "light.rotate"}); }), "controller");
     EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "render.exposure"}); }), "operator");
     EXPECT_EQ(least([](auto& b) { return wire::CreateRestart(b); }), "operator");
+    medium.layout = Layout::live;
     EXPECT_EQ(least([](auto& b) { return wire::CreateSetParticles(b); }), "operator");
 }
 
