@@ -56,7 +56,8 @@ constexpr SceneSetting kSettings[]{
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
      Form::plain, kLayouts},
     {"medium.count", at<&P::medium, &Medium::count>, "", limits::kCount,
-     "Number of particles; of an emitter and with layout `live` the most at a time; not allowed with layouts `file` and `sequence`"},
+     "Number of particles; of an emitter and with layout `live` the most at a time; not allowed with layouts "
+     "`file` and `sequence`"},
     {"medium.centre", at<&P::medium, &Medium::centre>, "m", limits::kPlace,
      "Centre of the layout; with layouts `file`, `sequence` and `live` what its points are moved by", kNobody,
      Form::place},

@@ -53,9 +53,9 @@ properties that it ignored. It warns if the scene's camera sees no point, and sa
 
 ## A sequence of point clouds
 
-With `medium.layout = "sequence"` the files of a simulation are played. `medium.file` names them, with a # for each digit
-of their number: `smoke-####.ply` is `smoke-0000.ply`, `smoke-0001.ply` and so on, up to 10000 files. All are read and
-checked at the start, as above; `--memory` bounds their points. The number is the time: in a second `medium.rate`
+With `medium.layout = "sequence"` the files of a simulation are played. `medium.file` names them, with a # for each
+digit of their number: `smoke-####.ply` is `smoke-0000.ply`, `smoke-0001.ply` and so on, up to 10000 files. All are read
+and checked at the start, as above; `--memory` bounds their points. The number is the time: in a second `medium.rate`
 numbers pass, from the lowest one on. Where a number has no file, the file before lasts longer, and the server says so.
 After the last file comes the first, or with `medium.loop = false` it stays.
 

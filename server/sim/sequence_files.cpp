@@ -200,10 +200,15 @@ SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t mos
     return out;
 }
 
-Scene withoutSequence(Scene scene) {
-    if (scene.medium.layout != Layout::sequence) return scene;
-    scene.medium.layout = Layout::file;
-    scene.medium.file = numberedFiles(scene.medium.file).front().second;
+Scene standIn(Scene scene) {
+    Medium& medium = scene.medium;
+    if (medium.layout == Layout::sequence) {
+        medium.layout = Layout::file;
+        medium.file = numberedFiles(medium.file).front().second;
+    } else if (medium.layout == Layout::live) {
+        medium.layout = Layout::cube;
+        medium.count = std::min(medium.count, Medium().count);
+    }
     return scene;
 }
 

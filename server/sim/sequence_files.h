@@ -40,7 +40,8 @@ std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std:
 // not the same properties, and if there are more bytes. Precondition: the layout is `sequence`.
 SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t most_bytes);
 
-// The scene with the first file of its sequence as a point cloud; any other scene as it is. For what needs no more.
-Scene withoutSequence(Scene scene);
+// A scene that is drawn by the same shaders, for what needs no more: of a sequence the first file; for a live scene,
+// which is empty, a small cube; any other scene as it is.
+Scene standIn(Scene scene);
 
 } // namespace brume

@@ -303,13 +303,16 @@ TEST_F(Sequences, TheSceneSaysWhatTheNamesAre) {
               0u);
 }
 
-TEST_F(Sequences, OfAllFilesTheFirstIsEnoughForSome) {
+TEST_F(Sequences, OfAllFilesTheFirstStandsIn) {
     put("smoke-003.ply", kIds, "0 0 0 7\n");
     put("smoke-001.ply", kIds, "0 0 0 7\n1 1 1 8\n");
-    const Scene one = withoutSequence(scene());
+    const Scene one = standIn(scene());
     EXPECT_EQ(one.medium.layout, Layout::file);
     EXPECT_EQ(Simulation(one).capacity(), 2u);
-    EXPECT_EQ(withoutSequence(cubeScene()).medium.layout, Layout::cube);
+    EXPECT_EQ(standIn(plumeScene()).medium.layout, Layout::emitter);
+    Scene live = cubeScene(9);
+    live.medium.layout = Layout::live;
+    EXPECT_EQ(Simulation(standIn(live)).liveCount(), 9u);
 }
 
 } // namespace
