@@ -45,6 +45,13 @@ std::vector<Setting> settingsOf(const OptionTable& table) {
     return settings;
 }
 
+// The first group of --help: --help itself and the options that most people need.
+void leadWith(CLI::App& app, std::initializer_list<const char*> names) {
+    constexpr const char* kGroup = "Most used";
+    app.get_help_ptr()->group(kGroup);
+    for (const char* name : names) app.get_option(name)->group(kGroup);
+}
+
 // The command line ends here, well if that was printed.
 ParsedOptions printed(const std::string& text) {
     std::cout << text << std::flush;
@@ -57,7 +64,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     ServerOptions o;
     o.scene_dir = findFolder("scenes", "server/scenes");
     o.net.web_root = findFolder("web", "client/web/dist");
-    o.costs = defaultCostFolder();
+    o.costs = userCacheFolder();
     CLI::App app{"brume-server: simulates one cloud, lights it once and renders it for every viewer."};
     app.set_version_flag("--version", "brume-server " BRUME_VERSION);
     app.option_defaults()->always_capture_default()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -82,6 +89,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     addDeviceOptions(table, o);
     addLogOptions(table, o);
     addRecordOptions(table, o);
+    leadWith(app, {"--scene", "--set", "--method", "--listen", "--port"});
 
     try {
         app.parse(argc, argv);

@@ -56,6 +56,11 @@ Pose poseOf(const std::string& camera, const Scene& scene, const Simulation& sim
                              "\"; there are: outside, inside, a distance like 20m, x,y,z, x,y,z:x,y,z");
 }
 
+bool isMediumAlone(const Scene& scene) {
+    const glm::vec3 none(0);
+    return scene.sky.zenith == none && scene.sky.horizon == none && scene.sky.ambient == none;
+}
+
 glm::uvec2 sizeOf(const std::string& text) {
     std::smatch found;
     if (std::regex_match(text, found, std::regex("([0-9]{1,5})x([0-9]{1,5})"))) {
@@ -117,6 +122,7 @@ RadianceImage Stage::picture(const Pose& pose, glm::uvec2 size) {
         image.radiance.emplace_back(pixel);
         image.transmittance.push_back(pixel.a);
     }
+    image.medium_alone = isMediumAlone(scene_);
     return image;
 }
 

@@ -33,7 +33,7 @@ double slabError(double thickness, double depth, bool inside);
 class RayPlan : public MethodPlan {
 public:
     bool hasRays() const override { return true; }
-    double error(const RenderSettings& settings, const ViewWork& view) const override;
+    std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.
     RenderSettings finer(const RenderSettings& settings) const override;

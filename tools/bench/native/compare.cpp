@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "common/metrics.h"
+#include "tools/bench/error.h"
 
 namespace brume::bench {
 namespace {
@@ -69,7 +69,7 @@ double vulkanSamples(const Stage& stage, const RenderSettings& way) {
 }
 
 double off(const RadianceImage& value, const RadianceImage& reference) {
-    return 100 * compare(value, reference, {}, mediumMask(reference)).relative_rmse; // %
+    return 100 * mediumError(value, reference, {}).medium.relative_rmse; // %
 }
 
 } // namespace
