@@ -133,9 +133,10 @@ std::vector<std::string> sceneOverrides(const ServerOptions& o) {
 
 Scene loadScene(const ServerOptions& o) {
     const std::filesystem::path file = findScene(o.scene, o.scene_dir);
-    Scene scene = loadScene(file, sceneOverrides(o));
-    const std::string wrong = checkWanted(scene.render);
-    if (!wrong.empty()) throw SceneError(file.string() + ": render: " + wrong);
+    const std::vector<std::string> overrides = sceneOverrides(o);
+    Scene scene = loadScene(file, overrides);
+    const std::string wrong = checkWanted(scene.render, file, overrides);
+    if (!wrong.empty()) throw SceneError(wrong);
     return scene;
 }
 

@@ -201,6 +201,14 @@ std::string checkWanted(const RenderSettings& wanted) {
     return wrong;
 }
 
+std::string checkWanted(const RenderSettings& wanted, const std::string& file, std::span<const std::string> overrides) {
+    const std::string wrong = checkWanted(wanted);
+    if (wrong.empty()) return {};
+    const bool asked =
+        std::ranges::any_of(overrides, [](std::string_view one) { return one.starts_with("render.method"); });
+    return (asked ? "--method, --set render.method: " : file + ": render: ") + wrong;
+}
+
 std::vector<const MethodPlan*> allMethods() { return {methodPlans().begin(), methodPlans().end()}; }
 
 // The map's estimate is a mean over views; some see up to 1.4 times as much of it.

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ inline constexpr const char* kAutoMethod = "auto";
 
 // checkSettings() (server/methods/plans.h) that also allows "auto".
 std::string checkWanted(const RenderSettings& wanted);
+// The same with its source: the scene's file, or the option if an override of it (loadScene()) names the method.
+std::string checkWanted(const RenderSettings& wanted, const std::string& file, std::span<const std::string> overrides);
 
 struct PlanInputs {
     PlanScene scene;

@@ -30,8 +30,8 @@ Pose turnedAbout(const Pose& pose, glm::vec3 target, float angle) {
 
 Scene sceneOf(const Case& wanted) {
     Scene scene = loadScene(findScene(wanted.scene, BRUME_SCENES), wanted.set);
-    const std::string wrong = checkWanted(scene.render);
-    if (!wrong.empty()) throw SceneError(wanted.scene + ": render: " + wrong);
+    const std::string wrong = checkWanted(scene.render, wanted.scene, wanted.set);
+    if (!wrong.empty()) throw SceneError(wrong);
     return scene;
 }
 
