@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <memory>
 #include <random>
 #include <span>
 
@@ -21,10 +23,10 @@ constexpr size_t kMostPixels = 4000, kLeastPixels = 200; // compared
 constexpr double kReferencePart = 0.3;                   // of the seconds
 // A way is not measured if it is predicted to take so many times the cheapest's time, and longer than this.
 constexpr double kTooDear = 40, kDearMs = 500;
-constexpr int kTries = 3;         // budgets tried for a method whose error is predicted
-constexpr double kRoom = 0.7;     // of the error: what leaves more may be had cheaper
-constexpr double kFramesMs = 300; // of each way, and at least
-constexpr size_t kLeastFrames = 2;
+constexpr int kTries = 3;     // budgets tried for a method whose error is predicted
+constexpr double kRoom = 0.7; // of the error: what leaves more may be had cheaper
+constexpr int kRounds = 10;   // of frames of all that hold, unless they take longer than this
+constexpr double kRoundsSeconds = 3;
 
 // The value of a setting as text; nothing for a type that no method has.
 struct AsText {
@@ -186,8 +188,8 @@ private:
 
         Case wanted = question_.wanted;
         wanted.set.insert(wanted.set.end(), answer.set.begin(), answer.set.end());
-        Stage stage(device_, wanted, question_.ticks, model_);
-        const RadianceImage picture = stage.picture(stage.pose(), wanted.size);
+        auto stage = std::make_unique<Stage>(device_, wanted, question_.ticks, model_);
+        const RadianceImage picture = stage->picture(stage->pose(), wanted.size);
         RadianceImage value{exact_.width, 1, {}, {}};
         for (const glm::uvec2 at : pixels_) {
             const size_t i = size_t(at.y) * wanted.size.x + at.x;
@@ -199,24 +201,29 @@ private:
         answer.error = error.medium.relative_rmse, answer.uncertainty = sampled_ ? samplingError(value, exact_, {}) : 0;
         if (error.edges.pixels > 0) answer.edges = fmt::format("{:.2g}", 100 * error.edges.relative_rmse);
         answers_.pixels = error.medium.pixels, answers_.edge_pixels = error.edges.pixels;
-        time(stage, answer);
+        stage->frame(); // fits buffers
+        addFrame(*stage, answer);
+        if (answer.holds(question_.error)) stages_[answer.text] = std::move(stage);
         return answer;
     }
 
-    void time(Stage& stage, Answer& answer) const {
-        stage.frame(); // fits buffers
-        answer.view_ms = answer.shared_ms = 1e30;
-        double spent = 0;
-        for (size_t i = 0; i < kLeastFrames || spent < kFramesMs; ++i) {
-            const FrameCost frame = stage.frame();
-            double shared = 0, view = 0;
-            for (const FrameCost::Pass& pass : frame.passes) (pass.shared ? shared : view) += pass.ms;
-            answer.view_ms = std::min(answer.view_ms, view), answer.shared_ms = std::min(answer.shared_ms, shared);
-            spent += frame.wall_ms;
-        }
+    static void addFrame(Stage& stage, Answer& answer) {
+        double shared = 0, view = 0;
+        for (const FrameCost::Pass& pass : stage.frame().passes) (pass.shared ? shared : view) += pass.ms;
+        answer.view_ms = std::min(answer.view_ms, view), answer.shared_ms = std::min(answer.shared_ms, shared);
+    }
+
+    // Frames of all answers that hold, in turns: what disturbs the machine disturbs all alike.
+    void timeInTurns() {
+        const double begin = seconds();
+        for (int round = 0; round < kRounds && seconds() - begin < kRoundsSeconds; ++round)
+            for (Answer& answer : answers_.all)
+                if (const auto stage = stages_.find(answer.text); stage != stages_.end())
+                    addFrame(*stage->second, answer);
     }
 
     void finish() {
+        timeInTurns();
         std::vector<Answer>& all = answers_.all;
         std::ranges::stable_sort(
             all, {}, [](const Answer& a) { return std::pair(!a.measured, a.measured ? a.ms() : a.predicted_ms); });
@@ -237,7 +244,8 @@ private:
     bool sampled_ = false; // True: not all pixels of the medium are compared
     double cheapest_ms_ = 0;
     Answers answers_;
-    std::vector<std::string> methods_; // of the answers
+    std::map<std::string, std::unique_ptr<Stage>> stages_; // by the text of answers that hold
+    std::vector<std::string> methods_;                     // of the answers
 };
 
 } // namespace

@@ -25,9 +25,9 @@ struct Answer {
     double predicted_ms = 0;         // of a view and of what all share
     bool measured = false;           // False: `why_not` says why
     std::string why_not;
-    double error = 0, uncertainty = 0; // relative RMSE; its standard error by sampling pixels
-    std::string edges;                 // the error at edges, for people
-    double view_ms = 0, shared_ms = 0; // least of some frames
+    double error = 0, uncertainty = 0;       // relative RMSE; its standard error by sampling pixels
+    std::string edges;                       // the error at edges, for people
+    double view_ms = 1e30, shared_ms = 1e30; // least of some frames
 
     double ms() const { return view_ms + shared_ms; }
     // True: holds `most` even if the error is two standard errors larger.

@@ -144,7 +144,7 @@ std::string nativeReport(const native::Kernel& kernel, const NativeRun& run, con
     return fmt::format(
         "# Slabs on Vulkan beside the same maths written for the CPU\n\n"
         "Written by `{}` on {}. CPU: {}. Vulkan device: {}. Native instructions: {}, {} floats a vector.\n\n"
-        "The native program ([`tools/bench/native`](../../tools/bench/native)) does what the method `slabs` does "
+        "The native program ([`tools/bench/native`](../../../tools/bench/native)) does what the method `slabs` does "
         "to a medium that is lit already: bins, extinction of all slabs by recurrence, light along the rays, a "
         "cubic B-spline to radiance and transmittance of every pixel. Vulkan's time is that of the passes bin, "
         "slabs, slab light and spline, and of compose less what compose takes of a medium that was drawn (tone "
