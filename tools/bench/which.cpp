@@ -23,7 +23,7 @@ constexpr size_t kMostPixels = 4000, kLeastPixels = 200; // compared
 constexpr double kReferencePart = 0.3;                   // of the seconds
 // A way is not measured if it is predicted to take so many times the cheapest's time, and longer than this.
 constexpr double kTooDear = 40, kDearMs = 500;
-constexpr int kTries = 3;     // budgets tried for a method whose error is predicted
+constexpr int kTries = 4;     // budgets tried for a method whose error is predicted
 constexpr double kRoom = 0.7; // of the error: what leaves more may be had cheaper
 constexpr int kRounds = 10;   // of frames of all that hold, unless they take longer than this
 constexpr double kRoundsSeconds = 3;
@@ -90,12 +90,12 @@ public:
         const Plan all = planFor(kAutoMethod, question_.error);
         cheapest_ms_ = all.chosen.ms();
         answers_.refused = all.refused;
-        for (const Candidate& one : candidates(all)) { // each once, before any has a second try
+        std::vector<std::pair<std::string, Answer>> predicted; // by method
+        for (const Candidate& one : candidates(all)) {         // each once, before any has a second try
             answers_.all.push_back(measured(one));
-            methods_.push_back(one.settings.method);
+            if (one.predicted) predicted.emplace_back(one.settings.method, answers_.all.back());
         }
-        for (size_t i = 0; i < answers_.all.size(); ++i)
-            if (answers_.all[i].predicted && answers_.all[i].measured) tryAgain(methods_[i], answers_.all[i]);
+        for (const auto& [method, answer] : predicted) tryAgain(method, answer);
         finish();
         return answers_;
     }
@@ -150,19 +150,32 @@ private:
     }
 
     // Looks for the method's cheapest way that holds: budgets follow from what was measured, as predictions are bounds.
-    void tryAgain(const std::string& method, Answer& best) {
+    void tryAgain(const std::string& method, Answer last) {
         double budget = question_.error;
-        Answer last = best;
-        for (int i = 1; i < kTries; ++i) {
+        for (int i = 1; i < kTries && last.measured; ++i) {
             const double relative = (last.error + 2 * last.uncertainty) / question_.error;
             if (relative <= 1 && relative > kRoom) return;
             budget *= std::clamp(0.9 / relative, 0.3, 3.0);
             const Candidate candidate = planFor(method, budget).chosen;
             if (wayText(candidate.settings) == last.text) return;
             last = measured(candidate);
-            if (!last.measured) return;
-            if (better(last, best)) best = last;
+            if (last.measured) answers_.all.push_back(last);
         }
+    }
+
+    // Of each method whose error is predicted, several ways may have been tried.
+    void keepTheBest() {
+        std::vector<Answer> kept;
+        for (const Answer& answer : answers_.all) {
+            const auto same = std::ranges::find_if(kept, [&](const Answer& one) {
+                return one.method == answer.method && one.predicted && answer.predicted;
+            });
+            if (same == kept.end())
+                kept.push_back(answer);
+            else if (better(answer, *same))
+                *same = answer;
+        }
+        answers_.all = kept;
     }
 
     bool better(const Answer& a, const Answer& b) const {
@@ -176,7 +189,11 @@ private:
     Answer measured(const Candidate& candidate) {
         RenderSettings settings = candidate.settings; // budgets mean nothing where nothing is left open
         settings.error = wanted_.error, settings.flip = wanted_.flip;
-        Answer answer{.text = wayText(settings), .set = changes(wanted_, settings), .why_not = {}, .edges = {}};
+        Answer answer{.method = settings.method,
+                      .text = wayText(settings),
+                      .set = changes(wanted_, settings),
+                      .why_not = {},
+                      .edges = {}};
         if (candidate.predicted) answer.predicted = candidate.error;
         answer.predicted_ms = candidate.ms();
         const bool dear = candidate.ms() > kTooDear * cheapest_ms_ && candidate.ms() > kDearMs;
@@ -224,6 +241,7 @@ private:
 
     void finish() {
         timeInTurns();
+        keepTheBest();
         std::vector<Answer>& all = answers_.all;
         std::ranges::stable_sort(
             all, {}, [](const Answer& a) { return std::pair(!a.measured, a.measured ? a.ms() : a.predicted_ms); });
@@ -245,7 +263,6 @@ private:
     double cheapest_ms_ = 0;
     Answers answers_;
     std::map<std::string, std::unique_ptr<Stage>> stages_; // by the text of answers that hold
-    std::vector<std::string> methods_;                     // of the answers
 };
 
 } // namespace

@@ -19,6 +19,7 @@ struct Question {
 
 // One way to render.
 struct Answer {
+    std::string method;
     std::string text;                // settings in a few words, for people
     std::vector<std::string> set;    // "render.rate=8" and so on, against the scene's
     std::optional<double> predicted; // relative RMSE; none: the method's error is not predicted
