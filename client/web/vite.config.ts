@@ -3,12 +3,21 @@ import { defineConfig } from 'vitest/config';
 // `npm run dev` serves the page with live reload and passes the rest on to a running server.
 const server = process.env['BRUME_URL'] ?? 'http://127.0.0.1:8080';
 
-export default defineConfig({
+// `vite build` makes the page and the view alone (dist/embed.html); `vite build --mode library` adds the element as one
+// file that other pages import, dist/brume-view.js.
+export default defineConfig(({ mode }) => ({
   base: './',
   build: {
     target: 'es2022',
     modulePreload: { polyfill: false },
     reportCompressedSize: false,
+    ...(mode === 'library'
+      ? {
+          copyPublicDir: false,
+          emptyOutDir: false,
+          lib: { entry: 'src/element.ts', formats: ['es'] as const, fileName: () => 'brume-view.js' },
+        }
+      : { rollupOptions: { input: ['index.html', 'embed.html'] } }),
   },
   server: {
     proxy: {
@@ -17,4 +26,4 @@ export default defineConfig({
     },
   },
   test: { include: ['test/*.test.ts'] },
-});
+}));

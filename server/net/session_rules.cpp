@@ -28,7 +28,7 @@ std::string printable(const flatbuffers::String* text) {
 
 } // namespace
 
-SessionRules::SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened,
+SessionRules::SessionRules(const NetOptions& options, const ServerFacts& facts, Clock::time_point opened,
                            const Authorization& authorization)
     : options_(options), facts_(facts), hello_deadline_(opened + options.handshake), role_(authorization.role),
       until_(authorization.until), messages_(options.message_rate, options.message_rate * options.burst_s),
@@ -169,7 +169,7 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
         return refuse(wire::ErrorCode::too_fast, fmt::format("more than {:g} inputs a second", options_.input_rate),
                       now, out, seq);
 
-    auto command = readCommand(input, facts_, role_);
+    auto command = readCommand(input, facts_, medium_, role_);
     if (auto* refusal = std::get_if<Refusal>(&command))
         return refuse(refusal->code, std::move(refusal->text), now, out, seq);
     out.push_back(EnqueueCommand{seq, std::get<CommandBody>(std::move(command))});

@@ -57,8 +57,11 @@ inline constexpr uint16_t kCloseNormal = 1000, kCloseGoingAway = 1001, kClosePro
 class SessionRules {
 public:
     // `options` and `facts` outlive the rules.
-    SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened,
+    SessionRules(const NetOptions& options, const ServerFacts& facts, Clock::time_point opened,
                  const Authorization& authorization = {});
+
+    // The viewer was told that this medium is shown. Until then commands that name its particles are refused.
+    void shows(const ShownMedium& medium) { medium_ = medium; }
 
     // Each appends its effects to `out`. Precondition: bytes.data() is aligned to 8.
     void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out);
@@ -81,7 +84,8 @@ private:
     enum class State { awaiting_hello, watching, closed };
 
     const NetOptions& options_;
-    const SceneFacts& facts_;
+    const ServerFacts& facts_;
+    ShownMedium medium_;
     const Clock::time_point hello_deadline_;
     const Role role_;
     const std::optional<Clock::time_point> until_; // when the token ends

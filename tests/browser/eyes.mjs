@@ -130,7 +130,7 @@ describe('two eyes', () => {
     assert.ok((await distance()) <= 9, `the wheel brings the camera no nearer than ${await distance()} m`);
     await cameraStill(page);
     await rested(page);
-    const eyes = await halves(page, '#warped');
+    const eyes = await halves(page, '#view');
     for (const half of eyes) assert.ok(contrast(half) > 4, `a half is nearly uniform: ${contrast(half)}`);
     const wanted = 0.064 / (await distance()) / ((2 * Math.tan(0.4)) / eyes[0].length); // of what is orbited
     const found = disparity(eyes);

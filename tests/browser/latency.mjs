@@ -65,10 +65,10 @@ function collect({ width, height }, everyMs) {
     requestAnimationFrame(look); // after the page's own of this frame, which has drawn
     if (now - last < everyMs) return;
     last = now;
-    const warped = document.getElementById('warped');
+    const { canvas, warped } = document.getElementById('view');
     const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
     context.imageSmoothingQuality = 'high';
-    context.drawImage(warped.hidden ? document.getElementById('view') : warped, 0, 0, width, height);
+    context.drawImage(warped.hidden ? canvas : warped, 0, 0, width, height);
     window.pictures.push({ context, camera: window.brume.camera });
   };
   requestAnimationFrame(look);

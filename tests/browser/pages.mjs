@@ -128,7 +128,7 @@ export async function pixels(page) {
   return page.evaluate(({ width, height }) => {
     const copy = new OffscreenCanvas(width, height).getContext('2d');
     copy.imageSmoothingQuality = 'high';
-    copy.drawImage(document.getElementById('view'), 0, 0, width, height);
+    copy.drawImage(document.getElementById('view').canvas, 0, 0, width, height);
     const { data } = copy.getImageData(0, 0, width, height);
     return Array.from({ length: width * height }, (_, i) => [data[4 * i], data[4 * i + 1], data[4 * i + 2]]);
   }, SAMPLES);

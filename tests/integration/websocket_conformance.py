@@ -286,5 +286,5 @@ class Conformance(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    program = sys.argv.pop(1)
-    unittest.main(verbosity=2)
+    program = sys.argv[1]
+    unittest.main(argv=sys.argv[:1], verbosity=2)

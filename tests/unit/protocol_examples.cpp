@@ -74,6 +74,11 @@ std::vector<Example> makeExamples() {
             CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
         return CreateSetDirect(b, &changes);
     }));
+    all.push_back(input("input_set_particles", 9, [](Builder& b) {
+        const std::vector<float> positions{1.5f, -2.25f, 26, 0, 0.5f, -1}, scales{0.5f, 2}, extinctions{0.125f, 8},
+            albedos{0.5f, 0.75f, 1, 0, 0.25f, 1};
+        return CreateSetParticlesDirect(b, 4000, &positions, &scales, &extinctions, &albedos, 4002, 0.125f);
+    }));
     all.push_back(example("ack", [](Builder& b) { return CreateAck(b, 41); }));
     all.push_back(example("ping", [](Builder& b) { return CreatePing(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("pong", [](Builder& b) { return CreatePong(b, 7, 9'007'199'254'740'993); }));
@@ -122,6 +127,22 @@ std::vector<Example> makeExamples() {
                                  CreateValueDirect(b, {}, nullptr, "isv")};
         return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
                                       "isv", "simpson", 2, 1, nullptr, plan, &values);
+    }));
+    all.push_back(example("welcome_scenes", [&](Builder& b) {
+        const std::vector settings{CreateSettingDirect(b, "light.rotate", SettingKind::number, "rad/s",
+                                                       "Turning of the light", Role::controller, -10, 10, -2, 2)};
+        const std::vector starts{CreateValue(b, 0.5)};
+        const std::vector scenes{b.CreateString("cloud"), b.CreateString("plume")};
+        const Vec3 position(0, 2, 26), target(0, 0.5f, 0);
+        const auto camera = CreateCamera(b, &position, &target, 0.75f);
+        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "cloud", "llvmpipe", 1280, 720, 1, 60, 2, camera, nullptr,
+                                   nullptr, nullptr, false, Role::operator_, &settings, &starts, &scenes);
+    }));
+    all.push_back(example("scene_state_box", [&](Builder& b) {
+        const Vec3 lo(-5, -1, -4.5f), hi(5, 9, 4.25f);
+        const std::vector values{CreateValue(b, 0.25)};
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
+                                      "isv", "simpson", 2, 1, nullptr, 0, &values, &lo, &hi);
     }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));

@@ -101,6 +101,19 @@ Json of(const Set& c) {
     return Json::object({{"changes", changes}});
 }
 
+Json floats(const flatbuffers::Vector<float>* list) {
+    return list ? Json(std::vector<float>(list->begin(), list->end())) : Json(nullptr);
+}
+Json of(const SetParticles& c) {
+    return Json::object({{"first", c.first()},
+                         {"positions", floats(c.positions())},
+                         {"scales", floats(c.scales())},
+                         {"extinctions", floats(c.extinctions())},
+                         {"albedos", floats(c.albedos())},
+                         {"live", c.live()},
+                         {"seconds", c.seconds()}});
+}
+
 Json of(const Input& m) {
     Json command = Json::object();
     switch (m.command_type()) {
@@ -128,6 +141,9 @@ Json of(const Input& m) {
     case Command::Set:
         command = of(*m.command_as_Set());
         break;
+    case Command::SetParticles:
+        command = of(*m.command_as_SetParticles());
+        break;
     case Command::NONE:
         break;
     }
@@ -143,6 +159,14 @@ Json of(const Pong& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", 
 Json of(const Goodbye& m) {
     Json out = Json::object({{"reason", text(m.reason())}, {"retry_after_s", m.retry_after_s()}});
     if (m.go_to()) out["go_to"] = text(m.go_to()); // younger than the first examples
+    return out;
+}
+
+Json values(const flatbuffers::Vector<flatbuffers::Offset<Value>>& all) {
+    Json out = Json::array();
+    for (const Value* value : all)
+        out.push_back(
+            {{"number", maybe(value->number())}, {"vector", vec(value->vector())}, {"text", text(value->text())}});
     return out;
 }
 
@@ -179,6 +203,8 @@ Json of(const Welcome& m) {
                                        {"usual_highest", s->usual_highest()},
                                        {"choices", names(s->choices())}});
     }
+    if (m.starts()) out["starts"] = values(*m.starts());
+    if (m.scenes()) out["scenes"] = names(m.scenes());
     return out;
 }
 
@@ -210,12 +236,9 @@ Json of(const SceneState& m) {
                        {"error", plan->error()},         {"ms", plan->ms()},
                        {"relaxed", plan->relaxed()}};
     if (m.plan() && m.plan()->text()) out["plan"]["text"] = text(m.plan()->text());
-    if (m.settings()) {
-        out["settings"] = Json::array();
-        for (const Value* value : *m.settings())
-            out["settings"].push_back(
-                {{"number", maybe(value->number())}, {"vector", vec(value->vector())}, {"text", text(value->text())}});
-    }
+    if (m.settings()) out["settings"] = values(*m.settings());
+    if (m.lo()) out["lo"] = vec(m.lo());
+    if (m.hi()) out["hi"] = vec(m.hi());
     return out;
 }
 

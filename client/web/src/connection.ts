@@ -61,16 +61,24 @@ export class Connection {
   constructor(
     private readonly url: string,
     private readonly events: LinkEvents,
+    private readonly ending: AbortSignal,
   ) {}
 
   start(): void {
-    window.addEventListener('online', () => this.hurry());
-    document.addEventListener('visibilitychange', () => document.hidden || this.hurry());
+    const until = { signal: this.ending };
+    window.addEventListener('online', () => this.hurry(), until);
+    document.addEventListener('visibilitychange', () => document.hidden || this.hurry(), until);
     // Makes room for another viewer at once. A page that comes back from the browser's cache connects again.
-    window.addEventListener('pagehide', () => this.leave('page closed'));
-    window.addEventListener('pageshow', (event) => event.persisted && this.retryNow());
+    window.addEventListener('pagehide', () => this.leave('page closed'), until);
+    window.addEventListener('pageshow', (event) => event.persisted && this.retryNow(), until);
     this.setState({ name: 'connecting' });
     this.open();
+  }
+
+  // Closes the connection for good.
+  stop(): void {
+    window.clearTimeout(this.timer);
+    this.leave('viewer closed');
   }
 
   // Closes the connection and connects again at once, with a new hello.
@@ -80,7 +88,7 @@ export class Connection {
   }
 
   retryNow(): void {
-    if (this.socket) return;
+    if (this.socket || this.ending.aborted) return;
     window.clearTimeout(this.timer);
     if (this.goTo === undefined) this.open();
     else void this.goOn(this.goTo);
@@ -91,7 +99,7 @@ export class Connection {
     if (await answers(page)) {
       this.events.moved(page);
       this.timer = window.setTimeout(() => this.open(), MOVE_MS);
-    } else if (!this.socket) this.open();
+    } else if (!this.socket && !this.ending.aborted) this.open();
   }
 
   get connected(): boolean {
@@ -199,7 +207,7 @@ export class Connection {
         break;
       case 'goodbye':
         this.askedWait = message.retryAfterS > 0 ? message.retryAfterS : 0;
-        this.goTo = pageOf(message.goTo, location.href);
+        this.goTo = pageOf(message.goTo, this.url);
         this.parting = { ...this.parting, text: message.reason || this.parting?.text || '' };
         if (!this.parting.refusal && this.askedWait >= LONG_WAIT_S) this.parting.refusal = 'goodbye';
         this.socket?.close(1000);
@@ -233,11 +241,14 @@ export class Connection {
   // browser does not say which. So the page asks the same address over HTTP, which answers in one line.
   private async turnedDown(): Promise<void> {
     const wants = await this.whatItWants();
-    const alive = await fetch('healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) }).then(
+    const alive = await fetch(new URL('healthz', this.url.replace(/^ws/, 'http')), {
+      cache: 'no-store',
+      signal: AbortSignal.timeout(2000),
+    }).then(
       (response) => response.ok,
       () => false,
     );
-    if (this.socket) return; // another try has begun meanwhile
+    if (this.socket || this.ending.aborted) return; // another try has begun meanwhile, or none is wanted
     this.declined = alive && wants === undefined ? this.declined + 1 : 0;
     if (wants !== undefined) {
       this.parting = { refusal: 'token', text: wants };
@@ -299,11 +310,12 @@ const versionRefusal = (): { refusal: Refusal; text: string } => ({
   text: 'The server turned this page away.',
 });
 
-// The address of the server's socket: "ws" beside the page, wherever a proxy has put it; over TLS if the page came
-// over TLS.
-export function socketAddress(token: string | undefined): string {
-  const address = new URL('ws', location.href);
-  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+// The address of a server's socket: `source` itself where it is a socket's (ws: or wss:), else "ws" beside the page
+// `source`, wherever a proxy has put it; over TLS if that page comes over TLS.
+export function socketAddress(source: string, token: string | undefined): string {
+  const named = new URL(source, location.href);
+  const address = /^wss?:$/.test(named.protocol) ? named : new URL('ws', named);
+  address.protocol = address.protocol.replace('http', 'ws');
   address.search = address.hash = '';
   if (token !== undefined) address.searchParams.set('token', token);
   return address.href;

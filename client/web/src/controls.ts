@@ -1,5 +1,4 @@
-// Turns mouse, touch and keyboard events into camera moves and pushes. Listens to the canvas and, for keys, to the
-// window.
+// Turns mouse, touch and keyboard events into camera moves and pushes.
 import { add, axes, look, metresPerPixel, move, orbit, rayThrough, scale, zoom } from './camera';
 import type { Camera, Ray } from './camera';
 import type { Vec3 } from './protocol';
@@ -10,7 +9,8 @@ export type Mode = 'orbit' | 'fly';
 export interface ControlsHost {
   camera: Camera;
   readonly fovY: number;
-  mode: Mode;
+  readonly mode: Mode;
+  readonly mayLook: boolean; // false: nothing moves the camera
   readonly pushing: boolean; // true: the push button is on
   readonly mayPush: boolean; // true: this viewer's role allows pushes
   touched(): void; // the viewer has moved the camera or pressed the canvas
@@ -57,19 +57,25 @@ export class Controls {
   private fast = false;
 
   constructor(
-    private readonly canvas: HTMLCanvasElement,
+    private readonly surface: HTMLElement, // where the picture is
+    private readonly keyboard: HTMLElement | Window, // hears keys; a surface that does is focused when it is pressed
     private readonly host: ControlsHost,
     private readonly pusher: Pusher,
+    ending: AbortSignal,
   ) {
-    canvas.addEventListener('pointerdown', (event) => this.down(event));
-    canvas.addEventListener('pointermove', (event) => this.moved(event));
-    canvas.addEventListener('pointerup', (event) => this.up(event, false));
-    canvas.addEventListener('pointercancel', (event) => this.up(event, true));
-    canvas.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
-    canvas.addEventListener('contextmenu', (event) => event.preventDefault());
-    window.addEventListener('keydown', (event) => this.key(event, true));
-    window.addEventListener('keyup', (event) => this.key(event, false));
-    window.addEventListener('blur', () => this.keys.clear());
+    const until = { signal: ending };
+    surface.addEventListener('pointerdown', (event) => this.down(event), until);
+    surface.addEventListener('pointermove', (event) => this.moved(event), until);
+    surface.addEventListener('pointerup', (event) => this.up(event, false), until);
+    surface.addEventListener('pointercancel', (event) => this.up(event, true), until);
+    surface.addEventListener('wheel', (event) => this.wheel(event), { passive: false, ...until });
+    surface.addEventListener('contextmenu', (event) => event.preventDefault(), until);
+    for (const [name, pressed] of [
+      ['keydown', true],
+      ['keyup', false],
+    ] as const)
+      keyboard.addEventListener(name, (event) => this.key(event as KeyboardEvent, pressed), until);
+    for (const target of new Set([keyboard, window])) target.addEventListener('blur', () => this.keys.clear(), until);
   }
 
   // Call once per animation frame; `dt` in seconds.
@@ -109,10 +115,13 @@ export class Controls {
   }
 
   private down(event: PointerEvent): void {
+    if (!this.host.mayLook) return;
     event.preventDefault();
-    // Keys go to the camera again, not to a field. Focusing the canvas would draw the keyboard's focus ring around it.
-    if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
-    this.canvas.setPointerCapture(event.pointerId);
+    // Keys go to the camera again, not to a field. Where the whole window's keys do, nothing needs the focus, and none
+    // of the keyboard's focus ring is drawn.
+    if (this.keyboard instanceof HTMLElement) this.keyboard.focus({ preventScroll: true });
+    else if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
+    this.surface.setPointerCapture(event.pointerId);
     this.host.touched();
     const { clientX: x, clientY: y } = event;
     const pointer: Pointer = { x, y, startX: x, startY: y, gesture: this.gestureOf(event), timer: undefined };
@@ -179,6 +188,7 @@ export class Controls {
   }
 
   private wheel(event: WheelEvent): void {
+    if (!this.host.mayLook) return;
     event.preventDefault();
     this.host.touched();
     const lines =
@@ -198,6 +208,7 @@ export class Controls {
       this.keys.delete(event.code);
       return;
     }
+    if (!this.host.mayLook) return;
     if (event.ctrlKey || event.altKey || event.metaKey || isField(event.target)) return;
     this.host.touched();
     this.keys.add(event.code);
@@ -205,7 +216,7 @@ export class Controls {
   }
 
   private pan(dx: number, dy: number): void {
-    const metres = metresPerPixel(this.host.camera, this.host.fovY, this.canvas.clientHeight);
+    const metres = metresPerPixel(this.host.camera, this.host.fovY, this.surface.clientHeight);
     this.host.camera = move(this.host.camera, -dx * metres, dy * metres, 0);
   }
 
@@ -215,7 +226,7 @@ export class Controls {
   }
 
   private rayAt(pointer: Pointer): Ray {
-    const box = this.canvas.getBoundingClientRect();
+    const box = this.surface.getBoundingClientRect();
     const x = ((pointer.x - box.left) / box.width) * 2 - 1;
     const y = 1 - ((pointer.y - box.top) / box.height) * 2;
     return rayThrough(this.host.camera, this.host.fovY, box.width / box.height, x, y);
@@ -229,7 +240,7 @@ export class Controls {
   private dragPush(now: number, pointer: Pointer, dx: number, dy: number): void {
     this.host.pushed(true, pointer.x, pointer.y);
     const { right, up } = axes(this.host.camera);
-    const metres = metresPerPixel(this.host.camera, this.host.fovY, this.canvas.clientHeight);
+    const metres = metresPerPixel(this.host.camera, this.host.fovY, this.surface.clientHeight);
     this.pusher.drag(now, this.rayAt(pointer), add(scale(right, dx * metres), scale(up, -dy * metres)));
   }
 

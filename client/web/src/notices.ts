@@ -2,6 +2,7 @@
 // refusal, a status line in the corner, a countdown to the next try, and short notes.
 import type { LinkState } from './connection';
 import { el, find, setText } from './dom';
+import { sentence } from './sentence';
 
 const NOTE_MS = 4500;
 const MOST_NOTES = 3;
@@ -36,6 +37,7 @@ export class Notices {
   private shown: LinkState = { name: 'connecting' };
   private pending: number | undefined;
   private seen = false; // true: a picture has been shown since the page was loaded
+  private lacking: string | undefined;
 
   constructor(retry: () => void) {
     this.retry.addEventListener('click', () => {
@@ -48,7 +50,15 @@ export class Notices {
   // To be called when a picture is on the screen.
   picture(): void {
     this.seen = true;
-    if (this.shown.name === 'connected') this.show('live', 'Live');
+    if (this.shown.name === 'connected') this.live();
+  }
+
+  // In what the pictures that come are less than live; undefined: in nothing.
+  lack(text: string | undefined): void {
+    if (text === this.lacking) return;
+    this.lacking = text;
+    document.body.classList.toggle('lacking', text !== undefined);
+    if (this.shown.name === 'connected' && this.seen) this.live();
   }
 
   link(state: LinkState): void {
@@ -78,7 +88,7 @@ export class Notices {
         break;
       case 'connected':
         // The curtain stays until the first picture.
-        if (this.seen) this.show('live', 'Live');
+        if (this.seen) this.live();
         else {
           this.show('connecting', 'Connected');
           this.draw('Brume', 'Waiting for the first picture…', undefined);
@@ -102,6 +112,10 @@ export class Notices {
     this.count();
   }
 
+  private live(): void {
+    this.show('live', this.lacking ?? 'Live');
+  }
+
   private show(state: string, status: string): void {
     const behind = (state === 'live' || state === 'reconnecting') && this.seen;
     document.body.dataset['state'] = state;
@@ -109,6 +123,7 @@ export class Notices {
     this.curtain.setAttribute('aria-hidden', String(behind));
     this.curtain.inert = behind;
     setText(this.status, status);
+    this.status.title = status; // where the window is too narrow for it
   }
 
   private draw(title: string, text: string, retry: string | undefined): void {
@@ -126,10 +141,4 @@ export class Notices {
     this.wait.hidden = line === '';
     setText(this.statusWait, left !== undefined && left > 1 ? `in ${left} s` : '');
   }
-}
-
-// A server's line with a capital letter and a full stop.
-export function sentence(text: string): string {
-  const first = text.charAt(0).toUpperCase() + text.slice(1);
-  return /[.!?…]$/.test(first) ? first : `${first}.`;
 }

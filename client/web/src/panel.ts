@@ -37,6 +37,7 @@ const KEYS = [
   ['X, Ctrl, Alt', 'push while dragging'],
   ['R', 'first view'],
   ['P', 'pause for everyone'],
+  ['L', 'copy a link to this view'],
   ['I · O', 'statistics · settings'],
 ] as const;
 

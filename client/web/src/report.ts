@@ -1,33 +1,37 @@
-// window.brume: the page's state, read-only, for tests and for people who look into the page.
+// A viewer's state, read-only, for tests and for people who look into the page: window.brume, or report of a
+// <brume-view>.
 import type { Camera } from './camera';
 import type { LinkState } from './connection';
 import type { Headset } from './headset';
-import type { SceneState } from './protocol';
+import type { SceneState, Welcome } from './protocol';
 import type { Values } from './shared-settings';
 import { hash } from './statistics';
 import type { Statistics } from './statistics';
 import type { Viewing } from './viewing';
 
-export interface Sources {
-  statistics: Statistics;
-  viewing: Viewing;
-  state(): LinkState['name'];
-  viewer(): number | undefined;
-  sentPose(): number | undefined;
-  camera(): Camera;
-  scene(): SceneState | undefined;
-  values(): Values;
-  headset(): Headset | undefined;
+// What is told of a viewer; a Viewer has it all.
+interface Sources {
+  readonly statistics: Statistics;
+  readonly viewing: Viewing;
+  readonly linkState: LinkState['name'];
+  readonly welcome: Welcome | undefined;
+  readonly sentPose: number | undefined;
+  readonly camera: Camera;
+  readonly scene: SceneState | undefined;
+  readonly values: Values;
+  readonly headset: Headset | undefined;
 }
 
-function report(of: Sources) {
+export type Report = ReturnType<typeof report>;
+
+export function report(of: Sources) {
   const { statistics, viewing } = of;
   return Object.freeze({
     get state() {
-      return of.state();
+      return of.linkState;
     },
     get viewer() {
-      return of.viewer();
+      return of.welcome?.viewer;
     },
     get tick() {
       return statistics.lastFrame && Number(statistics.lastFrame.tick);
@@ -39,17 +43,17 @@ function report(of: Sources) {
       return statistics.frames;
     },
     get sentPose() {
-      return of.sentPose();
+      return of.sentPose;
     },
     get recent() {
       return statistics.recent.map((entry) => ({ ...entry }));
     },
     get camera() {
-      return { ...of.camera() };
+      return { ...of.camera };
     },
     get scene() {
-      const scene = of.scene();
-      const settings = Object.fromEntries(of.values()); // by path
+      const { scene } = of;
+      const settings = Object.fromEntries(of.values); // by path
       return scene && { ...scene, settings, tick: Number(scene.tick), stateHash: hash(scene.stateHash) };
     },
     get lastFrame() {
@@ -87,16 +91,8 @@ function report(of: Sources) {
       return { position, orientation, made: { position: made.position, orientation: made.orientation } };
     },
     get headset() {
-      const headset = of.headset();
+      const { headset } = of;
       return headset && { drawn: headset.drawn, asked: headset.asked };
     },
   });
 }
-
-declare global {
-  interface Window {
-    readonly brume: ReturnType<typeof report>;
-  }
-}
-
-export const publishReport = (of: Sources): void => void Object.defineProperty(window, 'brume', { value: report(of) });

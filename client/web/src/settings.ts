@@ -1,5 +1,6 @@
 // The viewer's own settings. The browser keeps them between visits; without storage the defaults hold.
 import { SIZE_CAPS } from './size';
+import { EYES, REPROJECTIONS } from './viewing';
 import type { Eyes, Reprojection } from './viewing';
 
 export interface Settings {
@@ -11,9 +12,6 @@ export interface Settings {
   reprojection: Reprojection;
   predict: boolean; // true: poses are predicted for the time when their pictures are seen
 }
-
-const EYES: readonly Eyes[] = ['one', 'side'];
-const REPROJECTIONS: readonly Reprojection[] = ['off', 'rotation', 'plane'];
 
 const KEY = 'brume';
 
@@ -37,12 +35,43 @@ export function loadSettings(): Settings {
   return settings;
 }
 
-// Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1.
-export function followAddress(settings: Settings, address: string): void {
+const SIZES = SIZE_CAPS.map(({ width, height }) => `${width}x${height}`);
+
+// Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1&size=1280x720&
+// quality=90. Returns a line that says what is allowed if one of them cannot be used; it is then left as it was.
+export function followAddress(settings: Settings, address: string): string | undefined {
   const asked = new URLSearchParams(address);
-  settings.eyes = EYES.find((eyes) => eyes === asked.get('eyes')) ?? settings.eyes;
-  settings.reprojection = REPROJECTIONS.find((way) => way === asked.get('reproject')) ?? settings.reprojection;
-  if (asked.has('predict')) settings.predict = asked.get('predict') === '1';
+  let fault: string | undefined;
+  const take = (name: string, allowed: readonly string[], use: (text: string, index: number) => void): void => {
+    const text = asked.get(name);
+    if (text === null) return;
+    const index = allowed.indexOf(text);
+    if (index >= 0) use(text, index);
+    else fault ??= `${name} in the address is one of ${allowed.join(', ')}.`;
+  };
+  take('eyes', EYES, (_, index) => (settings.eyes = EYES[index] ?? settings.eyes));
+  take('reproject', REPROJECTIONS, (_, i) => (settings.reprojection = REPROJECTIONS[i] ?? settings.reprojection));
+  take('predict', ['0', '1'], (text) => (settings.predict = text === '1'));
+  take('size', SIZES, (_, index) => (settings.cap = index));
+  const quality = asked.get('quality');
+  if (quality !== null) {
+    if (/^\d{1,3}$/.test(quality) && Number(quality) <= 100) settings.quality = Number(quality);
+    else fault ??= 'quality in the address is a whole number from 0 to 100.';
+  }
+  return fault;
+}
+
+// The same as parameters of an address; those that are as in a new browser are left out.
+export function settingsText(settings: Settings): [name: string, value: string][] {
+  const { eyes, reprojection, predict, cap, quality } = settings;
+  const all: [string, string, boolean][] = [
+    ['eyes', eyes, eyes !== 'one'],
+    ['reproject', reprojection, reprojection !== 'off'],
+    ['predict', '1', predict],
+    ['size', SIZES[cap ?? -1] ?? '', cap !== undefined],
+    ['quality', String(quality), quality !== 0],
+  ];
+  return all.flatMap(([name, value, given]) => (given ? [[name, value] as [string, string]] : []));
 }
 
 export function saveSettings(settings: Settings): void {

@@ -13,6 +13,12 @@ export const SIZE_CAPS: readonly (Size & { name: string })[] = [
   { name: 'Full HD', width: 1920, height: 1080 },
 ];
 
+// The size that a text such as '640x360' names; undefined for any other.
+export function sizeOf(text: string | null): Size | undefined {
+  const [, width, height] = /^(\d{2,4})x(\d{2,4})$/.exec(text ?? '') ?? [];
+  return width && height ? { width: Number(width), height: Number(height) } : undefined;
+}
+
 // The limit while the viewer has not chosen one: smaller if the server's device renders in software.
 export const defaultCap = (device: string): number => (/llvmpipe|lavapipe|swiftshader/i.test(device) ? 1 : 2);
 

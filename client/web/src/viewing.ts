@@ -16,6 +16,11 @@ export type Eyes = 'one' | 'side';
 // follow its moves, exactly at the distance of the pivot.
 export type Reprojection = 'off' | 'rotation' | 'plane';
 
+export const EYES: readonly Eyes[] = ['one', 'side'];
+export const REPROJECTIONS: readonly Reprojection[] = ['off', 'rotation', 'plane'];
+export const eyesOf = (text: string | null): Eyes => EYES.find((eyes) => eyes === text) ?? 'one';
+export const reprojectionOf = (text: string | null): Reprojection => REPROJECTIONS.find((way) => way === text) ?? 'off';
+
 // Pictures for reprojection are wider and higher by the factor 1 + MARGIN.
 export const MARGIN = 0.1;
 // Distance between a person's eyes, m.

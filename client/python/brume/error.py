@@ -1,0 +1,12 @@
+"""What goes wrong."""
+
+
+class BrumeError(Exception):
+    """The server refused something, or is away. The text is the server's own line where it said one.
+
+    code: name of the ErrorCode in brume.fbs, such as 'forbidden' or 'out_of_range'; 'connection' for the others.
+    """
+
+    def __init__(self, text, code='connection'):
+        super().__init__(text)
+        self.code = code

@@ -1,0 +1,51 @@
+"""One picture, with what the server says about it."""
+import io
+from dataclasses import dataclass, field
+
+from brume.error import BrumeError
+
+
+def _needed(module, package):
+    raise BrumeError(f'{module} is missing: install {package}, or use the bytes (Frame.jpeg, Frame.save)')
+
+
+@dataclass(frozen=True)
+class Frame:
+    id: int  # counts the frames of one connection, from 1
+    tick: int  # of the simulation, 60 a second
+    hash: str  # of the simulation's state: equal for all viewers at equal ticks
+    pose: int  # number of the camera that it shows
+    position: tuple  # m
+    orientation: tuple  # world from view, a unit quaternion x, y, z, w
+    fov: float  # rad, the full vertical angle
+    width: int  # pixels of one eye
+    height: int
+    quality: int  # of the JPEG
+    lossless: bool  # True: the bytes are PNG, not JPEG
+    pictures: tuple = field(repr=False)  # bytes of each eye's picture
+
+    @property
+    def jpeg(self):
+        """The bytes of the one or left picture; PNG where `lossless` is True."""
+        return self.pictures[0]
+
+    def save(self, path, eye=0):
+        """Writes the bytes as they came."""
+        with open(path, 'wb') as file:
+            file.write(self.pictures[eye])
+
+    def image(self, eye=0):
+        """The picture as a PIL image."""
+        try:
+            from PIL import Image
+        except ImportError:
+            _needed('PIL', 'python3-pil (Pillow)')
+        return Image.open(io.BytesIO(self.pictures[eye])).convert('RGB')
+
+    def array(self, eye=0):
+        """The picture as a NumPy array: height x width x 3 bytes, sRGB."""
+        try:
+            import numpy
+        except ImportError:
+            _needed('NumPy', 'python3-numpy')
+        return numpy.asarray(self.image(eye))

@@ -1,0 +1,252 @@
+"""The connection to a server, in a thread of its own: it answers pings, acknowledges frames and comes back when it was
+lost, whatever the caller's thread does meanwhile."""
+import asyncio
+import random
+import threading
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+
+import websockets
+
+from brume import messages
+from brume.error import BrumeError
+
+SILENCE = 8  # s; the server reports the scene each second
+IDLE = 1  # s without a wish for a picture, after which the server draws none
+HANDSHAKE = 10  # s
+WAITS = (0.25, 0.5, 1)  # s before each further try to connect
+
+_MAJOR = int(getattr(websockets, '__version__', '0').split('.')[0])
+if _MAJOR < 10:
+    raise ImportError('brume needs websockets 10 or newer (Debian: python3-websockets)')
+_HEADERS = 'additional_headers' if _MAJOR >= 14 else 'extra_headers'
+
+
+def socket_address(url):
+    """The address of the socket beside a page: http://host:8080 gives ws://host:8080/ws."""
+    parts = urllib.parse.urlsplit(url if '://' in url else f'http://{url}')
+    schemes = {'http': 'ws', 'https': 'wss', 'ws': 'ws', 'wss': 'wss'}
+    if parts.scheme not in schemes or not parts.hostname:
+        raise BrumeError(f'{url!r} is no address of a server: http://HOST:PORT or wss://HOST:PORT/ws')
+    path = parts.path if parts.path.endswith('/ws') else urllib.parse.urljoin(parts.path or '/', 'ws')
+    return urllib.parse.urlunsplit((schemes[parts.scheme], parts.netloc, path, '', ''))
+
+
+class Link:
+    """`changed` guards what a reader sees: welcome, state, frame, failure. It is notified whenever one changes."""
+
+    def __init__(self, url, token, tls, patience, hello):
+        self.address = socket_address(url)
+        self.changed = threading.Condition()
+        self.welcome = None  # the newest Welcome; None: not connected
+        self.state = None  # the newest SceneState
+        self.frame = None  # the newest Frame that shows the camera as it is
+        self.failure = None  # why there is no connection any more
+        self.errors = []  # refusals that no waiting command has taken
+        self._refused = {}  # number of an input: its refusal
+        self._ponged = 0  # number of the newest answered ping
+        self._token, self._tls, self._patience, self._hello = token, tls, patience, hello
+        self._closing = False
+        self._resume = ''
+        self._socket = None
+        self._view = None  # what pose() takes after its number
+        self._pose = self._least_pose = self._input = self._nonce = 0
+        self._wanted = 0.0  # time when somebody last waited for a picture
+        self._hidden = False
+        self._loop = None
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name='brume', daemon=True)
+        self._thread.start()
+
+    # ---- from the caller's thread ----
+
+    def wait(self, ready, timeout, what):
+        """Until ready() is true; raises what came instead. Call it with `changed` held."""
+        deadline = time.monotonic() + timeout
+        while not ready():
+            if self.errors:
+                raise self.errors.pop(0)
+            if self.failure:
+                raise BrumeError(str(self.failure), self.failure.code)
+            left = deadline - time.monotonic()
+            if left <= 0 or not self.changed.wait(left):
+                raise TimeoutError(f'{what} in {timeout:g} s')
+
+    def look(self, **view):
+        """Sends a camera. `frame` is None until a picture shows it."""
+        with self.changed:
+            self._view = view
+            self._wanted = time.monotonic()
+            self._send_pose(hidden=False)
+
+    def want(self):
+        """Somebody waits for a picture now. Call it with `changed` held."""
+        self._wanted = time.monotonic()
+        if self._hidden:
+            self._send_pose(hidden=False)
+
+    def order(self, build, timeout):
+        """Sends a command, and returns when the server has taken it; raises BrumeError if it refused."""
+        with self.changed:
+            if self.failure:
+                raise self.failure
+            if not self.welcome:
+                raise BrumeError('not connected: the command was not sent')
+            self._input += 1
+            self._nonce += 1
+            number, nonce = self._input, self._nonce
+            data = messages.order(number, build)
+            if len(data) > messages.MOST_BYTES:
+                raise BrumeError(f'a command of {len(data)} bytes is too long: {messages.MOST_BYTES} are allowed',
+                                 'out_of_range')
+            self._send(data)
+            self._send(messages.ping(nonce))  # messages are answered in their order
+            connection = self._socket
+            self.wait(lambda: number in self._refused or self._ponged >= nonce or self._socket is not connection,
+                      timeout, 'no answer to a command')
+            if number in self._refused:
+                raise self._refused.pop(number)
+            if self._socket is not connection:
+                raise BrumeError('the connection was lost: whether the command was taken is not known')
+            if self._view:
+                self._send_pose(hidden=False)  # a picture of it shows the command, too
+
+    def close(self):
+        with self.changed:
+            self._closing = True
+            self._send(messages.goodbye('done'))
+            self.failure = self.failure or BrumeError('the viewer is closed')
+            self.changed.notify_all()
+        if self._loop and self._thread.is_alive():
+            asyncio.run_coroutine_threadsafe(self._hang_up(), self._loop)
+            self._thread.join(5)
+
+    # ---- both; with `changed` held ----
+
+    def _send(self, data):
+        socket = self._socket
+        if socket:
+            asyncio.run_coroutine_threadsafe(self._put(socket, data), self._loop)
+
+    def _send_pose(self, hidden):
+        self._pose += 1
+        self._hidden = hidden
+        if not hidden:
+            self._least_pose = self._pose
+            self.frame = None
+        if self.welcome and self._view:
+            self._send(messages.pose(self._pose, hidden=hidden, **self._view))
+
+    # ---- in the connection's own thread ----
+
+    async def _put(self, socket, data):
+        try:
+            await socket.send(data)
+        except websockets.WebSocketException:
+            pass  # the reader sees the end, too
+
+    async def _hang_up(self):
+        if self._socket:
+            await self._socket.close()
+
+    async def _main(self):
+        self._loop = asyncio.get_running_loop()
+        tries, lost = 0, time.monotonic()
+        while not self._closing:
+            failure = await self._session()
+            with self.changed:
+                was = self.welcome
+                self.welcome = self._socket = None
+                tries, lost = (0, time.monotonic()) if was else (tries + 1, lost)
+                final = not self._resume or time.monotonic() - lost > self._patience
+                if final or self._closing:
+                    self.failure = self.failure or failure
+                self.changed.notify_all()
+                if self.failure:
+                    return
+            await asyncio.sleep(WAITS[min(tries, len(WAITS) - 1)] * random.uniform(0.5, 1))
+
+    async def _session(self):
+        """One connection from its beginning to its end. Returns why it ended."""
+        headers = {_HEADERS: {'Authorization': f'Bearer {self._token}'}} if self._token else {}
+        tls = {'ssl': self._tls} if self._tls else {}
+        self._ending = None
+        try:
+            async with websockets.connect(self.address, subprotocols=['brume.v1'], compression=None, max_size=None,
+                                          open_timeout=HANDSHAKE, close_timeout=2, **headers, **tls) as socket:
+                self._socket = socket
+                await socket.send(self._hello(self._resume))
+                idle = asyncio.ensure_future(self._watch_idleness())
+                try:
+                    while True:
+                        self._receive(await asyncio.wait_for(socket.recv(), SILENCE))
+                finally:
+                    idle.cancel()
+        except websockets.ConnectionClosed as error:
+            return self._ending or BrumeError(f'the connection was lost: {error}')
+        except asyncio.TimeoutError:
+            return self._ending or BrumeError(f'{self.address} does not answer')
+        except websockets.InvalidURI as error:
+            return BrumeError(str(error))
+        except (OSError, websockets.WebSocketException, EOFError) as error:
+            said = await asyncio.get_running_loop().run_in_executor(None, self._why)
+            return BrumeError(said, 'forbidden') if said else BrumeError(f'no connection to {self.address}: {error}')
+        except BrumeError as error:
+            return error
+
+    def _why(self):
+        """The server's reason to refuse the handshake, in one line, as it tells HTTP; empty if it tells none."""
+        request = urllib.request.Request('http' + self.address[2:])
+        if self._token:
+            request.add_header('Authorization', f'Bearer {self._token}')
+        try:
+            urllib.request.urlopen(request, timeout=5, context=self._tls).close()
+        except urllib.error.HTTPError as answer:
+            if answer.code in (401, 403):
+                return answer.read(1000).decode('utf-8', 'replace').split('\n')[0]
+        except OSError:
+            pass
+        return ''
+
+    async def _watch_idleness(self):
+        while True:
+            await asyncio.sleep(IDLE / 2)
+            with self.changed:
+                if not self._hidden and self._view and time.monotonic() - self._wanted > IDLE:
+                    self._send_pose(hidden=True)
+
+    def _receive(self, data):
+        kind, table, rest = messages.read(data)
+        with self.changed:
+            if kind == 'Frame':
+                frame = messages.frame_of(table, rest)
+                self._send(messages.ack(frame.id))
+                if not self._hidden and frame.pose >= self._least_pose:
+                    self.frame = frame
+            elif kind == 'SceneState':
+                self.state = table
+            elif kind == 'Ping':
+                self._send(messages.pong(table.Nonce(), table.TimeUs()))
+            elif kind == 'Pong':
+                self._ponged = max(self._ponged, table.Nonce())
+            elif kind == 'Error':
+                self._refuse(*messages.error_of(table))
+            elif kind == 'Goodbye':
+                said = messages.text_of(table.Reason())
+                self._ending = self._ending or BrumeError(f'the server said goodbye: {said}')
+            elif kind == 'Welcome':
+                self.welcome = table
+                self._resume = messages.text_of(table.Resume()) or self._resume
+                if self._view:
+                    self._send_pose(hidden=self._hidden)
+            self.changed.notify_all()
+
+    def _refuse(self, number, error):
+        if error.code == 'full':
+            self._ending = error
+        elif number == self._input and number:
+            self._refused[number] = error
+        elif number or error.code != 'too_fast':  # a pose that came too fast is shown a little later
+            self.errors.append(error)
+            del self.errors[:-16]

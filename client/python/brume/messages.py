@@ -1,0 +1,219 @@
+"""The messages of brume.v1 to bytes and back. brume/wire is generated from protocol/brume.fbs."""
+import struct
+import time
+
+import flatbuffers
+
+from brume.error import BrumeError
+from brume.frame import Frame
+
+try:
+    from brume.wire import (Ack, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
+                            Message, MoveVolume, Ping, Pong, Pose, Quat, Restart, SceneState, Set, Vec3, Welcome)
+    from brume.wire import Frame as WireFrame
+except ImportError as error:
+    raise ImportError('brume.wire is missing: build it with ./dev build and use build/release/python, or see '
+                      'client/python/README.md') from error
+
+IDENTIFIER = b'BRM1'
+MOST_BYTES = 64 * 1024  # of a message that the server reads
+
+
+def now_us():
+    return time.monotonic_ns() // 1000
+
+
+def _finish(builder, kind, body):
+    Message.Start(builder)
+    Message.AddBodyType(builder, kind)
+    Message.AddBody(builder, body)
+    builder.FinishSizePrefixed(Message.End(builder), IDENTIFIER)
+    return bytes(builder.Output())
+
+
+def _vec3(builder, v):
+    x, y, z = (float(one) for one in v)
+    return Vec3.CreateVec3(builder, x, y, z)
+
+
+def hello(width, height, client, resume, quality, lossless):
+    b = flatbuffers.Builder(256)
+    name, key = b.CreateString(client), b.CreateString(resume)
+    Hello.Start(b)
+    Hello.AddClient(b, name)
+    Hello.AddWidth(b, width)
+    Hello.AddHeight(b, height)
+    Hello.AddQuality(b, quality)
+    Hello.AddResume(b, key)
+    Hello.AddLossless(b, lossless)
+    return _finish(b, Body.Body.Hello, Hello.End(b))
+
+
+def pose(seq, position, orientation, fov, size, hidden=False):
+    b = flatbuffers.Builder(256)
+    Pose.Start(b)
+    Pose.AddSeq(b, seq)
+    Pose.AddClientTimeUs(b, now_us())
+    Pose.AddPosition(b, _vec3(b, position))
+    Pose.AddOrientation(b, Quat.CreateQuat(b, *(float(one) for one in orientation)))
+    Pose.AddFovY(b, fov)
+    Pose.AddWidth(b, size[0])
+    Pose.AddHeight(b, size[1])
+    Pose.AddHidden(b, hidden)
+    return _finish(b, Body.Body.Pose, Pose.End(b))
+
+
+def ack(frame):
+    b = flatbuffers.Builder(64)
+    Ack.Start(b)
+    Ack.AddFrame(b, frame)
+    return _finish(b, Body.Body.Ack, Ack.End(b))
+
+
+def ping(nonce):
+    b = flatbuffers.Builder(64)
+    Ping.Start(b)
+    Ping.AddNonce(b, nonce)
+    Ping.AddTimeUs(b, now_us())
+    return _finish(b, Body.Body.Ping, Ping.End(b))
+
+
+def pong(nonce, time_us):
+    b = flatbuffers.Builder(64)
+    Pong.Start(b)
+    Pong.AddNonce(b, nonce)
+    Pong.AddTimeUs(b, time_us)
+    return _finish(b, Body.Body.Pong, Pong.End(b))
+
+
+def goodbye(reason):
+    b = flatbuffers.Builder(64)
+    text = b.CreateString(reason)
+    Goodbye.Start(b)
+    Goodbye.AddReason(b, text)
+    return _finish(b, Body.Body.Goodbye, Goodbye.End(b))
+
+
+# A command is a function that adds its table to the builder and returns (its type, the table).
+
+
+def impulse(origin, direction, push, strength):
+    def build(b):
+        Impulse.Start(b)
+        Impulse.AddOrigin(b, _vec3(b, origin))
+        Impulse.AddDirection(b, _vec3(b, direction))
+        if push is not None:
+            Impulse.AddPush(b, _vec3(b, push))
+        Impulse.AddStrength(b, strength)
+        return Command.Command.Impulse, Impulse.End(b)
+    return build
+
+
+def move(offset):
+    def build(b):
+        MoveVolume.Start(b)
+        MoveVolume.AddOffset(b, _vec3(b, offset))
+        return Command.Command.MoveVolume, MoveVolume.End(b)
+    return build
+
+
+def restart():
+    def build(b):
+        Restart.Start(b)
+        return Command.Command.Restart, Restart.End(b)
+    return build
+
+
+def change(values):
+    """values: of live settings by path; a number or boolean, three numbers, or a text."""
+    def build(b):
+        tables = []
+        for path, value in values.items():
+            name = b.CreateString(path)
+            text = b.CreateString(value) if isinstance(value, str) else None
+            Change.Start(b)
+            Change.AddPath(b, name)
+            if text is not None:
+                Change.AddText(b, text)
+            elif hasattr(value, '__len__'):
+                Change.AddVector(b, _vec3(b, value))
+            else:
+                Change.AddNumber(b, float(value))
+            tables.append(Change.End(b))
+        Set.StartChangesVector(b, len(tables))
+        for table in reversed(tables):
+            b.PrependUOffsetTRelative(table)
+        changes = b.EndVector()
+        Set.Start(b)
+        Set.AddChanges(b, changes)
+        return Command.Command.Set, Set.End(b)
+    return build
+
+
+def order(seq, build):
+    b = flatbuffers.Builder(1024)
+    kind, table = build(b)
+    Input.Start(b)
+    Input.AddSeq(b, seq)
+    Input.AddClientTimeUs(b, now_us())
+    Input.AddCommandType(b, kind)
+    Input.AddCommand(b, table)
+    return _finish(b, Body.Body.Input, Input.End(b))
+
+
+# ---- from the server ----
+
+_BODIES = {Body.Body.Welcome: Welcome.Welcome, Body.Body.SceneState: SceneState.SceneState,
+           Body.Body.Frame: WireFrame.Frame, Body.Body.Error: Error.Error, Body.Body.Ping: Ping.Ping,
+           Body.Body.Pong: Pong.Pong, Body.Body.Goodbye: Goodbye.Goodbye}
+_CODES = {value: name for name, value in vars(ErrorCode.ErrorCode).items() if isinstance(value, int)}
+
+
+def read(data):
+    """(kind, table, bytes after it) of a server's message; kind is None for one that this version does not know."""
+    try:
+        (length,) = struct.unpack_from('<I', data)
+        if data[8:12] != IDENTIFIER:
+            raise ValueError('no brume.v1')
+        message = Message.Message.GetRootAs(data, 4)
+        kind = _BODIES.get(message.BodyType())
+        if kind is None:
+            return None, None, b''
+        table, body = kind(), message.Body()
+        table.Init(body.Bytes, body.Pos)
+        return kind.__name__, table, data[4 + length:]
+    except (IndexError, ValueError, struct.error, TypeError) as error:
+        raise BrumeError(f'the server sent what cannot be read ({error}): another version?') from error
+
+
+def text_of(value):
+    return value.decode('utf-8', 'replace') if value else ''
+
+
+def vector_of(v):
+    return (v.X(), v.Y(), v.Z())
+
+
+def frame_of(table, rest):
+    pictures, at = [], 0
+    for i in range(table.JpegBytesLength()):
+        pictures.append(bytes(rest[at:at + table.JpegBytes(i)]))
+        at += table.JpegBytes(i)
+    turn = table.Orientation()
+    return Frame(id=table.Id(), tick=table.Tick(), hash=f'{table.StateHash():016x}', pose=table.PoseSeq(),
+                 position=vector_of(table.Position()), orientation=(turn.X(), turn.Y(), turn.Z(), turn.W()),
+                 fov=table.FovY(), width=table.Width(), height=table.Height(), quality=table.Quality(),
+                 lossless=table.Encoding() == Encoding.Encoding.png, pictures=tuple(pictures))
+
+
+def value_of(value):
+    if value.Number() is not None:
+        return value.Number()
+    if value.Vector() is not None:
+        return vector_of(value.Vector())
+    return text_of(value.Text())
+
+
+def error_of(table):
+    """(number of the input that it answers or 0, the error)"""
+    return table.InputSeq(), BrumeError(text_of(table.Text()), _CODES.get(table.Code(), 'unknown'))

@@ -1,0 +1,221 @@
+"""What a program does with a server: look, push, set, and take pictures."""
+import math
+import time
+from dataclasses import dataclass, field
+
+from brume import messages
+from brume.error import BrumeError
+from brume.link import Link
+
+REST = 1.0  # s in which a paused scene sends what it still has to send
+ADOPTED = 2.0  # s; the server reports its settings each second
+
+
+@dataclass(frozen=True)
+class State:
+    """The scene as the server last reported it: when something changes, and once a second."""
+    tick: int
+    hash: str
+    viewers: int
+    particles: int
+    paused: bool
+    error: float  # relative RMSE of the pictures, predicted; None from a server that does not say
+    method: str  # what is rendered with now, in a few words
+    settings: dict = field(repr=False)  # every live setting by its path
+
+
+def look_at(position, target):
+    """The orientation (world from view, a quaternion) of a camera that looks from `position` to `target`, upright."""
+    x, y, z = (b - a for a, b in zip(position, target))
+    length = math.sqrt(x * x + y * y + z * z)
+    if not length > 0:
+        raise BrumeError('position and target are the same place', 'out_of_range')
+    yaw, pitch = math.atan2(-x, -z), math.asin(max(-1.0, min(1.0, y / length)))
+    cy, sy, cp, sp = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(pitch / 2), math.sin(pitch / 2)
+    return (cy * sp, sy * cp, -sy * sp, cy * cp)
+
+
+class Viewer:
+    """One viewer of the scene. connect() makes it; close it, or use it in a `with`."""
+
+    def __init__(self, link, timeout, size):
+        self._link, self._timeout = link, timeout
+        self._last = None  # the frame that was returned last
+        with link.changed:
+            link.wait(lambda: link.welcome and link.state, timeout, f'no welcome from {link.address}')
+            welcome = link.welcome
+        self.server = messages.text_of(welcome.Server())
+        self.device = messages.text_of(welcome.Device())
+        camera = welcome.Camera()
+        self._view = {'position': messages.vector_of(camera.Position()), 'fov': camera.FovY(), 'size': size}
+        self._view['orientation'] = look_at(self._view['position'], messages.vector_of(camera.Target()))
+        link.look(**self._view)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        self._link.close()
+
+    @property
+    def scene(self):
+        """The scene's name."""
+        with self._link.changed:
+            return messages.text_of(self._welcome().Scene())
+
+    @property
+    def paths(self):
+        """The live settings by path, each with its help, unit, range and the texts that it may have."""
+        with self._link.changed:
+            welcome = self._welcome()
+            found = [welcome.Settings(i) for i in range(welcome.SettingsLength())]
+        return {messages.text_of(one.Path()): {
+            'help': messages.text_of(one.Help()), 'unit': messages.text_of(one.Unit()),
+            'lowest': one.Lowest(), 'highest': one.Highest(),
+            'choices': [messages.text_of(one.Choices(i)) for i in range(one.ChoicesLength())]} for one in found}
+
+    @property
+    def state(self):
+        """The newest State."""
+        with self._link.changed:
+            welcome, state = self._welcome(), self._link.state
+        paths = [messages.text_of(welcome.Settings(i).Path()) for i in range(welcome.SettingsLength())]
+        values = [messages.value_of(state.Settings(i)) for i in range(state.SettingsLength())]
+        plan = state.Plan()
+        method = plan.Text() or plan.Method() if plan else state.Method()
+        return State(tick=state.Tick(), hash=f'{state.StateHash():016x}', viewers=state.Viewers(),
+                     particles=state.Particles(), paused=bool(state.Paused()), error=plan.Error() if plan else None,
+                     method=messages.text_of(method), settings=dict(zip(paths, values)))
+
+    # ---- camera and pictures ----
+
+    def look(self, position=None, target=None, orientation=None, fov=None, size=None):
+        """Moves the camera; what is not given stays. position, target: m. orientation: world from view, a unit
+        quaternion x, y, z, w, in place of a target. fov: rad, the full vertical angle. size: (width, height) in
+        pixels."""
+        view = dict(self._view)
+        if position is not None:
+            view['position'] = tuple(float(one) for one in position)
+        if target is not None and orientation is not None:
+            raise BrumeError('look() takes a target or an orientation, not both', 'out_of_range')
+        if target is not None:
+            view['orientation'] = look_at(view['position'], tuple(float(one) for one in target))
+        if orientation is not None:
+            view['orientation'] = tuple(float(one) for one in orientation)
+        if fov is not None:
+            view['fov'] = float(fov)
+        if size is not None:
+            view['size'] = (int(size[0]), int(size[1]))
+        self._view = view
+        self._link.look(**view)
+
+    def frame(self, after=None, timeout=None):
+        """The next picture of the camera as it is now, drawn after the last command; newer than the one returned
+        before. after: a tick, which the picture's must exceed. In a paused scene that sends nothing more it is the
+        same picture again."""
+        link, timeout = self._link, timeout or self._timeout
+        with link.changed:
+            link.want()
+
+            def ready():
+                frame = link.frame
+                return frame and frame is not self._last and (after is None or frame.tick > after)
+            same = self._last is not None and self._last is link.frame and after is None
+            if same and link.state and link.state.Paused():
+                try:
+                    link.wait(ready, REST, '')
+                except TimeoutError:
+                    return self._last
+            deadline = time.monotonic() + timeout
+            while not ready():
+                link.want()  # so that the server goes on to draw
+                left = deadline - time.monotonic()
+                if left <= 0:
+                    raise TimeoutError(f'no picture in {timeout:g} s')
+                try:
+                    link.wait(ready, min(left, REST / 2), '')
+                except TimeoutError:
+                    continue
+            self._last = link.frame
+            return self._last
+
+    def frames(self, count=None, timeout=None):
+        """Pictures one after another, always the newest; those that come while the last is being used are passed
+        over."""
+        while count is None or count > 0:
+            yield self.frame(timeout=timeout)
+            count = None if count is None else count - 1
+
+    # ---- commands: they change the scene for everyone ----
+
+    def push(self, origin, direction, strength=1.0, push=None):
+        """Pushes particles along a ray: away from it with `strength`, or with the velocity `push`, m/s."""
+        self._link.order(messages.impulse(origin, direction, push, float(strength)), self._timeout)
+
+    def move(self, offset):
+        """Moves the medium, in m."""
+        self._link.order(messages.move(offset), self._timeout)
+
+    def set(self, path, value):
+        """Changes a live setting, and returns when the server reports its value."""
+        self.set_all({path: value})
+
+    def set_all(self, values):
+        """Changes live settings by path, all or none: set_all({'medium.extinction': 2, 'render.exposure': 1})."""
+        link, before = self._link, self.state.settings
+        link.order(messages.change(values), self._timeout)
+        end = time.monotonic() + ADOPTED
+        while time.monotonic() < end:
+            now = self.state.settings
+            if all(_alike(now.get(path), value) for path, value in values.items()) or now != before:
+                break
+            with link.changed:
+                link.changed.wait(end - time.monotonic())
+        link.look(**self._view)
+
+    def pause(self, paused=True):
+        """Stops the scene; every picture that frame() returns from then on is of that state."""
+        self.set('simulation.paused', paused)
+
+    def resume(self):
+        """Lets the scene go on."""
+        self.pause(False)
+
+    def restart(self):
+        """Starts the scene again."""
+        self._link.order(messages.restart(), self._timeout)
+
+    def _welcome(self):
+        if not self._link.welcome:
+            raise self._link.failure or BrumeError('not connected')
+        return self._link.welcome
+
+
+def _alike(value, wanted):
+    """True if a reported value, of 32-bit floats, is the one that was asked for."""
+    if isinstance(value, str) or isinstance(wanted, str):
+        return value == wanted
+    both = [(value, wanted)] if not hasattr(wanted, '__len__') else list(zip(value or (), wanted))
+    return all(one is not None and math.isclose(one, float(two), rel_tol=1e-6, abs_tol=1e-9) for one, two in both)
+
+
+def connect(url='http://127.0.0.1:8080', token=None, size=(640, 360), quality=0, lossless=False, timeout=30,
+            tls=None, reconnect=60):
+    """A Viewer of the server at `url` (http, https, ws or wss).
+
+    token: where the server wants one. size: pixels of a picture. quality: of the JPEG, 1 ... 100; 0: the server's.
+    lossless: True asks for what rests once more as PNG. timeout: s that a call waits. tls: an ssl.SSLContext, for
+    certificates of one's own. reconnect: s for which a lost connection is tried again, as the same viewer.
+    Raises BrumeError with the server's line if it refuses, TimeoutError if nobody answers.
+    """
+    def hello(resume):
+        return messages.hello(size[0], size[1], 'brume-python 0.1.0', resume, quality, lossless=lossless)
+    link = Link(url, token, tls, reconnect, hello)
+    try:
+        return Viewer(link, timeout, tuple(size))
+    except BaseException:
+        link.close()
+        raise

@@ -1,0 +1,228 @@
+// <brume-view>: a viewer as an element. README.md lists its attributes, properties and events.
+import type { Camera } from './camera';
+import { socketAddress } from './connection';
+import type { LinkState } from './connection';
+import { el, setText } from './dom';
+import type { Latency } from './latency';
+import { placeOf } from './place';
+import type { Place } from './place';
+import type { Frame, SceneState, Welcome } from './protocol';
+import type { Report } from './report';
+import { sentence } from './sentence';
+import { sizeOf } from './size';
+import { Viewer } from './viewer';
+import type { Wishes } from './viewer';
+import { eyesOf, reprojectionOf } from './viewing';
+
+export interface BrumeViewEvents {
+  statechange: LinkState;
+  welcome: Welcome;
+  scenechange: SceneState;
+  picture: { frame: Frame; latency: Latency | undefined };
+  note: { text: string; kind: 'info' | 'error' };
+  modechange: undefined;
+  touched: undefined;
+  moved: { page: string };
+}
+
+const STYLE = `
+  :host { display: block; position: relative; overflow: hidden; min-width: 64px; min-height: 64px; outline: none;
+    background: #0b0f14; touch-action: none; user-select: none; cursor: grab; }
+  :host([hidden]) { display: none; }
+  :host(:active) { cursor: grabbing; }
+  :host([controls='none']) { touch-action: auto; cursor: default; }
+  :host(:focus-visible) .ring { outline: 2px solid rgb(156 196 238 / 55%); outline-offset: -2px; }
+  :host(:focus-visible) .quiet { outline: none; }
+  canvas, .ring { position: absolute; inset: 0; width: 100%; height: 100%; pointer-events: none; }
+  .view { object-fit: cover; }
+  [hidden] { display: none; }
+  .cursor { position: absolute; left: -32px; top: -32px; width: 64px; height: 64px; border-radius: 50%; opacity: 0;
+    box-sizing: border-box; border: 1.5px solid rgb(255 255 255 / 75%); pointer-events: none;
+    background: radial-gradient(rgb(255 255 255 / 22%), transparent 70%); transition: opacity 0.2s; }
+  .cursor.active { opacity: 1; }
+  .message { position: absolute; inset: auto 0 0; margin: 0; padding: 8px 12px; color: #e9eef4; pointer-events: none;
+    background: rgb(13 18 25 / 84%); font: 13px/1.4 system-ui, sans-serif; text-align: center; }
+`;
+const sheet = new CSSStyleSheet();
+sheet.replaceSync(STYLE);
+
+export class BrumeView extends HTMLElement {
+  static readonly observedAttributes = [
+    ...['src', 'token', 'position', 'target', 'fov', 'eyes', 'reproject', 'predict', 'quality', 'size', 'controls'],
+  ];
+  // The camera to begin with, in place of the attributes: of a viewer that was here before.
+  arrived: { camera: Camera; scene?: string | undefined } | undefined;
+  readonly canvas = el('canvas', { class: 'view', width: '2', height: '2', 'aria-hidden': 'true' });
+  readonly warped = el('canvas', { width: '2', height: '2', 'aria-hidden': 'true' });
+  private readonly cursor = el('div', { class: 'cursor' });
+  private readonly ring = el('div', { class: 'ring' });
+  private readonly message = el('p', { class: 'message', part: 'message', role: 'status' });
+  private running: Viewer | undefined;
+  private due = false; // true: attributes that need another connection have changed
+
+  constructor() {
+    super();
+    this.warped.hidden = this.message.hidden = true;
+    const root = this.attachShadow({ mode: 'open' });
+    root.adoptedStyleSheets = [sheet];
+    root.append(this.canvas, this.warped, this.ring, this.cursor, this.message);
+    // The keyboard's focus ring is for who came by keyboard.
+    this.addEventListener('pointerdown', () => this.ring.classList.add('quiet'));
+    this.addEventListener('blur', () => this.ring.classList.remove('quiet'));
+  }
+
+  // The viewer behind it; undefined while the element has no src, or is in no document.
+  get viewer(): Viewer | undefined {
+    return this.running;
+  }
+
+  get report(): Report | undefined {
+    return this.running?.report;
+  }
+
+  connectedCallback(): void {
+    if (!this.hasAttribute('tabindex')) this.tabIndex = 0;
+    if (!this.hasAttribute('role')) this.setAttribute('role', 'img');
+    if (!this.hasAttribute('aria-label'))
+      this.setAttribute('aria-label', 'A cloud. Drag to turn, scroll to zoom, hold Ctrl or Alt and drag to push.');
+    this.restart();
+  }
+
+  disconnectedCallback(): void {
+    this.running?.stop();
+    this.running = undefined;
+  }
+
+  attributeChangedCallback(name: string, before: string | null, now: string | null): void {
+    if (before === now || !this.isConnected) return;
+    const viewer = this.running;
+    switch (name) {
+      case 'src':
+      case 'token':
+        if (this.due) return;
+        this.due = true; // both may change in one step
+        queueMicrotask(() => {
+          this.due = false;
+          if (this.isConnected) this.restart();
+        });
+        break;
+      case 'position':
+      case 'target':
+      case 'fov':
+        viewer?.moveTo(this.place());
+        break;
+      case 'eyes':
+      case 'reproject':
+        viewer?.choose(eyesOf(this.getAttribute('eyes')), reprojectionOf(this.getAttribute('reproject')));
+        break;
+      case 'quality':
+        viewer?.setQuality(this.wishes().quality);
+        break;
+      default:
+        if (viewer) Object.assign(viewer.wishes, this.wishes(), { place: viewer.wishes.place });
+        viewer?.resize();
+    }
+  }
+
+  override addEventListener<K extends keyof BrumeViewEvents>(
+    name: K,
+    listener: (event: CustomEvent<BrumeViewEvents[K]>) => void,
+    options?: AddEventListenerOptions | boolean,
+  ): void;
+  override addEventListener<K extends keyof HTMLElementEventMap>(
+    name: K,
+    listener: (event: HTMLElementEventMap[K]) => void,
+    options?: AddEventListenerOptions | boolean,
+  ): void;
+  override addEventListener(name: string, listener: never, options?: AddEventListenerOptions | boolean): void {
+    super.addEventListener(name, listener, options);
+  }
+
+  private tell<K extends keyof BrumeViewEvents>(name: K, detail: BrumeViewEvents[K]): boolean {
+    return this.dispatchEvent(new CustomEvent(name, { detail, cancelable: true }));
+  }
+
+  private place(): Place {
+    const place = placeOf((name) => this.getAttribute(name));
+    if (typeof place !== 'string') return place;
+    this.tell('note', { text: place, kind: 'error' });
+    return {};
+  }
+
+  private wishes(): Wishes {
+    const control = this.getAttribute('controls');
+    const quality = Number(this.getAttribute('quality') ?? 0);
+    return {
+      cap: sizeOf(this.getAttribute('size')),
+      quality: Number.isInteger(quality) && quality >= 1 && quality <= 100 ? quality : 0,
+      predict: this.hasAttribute('predict'),
+      control: control === 'none' || control === 'look' ? control : 'push',
+      place: {},
+    };
+  }
+
+  private restart(): void {
+    const was = this.running;
+    was?.stop();
+    this.running = undefined;
+    const src = this.getAttribute('src');
+    if (src === null) return;
+    const keys = this.getAttribute('keys') === 'window' ? window : this;
+    const { canvas, warped } = this;
+    const wishes = { ...this.wishes(), place: this.place() };
+    const address = socketAddress(src, this.getAttribute('token') ?? undefined);
+    const viewer = new Viewer({ surface: this, canvas, warped, keys }, wishes, address, {
+      link: (state) => {
+        this.say(state);
+        this.tell('statechange', state);
+      },
+      welcome: (welcome) => void this.tell('welcome', welcome),
+      scene: (scene) => void this.tell('scenechange', scene),
+      picture: (frame, latency) => {
+        this.message.hidden = true;
+        this.tell('picture', { frame, latency });
+      },
+      note: (text, kind) => void this.tell('note', { text: sentence(text), kind }),
+      changed: () => void this.tell('modechange', undefined),
+      touched: () => void this.tell('touched', undefined),
+      pushed: (active, x, y) => {
+        const box = this.getBoundingClientRect();
+        this.cursor.classList.toggle('active', active);
+        this.cursor.style.transform = `translate(${x - box.left}px, ${y - box.top}px)`;
+      },
+      // Unless a listener prevents it, the view goes on at the other server, with its camera.
+      moved: (page) => {
+        if (!this.tell('moved', { page })) return;
+        this.arrived = { camera: viewer.camera };
+        this.setAttribute('src', page);
+      },
+    });
+    viewer.arrived = this.arrived;
+    this.arrived = undefined;
+    this.running = viewer;
+    viewer.choose(eyesOf(this.getAttribute('eyes')), reprojectionOf(this.getAttribute('reproject')));
+    viewer.start();
+  }
+
+  // One line about a connection that is not there, for pages that say nothing about it themselves.
+  private say(state: LinkState): void {
+    const text = {
+      connecting: () => 'Connecting…',
+      connected: () => '',
+      reconnecting: () => 'Reconnecting…',
+      refused: () => (state.name === 'refused' && state.text ? sentence(state.text) : 'The server turned this away.'),
+    }[state.name]();
+    setText(this.message, text);
+    this.message.hidden = text === '' || this.hasAttribute('quiet');
+  }
+}
+
+export function defineBrumeView(): void {
+  if (!customElements.get('brume-view')) customElements.define('brume-view', BrumeView);
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    'brume-view': BrumeView;
+  }
+}

@@ -1,0 +1,7 @@
+// The library: import it, and <brume-view> is an element of the page.
+import { BrumeView, defineBrumeView } from './brume-view';
+
+export { BrumeView };
+export type { BrumeViewEvents } from './brume-view';
+
+defineBrumeView();

@@ -1,0 +1,45 @@
+// What the status line says while pictures come: "Live", or in what they are less than that, why, and who can change it.
+import type { Size } from './size';
+
+export interface Seen {
+  paused: boolean;
+  mayControl: boolean; // true: this viewer may resume
+  frame: (Size & { quality: number }) | undefined; // the newest, one eye
+  asked: Size; // of one eye
+  limit: number; // pixels of one eye that the server draws at most, whatever is asked for
+  relaxed: number; // steps of accuracy given up under overload
+}
+
+const LINK_QUALITY = 45; // on a slow link the JPEG quality goes down to 40 before the size does
+const SMALLER = 0.6; // part of the pixels asked for: the server halves both sides
+
+// Undefined: nothing is missing.
+export function lack(seen: Seen): string | undefined {
+  const { paused, mayControl, frame, asked, limit, relaxed } = seen;
+  if (paused) return mayControl ? 'Paused: resume with P' : 'Paused: a controller can resume';
+  const wanted = asked.width * asked.height;
+  if (frame && frame.width * frame.height < SMALLER * Math.min(wanted, limit)) {
+    const busy = relaxed > 0 && frame.quality > LINK_QUALITY;
+    return `${frame.width}×${frame.height}: the ${busy ? 'server is busy' : 'link is slow'}`;
+  }
+  if (relaxed > 0) return 'Accuracy reduced: the server is busy';
+  if (frame && frame.width * frame.height < SMALLER * wanted)
+    return `${frame.width}×${frame.height}: the server’s limit`;
+  return undefined;
+}
+
+// Says what was the same so many times in a row, so that a picture that is small for a moment makes no stir.
+export class Steady {
+  private said: string | undefined;
+  private last: string | undefined;
+  private times = 0;
+
+  constructor(private readonly needed = 4) {}
+
+  next(text: string | undefined, atOnce = false): string | undefined {
+    this.times = text === this.last ? this.times + 1 : 1;
+    this.last = text;
+    if (atOnce || this.times >= this.needed) this.said = text;
+    return this.said;
+  }
+}

@@ -1,0 +1,60 @@
+// Where a camera stands and looks, as an address says it: ?position=x,y,z&target=x,y,z&fov=radians, the same names as
+// those of /snapshot.jpg.
+import { length, lookAt, pivot, subtract } from './camera';
+import type { Camera } from './camera';
+import type { Vec3 } from './protocol';
+
+export interface Place {
+  position?: Vec3; // m
+  target?: Vec3; // m
+  fov?: number; // rad, the full vertical angle
+}
+
+const FURTHEST = 50_000; // m on each axis
+const FOV = { lowest: 0.05, highest: 3 };
+const LEAST_DISTANCE = 1e-3; // m between position and target
+
+const pointOf = (text: string): Vec3 | undefined => {
+  const parts = text.split(',');
+  const [x, y, z] = parts.map((part) => (part.trim() === '' ? NaN : Number(part)));
+  const holds = (n: number | undefined): n is number => n !== undefined && Math.abs(n) <= FURTHEST;
+  return parts.length === 3 && holds(x) && holds(y) && holds(z) ? [x, y, z] : undefined;
+};
+
+// The place that those texts name; each may be missing. A line that says what is allowed if one cannot be used.
+export function placeOf(get: (name: string) => string | null): Place | string {
+  const place: Place = {};
+  for (const name of ['position', 'target'] as const) {
+    const text = get(name);
+    if (text === null) continue;
+    const point = pointOf(text);
+    if (!point) return `${name} takes three numbers from −50,000 to 50,000, in metres: ${name}=0,6,26.`;
+    place[name] = point;
+  }
+  const angle = get('fov');
+  if (angle !== null) {
+    const fov = angle.trim() === '' ? NaN : Number(angle);
+    if (!(fov >= FOV.lowest && fov <= FOV.highest)) return 'fov takes an angle from 0.05 to 3, in radians: fov=0.8.';
+    place.fov = fov;
+  }
+  const { position, target } = place;
+  if (position && target && length(subtract(target, position)) < LEAST_DISTANCE)
+    return 'position and target are the same place: they must differ by a millimetre.';
+  return place;
+}
+
+// The camera at that place; what the place leaves out is the scene's own.
+export function placed(place: Place, own: { position: Vec3; target: Vec3 }): Camera {
+  return lookAt(place.position ?? own.position, place.target ?? own.target);
+}
+
+// A number in as few digits as show the same picture.
+const short = (value: number, digits: number): string => String(Number(value.toFixed(digits)));
+const pointText = (point: Vec3): string => point.map((one) => short(one, 4)).join();
+
+// The same view as parameters of an address.
+export const placeText = (camera: Camera, fov: number): [name: string, value: string][] => [
+  ['position', pointText(camera.position)],
+  ['target', pointText(pivot(camera))],
+  ['fov', short(fov, 4)],
+];

@@ -1,0 +1,376 @@
+// One viewer of a server, without a page around it: connection, pictures, camera, pushes, headset.
+import { fitAspect, lookAt, same } from './camera';
+import type { Camera } from './camera';
+import { Connection } from './connection';
+import type { LinkState } from './connection';
+import { Controls } from './controls';
+import type { ControlsHost, Mode } from './controls';
+import { Headset } from './headset';
+import type { Latency } from './latency';
+import { Picture } from './picture';
+import { Predictor } from './predict';
+import type { Command, Frame, SceneState, ServerMessage, Welcome } from './protocol';
+import { Pusher } from './pusher';
+import { report } from './report';
+import type { Report } from './report';
+import { mayControl } from './role';
+import { valuesOf } from './shared-settings';
+import type { Values } from './shared-settings';
+import { SIZE_CAPS, defaultCap } from './size';
+import type { Size } from './size';
+import { Statistics } from './statistics';
+import { placed } from './place';
+import type { Place } from './place';
+import { Viewing } from './viewing';
+import type { Eyes, Reprojection } from './viewing';
+import { Visibility } from './visibility';
+
+// A still camera sends its pose again this often: the latency shown is then never older.
+const POSE_REFRESH_MS = 500;
+const RESIZE_SETTLE_MS = 150;
+const ERROR_FULL = 5; // ErrorCode.full; the connection's state shows it, no note does
+const CLIENT = 'brume-web 0.1.0';
+
+// Where a viewer draws and what it listens to.
+export interface Stage {
+  surface: HTMLElement; // the picture's place: the mouse and touch are for it, it has its size
+  canvas: HTMLCanvasElement;
+  warped: HTMLCanvasElement; // above the canvas
+  keys: HTMLElement | Window; // hears the keyboard
+}
+
+export interface ViewerEvents {
+  link(state: LinkState): void;
+  welcome(welcome: Welcome): void;
+  scene(scene: SceneState): void;
+  picture(frame: Frame, latency: Latency | undefined): void; // latency: of the first frame of its pose
+  note(text: string, kind: 'info' | 'error'): void;
+  changed(): void; // mode, pushing or headset
+  touched(): void; // the camera was moved by hand, or the picture pressed
+  pushed(active: boolean, x: number, y: number): void; // x, y: CSS pixels
+  moved(page: string): void; // the server has stopped and named another, whose page answers
+}
+
+export interface Wishes {
+  cap?: Size | undefined; // undefined: by the server's device
+  quality: number; // JPEG, 0 = the server's
+  predict: boolean;
+  control: 'push' | 'look' | 'none'; // what the mouse, touch and keys may do
+  place: Place; // where the first view is; what it leaves out is the scene's
+}
+
+export class Viewer {
+  readonly statistics = new Statistics();
+  readonly viewing: Viewing;
+  readonly report: Report;
+  readonly link: Connection;
+  welcome: Welcome | undefined;
+  scene: SceneState | undefined;
+  values: Values = new Map(); // of the scene's settings, as last reported
+  camera: Camera = lookAt([0, 2, 26], [0, 0, 0]);
+  mode: Mode = 'orbit';
+  headset: Headset | undefined;
+  // The camera that the first welcome starts with, instead of the place; for viewers that were here before.
+  arrived: { camera: Camera; scene?: string | undefined } | undefined;
+  size: Size; // of one eye's picture, as asked for
+  linkState: LinkState['name'] = 'connecting';
+  limit = Infinity; // pixels of one eye that the server draws at most, as far as its welcome tells
+  private home = this.camera; // the scene's own, or the place
+  private push = false;
+  private movedAt: number | undefined; // ms, of the first input since the last pose that was sent
+  // The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
+  // pose with the same numbers, since the server draws a still picture only once.
+  private sent: { camera: Camera; size: Size; at: number; pose: number; said: string } | undefined;
+  private readonly predictor = new Predictor();
+  private readonly picture: Picture;
+  private readonly controls: Controls;
+  private readonly visibility: Visibility;
+  private readonly ending = new AbortController();
+  private readonly resized: ResizeObserver;
+  private before = performance.now();
+  private helloSize: Size = { width: 0, height: 0 };
+
+  constructor(
+    private readonly stage: Stage,
+    readonly wishes: Wishes,
+    address: string,
+    private readonly events: ViewerEvents,
+  ) {
+    const { canvas, warped, surface } = stage;
+    this.viewing = new Viewing(canvas, warped, this);
+    this.size = this.viewing.size();
+    this.picture = new Picture(this.viewing, {
+      presented: (frame, at) => {
+        this.link.acknowledge(frame.id);
+        events.picture(frame, this.statistics.presented(frame, at));
+      },
+      dropped: (frame) => this.link.acknowledge(frame.id),
+      failed: (frame) => {
+        this.link.acknowledge(frame.id);
+        events.note('A picture could not be read.', 'error');
+      },
+    });
+    this.link = new Connection(
+      address,
+      {
+        hello: () => {
+          this.helloSize = this.size;
+          const views = this.headset ? 2 : this.viewing.views;
+          return { client: CLIENT, ...this.size, views, quality: this.wishes.quality };
+        },
+        state: (state) => {
+          this.linkState = state.name;
+          if (state.name !== 'connected')
+            this.headset?.end('The connection was lost: the headset’s session has ended.');
+          if (state.name === 'connected') this.enter(state.welcome);
+          events.link(state);
+        },
+        message: (message, bytes) => this.receive(message, bytes),
+        roundTrip: (ms) => this.statistics.roundTrip(ms),
+        moved: (page) => events.moved(page),
+      },
+      this.ending.signal,
+    );
+    // Pushes that are made without a connection are lost.
+    const pusher = new Pusher((impulse) => void this.link.sendInput(impulse));
+    this.controls = new Controls(surface, stage.keys, this.controlsHost(), pusher, this.ending.signal);
+    // The server draws nothing for a hidden page. Animation frames, which send the other poses, stop in it too.
+    this.visibility = new Visibility(() => !this.headset && this.link.connected && this.ask(performance.now()));
+    document.addEventListener(
+      'visibilitychange',
+      () => {
+        this.statistics.answeredPose = this.link.lastPose; // frames of earlier poses were not presented when they came
+        this.visibility.update(document.hidden);
+      },
+      this.ending,
+    );
+    let settle: number | undefined;
+    this.resized = new ResizeObserver(() => {
+      window.clearTimeout(settle);
+      settle = window.setTimeout(() => this.resize(), RESIZE_SETTLE_MS);
+    });
+    this.report = report(this);
+  }
+
+  start(): void {
+    this.resized.observe(this.stage.surface);
+    requestAnimationFrame(this.animate);
+    this.link.start();
+  }
+
+  // Says goodbye and leaves nothing behind that runs.
+  stop(): void {
+    this.headset?.end();
+    this.ending.abort();
+    this.resized.disconnect();
+    this.link.stop();
+    this.picture.clear();
+  }
+
+  get fovY(): number {
+    return this.wishes.place.fov ?? this.welcome?.camera.fovY ?? 0.8;
+  }
+
+  get cap(): Size {
+    return this.wishes.cap ?? SIZE_CAPS[defaultCap(this.welcome?.device ?? '')] ?? { width: 640, height: 360 };
+  }
+
+  get mayPush(): boolean {
+    return this.wishes.control === 'push' && this.mayControl;
+  }
+
+  get mayControl(): boolean {
+    return mayControl(this.welcome?.role ?? 'operator');
+  }
+
+  get pushing(): boolean {
+    return this.push;
+  }
+
+  set pushing(on: boolean) {
+    this.push = on && this.mayPush;
+    this.events.changed();
+  }
+
+  // Number of the pose that was sent for the camera as it is; undefined while a newer one is due.
+  get sentPose(): number | undefined {
+    return this.sent && same(this.sent.camera, this.camera) ? this.sent.pose : undefined;
+  }
+
+  setMode(mode: Mode): void {
+    this.mode = mode;
+    this.events.changed();
+  }
+
+  command(order: Command): void {
+    if (!this.link.sendInput(order)) this.events.note('Not connected: that change was not sent.', 'error');
+  }
+
+  // The first view, for the shape that the window has now.
+  goHome(): void {
+    this.camera = fitAspect(this.home, this.aspect());
+  }
+
+  // Looks from another place, which goHome() then means.
+  moveTo(place: Place): void {
+    this.wishes.place = place;
+    if (!this.welcome) return;
+    this.home = placed(place, this.welcome.camera);
+    this.camera = this.home;
+  }
+
+  resize(): void {
+    const next = this.viewing.size();
+    if (next.width !== this.size.width || next.height !== this.size.height) this.size = next;
+  }
+
+  setQuality(quality: number): void {
+    this.wishes.quality = quality;
+    if (this.link.connected) this.link.reopen(); // the quality is part of the hello
+  }
+
+  // Chooses eyes and reprojection. The number of eyes is part of the hello, so a change of it connects again. Returns
+  // false if this browser cannot do it.
+  choose(eyes: Eyes, reprojection: Reprojection): boolean {
+    const { views } = this.viewing;
+    if (!this.viewing.choose(eyes, reprojection)) {
+      this.events.note('This browser has no WebGL 2, which that needs.', 'error');
+      return false;
+    }
+    this.resize();
+    if (this.viewing.views !== views && this.link.connected) this.link.reopen();
+    return true;
+  }
+
+  async toggleHeadset(): Promise<void> {
+    if (this.headset) return this.headset.end();
+    try {
+      this.headset = await Headset.start(this, {
+        ask: (wish) => {
+          if (this.link.connected && this.link.sendPose(wish)) this.statistics.sent(this.link.lastPose, 0);
+        },
+        beforeFrame: () => this.picture.draw(),
+        ended: (why) => this.useHeadset(undefined, why),
+      });
+    } catch (error) {
+      this.events.note(error instanceof Error ? error.message : String(error), 'error');
+      return;
+    }
+    this.useHeadset(this.headset);
+  }
+
+  private useHeadset(headset: Headset | undefined, why?: string): void {
+    this.headset = headset;
+    this.picture.drawOn(headset ?? this.viewing);
+    if (why) this.events.note(why, 'info');
+    if (this.link.connected) this.link.reopen();
+    this.events.changed();
+  }
+
+  private aspect(): number {
+    return this.stage.canvas.clientWidth / Math.max(1, this.stage.canvas.clientHeight);
+  }
+
+  private controlsHost(): ControlsHost {
+    const viewer = this;
+    return {
+      get camera() {
+        return viewer.camera;
+      },
+      set camera(value) {
+        viewer.camera = value;
+        viewer.movedAt ??= performance.now();
+      },
+      get mode() {
+        return viewer.mode;
+      },
+      get fovY() {
+        return viewer.fovY;
+      },
+      get pushing() {
+        return viewer.pushing;
+      },
+      get mayPush() {
+        return viewer.mayPush;
+      },
+      get mayLook() {
+        return viewer.wishes.control !== 'none';
+      },
+      touched: () => this.events.touched(),
+      pushed: (active, x, y) => this.events.pushed(active, x, y),
+    };
+  }
+
+  private enter(greeting: Welcome): void {
+    const { arrived, wishes } = this;
+    // The camera starts at the scene's own; in the same scene it stays where it was.
+    if (this.welcome?.scene !== greeting.scene) {
+      if (this.welcome) wishes.place = {}; // it was meant for the scene before
+      const { position, target } = wishes.place;
+      this.home = placed(wishes.place, greeting.camera);
+      const known = arrived && (arrived.scene ?? greeting.scene) === greeting.scene;
+      // A place that was named is that place, whatever the window's shape.
+      this.camera = known ? arrived.camera : position || target ? this.home : fitAspect(this.home, this.aspect());
+      this.arrived = undefined;
+    }
+    this.welcome = greeting;
+    this.sent = undefined;
+    this.statistics.reset();
+    this.predictor.reset();
+    this.picture.clear();
+    this.viewing.clear();
+    const asked = this.helloSize.width * this.helloSize.height;
+    const granted = greeting.width * greeting.height;
+    this.limit = granted < 0.98 * asked ? granted : Infinity;
+    if (!this.mayPush) this.push = false;
+    this.resize();
+    this.events.welcome(greeting);
+    this.events.changed();
+    if (this.visibility.hidden) this.ask(performance.now());
+  }
+
+  private receive(message: ServerMessage, bytes: number): void {
+    this.statistics.byteRate.add(performance.now(), bytes);
+    switch (message.kind) {
+      case 'frame':
+        this.picture.show(message);
+        break;
+      case 'scene':
+        this.scene = message;
+        this.values = valuesOf(this.welcome?.settings ?? [], message.settings);
+        this.events.scene(message);
+        break;
+      case 'error':
+        if (message.code !== ERROR_FULL) this.events.note(message.text || 'The server refused that.', 'error');
+        break;
+    }
+  }
+
+  // Once per animation frame.
+  private readonly animate = (now: number): void => {
+    if (this.ending.signal.aborted) return;
+    requestAnimationFrame(this.animate);
+    if (this.headset) return; // the headset's own animation frames do all of this
+    this.picture.draw();
+    this.controls.update(now, Math.min(0.1, Math.max(0, (now - this.before) / 1000)));
+    this.before = now;
+    this.viewing.draw();
+    this.predictor.add(now, this.camera);
+    const { sent, camera, size } = this;
+    const due = !sent || !same(sent.camera, camera) || sent.size !== size || now - sent.at > POSE_REFRESH_MS;
+    if (due && this.link.connected) this.ask(now);
+  };
+
+  private ask(now: number): void {
+    const { camera, size, link } = this;
+    const lead = this.wishes.predict ? (this.statistics.average.get()?.total ?? 0) : 0;
+    const foreseen = (lead > 0 && this.predictor.predict(lead)) || camera;
+    const wish = this.viewing.wish(foreseen, size);
+    if (!link.sendPose({ ...wish, hidden: this.visibility.hidden })) return;
+    this.statistics.sent(link.lastPose, this.movedAt === undefined ? 0 : performance.now() - this.movedAt);
+    this.movedAt = undefined;
+    const said = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height].map(Math.fround).join();
+    const pose = this.sent?.said === said ? this.sent.pose : link.lastPose;
+    this.sent = { camera, size, at: now, pose, said };
+  }
+}

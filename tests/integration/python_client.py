@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+"""The Python package against a real server: python_client.py SERVER PACKAGE. Exit status 77: a package of the
+distribution is missing."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import unittest.mock
+import urllib.request
+
+try:
+    import flatbuffers  # noqa: F401
+    import numpy
+    import PIL  # noqa: F401
+    import websockets  # noqa: F401
+except ImportError as missing:
+    print(f'skipped: {missing}; ./dev test integration installs python3-websockets, python3-flatbuffers, '
+          'python3-numpy and python3-pil')
+    sys.exit(77)
+
+PATIENCE = 30  # s
+program, package = (os.path.abspath(path) for path in sys.argv[1:3])
+sys.path.insert(0, package)
+import brume  # noqa: E402
+
+
+class Server:
+    def __init__(self, *options):
+        self.process = subprocess.Popen([program, '--scene', 'cloud', '--ahead', 'off', '--port', '0', *options],
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        for line in self.process.stdout:
+            if found := re.search(r'listening on (http://.*:(\d+))', line):
+                self.url, self.port = found[1], found[2]
+                return
+        raise RuntimeError('the server does not start')
+
+    def stop(self, kill=False):
+        if self.process.poll() is None:
+            self.process.kill() if kill else self.process.terminate()
+        self.process.stdout.close()
+        return self.process.wait(PATIENCE)
+
+    def metric(self, name):
+        text = urllib.request.urlopen(f'{self.url}/metrics').read().decode()
+        return next(float(line.split(' ')[-1]) for line in text.splitlines() if line.startswith(f'{name} '))
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server()
+
+    @classmethod
+    def tearDownClass(cls):
+        assert cls.server.stop() == 0, 'the server survived all of it'
+
+    def viewer(self, **options):
+        view = brume.connect(self.server.url, size=(160, 96), timeout=PATIENCE, **options)
+        self.addCleanup(view.close)
+        return view
+
+    def test_the_example_runs_as_it_is(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([sys.executable, pathlib.Path(package) / 'example.py', self.server.url], cwd=folder,
+                                  timeout=PATIENCE * 2, text=True, stdout=subprocess.PIPE, check=True)
+            lines = done.stdout.splitlines()
+            self.assertEqual(len(lines), 5)
+            self.assertEqual(len({line.split(' ')[3] for line in lines}), 1, 'one state: ' + done.stdout)
+            files = sorted(os.listdir(folder))
+            self.assertEqual(files, [f'turn-{i}.jpg' for i in range(5)])
+            pictures = [(pathlib.Path(folder) / name).read_bytes() for name in files]
+            self.assertTrue(all(data.startswith(b'\xff\xd8\xff') for data in pictures))
+            self.assertEqual(len(set(pictures)), 5, 'five views')
+
+    def test_a_frame_shows_the_camera_that_was_asked_for(self):
+        view = self.viewer()
+        for size in ((160, 96), (96, 128)):
+            view.look(position=(3, 6, 26), target=(0, 0, 0), fov=0.5, size=size)
+            frame = view.frame()
+            self.assertEqual((frame.width, frame.height), size)
+            self.assertEqual(frame.position, (3, 6, 26))
+            self.assertAlmostEqual(frame.fov, 0.5)
+            self.assertEqual(frame.array().shape, (size[1], size[0], 3))
+            self.assertGreater(numpy.std(frame.array()), 2, 'a picture of something')
+        view.look(orientation=(0, 0, 0, 1))
+        self.assertEqual(view.frame().orientation, (0, 0, 0, 1))
+        ticks = [frame.tick for frame in view.frames(5)]
+        self.assertEqual(ticks, sorted(set(ticks)), 'each newer than the one before')
+
+    def test_what_arrays_need_is_named_where_it_is_missing(self):
+        frame = self.viewer().frame()
+        for module, package in (('PIL', 'python3-pil'), ('numpy', 'python3-numpy')):
+            with unittest.mock.patch.dict(sys.modules, {module: None}):
+                with self.assertRaisesRegex(brume.BrumeError, package):
+                    frame.array()
+                self.assertTrue(frame.jpeg.startswith(b'\xff\xd8'))
+
+    def test_a_paused_scene_has_one_state_and_gives_its_picture_again(self):
+        view = self.viewer(lossless=True)
+        view.pause()
+        self.addCleanup(view.resume)
+        state = view.state
+        self.assertTrue(state.paused)
+        self.assertEqual({view.frame().hash for _ in range(4)}, {state.hash})
+        last = view.frame()
+        self.assertTrue(last.lossless, 'what rests comes once more as PNG')
+        self.assertTrue(last.jpeg.startswith(b'\x89PNG'))
+        self.assertIs(view.frame(), last)
+
+    def test_a_setting_is_in_the_next_picture_and_in_the_state(self):
+        view = self.viewer()
+        view.pause()
+        self.addCleanup(view.resume)
+        before = view.frame().array().mean()
+        exposure = view.state.settings['render.exposure']
+        view.set('render.exposure', exposure * 2)
+        self.addCleanup(view.set, 'render.exposure', exposure)
+        self.assertAlmostEqual(view.state.settings['render.exposure'], exposure * 2, places=4)
+        self.assertGreater(view.frame().array().mean(), before * 1.1)
+        self.assertIn('tone map', view.paths['render.exposure']['help'])
+        view.set_all({'light.to_light': (0, 3, 4), 'medium.albedo': (1, 0.5, 0.25)})
+        self.assertEqual(view.state.settings['medium.albedo'], (1, 0.5, 0.25))
+        self.assertAlmostEqual(view.state.settings['light.to_light'][1], 0.6, places=5)
+
+    def test_a_push_changes_the_state(self):
+        view, other = self.viewer(), self.viewer()
+        for viewer in (view, other):
+            viewer.frame()
+        self.assertEqual(view.state.viewers, 2)
+        view.pause()
+        self.addCleanup(view.resume)
+        for act in (lambda: view.push(origin=(0, 0, 26), direction=(0, 0, -1), strength=5),
+                    lambda: view.push(origin=(0, 0, 26), direction=(0, 0, -1), push=(10, 0, 0)),
+                    lambda: view.move((0, 1, 0)), view.restart):
+            before = view.frame()
+            act()
+            self.assertNotEqual(view.frame(after=before.tick + 5).hash, before.hash)
+
+    def test_refusals_are_exceptions_with_the_servers_line(self):
+        view = self.viewer()
+        for code, line, act in (
+                ('unknown_name', 'no such live setting', lambda: view.set('render.colour', 1)),
+                ('out_of_range', 'exposure must be', lambda: view.set('render.exposure', -1)),
+                ('out_of_range', 'strength', lambda: view.push((0, 0, 0), (0, 0, 1), strength=1e6))):
+            with self.assertRaisesRegex(brume.BrumeError, line) as caught:
+                act()
+            self.assertEqual(caught.exception.code, code)
+        with self.assertRaises(brume.BrumeError) as caught:
+            view.look(fov=50)
+            view.frame()
+        self.assertEqual(caught.exception.code, 'out_of_range')
+        view.look(fov=0.8)
+        view.frame()  # it goes on
+
+    def test_nothing_is_drawn_for_a_viewer_that_does_not_ask(self):
+        view = self.viewer()
+        view.frame()
+        rendered, ticks = 'brume_frames_total{fate="rendered"}', 'brume_tick_seconds_count'
+        deadline = time.monotonic() + PATIENCE
+        while True:  # until a second without a frame
+            frames, begin = self.server.metric(rendered), self.server.metric(ticks)
+            while self.server.metric(ticks) < begin + 60:
+                time.sleep(0.05)
+            if self.server.metric(rendered) == frames:
+                break
+            self.assertLess(time.monotonic(), deadline, 'frames for nobody')
+        first = view.frame()
+        self.assertGreater(view.frame(after=first.tick + 10).tick, first.tick + 10)
+
+
+class Alone(unittest.TestCase):
+    def serve(self, *options):
+        server = Server(*options)
+        self.addCleanup(server.stop)
+        return server
+
+    def test_a_viewer_comes_back_when_its_server_does(self):
+        server = self.serve()
+        with brume.connect(server.url, size=(96, 64)) as view:
+            view.look(position=(0, 9, 20))
+            view.frame()
+            server.stop(kill=True)
+            with self.assertRaises((brume.BrumeError, TimeoutError)):
+                for _ in range(1000):
+                    view.push((0, 0, 0), (0, 0, 1))
+            again = self.serve('--port', server.port)
+            self.assertEqual(view.frame(timeout=PATIENCE).position, (0, 9, 20))
+            again.stop()
+
+    def test_a_lost_server_is_given_up_after_a_while(self):
+        server = self.serve()
+        with brume.connect(server.url, size=(96, 64), reconnect=0) as view:
+            server.stop(kill=True)
+            with self.assertRaisesRegex(brume.BrumeError, 'no connection|lost'):
+                view.frame(after=10 ** 9)
+
+    def test_nobody_there_and_no_address(self):
+        with self.assertRaisesRegex(brume.BrumeError, 'no connection to ws://127.0.0.1:1/ws'):
+            brume.connect('http://127.0.0.1:1')
+        with self.assertRaisesRegex(brume.BrumeError, 'is no address'):
+            brume.connect('ftp://somewhere')
+
+    def test_tokens_and_roles(self):
+        with tempfile.TemporaryDirectory() as folder:
+            key = pathlib.Path(folder) / 'key'
+            key.write_bytes(os.urandom(32))
+            key.chmod(0o600)
+            server = self.serve('--token-key', key)
+            made = subprocess.run([program, '--token-key', key, '--make-token', 'viewer'], check=True, text=True,
+                                  stdout=subprocess.PIPE).stdout.strip()
+            with self.assertRaisesRegex(brume.BrumeError, 'a token is needed'):
+                brume.connect(server.url)
+            with brume.connect(server.url, token=made, size=(96, 64)) as view:
+                view.frame()
+                with self.assertRaisesRegex(brume.BrumeError, 'it takes controller') as caught:
+                    view.pause()
+                self.assertEqual(caught.exception.code, 'forbidden')
+
+    def test_a_full_server_says_so(self):
+        server = self.serve('--max-viewers', '1')
+        with brume.connect(server.url, size=(96, 64)):
+            with self.assertRaises(brume.BrumeError) as caught:
+                brume.connect(server.url, size=(96, 64))
+            self.assertEqual(caught.exception.code, 'full')
+
+
+if __name__ == '__main__':
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
