@@ -4,7 +4,7 @@ import { onKeys } from './controls';
 import type { Mode } from './controls';
 import { find, setPressed, setText } from './dom';
 import { headsetSupported } from './headset';
-import { hintText } from './hint';
+import { hintText, touchOnly } from './hint';
 import { copyLink } from './link';
 import { Steady, lack } from './live';
 import { keepCamera, keptCamera } from './memory';
@@ -21,6 +21,7 @@ import type { Viewer } from './viewer';
 
 const PAUSED = 'simulation.paused'; // path of the setting
 const REFRESH_MS = 250;
+const SETTLED_MS = 3000; // after which the rate of pictures is known
 
 const sentHere = cameraIn(location.hash); // camera of a viewer that another server sent here
 const token = takeToken();
@@ -172,11 +173,19 @@ const panel = buildPanel(
 const overlay = new Overlay(find('overlay'));
 const steady = new Steady();
 
+let countedFrom = 0; // ms; pictures come without a break since then
+
 function tellLack(): void {
-  const { scene, size, limit, statistics, headset, mayControl } = viewer();
-  const seen = { paused: paused(), mayControl, frame: statistics.lastFrame, asked: size, limit };
-  const text = headset ? undefined : lack({ ...seen, relaxed: scene?.plan?.relaxed ?? 0 });
-  notices.lack(steady.next(text, seen.paused));
+  const { scene, size, limit, statistics, headset, mayControl, linkState } = viewer();
+  const [now, frame] = [performance.now(), statistics.lastFrame];
+  if (paused() || document.hidden || linkState !== 'connected') countedFrom = now;
+  const seen = {
+    ...{ paused: paused(), mayControl, touch: touchOnly(), frame, asked: size, limit },
+    relaxed: scene?.plan?.relaxed ?? 0,
+    rate: now - countedFrom > SETTLED_MS ? statistics.shownRate.perSecond(now) : undefined,
+    serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
+  };
+  notices.lack(steady.next(headset ? undefined : lack(seen), seen.paused));
 }
 
 function refresh(): void {
