@@ -181,6 +181,8 @@ struct SceneError : std::runtime_error {
 // lists of tables ("light.irradiance=[1,1,1]") they replace the setting in every element.
 Scene loadScene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
+// Names of the scenes in a folder, in order; none if it cannot be read.
+std::vector<std::string> sceneNames(const std::filesystem::path& folder);
 // A name ("plume") is looked up in `scene_dir`; anything with a slash or ".toml" is a path.
 std::filesystem::path findScene(const std::string& name_or_path, const std::filesystem::path& scene_dir);
 

@@ -10,4 +10,8 @@ std::string sceneText(const std::filesystem::path& file);
 // As loadScene(), of that text; `file` gives the scene's name, the folder of its particle file, and stands in errors.
 Scene sceneOf(const std::string& text, const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
+// The scene as a file that loads as the same scene: what differs from the defaults. Directions may differ by their
+// rounding. The particle file stands there without its folder: it lies beside the scene's file.
+std::string sceneToml(const Scene& scene);
+
 } // namespace brume

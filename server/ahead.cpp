@@ -48,9 +48,8 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
         }
 }
 
-std::unique_ptr<Process> startAhead(const Scene& scene, int argc, const char* const* argv) {
+std::unique_ptr<Process> startAhead(const Scene& scene, std::vector<std::string> command) {
     if (Simulation(scene).capacity() > kMostParticles) return nullptr;
-    std::vector<std::string> command(argv, argv + argc);
     command[0] = "/proc/self/exe";
     command.insert(command.end(), {"--ahead", "only", "--log-file", "", "--log-level", "error"});
     try {

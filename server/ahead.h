@@ -14,9 +14,9 @@ namespace brume {
 // the compiled shaders on disk for all processes of this user. Throws SceneError, gpu::Error.
 void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms);
 
-// Starts compileAhead() in a child process of lowest priority, with these arguments. The process ends with the
-// returned object. Null if it may need more memory than it is worth, or if no process can be started.
-std::unique_ptr<Process> startAhead(const Scene& scene, int argc, const char* const* argv);
+// Starts compileAhead() in a child process of lowest priority. `command`: the server's, for this scene. The process
+// ends with the returned object. Null if it may need more memory than it is worth, or if no process can be started.
+std::unique_ptr<Process> startAhead(const Scene& scene, std::vector<std::string> command);
 // Lowers the priority (nice 19). The child process calls it first.
 void stepBehind();
 

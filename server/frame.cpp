@@ -50,9 +50,9 @@ uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
                      const Options& options)
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
-      frame_ms_(options.frame_ms), simulation_(scene),
+      costs_(options.costs), memory_(options.memory), frame_ms_(options.frame_ms), simulation_(scene),
       renderer_(std::in_place, device, scene, bounded(scene, simulation_.capacity(), options.memory)),
-      planner_(scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
+      planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
     tellOfPointCloud(scene_, simulation_);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
@@ -72,8 +72,8 @@ void FrameLoop::warmUp() {
         while (!submission.commands.wait(1'000'000'000)) {
         }
     };
-    draw(planner_.settings(simulation_, {&own, 1}, false, Clock::now()), false);
-    draw(finer(planner_.once(simulation_, own).settings), true);
+    draw(planner_->settings(simulation_, {&own, 1}, false, Clock::now()), false);
+    draw(finer(planner_->once(simulation_, own).settings), true);
 }
 
 FrameLoop::~FrameLoop() { stop(); }
@@ -121,6 +121,7 @@ void FrameLoop::run() {
             if (wake_.wait_for(lock, until_tick, [&] { return stopping_; })) return;
         }
 
+        if (!on_device_) takeScene();
         const Clock::time_point now = Clock::now();
         while (ticks_->take(now, commands_)) tick();
         if (!on_device_ && simulation_.tick() != rendered_tick_)
@@ -136,9 +137,47 @@ void FrameLoop::tick() {
     if (!commands_.empty()) changed_ = replan_ = true;
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
-    planner_.setFrameBudget(frame_ms_);
-    planner_.setCompiled(compiled_);
+    planner_->setFrameBudget(frame_ms_);
+    planner_->setCompiled(compiled_);
     if (ticked_) ticked_(simulation_, commands_);
+}
+
+std::future<void> FrameLoop::show(NextScene next) {
+    const std::scoped_lock lock(mutex_);
+    next_.emplace(std::move(next));
+    shown_ = {};
+    return shown_.get_future();
+}
+
+// Shows the scene that waits, if there is one. Nothing of the old one is on the device.
+void FrameLoop::takeScene() {
+    std::optional<NextScene> next;
+    std::promise<void> shown;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!next_) return;
+        next = std::exchange(next_, std::nullopt);
+        shown = std::exchange(shown_, {});
+    }
+    renderer_.reset(); // makes room for the other
+    try {
+        renderer_.emplace(device_, next->scene, bounded(next->scene, next->simulation.capacity(), memory_));
+    } catch (const gpu::DeviceLost&) {
+        throw;
+    } catch (const std::runtime_error&) {
+        renderer_.emplace(device_, scene_, simulation_.capacity());
+        return shown.set_exception(std::current_exception());
+    }
+    next->simulation.countFrom(simulation_.tick() + 1); // a tick has one state
+    scene_ = std::move(next->scene);
+    simulation_ = std::move(next->simulation);
+    planner_.emplace(scene_, costs_, frame_ms_);
+    ++scene_version_;
+    replan_ = true;
+    if (next->on_show) next->on_show(simulation_);
+    audience_.setScene(sceneFacts(scene_, std::move(next->others)));
+    report(Clock::now());
+    shown.set_value();
 }
 
 FrameLoop::Batch* FrameLoop::freeBatch() {
@@ -152,7 +191,7 @@ FrameLoop::Batch* FrameLoop::freeBatch() {
 bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
-    const Plan& before = planner_.plan();
+    const Plan& before = planner_->plan();
     const bool any = batch_planner_.plan(
         viewers_, scene_version_,
         {frame_ms_, before.still_ms / before.chosen.ms(), Renderer::mostPictureBytes(device_)}, batch.taken, batch);
@@ -165,23 +204,23 @@ bool FrameLoop::render(Batch& batch) {
     rendered_tick_ = batch.tick;
 
     const RenderSettings& planned =
-        planner_.settings(simulation_, batch.views, std::exchange(replan_, false), batch.taken);
-    const Plan& plan = planner_.plan();
+        planner_->settings(simulation_, batch.views, std::exchange(replan_, false), batch.taken);
+    const Plan& plan = planner_->plan();
     const bool rests = plan.relaxed == 0 && batch_planner_.camerasRest(batch.taken);
     const double dearer = plan.still_ms / plan.chosen.ms();
     batch.finer =
         batch.still_pictures || refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken);
     const RenderSettings settings = batch.finer ? finer(planned) : planned;
     batch.error = float(plan.chosen.error);
-    for (EyeRequest& eye : batch.eyes) eye.rate = planner_.rateOf({eye.pose, eye.width, eye.height}, settings);
+    for (EyeRequest& eye : batch.eyes) eye.rate = planner_->rateOf({eye.pose, eye.width, eye.height}, settings);
     if (!submit(batch, settings)) return false;
-    planner_.refresh(simulation_, batch.views, batch.taken);
+    planner_->refresh(simulation_, batch.views, batch.taken);
     return true;
 }
 
 // Neither the plan of the viewers nor their times take part in it, nor are they changed by it.
 bool FrameLoop::renderOneShot(Batch& batch) {
-    const Candidate way = planner_.once(simulation_, batch.views.front());
+    const Candidate way = planner_->once(simulation_, batch.views.front());
     batch.finer = true;
     batch.error = float(way.error);
     return submit(batch, finer(way.settings));
@@ -229,7 +268,7 @@ void FrameLoop::encode(Batch& batch) {
     batch.done = Clock::now();
     const float took = Millis(batch.done - batch.taken).count();
     if (!batch.one_shot) {
-        planner_.took(double(took * batch.full_batch_ratio), batch.done);
+        planner_->took(double(took * batch.full_batch_ratio), batch.done);
         audience_.frameTook(took * batch.full_batch_ratio);
     }
     const DeviceLedger::Times times = ledger_.book(batch.submission.commands.readTimes(), batch);
@@ -301,7 +340,7 @@ void FrameLoop::tellLoad(Clock::time_point now) {
     audience_.list(viewers_);
     for (const auto& viewer : viewers_)
         viewer->deviceHas({batch_planner_.predictMs(viewer->id()), most_full_ms_, frame_ms_,
-                           batch_planner_.activeViewers(), planner_.exhausted()});
+                           batch_planner_.activeViewers(), planner_->exhausted()});
     viewers_.clear();
     metrics_.budget(most_full_ms_ / frame_ms_);
     if (!on_device_) most_full_ms_ = 0;
@@ -310,7 +349,7 @@ void FrameLoop::tellLoad(Clock::time_point now) {
 void FrameLoop::report(Clock::time_point now) {
     reported_ = now;
     changed_ = false;
-    const std::shared_ptr<SceneReport> report = sceneReport(simulation_, planner_.plan());
+    const std::shared_ptr<SceneReport> report = sceneReport(simulation_, planner_->plan());
     report->passes = ledger_.passes();
     report->memory = {device_.memoryInUse(), device_.peakMemory(), simulation_.bytes() + renderer_->particleBytes()};
     audience_.publish(report);

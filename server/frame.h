@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -42,6 +43,17 @@ public:
     void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
     // True once the background shader compiler has finished: PlanInputs::compiled. Thread-safe.
     void setCompiled(bool compiled) { compiled_ = compiled; }
+    // A scene that was loaded to be shown instead of the present one.
+    struct NextScene {
+        Scene scene;
+        Simulation simulation;                          // of the scene, not stepped
+        std::vector<std::string> others;                // SceneFacts::others
+        std::function<void(const Simulation&)> on_show; // called on the loop's thread before the scene's first tick
+    };
+    // Shows another scene from the next tick on; ticks count on, commands and viewers stay. The future is ready once it
+    // is shown, or has the exception for which the old scene stays: SceneError, gpu::Error. A scene that waits is
+    // replaced by a later one. Thread-safe.
+    std::future<void> show(NextScene next);
     // The exception that ended the loop; null if there was none.
     std::exception_ptr failure() const { return failure_; }
 
@@ -62,6 +74,7 @@ private:
     void warmUp();
     void run();
     void tick();
+    void takeScene();
     Batch* freeBatch();
     bool render(Batch& batch);
     bool renderOneShot(Batch& batch);
@@ -75,13 +88,15 @@ private:
     const gpu::Device& device_;
     Audience& audience_;
     Metrics& metrics_;
-    const Scene scene_;
+    Scene scene_;
     const std::function<void(const Simulation&, std::span<const Command>)> ticked_;
+    const CostModel costs_;
+    const uint64_t memory_; // FrameOptions::memory
     std::atomic<double> frame_ms_;
     std::atomic<bool> compiled_{true};
     Simulation simulation_;
     std::optional<Renderer> renderer_; // made anew after a submission failed
-    Planner planner_;
+    std::optional<Planner> planner_;
     std::unique_ptr<TickSource> ticks_;
 
     std::vector<std::unique_ptr<Batch>> batches_;
@@ -99,9 +114,11 @@ private:
     uint64_t scene_version_ = 0; // grows whenever pictures would change
 
     EncodeWorkers workers_; // declared before the thread that uses it
-    std::mutex mutex_;
+    std::mutex mutex_;      // guards the next four
     std::condition_variable wake_;
     bool stopping_ = false;
+    std::optional<NextScene> next_;
+    std::promise<void> shown_; // of next_
     std::exception_ptr failure_;
     std::thread thread_;
 };

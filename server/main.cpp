@@ -8,7 +8,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "common/scene_text.h"
 #include "protocol/net/address.h"
 #include "server/ahead.h"
 #include "server/net/server.h"
@@ -17,6 +16,7 @@
 #include "server/operate/replay.h"
 #include "server/options.h"
 #include "server/reload.h"
+#include "server/scene_changer.h"
 #include "server/sim/point_cloud.h"
 
 namespace {
@@ -49,10 +49,9 @@ std::string explained(const Scene& scene, const CostModel& costs) {
 std::unique_ptr<Recorder> recorderOf(const ServerOptions& options, const Scene& scene, const gpu::Device& device) {
     if (options.record.empty()) return nullptr;
     const std::filesystem::path file = findScene(options.scene, options.scene_dir);
-    const RecordingHead head{scene.name, std::filesystem::absolute(file).string(), sceneText(file),
-                             sceneOverrides(options), BRUME_VERSION};
     return std::make_unique<Recorder>(
-        Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames}, head, scene, device);
+        Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames},
+        recordingHead(file, scene, sceneOverrides(options)), scene, device);
 }
 
 // /readyz fails, all else goes on until the time is over or the frame loop fails. Another signal to end is obeyed at
@@ -84,9 +83,9 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         return;
     }
     if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms);
-    SceneFacts facts{scene.name, device.name(), scene.camera, {kAutoMethod}};
+    ServerFacts facts{device.name(), {kAutoMethod}};
     for (const std::string& method : methodNames()) facts.methods.push_back(method);
-    Audience audience(facts, options.max_viewers, options.max_in_flight);
+    Audience audience(facts, sceneFacts(scene, otherScenes(options)), options.max_viewers, options.max_in_flight);
     audience.admitUpTo(options.most_frame_ms);
     Metrics metrics;
     const std::unique_ptr<Recorder> recorder = recorderOf(options, scene, device);
@@ -111,19 +110,18 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
                      options.net.listen);
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
-    const std::unique_ptr<Process> ahead = options.ahead == "background" ? startAhead(scene, argc, argv) : nullptr;
-    frames.setCompiled(!ahead);
+    SceneChanger scenes(options, scene, {argc, argv, frames, audience, recorder.get(), failed});
 
     int signal = 0;
-    while (sigwait(&signals, &signal) == 0 && (signal == SIGHUP || signal == SIGCHLD)) {
-        if (signal == SIGHUP)
-            reload(parsed, argc, argv, {audience, frames, network});
-        else if (ahead && ahead->exitCode(std::chrono::milliseconds(0)))
-            frames.setCompiled(true);
+    while (sigwait(&signals, &signal) == 0 && (signal == SIGHUP || signal == SIGCHLD || signal == SIGUSR1)) {
+        if (signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, scenes, network});
+        if (signal == SIGCHLD) scenes.childEnded();
+        if (signal == SIGUSR1) scenes.serveRequests();
     }
     drain(network, audience, options.drain, signals, failed);
     spdlog::info("stopping");
     stopping = true;
+    std::signal(SIGUSR1, SIG_IGN); // no scene is shown any more
     std::signal(SIGTERM, SIG_DFL); // a second one ends the process at once
     std::signal(SIGINT, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
@@ -151,6 +149,7 @@ int main(int argc, char** argv) {
     sigaddset(&signals, SIGHUP);
     sigaddset(&signals, SIGINT);
     sigaddset(&signals, SIGTERM);
+    sigaddset(&signals, SIGUSR1);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
 

@@ -58,6 +58,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     o.scene_dir = findFolder("scenes", "server/scenes");
     o.net.web_root = findFolder("web", "client/web/dist");
     o.costs = defaultCostFolder();
+    o.cloud_dir = defaultCostFolder() / "clouds";
     CLI::App app{"brume-server: simulates one cloud, lights it once and renders it for every viewer."};
     app.set_version_flag("--version", "brume-server " BRUME_VERSION);
     app.option_defaults()->always_capture_default()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -108,6 +109,13 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
 
 std::vector<std::string> sceneOverrides(const ServerOptions& o) {
     std::vector<std::string> all = o.overrides;
+    const std::vector<std::string> of_renderer = rendererOverrides(o);
+    all.insert(all.end(), of_renderer.begin(), of_renderer.end());
+    return all;
+}
+
+std::vector<std::string> rendererOverrides(const ServerOptions& o) {
+    std::vector<std::string> all;
     const auto add = [&](const char* key, const auto& value) {
         if (value) all.push_back(fmt::format("{}={}", key, *value));
     };
@@ -123,11 +131,15 @@ std::vector<std::string> sceneOverrides(const ServerOptions& o) {
     return all;
 }
 
+void checkScene(const Scene& scene, const std::filesystem::path& file) {
+    const std::string wrong = checkWanted(scene.render);
+    if (!wrong.empty()) throw SceneError(file.string() + ": render: " + wrong);
+}
+
 Scene loadScene(const ServerOptions& o) {
     const std::filesystem::path file = findScene(o.scene, o.scene_dir);
     Scene scene = loadScene(file, sceneOverrides(o));
-    const std::string wrong = checkWanted(scene.render);
-    if (!wrong.empty()) throw SceneError(file.string() + ": render: " + wrong);
+    checkScene(scene, file);
     return scene;
 }
 

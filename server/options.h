@@ -15,6 +15,7 @@ namespace brume {
 struct ServerOptions {
     std::string scene = "plume";
     std::filesystem::path scene_dir;    // folder of the scenes that are known by name
+    std::filesystem::path cloud_dir;    // folder of uploaded point clouds
     std::vector<std::string> overrides; // key=value, replaces the scene's value
     net::NetOptions net;
     std::filesystem::path token_key; // file of the key; its bytes are in `net`
@@ -61,6 +62,10 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv);
 
 // Scene settings given by options, as key=value.
 std::vector<std::string> sceneOverrides(const ServerOptions& options);
+// Those of them that every scene can have: all but --set.
+std::vector<std::string> rendererOverrides(const ServerOptions& options);
+// Throws SceneError if the scene asks for something that this server cannot draw.
+void checkScene(const Scene& scene, const std::filesystem::path& file);
 // Loads the scene with these settings. Throws SceneError.
 Scene loadScene(const ServerOptions& options);
 

@@ -16,6 +16,8 @@ void takeLive(ServerOptions& to, const ServerOptions& from) {
     network.tls_key = to.net.tls_key;
     if (from.token_key != to.token_key) network.token_key = to.net.token_key;
     to.net = std::move(network);
+    to.scene = from.scene;
+    to.overrides = from.overrides;
     to.max_viewers = from.max_viewers;
     to.frame.frame_ms = from.frame.frame_ms;
     to.log_level = from.log_level;
@@ -68,6 +70,7 @@ void reload(ParsedOptions& now, int argc, const char* const* argv, const Running
         running.frames.setFrameBudget(options.frame.frame_ms);
     }
     spdlog::info("reload: {} setting{} changed", changes, changes == 1 ? "" : "s");
+    running.scenes.reload();
     spdlog::set_level(spdlog::level::from_str(options.log_level));
 }
 

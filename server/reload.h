@@ -4,6 +4,7 @@
 #include "server/frame.h"
 #include "server/net/server.h"
 #include "server/options.h"
+#include "server/scene_changer.h"
 
 namespace brume {
 
@@ -11,12 +12,13 @@ namespace brume {
 struct Running {
     Audience& audience;
     FrameLoop& frames;
+    SceneChanger& scenes;
     NetServer& network;
 };
 
 // Reads flags, environment and file again. Live settings that differ from `now` change and are logged as old -> new.
 // Other settings that differ keep their values, and the log names them. A mistake changes nothing and is logged in
-// one line.
+// one line. A scene whose files have changed is loaded again.
 void reload(ParsedOptions& now, int argc, const char* const* argv, const Running& running);
 
 } // namespace brume

@@ -71,7 +71,8 @@ private:
     void welcome(const Granted& granted) {
         statistics_.welcome(granted);
         next_ping_us_ = 0;
-        if (start_us_ > 0) return; // again: the camera goes on
+        if (granted.scene == std::exchange(scene_, granted.scene) && start_us_ > 0)
+            return; // the same scene again: the camera goes on
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
         camera_.fov_y = granted.fov_y;
         start_us_ = nowUs();
@@ -121,7 +122,8 @@ private:
     JpegDecoder decoder_;
     Picture picture_;
     CameraPath camera_;
-    uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
+    std::string scene_;
+    uint64_t start_us_ = 0, first_us_ = 0; // welcome to the present scene, first frame
     bool paused_ = false;                  // true: Options::pause was carried out
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0;
     size_t impulses_sent_ = 0;

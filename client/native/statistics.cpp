@@ -102,6 +102,8 @@ std::optional<float> percentile(std::vector<float> values, double fraction) {
 
 void Statistics::welcome(const Granted& granted) {
     granted_ = granted;
+    if (!key_.empty() && granted.resume == key_) return; // of the same connection: another scene is shown
+    key_ = granted.resume;
     ++welcomes_;
     if (granted.resumed) ++resumed_;
 }

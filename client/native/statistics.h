@@ -74,6 +74,7 @@ private:
 
     std::string url_, ended_;
     Granted granted_;
+    std::string key_; // Granted::resume of the present connection
     uint32_t welcomes_ = 0, resumed_ = 0;
     uint64_t frames_ = 0, dropped_ = 0, bytes_ = 0, inputs_ = 0, errors_ = 0, first_us_ = 0;
     std::deque<FrameRecord> records_;

@@ -131,9 +131,9 @@ private:
 
     void welcome(const Granted& granted) {
         statistics_.welcome(granted);
-        scene_ = granted.scene;
         next_ping_us_ = 0;
-        if (gestures_) return; // again: the camera stays where the user left it
+        if (granted.scene == std::exchange(scene_, granted.scene) && gestures_)
+            return; // the same scene again: the camera stays where the user left it
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
         camera_.fov_y = granted.fov_y;
         gestures_.emplace(camera_, options_.wishes.views);
@@ -236,7 +236,7 @@ private:
     bool hidden_ = false; // true: the window is minimised
     uint32_t viewers_ = 0;
     uint64_t tick_ = 0;
-    uint64_t start_us_ = 0, first_us_ = 0; // first welcome, first frame
+    uint64_t start_us_ = 0, first_us_ = 0; // welcome to the present scene, first frame
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, told_us_ = 0;
     size_t impulses_sent_ = 0;
 };

@@ -10,6 +10,10 @@ std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Pla
     report->state_hash = simulation.stateHash();
     report->particles = simulation.liveCount();
     SceneNow now = simulation.now();
+    const Bounds& bounds = simulation.bounds();
+    const float reach = 2 * 0.1f * bounds.max_scale * now.medium.falloff; // a deviation is a tenth of scale * falloff
+    report->lo = bounds.lo - reach;
+    report->hi = bounds.hi + reach;
     for (size_t i = 0; i < report->settings.size(); ++i)
         report->settings[i] = valueOf(*liveSettings()[i], partsOf(now));
     report->settings_version = simulation.settingsVersion();

@@ -18,7 +18,7 @@ namespace {
 // Reads fields one after another and keeps the first refusal.
 class Reader {
 public:
-    explicit Reader(const SceneFacts& facts) : facts_(facts) {}
+    explicit Reader(const ServerFacts& facts) : facts_(facts) {}
 
     std::optional<Refusal> refusal;
 
@@ -118,7 +118,7 @@ private:
         if (!refusal) refusal = Refusal{code, std::move(text)};
     }
 
-    const SceneFacts& facts_;
+    const ServerFacts& facts_;
 };
 
 CommandBody readBody(const wire::Input& input, Reader& in) {
@@ -191,7 +191,7 @@ wire::Role roleFor(const CommandBody& body) {
     return for_controllers ? wire::Role::controller : wire::Role::operator_; // what a frame costs everyone, and Restart
 }
 
-std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts, wire::Role role) {
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts, wire::Role role) {
     Reader in(facts);
     CommandBody body = readBody(input, in);
     if (const wire::Role least = roleFor(body); role < least)

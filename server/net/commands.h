@@ -21,6 +21,6 @@ wire::Role roleFor(const CommandBody& body);
 
 // Precondition: `input` comes from wire::parse. In the result directions have unit length and names are among `facts`.
 // A viewer whose role is too low is told that before anything else.
-std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const SceneFacts& facts, wire::Role role);
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts, wire::Role role);
 
 } // namespace brume::net

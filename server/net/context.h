@@ -37,8 +37,8 @@ struct ServerState {
     std::atomic<bool> draining{false}; // true: /readyz fails, all else goes on
     std::atomic<bool> stopping{false}; // true: connections end, and new ones are not served
     std::string go_to;                 // the URL that viewers are sent to; written before `stopping`, read after
-    std::atomic<uint32_t> streams{0}, snapshots{0}; // open now
-    std::atomic<uint32_t> contexts{0};              // alive now
+    std::atomic<uint32_t> streams{0}, snapshots{0}, uploads{0}; // open now
+    std::atomic<uint32_t> contexts{0};                          // alive now
 };
 
 // One for every set of options that the server has had. A connection keeps the one with which it was accepted, so a
@@ -47,7 +47,8 @@ struct Context {
     Context(NetOptions with, std::shared_ptr<Tls> certificate, ServerState& server)
         : options(std::move(with)), tls(std::move(certificate)), audience(server.audience), metrics(server.metrics),
           pages(server.pages), connections(server.connections), go_to(server.go_to), draining(server.draining),
-          stopping(server.stopping), streams(server.streams), snapshots(server.snapshots), counted(server.contexts) {}
+          stopping(server.stopping), streams(server.streams), snapshots(server.snapshots), uploads(server.uploads),
+          counted(server.contexts) {}
 
     const NetOptions options;
     const std::shared_ptr<Tls> tls; // null: no TLS
@@ -57,7 +58,7 @@ struct Context {
     Connections& connections;
     const std::string& go_to;
     const std::atomic<bool>&draining, &stopping;
-    std::atomic<uint32_t>&streams, &snapshots;
+    std::atomic<uint32_t>&streams, &snapshots, &uploads;
     const Counted counted;
 };
 

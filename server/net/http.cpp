@@ -27,9 +27,10 @@ constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the la
 
 // The least role that a path takes; nothing for one that is open to everybody.
 std::optional<Role> roleFor(std::string_view path) {
-    if (path == "/metrics" || path == "/viewers") return Role::operator_;
+    if (path == "/metrics" || path == "/viewers" || path == "/scene" || path == "/cloud") return Role::operator_;
     if (path == "/pause" || path == "/resume") return Role::controller;
-    if (path == "/ws" || path == "/snapshot.jpg" || path == "/snapshot.png" || path == "/stream.mjpg")
+    if (path == "/ws" || path == "/snapshot.jpg" || path == "/snapshot.png" || path == "/stream.mjpg" ||
+        path == "/scene.toml")
         return Role::viewer;
     return {};
 }
@@ -54,6 +55,7 @@ asio::awaitable<void> HttpConnection::run() {
     for (bool first = true; !context_->stopping; first = false) {
         RequestParser parser;
         parser.header_limit(options.max_header_bytes);
+        parser.body_limit(options.max_upload);
         stream_.tcp().expires_after(first ? options.handshake : options.idle);
         idle_ = true;
         const auto [error, size] = co_await http::async_read_header(stream_, buffer_, parser, kToken);
@@ -63,7 +65,8 @@ asio::awaitable<void> HttpConnection::run() {
             break;
         }
         if (error) co_return; // the connection was closed or reset, or no request came in time
-        const bool again = co_await answer(parser.get());
+        unread_ = parser.content_length().value_or(0) > 0;
+        const bool again = co_await answer(parser);
         if (!again) break;
     }
     if (slot_) co_await linger();
@@ -85,7 +88,8 @@ asio::awaitable<bool> HttpConnection::secure() {
 }
 
 // True when another request may follow.
-asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
+asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
+    const HttpRequest& request = parser.get();
     const std::string_view target(request.target().data(), request.target().size());
     const size_t question = std::min(target.find('?'), target.size());
     const std::string_view path = target.substr(0, question),
@@ -107,6 +111,9 @@ asio::awaitable<bool> HttpConnection::answer(const HttpRequest& request) {
         if (path == "/ws") return upgrade(request, std::move(authorization));
         if (path == "/snapshot.jpg" || path == "/snapshot.png") return snapshot(request, path.ends_with("png"), query);
         if (path == "/stream.mjpg") return stream(request, query, std::move(authorization));
+        if (path == "/scene") return showScene(request, query);
+        if (path == "/cloud") return showCloud(parser, query);
+        if (path == "/scene.toml") return send(request, "scene", sceneFile(query));
         if (least == Role::controller) return pause(request, path == "/pause");
     }
     if (path == "/healthz" || path == "/readyz" || least) return send(request, path.substr(1), health(path));
@@ -181,7 +188,7 @@ asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Author
 // Header and body are two buffers, written together.
 asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::string_view route, Reply reply) {
     context_->metrics.requested(route, reply.status);
-    const bool again = request.keep_alive() && !reply.close && !context_->stopping;
+    const bool again = request.keep_alive() && !reply.close && !unread_ && !context_->stopping;
     std::string head = headOf(reply, again ? "keep-alive" : "close");
     if (reply.status != 304) head += fmt::format("Content-Length: {}\r\n", reply.body.size());
     head += "\r\n";

@@ -1,5 +1,5 @@
-// One connection that speaks HTTP, until it ends or becomes a WebSocket. Pictures are in http_pictures.cpp, all else in
-// http.cpp.
+// One connection that speaks HTTP, until it ends or becomes a WebSocket. Pictures are in http_pictures.cpp, scenes in
+// http_scenes.cpp, all else in http.cpp.
 #pragma once
 
 #include <array>
@@ -51,12 +51,18 @@ private:
 
     asio::awaitable<void> run();
     asio::awaitable<bool> secure();
-    asio::awaitable<bool> answer(const HttpRequest& request);
+    asio::awaitable<bool> answer(RequestParser& parser);
     asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
     asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query);
     asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);
     asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
     asio::awaitable<bool> pause(const HttpRequest& request, bool on);
+    // http_scenes.cpp
+    asio::awaitable<bool> showScene(const HttpRequest& request, std::string_view query);
+    asio::awaitable<bool> showCloud(RequestParser& parser, std::string_view query);
+    asio::awaitable<bool> change(const HttpRequest& request, std::string_view route, std::string name,
+                                 std::string points);
+    Reply sceneFile(std::string_view query) const;
     asio::awaitable<bool> sendLater(const HttpRequest& request, std::string_view route, std::string line);
     asio::awaitable<error_code> write(Parts parts);
     asio::awaitable<FramePtr> nextFrame(ViewerHandle& handle, Clock::duration patience);
@@ -69,6 +75,7 @@ private:
     boost::beast::flat_buffer buffer_;
     std::shared_ptr<Event> event_; // notified when a frame is ready, and when the server stops
     bool idle_ = false;            // true: the connection waits for a request or a TLS handshake
+    bool unread_ = false;          // true: a body follows that nobody has read, so that no other request can
 };
 
 } // namespace brume::net

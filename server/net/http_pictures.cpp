@@ -35,7 +35,7 @@ asio::awaitable<bool> HttpConnection::sendLater(const HttpRequest& request, std:
 asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query) {
     if (request.method() == http::verb::head)
         co_return co_await send(request, "snapshot", lineReply(405, "only GET is served here"));
-    auto read = readPictureQuery(query, context_->options, context_->audience.facts());
+    auto read = readPictureQuery(query, context_->options, context_->audience.scene()->scene.camera);
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
     const PictureQuery& picture = std::get<PictureQuery>(read);
@@ -81,7 +81,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
                                              Authorization authorization) {
     if (request.method() == http::verb::head)
         co_return co_await send(request, "stream", lineReply(405, "only GET is served here"));
-    auto read = readPictureQuery(query, context_->options, context_->audience.facts());
+    auto read = readPictureQuery(query, context_->options, context_->audience.scene()->scene.camera);
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
     PictureQuery picture = std::get<PictureQuery>(read);

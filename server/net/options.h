@@ -33,6 +33,7 @@ struct NetOptions {
     uint32_t max_message_bytes = 64 << 10; // of a viewer's message; those of the own clients are below 1 KiB
     uint32_t max_header_bytes = 8 << 10;   // of an HTTP request, with its first line
     uint32_t max_target_bytes = 2 << 10;   // path and query
+    uint64_t max_upload = 64 << 20;        // one uploaded point cloud; 0: none can be uploaded
 
     // Time.
     std::chrono::milliseconds handshake{5000};    // connected -> request read, and upgraded -> hello

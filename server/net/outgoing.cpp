@@ -40,7 +40,7 @@ wire::SettingKind kindOf(const SceneSetting& setting) {
                                            : wire::SettingKind::vector;
 }
 
-auto packSetting(Builder& b, const SceneSetting& setting, const SceneFacts& facts) {
+auto packSetting(Builder& b, const SceneSetting& setting, const ServerFacts& facts) {
     const auto path = packText(b, setting.path), help = packText(b, setting.help);
     const auto unit = setting.unit.empty() ? 0 : packText(b, setting.unit);
     const std::vector<std::string> choices = facts.choicesOf(setting);
@@ -65,6 +65,13 @@ struct PackValue {
     }
 };
 
+auto packValues(Builder& b, const std::vector<SettingValue>& settings) {
+    std::vector<flatbuffers::Offset<wire::Value>> values;
+    values.reserve(settings.size());
+    for (const SettingValue& value : settings) values.push_back(std::visit(PackValue{b}, value));
+    return b.CreateVector(values);
+}
+
 // The value of a live setting in a report that has those of all.
 template <class T>
 const T& valueIn(const SceneReport& report, std::string_view path) {
@@ -76,21 +83,26 @@ const T& valueIn(const SceneReport& report, std::string_view path) {
 
 } // namespace
 
-wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience, wire::Role role) {
+wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience,
+                         const SceneFacts& shown, wire::Role role) {
     return wire::pack([&](Builder& b) {
-        const SceneFacts& facts = audience.facts();
-        const wire::Vec3 position = toWire(facts.camera.position), target = toWire(facts.camera.target);
-        const auto camera = wire::CreateCamera(b, &position, &target, facts.camera.fov_y);
+        const ServerFacts& facts = audience.facts();
+        const SceneCamera& own = shown.scene.camera;
+        const wire::Vec3 position = toWire(own.position), target = toWire(own.target);
+        const auto camera = wire::CreateCamera(b, &position, &target, own.fov_y);
         const auto server = b.CreateString("brume " BRUME_VERSION);
-        const auto scene = packText(b, facts.scene), device = packText(b, facts.device);
+        const auto scene = packText(b, shown.scene.name), device = packText(b, facts.device);
         const auto methods = packStrings(b, facts.methods), quadratures = packStrings(b, quadratureNames());
         std::vector<flatbuffers::Offset<wire::Setting>> settings;
         for (const SceneSetting* setting : liveSettings()) settings.push_back(packSetting(b, *setting, facts));
         const auto packed_settings = b.CreateVector(settings);
         const auto resume = packText(b, viewer.key());
+        const auto starts = packValues(b, shown.starts);
+        const auto scenes = packStrings(b, shown.others);
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
                                    float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera,
-                                   methods, quadratures, resume, viewer.resumed(), role, packed_settings);
+                                   methods, quadratures, resume, viewer.resumed(), role, packed_settings, starts,
+                                   scenes);
     });
 }
 
@@ -101,10 +113,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers) {
         for (const PassTime& pass : report.passes)
             passes.push_back(wire::CreatePassTime(b, packText(b, pass.name), pass.ms));
         const auto packed_passes = b.CreateVector(passes);
-        std::vector<flatbuffers::Offset<wire::Value>> values;
-        values.reserve(report.settings.size());
-        for (const SettingValue& value : report.settings) values.push_back(std::visit(PackValue{b}, value));
-        const auto packed_values = b.CreateVector(values);
+        const auto packed_values = packValues(b, report.settings);
         const auto plan = packPlan(b, report);
         // For viewers older than SceneState.settings: what there was then. New settings need nothing here.
         const auto number = [&](const char* path) { return valueIn<float>(report, path); };
@@ -113,13 +122,13 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers) {
         const auto method = packText(b, asked);
         const auto quadrature = packText(b, valueIn<std::string>(report, "render.isv.quadrature"));
         const wire::Vec3 to_light = vector("light.to_light"), irradiance = vector("light.irradiance");
-        const wire::Vec3 albedo = vector("medium.albedo");
+        const wire::Vec3 albedo = vector("medium.albedo"), lo = toWire(report.lo), hi = toWire(report.hi);
         return wire::CreateSceneState(b, report.tick, report.state_hash, viewers, report.particles,
                                       valueIn<bool>(report, "simulation.paused"), &to_light, &irradiance,
                                       number("light.rotate"), number("medium.extinction"), number("medium.falloff"),
                                       number("medium.anisotropy"), number("medium.asymmetry"), &albedo, method,
                                       quadrature, valueIn<uint32_t>(report, "render.isv.steps"),
-                                      number("render.exposure"), packed_passes, plan, packed_values);
+                                      number("render.exposure"), packed_passes, plan, packed_values, &lo, &hi);
     });
 }
 

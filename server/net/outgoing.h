@@ -8,7 +8,9 @@
 
 namespace brume::net {
 
-wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience, wire::Role role);
+// `shown`: the scene that is shown.
+wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience,
+                         const SceneFacts& shown, wire::Role role);
 wire::Packed packSceneState(const SceneReport& report, uint32_t viewers);
 // A frame's message without its JPEG bytes, which follow it. `queue_ms`: time since the JPEG was ready.
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms);

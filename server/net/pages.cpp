@@ -95,7 +95,7 @@ Reply Pages::read(std::string_view path, std::string_view if_none_match) const {
     if (!file)
         return lineReply(404,
                          "no such page; there is / /ws /healthz /readyz /metrics /viewers /snapshot.jpg /snapshot.png "
-                         "/stream.mjpg /pause /resume");
+                         "/stream.mjpg /pause /resume /scene /scene.toml /cloud");
 
     std::error_code error;
     const uintmax_t size = fs::file_size(*file, error);

@@ -29,13 +29,12 @@ bool readNumbers(std::string_view text, float* out, int count, Limits allowed) {
 } // namespace
 
 std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query, const NetOptions& options,
-                                                         const SceneFacts& facts) {
+                                                         SceneCamera camera) {
     const auto fields = parseQuery(query);
     if (!fields) return "the query is not of the form name=value&name=value";
 
     PictureQuery out;
     float width = 0, height = 0, quality = options.default_quality; // 0: not given
-    SceneCamera camera = facts.camera;
     for (const auto& [name, value] : *fields) {
         const auto number = [&, &text = value](float& into, Limits allowed) {
             return readNumbers(text, &into, 1, allowed);
@@ -78,6 +77,7 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
     if (height == 0) height = std::round(width / shape);
     out.asked_width = uint32_t(width), out.asked_height = uint32_t(height);
     const PictureSize size = fitSize({uint16_t(width), uint16_t(height)}, options);
+    out.camera = camera;
     out.request.seq = 1;
     out.request.width = size.width;
     out.request.height = size.height;

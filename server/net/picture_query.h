@@ -11,7 +11,8 @@
 namespace brume::net {
 
 struct PictureQuery {
-    PoseRequest request; // the scene's own camera unless the query places another
+    PoseRequest request; // `camera`'s view unless the query places another
+    SceneCamera camera;  // the same view
     float fps = 30;
     bool has_quality = false;                   // true: the query has a quality; else the request's is the server's
     uint32_t asked_width = 0, asked_height = 0; // pixels; the request's are fewer where the server allows fewer
@@ -19,6 +20,6 @@ struct PictureQuery {
 
 // The query's values, or one line that says what is wrong and what is allowed.
 std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query, const NetOptions& options,
-                                                         const SceneFacts& facts);
+                                                         SceneCamera camera);
 
 } // namespace brume::net

@@ -21,6 +21,10 @@ std::optional<Reply> unfit(const boost::system::error_code& error, const Request
                    ? refuse(414, fmt::format("the path and query are over {} bytes", options.max_target_bytes))
                    : refuse(431, fmt::format("the request's header is over {} bytes", options.max_header_bytes));
     }
+    if (error == http::error::body_limit)
+        return refuse(413, options.max_upload == 0
+                               ? "this server takes no uploads: --max-upload allows them"
+                               : fmt::format("the file is over {} MiB: --max-upload", options.max_upload >> 20));
     if (error == http::error::end_of_stream || error == http::error::partial_message) return {};
     if (error.category() == http::make_error_code(http::error::bad_method).category())
         return refuse(400, fmt::format("not an HTTP request: {}", error.message()));
@@ -31,13 +35,16 @@ std::optional<Reply> unfit(const boost::system::error_code& error, const Request
     if (!request.target().starts_with('/')) return refuse(400, "the path must begin with /");
     const std::string_view target(request.target().data(), request.target().size());
     const std::string_view path = target.substr(0, target.find('?'));
-    const bool posted = request.method() == http::verb::post, changes = path == "/pause" || path == "/resume";
+    const bool posted = request.method() == http::verb::post, points = path == "/cloud";
+    const bool changes = path == "/pause" || path == "/resume" || path == "/scene" || points;
     if (changes ? !posted : request.method() != http::verb::get && request.method() != http::verb::head) {
         Reply reply = refuse(405, changes ? "only POST is served here" : "only GET and HEAD are served here");
         reply.headers = {{"Allow", changes ? "POST" : "GET, HEAD"}};
         return reply;
     }
-    if (parser.chunked() || parser.content_length().value_or(0) > 0) return refuse(413, "a request here has no body");
+    if (points && !parser.content_length()) return refuse(411, "the file's length is needed: Content-Length");
+    if (!points && (parser.chunked() || parser.content_length().value_or(0) > 0))
+        return refuse(413, "a request here has no body");
     // RFC 9112, 3.2. A request of HTTP/1.0 may have none: it comes from a simple health check, not from a browser.
     const size_t hosts = request.count(http::field::host);
     if (hosts > 1 || (hosts == 0 && request.version() >= 11)) return refuse(400, "a request has one Host header");

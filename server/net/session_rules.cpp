@@ -28,7 +28,7 @@ std::string printable(const flatbuffers::String* text) {
 
 } // namespace
 
-SessionRules::SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened,
+SessionRules::SessionRules(const NetOptions& options, const ServerFacts& facts, Clock::time_point opened,
                            const Authorization& authorization)
     : options_(options), facts_(facts), hello_deadline_(opened + options.handshake), role_(authorization.role),
       until_(authorization.until), messages_(options.message_rate, options.message_rate * options.burst_s),

@@ -57,7 +57,7 @@ inline constexpr uint16_t kCloseNormal = 1000, kCloseGoingAway = 1001, kClosePro
 class SessionRules {
 public:
     // `options` and `facts` outlive the rules.
-    SessionRules(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened,
+    SessionRules(const NetOptions& options, const ServerFacts& facts, Clock::time_point opened,
                  const Authorization& authorization = {});
 
     // Each appends its effects to `out`. Precondition: bytes.data() is aligned to 8.
@@ -81,7 +81,7 @@ private:
     enum class State { awaiting_hello, watching, closed };
 
     const NetOptions& options_;
-    const SceneFacts& facts_;
+    const ServerFacts& facts_;
     const Clock::time_point hello_deadline_;
     const Role role_;
     const std::optional<Clock::time_point> until_; // when the token ends

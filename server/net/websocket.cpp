@@ -79,6 +79,7 @@ private:
 
     void enqueue(wire::Packed message);
     bool newsAreDue() const;
+    wire::Packed welcome();
     wire::Packed takeNews();
     void finish(std::string_view why = {});
 
@@ -104,6 +105,8 @@ private:
     bool backlog_ = false;                           // true: bytes waited for the link since the last heartbeat
     std::optional<websocket::close_reason> closing_; // set: write() closes once control_ is empty
     uint64_t revision_told_ = 0;
+    std::shared_ptr<const SceneFacts> shown_; // that the viewer was told of
+    PoseRequest granted_;                     // by the hello
     Clock::time_point state_told_{};
     bool ended_ = false;
 };
@@ -303,7 +306,8 @@ void WebSocketSession::admit(const Admit& hello) {
     const std::string whose = authorization_.name.empty() ? "" : fmt::format(" ({})", authorization_.name);
     spdlog::info("{}{}: {} from {}, {}x{}, {}, {}", name_, whose, hello.client, slot_->address(), hello.granted.width,
                  hello.granted.height, hello.granted.views == 1 ? "one eye" : "two eyes", nameOf(authorization_.role));
-    enqueue(packWelcome(handle_->viewer(), hello.granted, context_->audience, authorization_.role));
+    granted_ = hello.granted;
+    enqueue(welcome());
 }
 
 void WebSocketSession::acknowledge(uint32_t frame) {
@@ -348,7 +352,14 @@ bool WebSocketSession::newsAreDue() const {
            (context_->audience.revision() != revision_told_ || Clock::now() - state_told_ >= kStatePeriod);
 }
 
+wire::Packed WebSocketSession::welcome() {
+    shown_ = context_->audience.scene();
+    return packWelcome(handle_->viewer(), granted_, context_->audience, *shown_, authorization_.role);
+}
+
+// Another scene is told of first, and what changed in it by the next call.
 wire::Packed WebSocketSession::takeNews() {
+    if (context_->audience.scene() != shown_) return welcome();
     revision_told_ = context_->audience.revision(); // read before the report: a change in between is sent again
     state_told_ = Clock::now();
     return packSceneState(*context_->audience.report(), context_->audience.size());

@@ -13,7 +13,10 @@ namespace brume {
 class RecordedTicks final : public TickSource {
 public:
     // `recording` outlives this. The constructor and take() throw RecordingError.
-    explicit RecordedTicks(RecordingReader& recording) : recording_(recording), next_(recording.next()) { collect(); }
+    explicit RecordedTicks(RecordingReader& recording)
+        : recording_(recording), tick_(recording.head().tick), next_(recording.next()) {
+        collect();
+    }
 
     Clock::time_point due() const override { return next_ ? Clock::time_point::min() : Clock::time_point::max(); }
     bool take(Clock::time_point /*now*/, std::vector<Command>& commands) override;
@@ -26,7 +29,7 @@ private:
     void collect();
 
     RecordingReader& recording_;
-    uint64_t tick_ = 0;
+    uint64_t tick_;
     std::optional<RecordedTick> next_; // the first record of a later tick
     std::vector<RecordedTick> records_;
 };

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 namespace brume {
@@ -36,6 +37,26 @@ void Recorder::ticked(const Simulation& simulation, std::span<const Command> com
     } else if (picture) {
         spdlog::info("tick {} frame {}", record.tick, hexOf(*record.frame));
     }
+}
+
+void Recorder::goOn(const RecordingHead& head, const Scene& scene, const Simulation& simulation) {
+    const bool was_open = out_ != nullptr;
+    end("another scene is shown");
+    pictures_.reset();
+    scene_ = scene;
+    if (!was_open) return;
+    std::filesystem::path file = options_.file;
+    file.replace_filename(fmt::format("{}-{}{}", file.stem().string(), ++files_, file.extension().string()));
+    try {
+        RecordingHead begun = head;
+        begun.tick = simulation.tick();
+        out_ = std::make_unique<RecordingWriter>(file, begun, options_.most_bytes);
+        spdlog::info("recording goes on in '{}'", file.string());
+    } catch (const RecordingError& error) {
+        spdlog::error("the recording does not go on: {}", error.what());
+    }
+    last_ = {simulation.tick(), simulation.stateHash(), {}, {}, {}};
+    if (out_) write(last_);
 }
 
 // False when it is full.

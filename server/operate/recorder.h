@@ -25,13 +25,17 @@ public:
     // To be called before the first tick, and after every tick with the commands that it took. A full disk ends the
     // recording, not the server; the log says so. Throws gpu::Error if `frames` is not 0.
     void ticked(const Simulation& simulation, std::span<const Command> commands);
+    // Another scene is shown, in this state: the recording ends, and goes on in a file beside it, NAME-2 and so on. On
+    // the same thread.
+    void goOn(const RecordingHead& head, const Scene& scene, const Simulation& simulation);
 
 private:
     bool write(const RecordedTick& tick);
     void end(const char* why);
 
     const Options options_;
-    const Scene scene_;
+    Scene scene_;
+    uint32_t files_ = 1; // begun
     const gpu::Device& device_;
     std::unique_ptr<RecordingWriter> out_; // null once the recording has ended
     std::unique_ptr<OwnFrames> pictures_;

@@ -63,7 +63,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
                        {"file", head.file},
                        {"text", head.text},
                        {"overrides", head.overrides},
-                       {"server", head.server}}
+                       {"server", head.server},
+                       {"tick", head.tick}}
                       .dump());
     } catch (const json::exception&) { // text that is not UTF-8 is no TOML and was refused before
         ::close(fd_);
@@ -130,9 +131,9 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
     if (!text) fail("cut within its head: there is nothing to replay");
     try {
         const json head = json::parse(*text);
-        head_ = {head.at("scene").get<std::string>(), head.at("file").get<std::string>(),
-                 head.at("text").get<std::string>(), head.at("overrides").get<std::vector<std::string>>(),
-                 head.at("server").get<std::string>()};
+        head_ = {head.at("scene").get<std::string>(),  head.at("file").get<std::string>(),
+                 head.at("text").get<std::string>(),   head.at("overrides").get<std::vector<std::string>>(),
+                 head.at("server").get<std::string>(), head.value("tick", uint64_t{0})};
     } catch (const json::exception& e) {
         fail(fmt::format("not a recording's head: {}", e.what()));
     }
@@ -189,7 +190,7 @@ std::optional<RecordedTick> RecordingReader::next() {
     ended_ = !out.end.empty();
     if (last_tick_ && (out.tick < *last_tick_ || (out.tick == *last_tick_ && !ended_)))
         fail(fmt::format("tick {} after tick {}", out.tick, *last_tick_));
-    if (!last_tick_ && out.tick != 0) fail("does not begin at tick 0");
+    if (!last_tick_ && out.tick != head_.tick) fail(fmt::format("does not begin at tick {}", head_.tick));
     last_tick_ = out.tick;
     return out;
 }

@@ -32,6 +32,7 @@ struct RecordingHead {
     std::string text;                   // text of the scene file when the recording began
     std::vector<std::string> overrides; // key=value, in the order in which they apply
     std::string server;                 // version of the server that recorded
+    uint64_t tick = 0;                  // tick of the state that it begins with
 };
 
 struct RecordedTick {

@@ -17,6 +17,7 @@ public:
         : options_(options), out_(out), recording_(options.file),
           scene_(sceneOf(recording_.head().text, recording_.head().file, recording_.head().overrides)),
           simulation_(scene_) {
+        simulation_.countFrom(recording_.head().tick);
         if (options.frames == 0) return;
         device_ = std::make_unique<gpu::Device>(options.device);
         pictures_ = std::make_unique<OwnFrames>(*device_, scene_, simulation_.capacity());
@@ -33,8 +34,9 @@ public:
         }
         if (recording_.cut())
             out_ << fmt::format("{}: its last line is incomplete and left out\n", options_.file.string());
-        out_ << fmt::format("replayed {} ticks with {} commands: {} states{} as recorded; {}\n", simulation_.tick(),
-                            commands_, states_, frames_ > 0 ? fmt::format(" and {} frames", frames_) : "",
+        out_ << fmt::format("replayed {} ticks with {} commands: {} states{} as recorded; {}\n",
+                            simulation_.tick() - recording_.head().tick, commands_, states_,
+                            frames_ > 0 ? fmt::format(" and {} frames", frames_) : "",
                             last_.end.empty() ? "the server was killed or still records"
                                               : "the recording ended: " + last_.end);
     }

@@ -21,6 +21,9 @@ void addLimitOptions(OptionTable& table, ServerOptions& o) {
     g.option("--max-message-bytes", o.net.max_message_bytes, "of one message from a viewer")
         .range(1024, 1 << 20)
         .live();
+    g.mebibytes("--max-upload", o.net.max_upload, "of one uploaded point cloud; 0: none can be uploaded")
+        .range(0u, 512u)
+        .live();
     g.option("--quality", o.net.default_quality, "JPEG quality unless a viewer wishes another")
         .standing(std::to_string(o.net.default_quality))
         .range(1, 100)

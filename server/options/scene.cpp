@@ -4,11 +4,13 @@ namespace brume {
 
 void addSceneOptions(OptionTable& table, ServerOptions& o) {
     OptionGroup g(table, "Scene");
-    g.option("--scene", o.scene, "name of a scene, or the path of a .toml file");
+    g.option("--scene", o.scene, "name of a scene, or the path of a .toml file").live();
     g.option("--scene-dir", o.scene_dir, "folder of the scenes known by name");
+    g.option("--cloud-dir", o.cloud_dir, "folder of uploaded point clouds, the newest 16");
     g.several("--set", o.overrides, '\n', "a setting instead of the scene's, as in its file: --set medium.count=5000")
         .unit("KEY=VALUE")
-        .standing("");
+        .standing("")
+        .live();
     g.option("--method", o.method, "medium method instead of the scene's; auto: the cheapest within render.error");
     g.option("--quadrature", o.quadrature, "simpson | transmittance | analytic, for method isv");
     g.option("--steps", o.steps, "of the quadrature").range(limits::kSteps);

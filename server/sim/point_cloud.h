@@ -14,10 +14,12 @@ class Simulation;
 Placement placePointCloud(const Medium& medium, glm::dvec3 origin);
 
 // One line: file, points, box, sizes, extinctions, colours, ignored properties, optical depth.
-// Precondition of the three below: the simulation is of `scene`, whose layout is `file`, and has not been stepped.
+// Precondition of the four below: the simulation is of `scene`, whose layout is `file`, and has not been stepped.
 std::string pointCloudLine(const Scene& scene, const Simulation& simulation);
 // One line each: points were left out; the scene's camera sees no particle. Empty if neither is so.
 std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation);
+// A camera that sees all points, in the direction and with the angle of the scene's own.
+SceneCamera cameraOnAll(const Scene& scene, const Simulation& simulation);
 // Logs these lines. Does nothing for other layouts.
 void tellOfPointCloud(const Scene& scene, const Simulation& simulation);
 

@@ -79,20 +79,27 @@ bool seesAny(const Cloud& cloud) {
     });
 }
 
-// The camera cannot see the cloud: where it could stand instead.
-std::string unseenText(const Cloud& cloud) {
-    const SceneCamera& camera = cloud.scene.camera;
-    const glm::vec3 middle = 0.5f * (cloud.bounds.lo + cloud.bounds.hi);
+SceneCamera cameraOn(const Cloud& cloud) {
+    SceneCamera camera = cloud.scene.camera;
+    const glm::vec3 direction = glm::normalize(camera.position - camera.target);
     const float radius = 0.5f * glm::distance(cloud.bounds.lo, cloud.bounds.hi) + cloud.reach();
     const float distance = radius / std::sin(0.5f * std::min(camera.fov_y, 2.0f));
-    glm::vec3 from = middle + distance * glm::normalize(camera.position - camera.target);
-    for (int i = 0; i < 3; ++i) from[i] = limits::kPlace.clamp(from[i]);
+    camera.target = 0.5f * (cloud.bounds.lo + cloud.bounds.hi);
+    camera.position = camera.target + distance * direction;
+    for (int i = 0; i < 3; ++i) camera.position[i] = limits::kPlace.clamp(camera.position[i]);
+    return camera;
+}
+
+// The camera cannot see the cloud: where it could stand instead.
+std::string unseenText(const Cloud& cloud) {
+    const SceneCamera &camera = cloud.scene.camera, on_all = cameraOn(cloud);
     return fmt::format(
         "the scene's camera sees none of the {} points: they are in {}, the camera is at {} and looks at "
         "{}; set camera.position = {} and camera.target = {}, move the points with medium.centre, or write "
         "the file in metres if it is in another unit",
         cloud.particles.size(), cloud.boxText(), vectorText(cloud.world(camera.position)),
-        vectorText(cloud.world(camera.target)), vectorText(cloud.world(from)), vectorText(cloud.world(middle)));
+        vectorText(cloud.world(camera.target)), vectorText(cloud.world(on_all.position)),
+        vectorText(cloud.world(on_all.target)));
 }
 
 std::string ignoredText(const PointCloudFacts& facts) {
@@ -126,6 +133,8 @@ std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation
     if (!seesAny(cloud)) warnings.push_back(unseenText(cloud));
     return warnings;
 }
+
+SceneCamera cameraOnAll(const Scene& scene, const Simulation& simulation) { return cameraOn(Cloud(scene, simulation)); }
 
 void tellOfPointCloud(const Scene& scene, const Simulation& simulation) {
     if (!simulation.pointCloud()) return;

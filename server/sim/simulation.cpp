@@ -220,6 +220,9 @@ uint64_t Simulation::State::hashed() {
 Simulation::Simulation(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+void Simulation::countFrom(uint64_t tick) { state_->tick = tick; }
 
 void Simulation::step(std::span<const Command> commands) {
     State& s = *state_;

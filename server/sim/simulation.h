@@ -40,6 +40,10 @@ public:
     explicit Simulation(const Scene& scene);
     ~Simulation();
     Simulation(Simulation&&) noexcept;
+    Simulation& operator=(Simulation&&) noexcept;
+
+    // The state before the first step is of this tick, not of tick 0. Precondition: nothing was stepped.
+    void countFrom(uint64_t tick);
 
     // One tick of 1/60 s: applies the commands in order, then moves the particles unless paused. Allocates nothing.
     void step(std::span<const Command> commands);

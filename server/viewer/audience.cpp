@@ -21,14 +21,38 @@ std::string newKey() {
 
 } // namespace
 
-std::vector<std::string> SceneFacts::choicesOf(const SceneSetting& setting) const {
+std::shared_ptr<const SceneFacts> sceneFacts(const Scene& scene, std::vector<std::string> others) {
+    auto facts = std::make_shared<SceneFacts>();
+    facts->scene = scene;
+    facts->others = std::move(others);
+    Light light = sunOf(scene);
+    Scene& own = facts->scene;
+    const SceneParts parts{
+        .medium = &own.medium, .simulation = &own.simulation, .light = &light, .sky = &own.sky, .render = &own.render};
+    for (const SceneSetting* setting : liveSettings()) facts->starts.push_back(valueOf(*setting, parts));
+    return facts;
+}
+
+std::vector<std::string> ServerFacts::choicesOf(const SceneSetting& setting) const {
     if (setting.path == "render.method") return methods;
     return {setting.choices.begin(), setting.choices.end()};
 }
 
-Audience::Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight)
+Audience::Audience(ServerFacts facts, std::shared_ptr<const SceneFacts> scene, uint32_t max_viewers,
+                   uint32_t max_in_flight)
     : facts_(std::move(facts)), max_viewers_(max_viewers), max_in_flight_(std::max(max_in_flight, 1u)),
-      report_(std::make_shared<SceneReport>()) {}
+      scene_(std::move(scene)), report_(std::make_shared<SceneReport>()) {}
+
+std::shared_ptr<const SceneFacts> Audience::scene() const {
+    const std::scoped_lock lock(mutex_);
+    return scene_;
+}
+
+void Audience::setScene(std::shared_ptr<const SceneFacts> scene) {
+    const std::scoped_lock lock(mutex_);
+    scene_.swap(scene); // the old one is freed by the caller's thread, after the lock
+    ++revision_;
+}
 
 void Audience::setMaxViewers(uint32_t max_viewers) {
     const std::scoped_lock lock(mutex_);

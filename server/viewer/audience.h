@@ -12,6 +12,7 @@
 #include "common/scene.h"
 #include "common/settings.h"
 #include "server/sim/command.h"
+#include "server/viewer/scene_requests.h"
 #include "server/viewer/viewer.h"
 
 namespace brume {
@@ -20,6 +21,7 @@ namespace brume {
 struct SceneReport {
     uint64_t tick = 0, state_hash = 0;
     uint32_t particles = 0;
+    glm::vec3 lo{0}, hi{0}; // m, the medium's box: every particle out to two standard deviations
     // Of liveSettings(), in that order: as the scene and commands ask for.
     std::vector<SettingValue> settings = defaultValues();
     uint64_t settings_version = 0; // Simulation::settingsVersion()
@@ -39,10 +41,18 @@ struct SceneReport {
     } memory;
 };
 
-// Facts about the scene and the server that do not change while it runs.
+// The scene that is shown, as loaded. Immutable once published: another scene has facts of its own.
 struct SceneFacts {
-    std::string scene, device;
-    SceneCamera camera;
+    Scene scene;
+    std::vector<SettingValue> starts; // the scene's values of liveSettings(), in that order
+    std::vector<std::string> others;  // names of the scenes that an operator can switch to
+};
+// With the scene's own values of all live settings.
+std::shared_ptr<const SceneFacts> sceneFacts(const Scene& scene, std::vector<std::string> others = {});
+
+// Facts about the server that do not change while it runs.
+struct ServerFacts {
+    std::string device;
     std::vector<std::string> methods;
 
     // The texts that a live setting may have: of render.method those of this server, of others those of the table.
@@ -52,9 +62,12 @@ struct SceneFacts {
 class Audience {
 public:
     // `max_in_flight`: the most frames in flight for one viewer; Pacing may decide for fewer.
-    Audience(SceneFacts facts, uint32_t max_viewers, uint32_t max_in_flight);
+    Audience(ServerFacts facts, std::shared_ptr<const SceneFacts> scene, uint32_t max_viewers, uint32_t max_in_flight);
 
-    const SceneFacts& facts() const { return facts_; }
+    const ServerFacts& facts() const { return facts_; }
+    std::shared_ptr<const SceneFacts> scene() const; // never null
+    // Another scene is shown from now on: every viewer is told.
+    void setScene(std::shared_ptr<const SceneFacts> scene);
 
     // Viewers that have joined stay, also when there are more than the new limit.
     void setMaxViewers(uint32_t max_viewers);
@@ -78,6 +91,7 @@ public:
     void list(std::vector<std::shared_ptr<Viewer>>& out) const;
 
     CommandQueue& commands() { return commands_; }
+    SceneRequests& sceneRequests() { return scene_requests_; }
 
     void publish(std::shared_ptr<const SceneReport> report);
     std::shared_ptr<const SceneReport> report() const; // never null
@@ -88,11 +102,12 @@ public:
     std::atomic<bool> ready{false};
 
 private:
-    SceneFacts facts_;
     bool hasTime() const; // True: one more viewer fits admitUpTo(). Precondition: mutex_ is held
 
+    const ServerFacts facts_;
     uint32_t max_viewers_, max_in_flight_;
     CommandQueue commands_;
+    SceneRequests scene_requests_;
     mutable std::mutex mutex_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     uint32_t next_id_ = 1;
@@ -103,6 +118,7 @@ private:
         Clock::time_point until;
     };
     std::map<std::string, Lost> lost_; // viewers whose connection broke, by key; at most kMostLost
+    std::shared_ptr<const SceneFacts> scene_;
     std::shared_ptr<const SceneReport> report_;
     uint64_t revision_ = 0;
 };

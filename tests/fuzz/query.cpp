@@ -22,8 +22,7 @@ void page(std::string_view path) {
 
 void picture(std::string_view query) {
     static const net::NetOptions options;
-    static const SceneFacts facts{"scene", "device", {{0, 2, 26}, {0, 0, 0}, 0.75f}, {"auto"}};
-    const auto read = net::readPictureQuery(query, options, facts);
+    const auto read = net::readPictureQuery(query, options, {{0, 2, 26}, {0, 0, 0}, 0.75f});
     if (const auto* wrong = std::get_if<std::string>(&read)) return promiseOneLine(*wrong, 256);
     const auto& wish = std::get<net::PictureQuery>(read);
     const PoseRequest& request = wish.request;

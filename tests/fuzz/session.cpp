@@ -29,7 +29,7 @@ bool isUnit(glm::vec3 v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
 // Holds every effect against what the rest of the server counts on.
 class Judge {
 public:
-    Judge(const NetOptions& options, const SceneFacts& facts, Clock::time_point opened)
+    Judge(const NetOptions& options, const ServerFacts& facts, Clock::time_point opened)
         : options_(options), facts_(facts), opened_(opened) {}
 
     void judge(const net::Effects& effects, Clock::time_point now) {
@@ -121,7 +121,7 @@ private:
     }
 
     const NetOptions& options_;
-    const SceneFacts& facts_;
+    const ServerFacts& facts_;
     const Clock::time_point opened_;
     Clock::time_point now_;
     bool admitted_ = false, closed_ = false;
@@ -145,7 +145,7 @@ std::string name(Numbers& in, const std::string& known) {
 using Builder = flatbuffers::FlatBufferBuilder;
 
 // A command of the fuzzer's numbers.
-wire::Packed input(Numbers& in, const SceneFacts& facts) {
+wire::Packed input(Numbers& in, const ServerFacts& facts) {
     return wire::pack([&](Builder& b) {
         const uint32_t which = in.take<uint8_t>(), seq = in.take<uint8_t>();
         const auto as = [&]<class Command>(flatbuffers::Offset<Command> command) {
@@ -203,7 +203,7 @@ wire::Packed hello(Numbers& in) {
     });
 }
 
-wire::Packed made(Kind kind, Numbers& in, const SceneFacts& facts) {
+wire::Packed made(Kind kind, Numbers& in, const ServerFacts& facts) {
     switch (kind) {
     case kHello:
         return hello(in);
@@ -224,7 +224,7 @@ wire::Packed made(Kind kind, Numbers& in, const SceneFacts& facts) {
 
 void session(Bytes bytes) {
     static const NetOptions options;
-    static const SceneFacts facts{"scene", "device", {}, {"auto"}};
+    static const ServerFacts facts{"device", {"auto"}};
     Clock::time_point now{std::chrono::hours(1)};
     net::SessionRules rules(options, facts, now);
     Judge judge(options, facts, now);

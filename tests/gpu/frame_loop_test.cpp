@@ -74,7 +74,7 @@ private:
 class FrameLoopTest : public GpuTest {
 protected:
     Scene scene_ = loadScene("server/scenes/cloud.toml");
-    Audience audience_{{"cloud", "", scene_.camera, {}}, 8, 4};
+    Audience audience_{{}, sceneFacts(scene_), 8, 4};
     Metrics metrics_;
     std::atomic<bool> failed_{false};
 };
@@ -117,6 +117,57 @@ TEST_F(FrameLoopTest, APictureThatCannotBeCostsItsViewerThePlaceAndNobodyElse) {
         ASSERT_TRUE(frame) << seq;
     }
     EXPECT_EQ(modest.refusal(), "");
+    loop.stop();
+    EXPECT_FALSE(failed_);
+}
+
+FrameLoop::NextScene nextScene(const char* file, const std::vector<std::string>& settings = {}) {
+    const Scene scene = loadScene(file, settings);
+    return {scene, Simulation(scene), {"another"}, {}};
+}
+
+TEST_F(FrameLoopTest, AnotherSceneIsShownToWhoLooksOn) {
+    FrameLoop loop(scene_, device(), audience_, metrics_, {});
+    loop.start([&] { failed_ = true; });
+    Looker looker(audience_, 64, 36);
+    looker.look(1, 0);
+    const FramePtr before = looker.next();
+    ASSERT_TRUE(before);
+    FrameLoop::NextScene next = nextScene("server/scenes/props.toml");
+    uint64_t first_tick = 0, first_state = 0;
+    next.on_show = [&](const Simulation& simulation) {
+        first_tick = simulation.tick();
+        first_state = simulation.stateHash();
+    };
+    loop.show(std::move(next)).get();
+    EXPECT_EQ(audience_.scene()->scene.name, "props");
+    EXPECT_EQ(audience_.scene()->others, std::vector<std::string>{"another"});
+    EXPECT_GT(first_tick, before->tick);
+    EXPECT_EQ(first_state, Simulation(loadScene("server/scenes/props.toml")).stateHash());
+    FramePtr after = looker.next();
+    while (after && after->tick <= first_tick) after = looker.next();
+    ASSERT_TRUE(after);
+    Simulation same(loadScene("server/scenes/props.toml"));
+    for (uint64_t tick = first_tick; tick < after->tick; ++tick) same.step({});
+    EXPECT_EQ(after->state_hash, same.stateHash());
+    loop.stop();
+    EXPECT_FALSE(failed_);
+}
+
+TEST_F(FrameLoopTest, ASceneThatDoesNotFitLeavesTheOldOne) {
+    FrameLoop::Options options;
+    options.memory = 1 << 20;
+    FrameLoop loop(scene_, device(), audience_, metrics_, options);
+    loop.start([&] { failed_ = true; });
+    Looker looker(audience_, 64, 36);
+    looker.look(1, 0);
+    ASSERT_TRUE(looker.next());
+    EXPECT_THROW(loop.show(nextScene("server/scenes/cloud.toml", {"medium.count=50000"})).get(), SceneError);
+    EXPECT_EQ(audience_.scene()->scene.name, "cloud");
+    looker.look(2, 1);
+    FramePtr frame = looker.next();
+    while (frame && frame->request.seq < 2) frame = looker.next();
+    EXPECT_TRUE(frame);
     loop.stop();
     EXPECT_FALSE(failed_);
 }

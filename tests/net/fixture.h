@@ -35,8 +35,11 @@ protected:
 
     // Starts the server; returns its port. To be called after the options are set.
     uint16_t serve() {
-        SceneFacts facts{"test scene", "test device", {{0, 2, 26}, {0, 0, 0}, 0.75f}, {"sphere", "isv"}};
-        audience.emplace(facts, max_viewers, max_in_flight);
+        Scene scene;
+        scene.name = "test scene";
+        scene.camera = {{0, 2, 26}, {0, 0, 0}, 0.75f};
+        const ServerFacts facts{"test device", {"sphere", "isv"}};
+        audience.emplace(facts, sceneFacts(scene), max_viewers, max_in_flight);
         metrics.emplace();
         renderer.emplace(*audience, *metrics);
         server.emplace(options, *audience, *metrics);

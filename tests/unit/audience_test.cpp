@@ -14,7 +14,7 @@ PoseRequest firstPose() {
 }
 
 TEST(Audience, HasAsManyPlacesAsItSays) {
-    Audience audience({}, 2, 2);
+    Audience audience({}, sceneFacts({}), 2, 2);
     const auto first = audience.join(nullptr), second = audience.join(nullptr);
     ASSERT_TRUE(first && second);
     EXPECT_NE(first->id(), second->id());
@@ -29,7 +29,7 @@ TEST(Audience, HasAsManyPlacesAsItSays) {
 }
 
 TEST(Audience, LeavingClosesTheViewer) {
-    Audience audience({}, 2, 2);
+    Audience audience({}, sceneFacts({}), 2, 2);
     const auto viewer = audience.join(nullptr);
     viewer->setPose(firstPose());
     audience.leave(viewer);
@@ -39,7 +39,7 @@ TEST(Audience, LeavingClosesTheViewer) {
 }
 
 TEST(Audience, AViewerMayAskForASmallerWindowNotALarger) {
-    Audience audience({}, 3, 2);
+    Audience audience({}, sceneFacts({}), 3, 2);
     const auto dueOf = [&](uint32_t window) {
         const auto viewer = audience.join(nullptr, window);
         viewer->setPose(firstPose());
@@ -53,7 +53,7 @@ TEST(Audience, AViewerMayAskForASmallerWindowNotALarger) {
 }
 
 TEST(Audience, RevisionGrowsWithSettingsAndVisitorsNotWithTime) {
-    Audience audience({}, 2, 2);
+    Audience audience({}, sceneFacts({}), 2, 2);
     ASSERT_NE(audience.report(), nullptr);
     SceneReport report;
     audience.publish(std::make_shared<SceneReport>(report));

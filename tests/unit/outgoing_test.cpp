@@ -23,9 +23,9 @@ TEST(Outgoing, ASceneStateTellsThePlansRaysAndSlabs) {
 
 // A viewer can show and change every live setting without knowing any of them.
 TEST(Outgoing, EveryLiveSettingIsDescribedAndItsValueSent) {
-    Audience audience({.methods = {"auto", "isv"}}, 1, 2);
+    Audience audience({.methods = {"auto", "isv"}}, sceneFacts({}), 1, 2);
     const auto viewer = audience.join(nullptr);
-    const wire::Packed greeting = packWelcome(*viewer, {}, audience, wire::Role::controller);
+    const wire::Packed greeting = packWelcome(*viewer, {}, audience, *audience.scene(), wire::Role::controller);
     SceneReport report;
     const wire::Packed state = packSceneState(report, 1);
     const auto welcome = wire::parse(wire::bytesOf(greeting)), scene = wire::parse(wire::bytesOf(state));

@@ -123,6 +123,22 @@ std::vector<Example> makeExamples() {
         return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
                                       "isv", "simpson", 2, 1, nullptr, plan, &values);
     }));
+    all.push_back(example("welcome_scenes", [&](Builder& b) {
+        const std::vector settings{CreateSettingDirect(b, "light.rotate", SettingKind::number, "rad/s",
+                                                       "Turning of the light", Role::controller, -10, 10, -2, 2)};
+        const std::vector starts{CreateValue(b, 0.5)};
+        const std::vector scenes{b.CreateString("cloud"), b.CreateString("plume")};
+        const Vec3 position(0, 2, 26), target(0, 0.5f, 0);
+        const auto camera = CreateCamera(b, &position, &target, 0.75f);
+        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "cloud", "llvmpipe", 1280, 720, 1, 60, 2, camera, nullptr,
+                                   nullptr, nullptr, false, Role::operator_, &settings, &starts, &scenes);
+    }));
+    all.push_back(example("scene_state_box", [&](Builder& b) {
+        const Vec3 lo(-5, -1, -4.5f), hi(5, 9, 4.25f);
+        const std::vector values{CreateValue(b, 0.25)};
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
+                                      "isv", "simpson", 2, 1, nullptr, 0, &values, &lo, &hi);
+    }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));
     all.push_back(example("pose_frusta", [&](Builder& b) {

@@ -146,6 +146,14 @@ Json of(const Goodbye& m) {
     return out;
 }
 
+Json values(const flatbuffers::Vector<flatbuffers::Offset<Value>>& all) {
+    Json out = Json::array();
+    for (const Value* value : all)
+        out.push_back(
+            {{"number", maybe(value->number())}, {"vector", vec(value->vector())}, {"text", text(value->text())}});
+    return out;
+}
+
 // Without the underscore that keeps C++'s keyword apart.
 std::string nameOf(Role role) { return role == Role::operator_ ? "operator" : EnumNameRole(role); }
 
@@ -179,6 +187,8 @@ Json of(const Welcome& m) {
                                        {"usual_highest", s->usual_highest()},
                                        {"choices", names(s->choices())}});
     }
+    if (m.starts()) out["starts"] = values(*m.starts());
+    if (m.scenes()) out["scenes"] = names(m.scenes());
     return out;
 }
 
@@ -210,12 +220,9 @@ Json of(const SceneState& m) {
                        {"error", plan->error()},         {"ms", plan->ms()},
                        {"relaxed", plan->relaxed()}};
     if (m.plan() && m.plan()->text()) out["plan"]["text"] = text(m.plan()->text());
-    if (m.settings()) {
-        out["settings"] = Json::array();
-        for (const Value* value : *m.settings())
-            out["settings"].push_back(
-                {{"number", maybe(value->number())}, {"vector", vec(value->vector())}, {"text", text(value->text())}});
-    }
+    if (m.settings()) out["settings"] = values(*m.settings());
+    if (m.lo()) out["lo"] = vec(m.lo());
+    if (m.hi()) out["hi"] = vec(m.hi());
     return out;
 }
 

@@ -31,7 +31,7 @@ struct PoseFields {
 class SessionRulesTest : public testing::Test {
 protected:
     NetOptions options;
-    SceneFacts facts{"scene", "device", {}, {"sphere", "isv"}};
+    ServerFacts facts{"device", {"sphere", "isv"}};
     Clock::time_point now{1000s};
     std::optional<SessionRules> rules;
 

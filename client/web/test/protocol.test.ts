@@ -65,7 +65,7 @@ const tables: { [type: string]: new () => object } = {
   ...{ Set: WireSet, SetLight, SetMedium, SetRender, SetSimulation, Welcome },
 };
 
-const LISTS = ['methods', 'quadratures', 'jpeg_bytes', 'passes', 'changes', 'settings', 'choices'];
+const LISTS = ['methods', 'quadratures', 'jpeg_bytes', 'passes', 'changes', 'settings', 'choices', 'starts', 'scenes'];
 
 // Reads, with the generated code, the fields that `like` has, into the JSON that the examples are written in.
 function read(table: object, like: Fields): Fields {

@@ -1,0 +1,129 @@
+// Another scene while the server runs: POST /scene?name=, POST /cloud (a PLY file), and GET /scene.toml.
+#include <algorithm>
+
+#include <boost/asio/write.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/rfc7230.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <fmt/format.h>
+
+#include "common/scene_text.h"
+#include "server/net/http_connection.h"
+#include "server/net/picture_query.h"
+#include "server/net/uri.h"
+
+namespace brume::net {
+namespace {
+
+namespace http = boost::beast::http;
+
+constexpr auto kUploadWithin = std::chrono::minutes(2);
+constexpr auto kLoadWithin = std::chrono::minutes(1); // a million points take a few seconds
+constexpr char kUploaded[] = "uploaded";              // name of a cloud to which none was given
+constexpr size_t kLongestFileName = 40;
+
+bool isFileName(std::string_view name) {
+    return !name.empty() && name.size() <= kLongestFileName && std::all_of(name.begin(), name.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    });
+}
+
+// The query's `name`; nothing when there is another field than it and the token.
+std::optional<std::string> nameIn(std::string_view query) {
+    const auto fields = parseQuery(query);
+    if (!fields) return {};
+    std::string name;
+    for (const auto& [key, value] : *fields) {
+        if (key == "name") name = value;
+        if (key != "name" && key != "token") return {};
+    }
+    return name;
+}
+
+// The scene with the values that its live settings have now.
+Scene tuned(const SceneFacts& facts, const SceneReport& report) {
+    Scene scene = facts.scene;
+    Light light = sunOf(scene);
+    const SceneParts parts{.medium = &scene.medium,
+                           .simulation = &scene.simulation,
+                           .light = &light,
+                           .sky = &scene.sky,
+                           .render = &scene.render};
+    for (size_t i = 0; i < report.settings.size(); ++i) apply({liveSettings()[i]->path, report.settings[i]}, parts);
+    if (scene.lights.empty() && light.irradiance != glm::vec3(0)) scene.lights.emplace_back();
+    if (!scene.lights.empty()) scene.lights.front() = light;
+    return scene;
+}
+
+} // namespace
+
+asio::awaitable<bool> HttpConnection::showScene(const HttpRequest& request, std::string_view query) {
+    std::optional<std::string> name = nameIn(query);
+    if (!name || name->empty())
+        co_return co_await send(request, "scene", lineReply(400, "which scene? /scene?name=cumulus"));
+    co_return co_await change(request, "scene", *std::move(name), {});
+}
+
+// The request's body is a PLY file. It is held in memory until the scene is made of it.
+asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::string_view query) {
+    const HttpRequest& request = parser.get();
+    std::string name = nameIn(query).value_or("?");
+    if (name.empty()) name = kUploaded;
+    if (!isFileName(name))
+        co_return co_await send(
+            request, "cloud",
+            lineReply(400, fmt::format("a cloud's name has letters, digits, - and _, at most {}: /cloud?name=my-cloud",
+                                       kLongestFileName)));
+    const Counted open(context_->uploads);
+    if (open.number() > 1) co_return co_await sendLater(request, "cloud", "another cloud is being uploaded");
+    stream_.tcp().expires_after(kUploadWithin);
+    if (http::token_list(request[http::field::expect]).exists("100-continue")) {
+        constexpr std::string_view kGoOn = "HTTP/1.1 100 Continue\r\n\r\n";
+        const auto [refused, size] = co_await asio::async_write(stream_, asio::buffer(kGoOn), kToken);
+        if (refused) co_return false;
+    }
+    const HttpRequest head = request;
+    http::request_parser<http::string_body> whole(std::move(parser));
+    const auto [error, size] = co_await http::async_read(stream_, buffer_, whole, kToken);
+    if (error) co_return false; // the connection broke, or the file did not come in time
+    unread_ = false;
+    if (whole.get().body().empty())
+        co_return co_await send(head, "cloud", lineReply(400, "the body is empty: send a PLY file"));
+    co_return co_await change(head, "cloud", std::move(name), std::move(whole.get().body()));
+}
+
+// Answers once the scene is shown, or with the reason why the old one stays.
+asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::string_view route, std::string name,
+                                             std::string points) {
+    const auto wish = std::make_shared<SceneRequest>(std::move(name), std::move(points), event_->notifier());
+    if (!context_->audience.sceneRequests().push(wish))
+        co_return co_await sendLater(request, route, "other scenes are being loaded");
+    const auto deadline = Clock::now() + kLoadWithin;
+    while (!wish->answered() && Clock::now() < deadline && !context_->stopping) co_await event_->wait(deadline);
+    if (!wish->answered()) co_return co_await sendLater(request, route, "the scene is still being loaded");
+    if (!wish->complaint().empty()) co_return co_await send(request, route, lineReply(422, wish->complaint()));
+    const std::shared_ptr<const SceneReport> report = context_->audience.report();
+    Reply reply = lineReply(200, fmt::format("scene '{}' is shown", context_->audience.scene()->scene.name));
+    reply.headers = {{"Brume-Tick", fmt::format("{}", report->tick)},
+                     {"Brume-State", fmt::format("{:016x}", report->state_hash)},
+                     {"Cache-Control", "no-store"}};
+    co_return co_await send(request, route, std::move(reply));
+}
+
+// The scene as it is now, as a file. The query may give it another camera, as of a picture.
+Reply HttpConnection::sceneFile(std::string_view query) const {
+    const std::shared_ptr<const SceneFacts> facts = context_->audience.scene();
+    Scene scene = tuned(*facts, *context_->audience.report());
+    const auto picture = readPictureQuery(query, context_->options, scene.camera);
+    if (const auto* wrong = std::get_if<std::string>(&picture)) return lineReply(400, *wrong);
+    scene.camera = std::get<PictureQuery>(picture).camera;
+    Reply reply;
+    reply.content_type = "application/toml";
+    reply.body = sceneToml(scene);
+    const std::string file = isFileName(scene.name) ? scene.name : "scene";
+    reply.headers = {{"Cache-Control", "no-store"},
+                     {"Content-Disposition", fmt::format("attachment; filename=\"{}.toml\"", file)}};
+    return reply;
+}
+
+} // namespace brume::net

@@ -1,0 +1,209 @@
+#include "server/scene_changer.h"
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "common/scene_text.h"
+#include "common/text.h"
+#include "server/ahead.h"
+#include "server/sim/point_cloud.h"
+
+namespace brume {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMostClouds = 16; // uploaded ones that are kept
+
+std::string askedFor(const ServerOptions& options) {
+    return fmt::format("{}\n{}", options.scene, fmt::join(sceneOverrides(options), "\n"));
+}
+
+// The upload that was not used for longest goes when there are too many. What cannot be deleted stays.
+void keepNewest(const fs::path& folder) {
+    std::error_code ignored;
+    std::vector<std::pair<fs::file_time_type, fs::path>> scenes;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (entry.path().extension() == ".toml") scenes.emplace_back(entry.last_write_time(ignored), entry.path());
+    std::sort(scenes.begin(), scenes.end());
+    for (size_t i = 0; i + kMostClouds < scenes.size(); ++i) {
+        fs::remove(scenes[i].second, ignored);
+        fs::remove(scenes[i].second.replace_extension(".ply"), ignored);
+    }
+}
+
+void writeFile(const fs::path& file, const std::string& bytes) {
+    std::ofstream out(file, std::ios::binary | std::ios::trunc);
+    out << bytes << std::flush;
+    if (!out) throw SceneError(file.string() + ": cannot be written; --cloud-dir names another folder");
+}
+
+std::string why(const std::exception_ptr& exception) {
+    try {
+        std::rethrow_exception(exception);
+    } catch (const std::exception& error) {
+        return oneLine(error.what());
+    }
+}
+
+} // namespace
+
+struct SceneChanger::Files {
+    fs::path scene;
+    std::string text; // of the scene
+    std::vector<std::string> overrides;
+    std::pair<uintmax_t, fs::file_time_type> points{}; // size and time of the point cloud
+
+    bool operator==(const Files&) const = default;
+};
+
+RecordingHead recordingHead(const fs::path& file, const Scene& scene, std::vector<std::string> overrides) {
+    return {scene.name, fs::absolute(file).string(), sceneText(file), std::move(overrides), BRUME_VERSION};
+}
+
+std::vector<std::string> otherScenes(const ServerOptions& options) {
+    std::vector<std::string> names = sceneNames(options.scene_dir);
+    const std::vector<std::string> clouds = sceneNames(options.cloud_dir);
+    names.insert(names.end(), clouds.begin(), clouds.end());
+    return names;
+}
+
+SceneChanger::SceneChanger(const ServerOptions& options, const Scene& scene, const Server& server)
+    : options_(options), server_(server),
+      shown_(std::make_unique<Files>(filesOf(findScene(options.scene, options.scene_dir), sceneOverrides(options)))),
+      asked_(askedFor(options)) {
+    compileAhead(scene, *shown_);
+    server.audience.sceneRequests().serve([] { ::kill(::getpid(), SIGUSR1); });
+}
+
+SceneChanger::~SceneChanger() { server_.audience.sceneRequests().serve(nullptr); }
+
+void SceneChanger::serveRequests() {
+    while (const auto request = server_.audience.sceneRequests().take()) request->answer(change(*request));
+}
+
+// The reason why the old scene stays; empty: the wished one is shown.
+std::string SceneChanger::change(const SceneRequest& request) {
+    try {
+        if (!request.points.empty()) {
+            showCloud(request);
+            return {};
+        }
+        const std::vector<std::string> names = otherScenes(options_);
+        if (std::find(names.begin(), names.end(), request.name) == names.end())
+            return fmt::format("no scene of that name; there are: {}", fmt::join(names, ", "));
+        const std::vector<std::string> clouds = sceneNames(options_.cloud_dir);
+        const bool uploaded = std::find(clouds.begin(), clouds.end(), request.name) != clouds.end();
+        show(filesOf((uploaded ? options_.cloud_dir : options_.scene_dir) / (request.name + ".toml"),
+                     rendererOverrides(options_)));
+        return {};
+    } catch (const std::exception&) {
+        const std::string reason = why(std::current_exception());
+        spdlog::error("the scene stays: {}", reason);
+        return reason;
+    }
+}
+
+// The points become a scene file beside them, with a camera that sees all of them. Nothing is replaced before it is
+// known to be good.
+void SceneChanger::showCloud(const SceneRequest& request) {
+    const std::vector<std::string> own = sceneNames(options_.scene_dir);
+    if (std::find(own.begin(), own.end(), request.name) != own.end())
+        throw SceneError("there is a scene '" + request.name + "' already: give another with ?name=");
+    const fs::path folder = options_.cloud_dir, incoming = folder / "incoming" / (request.name + ".ply"),
+                   file = folder / (request.name + ".toml");
+    std::error_code error;
+    fs::create_directories(incoming.parent_path(), error);
+    writeFile(incoming, request.points);
+    const struct Remover {
+        const fs::path& file;
+        ~Remover() {
+            std::error_code ignored;
+            fs::remove(file, ignored);
+        }
+    } remover{incoming};
+
+    Scene scene = sceneOf("[medium]\nlayout = \"file\"\nfile = \"incoming/" + request.name + ".ply\"\n", file, {});
+    scene.camera = cameraOnAll(scene, Simulation(scene));
+    fs::rename(incoming, folder / (request.name + ".ply"));
+    scene.medium.file = folder / (request.name + ".ply");
+    writeFile(file, sceneToml(scene));
+    keepNewest(folder);
+    show(filesOf(file, rendererOverrides(options_)));
+}
+
+void SceneChanger::reload() {
+    try {
+        const std::string asked = askedFor(options_);
+        const Files now = asked_ == asked
+                              ? filesOf(shown_->scene, shown_->overrides)
+                              : filesOf(findScene(options_.scene, options_.scene_dir), sceneOverrides(options_));
+        asked_ = asked;
+        if (now == *shown_) return spdlog::info("reload: the scene's files have not changed");
+        show(now);
+    } catch (const std::exception&) {
+        spdlog::error("reload: the scene stays: {}", why(std::current_exception()));
+    }
+}
+
+void SceneChanger::show(const Files& files) {
+    Scene scene = sceneOf(files.text, files.scene, files.overrides);
+    checkScene(scene, files.scene);
+    show(std::move(scene), files);
+}
+
+// Waits until the frame loop shows it. Throws what keeps the frame loop from it.
+void SceneChanger::show(Scene scene, const Files& files) {
+    Simulation simulation(scene);
+    tellOfPointCloud(scene, simulation);
+    const RecordingHead head = recordingHead(files.scene, scene, files.overrides);
+    server_.frames.setCompiled(false);
+    std::future<void> shown =
+        server_.frames.show({scene, std::move(simulation), otherScenes(options_), [&, this](const Simulation& of) {
+                                 if (server_.recorder) server_.recorder->goOn(head, scene, of);
+                             }});
+    while (shown.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready)
+        if (server_.ended) throw std::runtime_error("the server stops");
+    try {
+        shown.get();
+    } catch (...) {
+        server_.frames.setCompiled(!ahead_);
+        throw;
+    }
+    *shown_ = files;
+    spdlog::info("scene '{}' is shown", scene.name);
+    compileAhead(scene, files);
+}
+
+SceneChanger::Files SceneChanger::filesOf(fs::path file, std::vector<std::string> overrides) const {
+    Files files{std::move(file), {}, std::move(overrides)};
+    files.text = sceneText(files.scene);
+    const fs::path points = sceneOf(files.text, files.scene, files.overrides).medium.file;
+    std::error_code error; // a cloud that is not there is complained about when it is loaded
+    if (!points.empty()) files.points = {fs::file_size(points, error), fs::last_write_time(points, error)};
+    return files;
+}
+
+// Only the options' own scene is known to a second process by its arguments; others are given in addition.
+void SceneChanger::compileAhead(const Scene& scene, const Files& files) {
+    ahead_.reset();
+    if (options_.ahead == "background") {
+        std::vector<std::string> command(server_.argv, server_.argv + server_.argc);
+        command.insert(command.end(), {"--scene", files.scene.string()});
+        ahead_ = startAhead(scene, std::move(command));
+    }
+    server_.frames.setCompiled(!ahead_);
+}
+
+void SceneChanger::childEnded() {
+    if (!ahead_ || !ahead_->exitCode(std::chrono::milliseconds(0))) return;
+    ahead_.reset();
+    server_.frames.setCompiled(true);
+}
+
+} // namespace brume

@@ -1,0 +1,61 @@
+// SceneChanger: loads another scene while the server runs, and hands it to the frame loop. For one thread.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/process.h"
+#include "common/scene.h"
+#include "server/frame.h"
+#include "server/operate/recorder.h"
+#include "server/options.h"
+
+namespace brume {
+
+// What is recorded of a scene when a recording begins with it.
+RecordingHead recordingHead(const std::filesystem::path& file, const Scene& scene, std::vector<std::string> overrides);
+// Names of the scenes that an operator can switch to: those of the scenes' folder and of uploaded clouds.
+std::vector<std::string> otherScenes(const ServerOptions& options);
+
+class SceneChanger {
+public:
+    // What there is in the running server.
+    struct Server {
+        int argc;
+        const char* const* argv;
+        FrameLoop& frames;
+        Audience& audience;
+        Recorder* recorder;             // null: nothing is recorded
+        const std::atomic<bool>& ended; // True: the frame loop ended, and shows no scene any more
+    };
+    // `options` outlives this and may change. `scene`: of the options, which is shown. Requests are served from now on:
+    // SIGUSR1 tells this process of them.
+    SceneChanger(const ServerOptions& options, const Scene& scene, const Server& server);
+    ~SceneChanger();
+
+    // Answers all requests that wait.
+    void serveRequests();
+    // Shows the options' scene again where it was changed: another name or overrides, or else another text or other
+    // points in the files that are shown. Otherwise nothing happens. Logs what it did, in one line.
+    void reload();
+    // To be called when a child process has ended: shaders may be compiled.
+    void childEnded();
+
+private:
+    struct Files; // the files of a scene, as they were when it was loaded
+
+    std::string change(const SceneRequest& request);
+    void showCloud(const SceneRequest& request);
+    void show(const Files& files);
+    void show(Scene scene, const Files& files);
+    Files filesOf(std::filesystem::path file, std::vector<std::string> overrides) const;
+    void compileAhead(const Scene& scene, const Files& files);
+
+    const ServerOptions& options_;
+    const Server server_;
+    std::unique_ptr<Files> shown_;
+    std::string asked_; // the options' scene and overrides, when they were looked at last
+    std::unique_ptr<Process> ahead_;
+};
+
+} // namespace brume

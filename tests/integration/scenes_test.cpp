@@ -1,0 +1,183 @@
+// Scenes that are switched, uploaded, saved and loaded again while viewers look on.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "common/scene_text.h"
+#include "tests/integration/http.h"
+#include "tests/integration/running_server.h"
+#include "tests/integration/watcher.h"
+
+namespace brume::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Pose kPose = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
+
+// A cloud of a few thick points about (3, 0, 0).
+std::string points(const std::string& first_x = "2") {
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "property float scale\nproperty float sigma_t\nend_header\n" +
+           first_x + " 0 0 4 30\n3 1 0 4 30\n4 0 0 4 30\n";
+}
+
+std::string postHead(const std::string& target, size_t length) {
+    return "POST " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: " + std::to_string(length) + "\r\n";
+}
+
+HttpReply post(uint16_t port, const std::string& target, const std::string& body = "") {
+    HttpConnection connection(port);
+    connection.send(postHead(target, body.size()) + "\r\n" + body);
+    return connection.readReply();
+}
+
+class Scenes : public testing::Test {
+protected:
+    const fs::path folder_ = fs::path(testing::TempDir()) / ("brume-scenes-" + std::to_string(getpid()));
+    Scenes() { fs::create_directories(folder_); }
+    ~Scenes() override { fs::remove_all(folder_); }
+
+    std::string clouds() const { return (folder_ / "clouds").string(); }
+    fs::path write(const std::string& name, const std::string& text) const {
+        std::ofstream(folder_ / name, std::ios::binary | std::ios::trunc) << text;
+        return folder_ / name;
+    }
+};
+
+TEST_F(Scenes, AnotherSceneIsShownToAllWithoutARestart) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    Watcher a(server.endpoint()), b(server.endpoint());
+    EXPECT_EQ(a.session.granted().scene, "cloud");
+    a.look(kPose);
+    b.look(kPose);
+    ASSERT_TRUE(watch({&a, &b}, [&] { return !a.frames.empty() && !b.frames.empty(); }));
+    const HttpReply reply = post(server.port(), "/scene?name=tubes");
+    EXPECT_EQ(reply.status, 200) << reply.body;
+    EXPECT_EQ(reply.body, "scene 'tubes' is shown\n");
+    const uint64_t tick = std::stoull(reply.headers.at("brume-tick"));
+    ASSERT_TRUE(watch({&a, &b}, [&] { return a.last().tick > tick + 2 && b.last().tick > tick + 2; }));
+    EXPECT_EQ(a.session.granted().scene, "tubes");
+    EXPECT_EQ(b.session.granted().scene, "tubes");
+    EXPECT_TRUE(a.errors.empty());
+    EXPECT_FALSE(commonTicks(a, b, tick).empty());
+    for (const auto& [left, right] : commonTicks(a, b, tick)) EXPECT_EQ(left->state_hash, right->state_hash);
+}
+
+TEST_F(Scenes, WhatCannotBeShownLeavesTheOldSceneAndSaysWhy) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    const HttpReply none = post(server.port(), "/scene?name=../../etc/passwd");
+    EXPECT_EQ(none.status, 422);
+    EXPECT_NE(none.body.find("no scene of that name; there are: cloud, cloud-5000"), none.body.npos) << none.body;
+    EXPECT_EQ(post(server.port(), "/scene").status, 400);
+    EXPECT_EQ(post(server.port(), "/cloud?name=a/b", points()).status, 400);
+    EXPECT_EQ(post(server.port(), "/cloud", "").status, 400);
+    EXPECT_EQ(get(server.port(), "/scene?name=tubes").status, 405);
+    const HttpReply comma = post(server.port(), "/cloud?name=mine", points("0,5"));
+    EXPECT_EQ(comma.status, 422);
+    EXPECT_NE(comma.body.find("mine.ply:10: "), comma.body.npos) << comma.body;
+    EXPECT_NE(comma.body.find("is its comma a decimal point?"), comma.body.npos) << comma.body;
+    const HttpReply taken = post(server.port(), "/cloud?name=plume", points());
+    EXPECT_NE(taken.body.find("?name="), taken.body.npos) << taken.body;
+    const Watcher a(server.endpoint());
+    EXPECT_EQ(a.session.granted().scene, "cloud");
+    EXPECT_FALSE(fs::exists(fs::path(clouds()) / "mine.ply"));
+}
+
+TEST_F(Scenes, AnUploadedCloudIsSeenAndListedAfterwards) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    HttpConnection upload(server.port());
+    upload.send(postHead("/cloud?name=mine", points().size()) + "Expect: 100-continue\r\n\r\n");
+    EXPECT_EQ(upload.readHead().status, 100) << "a client that asks is told to go on before it sends a large file";
+    upload.send(points());
+    const HttpReply reply = upload.readReply();
+    EXPECT_EQ(reply.status, 200) << reply.body;
+    Watcher a(server.endpoint());
+    EXPECT_EQ(a.session.granted().scene, "mine");
+    EXPECT_EQ(a.session.granted().target, glm::vec3(3, 0.5f, 0));
+    a.look(lookAt(a.session.granted().position, a.session.granted().target, 0.8f));
+    ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
+    EXPECT_GT(contrast(pictureOf(a.last())), 10);
+    EXPECT_EQ(post(server.port(), "/scene?name=cloud").status, 200);
+    EXPECT_EQ(post(server.port(), "/scene?name=mine").status, 200) << "it stays known by its name";
+    EXPECT_EQ(post(server.port(), "/cloud?name=mine", points("1")).status, 200) << "and can be replaced";
+}
+
+TEST_F(Scenes, AFileThatIsTooLargeIsRefusedBeforeItIsRead) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds(), "--max-upload", "1"});
+    HttpConnection connection(server.port());
+    connection.send(postHead("/cloud", (1 << 20) + 1) + "\r\n");
+    const HttpReply reply = connection.readReply();
+    EXPECT_EQ(reply.status, 413);
+    EXPECT_EQ(reply.body, "the file is over 1 MiB: --max-upload\n");
+    EXPECT_EQ(post(server.port(), "/cloud?name=small", points()).status, 200);
+}
+
+TEST_F(Scenes, WhatWasTunedIsSavedAndLoadsAsTheSame) {
+    RunningServer server({"--ahead", "off"});
+    Watcher a(server.endpoint());
+    a.session.sendCommand<wire::SetMedium>([&](auto& builder) {
+        wire::SetMediumBuilder set(builder);
+        set.add_extinction(7.25f);
+        return set.Finish();
+    });
+    HttpReply saved;
+    ASSERT_TRUE(watch({&a}, [&] {
+        saved = get(server.port(), "/scene.toml?position=1,2,30&target=0,1,0");
+        return saved.body.find("extinction = 7.25\n") != saved.body.npos;
+    })) << saved.body;
+    EXPECT_EQ(saved.headers.at("content-disposition"), "attachment; filename=\"cloud.toml\"");
+    const Scene scene = sceneOf(saved.body, "cloud.toml");
+    EXPECT_EQ(scene.medium.extinction, 7.25f);
+    EXPECT_EQ(scene.camera.position, glm::vec3(1, 2, 30));
+    EXPECT_EQ(scene.medium.count, loadScene("server/scenes/cloud.toml").medium.count);
+}
+
+TEST_F(Scenes, ASceneWhoseFileHasChangedIsLoadedAgainOnSighup) {
+    const fs::path file = write("mine.toml", "[medium]\ncount = 100\n");
+    RunningServer server({"--ahead", "off", "--scene", file.string()});
+    Watcher a(server.endpoint());
+    a.look(kPose);
+    const auto particles = [&] { return metric(server.port(), "brume_particles"); };
+    ASSERT_TRUE(watch({&a}, [&] { return particles() == 100; }));
+    write("mine.toml", "[medium]\ncount = many\n");
+    server.process().signal(SIGHUP);
+    const auto logged = [&](const std::string& text) { return server.process().err().find(text) != std::string::npos; };
+    ASSERT_TRUE(watch({&a}, [&] { return logged("reload: the scene stays: " + file.string() + ":2: "); }));
+    EXPECT_EQ(particles(), 100);
+    write("mine.toml", "[medium]\ncount = 200\n");
+    server.process().signal(SIGHUP);
+    ASSERT_TRUE(watch({&a}, [&] { return particles() == 200; })) << server.process().err();
+    server.process().signal(SIGHUP);
+    ASSERT_TRUE(watch({&a}, [&] { return logged("reload: the scene's files have not changed"); }));
+}
+
+// The recording of the first scene ends, and another begins; both replay.
+TEST_F(Scenes, RecordingsGoOnInAFileForEachScene) {
+    const fs::path first = folder_ / "session.rec", second = folder_ / "session-2.rec";
+    {
+        RunningServer server({"--ahead", "off", "--record", first.string(), "--frames", "30"});
+        Watcher a(server.endpoint());
+        a.look(kPose);
+        ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty() && a.last().tick > 70; }));
+        const HttpReply reply = post(server.port(), "/scene?name=tubes");
+        ASSERT_EQ(reply.status, 200);
+        const uint64_t tick = std::stoull(reply.headers.at("brume-tick"));
+        a.session.sendImpulse({{0, 0, 26}, {0, 0, -1}, {0, 0, 0}, 3});
+        ASSERT_TRUE(watch({&a}, [&] { return a.last().tick > tick + 70; }));
+        server.process().signal(SIGTERM);
+        EXPECT_EQ(server.process().exitCode(), 0);
+    }
+    const auto ended = startServer({"--replay", first.string(), "--frames", "30"});
+    EXPECT_EQ(ended->exitCode(), 0) << ended->err();
+    EXPECT_NE(ended->out().find("the recording ended: another scene is shown"), std::string::npos) << ended->out();
+    const auto on = startServer({"--replay", second.string(), "--frames", "30"});
+    EXPECT_EQ(on->exitCode(), 0) << on->err();
+    EXPECT_NE(on->out().find("with 1 commands"), std::string::npos) << on->out();
+    EXPECT_NE(on->out().find("scene 'tubes'"), std::string::npos) << on->out();
+}
+
+} // namespace
+} // namespace brume::test
