@@ -92,8 +92,9 @@ private:
 void readMedium(TableReader& in, const SettingReader& read, Medium& out, const glm::dvec3& origin) {
     const SceneParts parts{.medium = &out};
     read.readOne(in, "medium.layout", parts); // what the centre is depends on it
-    const bool from_file = out.layout == Layout::file, emitted = out.layout == Layout::emitter;
-    read.readTable(in, "medium", parts, from_file ? nullptr : &origin);
+    const bool from_file = out.layout == Layout::file, live = out.layout == Layout::live,
+               emitted = out.layout == Layout::emitter;
+    read.readTable(in, "medium", parts, from_file || live ? nullptr : &origin);
     in.table("emitter", [&](TableReader& r) { read.readTable(r, "medium.emitter", parts, &origin); });
 
     out.scale_by_spacing = from_file && !in.has("scale");

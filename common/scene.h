@@ -16,7 +16,7 @@ struct Range {
     float lo = 0, hi = 0;
 };
 
-enum class Layout { cube, tubes, cumulus, emitter, file };
+enum class Layout { cube, tubes, cumulus, emitter, file, live };
 
 // Births per second from a disc; every particle rises, grows, thins (its optical mass is conserved) and dies at its
 // life's end.
@@ -36,8 +36,8 @@ struct Emitter {
 
 struct Medium {
     Layout layout = Layout::cube;
-    uint32_t count = 500;          // 1 ... 1,000,000; an emitter's pool size
-    glm::vec3 centre{0};           // m, of the layout; with layout file what its points are moved by
+    uint32_t count = 500;          // 1 ... 1,000,000; an emitter's pool size; rows of layout live
+    glm::vec3 centre{0};           // m, of the layout; with layout file and live what points are moved by
     float extent = 10;             // m, side of the cube, length of a tube, width of the cumulus
     Range scale{6, 6};             // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
     bool scale_by_spacing = false; // layout file: points without sizes have one that follows from their spacing

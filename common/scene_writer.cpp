@@ -78,7 +78,8 @@ private:
     // settings is left out, an element of a list is not.
     void table(std::string_view name, const SceneParts& parts, const SceneParts& by_default, Head head = Head::table) {
         std::string lines;
-        const bool displaced = name == "medium" && parts.medium->layout == Layout::file;
+        const bool displaced =
+            name == "medium" && (parts.medium->layout == Layout::file || parts.medium->layout == Layout::live);
         const glm::dvec3 origin = displaced ? glm::dvec3(0) : scene_.origin;
         for (const SceneSetting& setting : sceneSettings()) {
             if (setting.table() != name || isNotSaid(setting)) continue;

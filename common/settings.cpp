@@ -24,7 +24,7 @@ using R = RenderSettings;
 constexpr Limits kNames{1, kLongestName}, kPaths{1, 4096}; // bytes
 constexpr Limits kNone{0, 0};                              // of what has no range: booleans and choices
 
-constexpr std::string_view kLayouts[]{"cube", "tubes", "cumulus", "emitter", "file"}; // in the order of Layout
+constexpr std::string_view kLayouts[]{"cube", "tubes", "cumulus", "emitter", "file", "live"}; // in the order of Layout
 constexpr std::string_view kLights[]{"directional"};
 constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
 constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
@@ -55,9 +55,9 @@ constexpr SceneSetting kSettings[]{
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
      Form::plain, kLayouts},
     {"medium.count", at<&P::medium, &Medium::count>, "", limits::kCount,
-     "Number of particles; of an emitter the most that live at a time; not allowed with layout `file`"},
+     "Number of particles; of an emitter and with layout `live` the most at a time; not allowed with layout `file`"},
     {"medium.centre", at<&P::medium, &Medium::centre>, "m", limits::kPlace,
-     "Centre of the layout; with layout `file` what its points are moved by", kNobody, Form::place},
+     "Centre of the layout; with layout `file` or `live` what its points are moved by", kNobody, Form::place},
     {"medium.extent", at<&P::medium, &Medium::extent>, "m", limits::kLength,
      "Side of the cube, length of a tube, width of the cumulus"},
     {"medium.scale", at<&P::medium, &Medium::scale>, "m", limits::kScale,

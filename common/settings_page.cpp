@@ -50,6 +50,14 @@ at 1, extinctions at 10000 per metre.
 
 At its start, and for `--explain`, the server says in one line what it found: box, sizes, extinctions, colours, and the
 properties that it ignored. It warns if the scene's camera sees no point, and says where to put it.
+
+## Particles of a simulation elsewhere
+
+With `medium.layout = "live"` the scene begins empty. An operator's messages (`SetParticles`,
+[`protocol/README.md`](../protocol/README.md)) say where up to `medium.count` particles are, how large and how thick,
+and all viewers see them. `medium.centre`, `simulation.volume_velocity` and so on move all of them. Pushes do not, and
+are refused. `medium.extinction` and `medium.albedo` are factors, as for point clouds. While the scene is paused,
+particles move no further; messages are still taken. Restart empties the scene, and the sender has to send again.
 )";
 
 struct Table {

@@ -133,8 +133,13 @@ void FrameLoop::run() {
 
 void FrameLoop::tick() {
     const Clock::time_point begin = Clock::now();
+    const bool empty = simulation_.liveCount() == 0;
     simulation_.step(commands_);
-    if (!commands_.empty()) changed_ = replan_ = true;
+    // Particles that are set many times a second are looked at as those that move by themselves are.
+    const bool asked = std::any_of(commands_.begin(), commands_.end(), [](const Command& command) {
+        return !std::holds_alternative<SetParticles>(command.body);
+    });
+    if (asked || empty != (simulation_.liveCount() == 0)) changed_ = replan_ = true;
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
     planner_->setFrameBudget(frame_ms_);

@@ -18,7 +18,7 @@ namespace {
 // Reads fields one after another and keeps the first refusal.
 class Reader {
 public:
-    explicit Reader(const ServerFacts& facts) : facts_(facts) {}
+    Reader(const ServerFacts& facts, const ShownMedium& medium) : facts_(facts), medium_(medium) {}
 
     std::optional<Refusal> refusal;
 
@@ -67,12 +67,39 @@ public:
         if (!setting) return refuse(wire::ErrorCode::unknown_name, "no such quadrature; docs/scenes.md has them");
         add(set, {setting->path, value->str()});
     }
+    SetParticles particles(const wire::SetParticles& c) {
+        ParticleRows rows;
+        SetParticles set{c.first(), c.live(), c.seconds(), nullptr};
+        const bool whole = vectors(c.positions(), rows.positions) && vectors(c.albedos(), rows.albedos);
+        if (c.scales()) rows.scales.assign(c.scales()->begin(), c.scales()->end());
+        if (c.extinctions()) rows.extinctions.assign(c.extinctions()->begin(), c.extinctions()->end());
+        set.rows = std::make_shared<const ParticleRows>(std::move(rows));
+        if (medium_.layout != Layout::live)
+            refuse(wire::ErrorCode::unexpected,
+                   "this scene sets its own particles: SetParticles is for layout \"live\"");
+        else if (!whole)
+            refuse(wire::ErrorCode::out_of_range, "positions and albedos have three numbers for each row");
+        else if (std::string problem = problemOf(set, medium_.rows); !problem.empty())
+            refuse(wire::ErrorCode::out_of_range, std::move(problem));
+        return set;
+    }
+    // Particles that come from elsewhere do not yield.
+    void push() {
+        if (medium_.layout == Layout::live)
+            refuse(wire::ErrorCode::unexpected, "pushes move nothing here: a simulation elsewhere sets the particles");
+    }
     template <class T>
     void change(Set& set, std::string_view path, flatbuffers::Optional<T> value) {
         if (value) add(set, {path, *value});
     }
 
 private:
+    // False where there are not three numbers for each vector.
+    static bool vectors(const flatbuffers::Vector<float>* list, std::vector<glm::vec3>& to) {
+        for (uint32_t i = 0; list && i + 2 < list->size(); i += 3)
+            to.emplace_back(list->Get(i), list->Get(i + 1), list->Get(i + 2));
+        return !list || list->size() % 3 == 0;
+    }
     // False where the value is not of the setting's type.
     static bool read(const wire::Change& c, bool& to) {
         to = c.number() == 1.0;
@@ -119,12 +146,14 @@ private:
     }
 
     const ServerFacts& facts_;
+    const ShownMedium& medium_;
 };
 
 CommandBody readBody(const wire::Input& input, Reader& in) {
     switch (input.command_type()) {
     case wire::Command::Impulse: {
         const auto& c = *input.command_as_Impulse();
+        in.push();
         return Impulse{.origin = in.vector("origin", *c.origin(), limits::kPlace),
                        .direction = in.direction("direction", *c.direction()),
                        .push = in.vector("push", c.push(), limits::kSpeed).value_or(glm::vec3(0)),
@@ -172,6 +201,8 @@ CommandBody readBody(const wire::Input& input, Reader& in) {
     }
     case wire::Command::Restart:
         return Restart{};
+    case wire::Command::SetParticles:
+        return in.particles(*input.command_as_SetParticles());
     case wire::Command::NONE:
         break; // not from wire::parse
     }
@@ -188,11 +219,13 @@ wire::Role roleFor(const CommandBody& body) {
     const bool for_controllers = set && std::all_of(set->changes.begin(), set->changes.end(), [](const Change& one) {
                                      return one.setting->changed_by == ChangedBy::controllers;
                                  });
-    return for_controllers ? wire::Role::controller : wire::Role::operator_; // what a frame costs everyone, and Restart
+    return for_controllers ? wire::Role::controller
+                           : wire::Role::operator_; // what a frame costs everyone, Restart, SetParticles
 }
 
-std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts, wire::Role role) {
-    Reader in(facts);
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
+                                               const ShownMedium& medium, wire::Role role) {
+    Reader in(facts, medium);
     CommandBody body = readBody(input, in);
     if (const wire::Role least = roleFor(body); role < least)
         return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};

@@ -19,8 +19,15 @@ struct Refusal {
 // The least role that may give a command: of settings, the highest that theirs take (common/settings.h).
 wire::Role roleFor(const CommandBody& body);
 
+// The medium that is shown, for commands that name its particles.
+struct ShownMedium {
+    Layout layout = Layout::cube;
+    uint32_t rows = 0; // medium.count
+};
+
 // Precondition: `input` comes from wire::parse. In the result directions have unit length and names are among `facts`.
 // A viewer whose role is too low is told that before anything else.
-std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts, wire::Role role);
+std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
+                                               const ShownMedium& medium, wire::Role role);
 
 } // namespace brume::net

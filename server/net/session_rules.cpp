@@ -169,7 +169,7 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
         return refuse(wire::ErrorCode::too_fast, fmt::format("more than {:g} inputs a second", options_.input_rate),
                       now, out, seq);
 
-    auto command = readCommand(input, facts_, role_);
+    auto command = readCommand(input, facts_, medium_, role_);
     if (auto* refusal = std::get_if<Refusal>(&command))
         return refuse(refusal->code, std::move(refusal->text), now, out, seq);
     out.push_back(EnqueueCommand{seq, std::get<CommandBody>(std::move(command))});

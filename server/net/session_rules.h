@@ -60,6 +60,9 @@ public:
     SessionRules(const NetOptions& options, const ServerFacts& facts, Clock::time_point opened,
                  const Authorization& authorization = {});
 
+    // The viewer was told that this medium is shown. Until then commands that name its particles are refused.
+    void shows(const ShownMedium& medium) { medium_ = medium; }
+
     // Each appends its effects to `out`. Precondition: bytes.data() is aligned to 8.
     void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out);
     void onText(Clock::time_point now, Effects& out); // a text message: brume.v1 has only binary ones
@@ -82,6 +85,7 @@ private:
 
     const NetOptions& options_;
     const ServerFacts& facts_;
+    ShownMedium medium_;
     const Clock::time_point hello_deadline_;
     const Role role_;
     const std::optional<Clock::time_point> until_; // when the token ends

@@ -354,6 +354,7 @@ bool WebSocketSession::newsAreDue() const {
 
 wire::Packed WebSocketSession::welcome() {
     shown_ = context_->audience.scene();
+    rules_.shows({shown_->scene.medium.layout, shown_->scene.medium.count});
     return packWelcome(handle_->viewer(), granted_, context_->audience, *shown_, authorization_.role);
 }
 

@@ -1,9 +1,14 @@
 #include "server/operate/command_json.h"
 
+#include <bit>
+#include <charconv>
+#include <iterator>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace brume {
@@ -26,7 +31,7 @@ template <class F>
 void eachField(Restart&, F&&) {}
 
 // In the order of CommandBody.
-constexpr const char* kNames[] = {"impulse", "move_volume", "set", "restart"};
+constexpr const char* kNames[] = {"impulse", "move_volume", "set", "restart", "set_particles"};
 static_assert(std::size(kNames) == std::variant_size_v<CommandBody>);
 
 template <class T>
@@ -77,6 +82,40 @@ json fieldsOf(const Set& set) {
     return changes;
 }
 
+// The floats of a list, eight hexadecimal digits each: short, and bit for bit.
+template <class T>
+std::string digitsOf(const std::vector<T>& list) {
+    const auto* floats = reinterpret_cast<const float*>(list.data());
+    std::string out;
+    out.reserve(list.size() * sizeof(T) * 2);
+    for (size_t i = 0; i < list.size() * sizeof(T) / sizeof(float); ++i)
+        fmt::format_to(std::back_inserter(out), "{:08x}", std::bit_cast<uint32_t>(floats[i]));
+    return out;
+}
+template <class T>
+void readDigits(const std::string& digits, std::vector<T>& list) {
+    constexpr size_t kEach = 2 * sizeof(T), kFloat = 2 * sizeof(float);
+    if (digits.size() % kEach != 0) throw std::runtime_error("a list of floats has eight digits for each");
+    list.resize(digits.size() / kEach);
+    auto* to = reinterpret_cast<float*>(list.data());
+    for (size_t at = 0; at < digits.size(); at += kFloat) {
+        uint32_t bits = 0;
+        const auto [end, error] = std::from_chars(&digits[at], &digits[at] + kFloat, bits, 16);
+        if (error != std::errc{} || end != &digits[at] + kFloat) throw std::runtime_error("a float has eight digits");
+        *to++ = std::bit_cast<float>(bits);
+    }
+}
+json fieldsOf(const SetParticles& set) {
+    const ParticleRows& rows = *set.rows;
+    return {{"first", set.first},
+            {"live", set.live},
+            {"seconds", set.seconds},
+            {"positions", digitsOf(rows.positions)},
+            {"scales", digitsOf(rows.scales)},
+            {"extinctions", digitsOf(rows.extinctions)},
+            {"albedos", digitsOf(rows.albedos)}};
+}
+
 Change changeOf(const std::string& path, const json& in) {
     const SceneSetting* setting = liveSetting(path);
     if (!setting) throw std::runtime_error("no live setting is called " + path);
@@ -96,6 +135,19 @@ void readFields(const std::string&, const json& changes, Set& set) {
         if (!change.is_array() || change.size() != 2) throw std::runtime_error("a change is [path, value]");
         set.changes.push_back(changeOf(change.at(0).get<std::string>(), change.at(1)));
     }
+}
+
+void readFields(const std::string& name, const json& fields, SetParticles& set) {
+    if (fields.size() != 7) throw std::runtime_error("a field that " + name + " does not have");
+    ParticleRows rows;
+    readDigits(fields.at("positions").get<std::string>(), rows.positions);
+    readDigits(fields.at("scales").get<std::string>(), rows.scales);
+    readDigits(fields.at("extinctions").get<std::string>(), rows.extinctions);
+    readDigits(fields.at("albedos").get<std::string>(), rows.albedos);
+    set = {fields.at("first").get<uint32_t>(), fields.at("live").get<uint32_t>(), fields.at("seconds").get<float>(),
+           std::make_shared<const ParticleRows>(std::move(rows))};
+    if (const std::string problem = problemOf(set, std::numeric_limits<uint32_t>::max()); !problem.empty())
+        throw std::runtime_error(problem);
 }
 
 template <size_t I = 0>

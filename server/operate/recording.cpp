@@ -21,8 +21,10 @@ using nlohmann::json;
 constexpr char kMagic[] = "brume-recording ";
 constexpr int kVersion = 3; // older ones have other live settings, and so other hashes of the state
 constexpr size_t kDigits = 16;
-constexpr uint64_t kEndReserve = 256;    // bytes, for the last line
-constexpr size_t kLongestLine = 8 << 20; // a scene's text has 1 MiB at most, and up to six characters for each in JSON
+constexpr uint64_t kEndReserve = 256; // bytes, for the last line
+// A scene's text has 1 MiB at most, and up to six characters for each in JSON. Rows of particles have kMostRowBytes in
+// a tick, and two digits for each.
+constexpr size_t kLongestLine = 16 << 20;
 
 std::string magicLine() { return kMagic + std::to_string(kVersion); }
 

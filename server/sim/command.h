@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <mutex>
 #include <variant>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <glm/glm.hpp>
 
 #include "common/settings.h"
+#include "server/sim/particle_rows.h"
 
 namespace brume {
 
@@ -29,7 +31,7 @@ struct Set { // gives live settings new values
 };
 struct Restart {};
 
-using CommandBody = std::variant<Impulse, MoveVolume, Set, Restart>;
+using CommandBody = std::variant<Impulse, MoveVolume, Set, Restart, SetParticles>;
 
 struct Command {
     uint32_t viewer = 0; // who asked
@@ -37,19 +39,26 @@ struct Command {
     CommandBody body;
 };
 
-inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles
+inline constexpr uint32_t kMostImpulses = 64;     // in a tick: each is a pass over all particles
+inline constexpr size_t kMostRowBytes = 4u << 20; // of SetParticles in a tick
 
 // Many writers, one reader, which drains it once a tick. It refuses what the next tick cannot take, so that the
 // writer can answer its viewer: nothing is dropped silently.
 class CommandQueue {
 public:
     explicit CommandQueue(size_t capacity = 4096) : capacity_(capacity) { pending_.reserve(capacity); }
-    // False if the queue is full, or if the command is an impulse and kMostImpulses wait already.
+    // False if the queue is full, if the command is an impulse and kMostImpulses wait already, or if rows of particles
+    // would exceed kMostRowBytes.
     [[nodiscard]] bool push(Command command) {
         const bool impulse = std::holds_alternative<Impulse>(command.body);
+        const auto* particles = std::get_if<SetParticles>(&command.body);
+        const size_t bytes = particles ? particles->rows->bytes() : 0;
         const std::scoped_lock lock(mutex_);
-        if (pending_.size() >= capacity_ || (impulse && impulses_ >= kMostImpulses)) return false;
+        if (pending_.size() >= capacity_ || (impulse && impulses_ >= kMostImpulses) ||
+            row_bytes_ + bytes > kMostRowBytes)
+            return false;
         impulses_ += impulse;
+        row_bytes_ += bytes;
         pending_.push_back(std::move(command));
         return true;
     }
@@ -59,6 +68,7 @@ public:
         const std::scoped_lock lock(mutex_);
         std::swap(out, pending_);
         impulses_ = 0;
+        row_bytes_ = 0;
     }
 
 private:
@@ -66,6 +76,7 @@ private:
     size_t capacity_;
     std::vector<Command> pending_;
     uint32_t impulses_ = 0; // in pending_
+    size_t row_bytes_ = 0;  // of all rows in pending_
 };
 
 } // namespace brume

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "server/sim/motion.h"
 
@@ -10,15 +12,20 @@ namespace brume {
 class Homes final : public Motion {
 public:
     // A particle's extinction is its weight times min(medium's extinction / unit, most). `unit` 0: always its weight.
-    explicit Homes(uint32_t rows, float unit = 1, float most = std::numeric_limits<float>::max())
-        : rows_(rows), unit_(unit), most_(most) {}
+    // `albedos`: came with the particles, or empty.
+    explicit Homes(uint32_t rows, std::vector<glm::vec3> albedos = {}, float unit = 1,
+                   float most = std::numeric_limits<float>::max())
+        : rows_(rows), albedos_(std::move(albedos)), unit_(unit), most_(most) {}
 
     void step(Columns& columns, const MotionStep& step) override;
     void settle(Columns& columns, float extinction) const override;
     std::array<Rows, 2> living() const override { return {Rows{0, rows_}, Rows{}}; }
+    std::span<const glm::vec3> albedos() const override { return albedos_; }
+    uint64_t bytes() const override { return albedos_.capacity() * sizeof(glm::vec3); }
 
 private:
     uint32_t rows_;
+    std::vector<glm::vec3> albedos_;
     float unit_, most_;
 };
 

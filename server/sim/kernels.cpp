@@ -117,6 +117,10 @@ BRUME_CLONES void scaleRun(BRUME_OUT out, BRUME_IN in, size_t n, float factor) {
     for (size_t i = 0; i < n; ++i) out[i] = in[i] * factor;
 }
 
+BRUME_CLONES void scaleRunAtMost(BRUME_OUT out, BRUME_IN in, size_t n, float factor, float most) {
+    for (size_t i = 0; i < n; ++i) out[i] = lower(in[i] * factor, most);
+}
+
 struct LowHigh {
     float lo, hi;
 };
@@ -185,6 +189,11 @@ void push(Columns& c, Rows rows, const Push& push) {
 
 void setSigma(Columns& c, Rows rows, float extinction) {
     scaleRun(c[Column::sigma] + rows.begin, c[Column::weight] + rows.begin, rows.end - rows.begin, extinction);
+}
+
+void scaleSigma(Columns& c, Rows rows, float factor) {
+    scaleRunAtMost(c[Column::sigma] + rows.begin, c[Column::weight] + rows.begin, rows.end - rows.begin, factor,
+                   static_cast<float>(limits::kSigmaT.hi));
 }
 
 void widen(Bounds& bounds, const Columns& c, Rows rows) {

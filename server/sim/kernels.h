@@ -55,6 +55,8 @@ void push(Columns& columns, Rows rows, const Push& push);
 
 // sigma = weight * extinction
 void setSigma(Columns& columns, Rows rows, float extinction);
+// The same where weights are extinctions of the particles' own: sigma = min(weight * factor, limits::kSigmaT.hi)
+void scaleSigma(Columns& columns, Rows rows, float factor);
 
 // Widens `bounds` to hold the rows.
 void widen(Bounds& bounds, const Columns& columns, Rows rows);

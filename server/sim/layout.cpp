@@ -43,6 +43,7 @@ Placement beforeMoving(const Medium& medium, glm::dvec3 origin) {
         return placePointCloud(medium, origin);
     case Layout::cube:
     case Layout::emitter:
+    case Layout::live:
         break;
     }
     return cube(medium);

@@ -30,7 +30,7 @@ struct Placement {
 
 // Places the particles of a medium. The result depends on the medium only, not on compiler or machine. Throws
 // SceneError if the medium's file is bad. `origin`: the scene's; it is subtracted from a file's positions.
-// Precondition: the layout is not `emitter`.
+// Precondition: the layout is not `emitter` or `live`.
 Placement place(const Medium& medium, glm::dvec3 origin = glm::dvec3(0));
 
 // medium.count positions and scales that fill a cumulus, medium.extent wide, that stands on y = 0 over the origin.

@@ -5,11 +5,13 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include <glm/glm.hpp>
 
 #include "common/scene.h"
 #include "server/sim/columns.h"
+#include "server/sim/particle_rows.h"
 
 namespace brume {
 
@@ -38,10 +40,18 @@ public:
         for (const Rows run : living()) count += run.end - run.begin;
         return count;
     }
-    // Births so far: a part of the state's hash. 0 where nothing is born.
-    virtual uint64_t born() const { return 0; }
-    // Place (m) where particles come from while none lives, relative to the volume. Empty where nothing is born.
+    // Single-scattering albedos that came with the particles, one for each row. Empty where all have the medium's.
+    virtual std::span<const glm::vec3> albedos() const { return {}; }
+    // Place (m) where particles come from while none lives, relative to the volume. Empty where some always live.
     virtual std::optional<glm::vec3> source() const { return {}; }
+    // True: impulses move the particles.
+    virtual bool yields() const { return true; }
+    // For the state's hash: what can differ between two runs besides the columns, like births so far, as one number.
+    virtual uint64_t history() const { return 0; }
+    virtual uint64_t bytes() const { return 0; } // of memory besides the columns
+
+    // Takes a message about particles at `now`, before the step of that number. Nothing where the layout is not `live`.
+    virtual void set(Columns& /*columns*/, const SetParticles& /*particles*/, const MotionStep& /*now*/) {}
 
     // keepStart() remembers what this object knows besides the columns; restart() goes back to it.
     virtual void keepStart() {}

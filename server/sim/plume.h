@@ -18,7 +18,7 @@ public:
     void settle(Columns& columns, float extinction) const override;
     // Oldest first.
     std::array<Rows, 2> living() const override;
-    uint64_t born() const override { return born_; }
+    uint64_t history() const override { return born_; }
     std::optional<glm::vec3> source() const override { return emitter_.position; }
     void keepStart() override { start_born_ = born_, start_oldest_ = oldest_; }
     void restart() override { born_ = start_born_, oldest_ = start_oldest_; }

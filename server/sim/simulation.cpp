@@ -12,6 +12,7 @@
 #include "server/sim/homes.h"
 #include "server/sim/kernels.h"
 #include "server/sim/layout.h"
+#include "server/sim/live.h"
 #include "server/sim/plume.h"
 #include "server/sim/sine.h"
 #include "server/sim/state_hash.h"
@@ -64,6 +65,7 @@ struct Simulation::State {
     void apply(const MoveVolume& c);
     void apply(const Set& c);
     void apply(const Restart&);
+    void apply(const SetParticles& c);
 
     void advance(); // one step of the particles, the volume and the light
     void settle();  // what follows from the rest: sigma, bounds, hash
@@ -71,7 +73,6 @@ struct Simulation::State {
     uint64_t hashed();
 
     uint32_t rows = 0;
-    std::vector<glm::vec3> albedos; // came with the points, or empty
     std::optional<PointCloudFacts> cloud;
     std::optional<Columns> columns;
     std::unique_ptr<Motion> motion;
@@ -93,6 +94,10 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
         rows = scene.medium.count;
         columns.emplace(rows);
         motion = std::make_unique<Plume>(scene.medium);
+    } else if (scene.medium.layout == Layout::live) {
+        rows = scene.medium.count;
+        columns.emplace(rows);
+        motion = std::make_unique<Live>(scene.medium, *columns);
     } else {
         Placement placed = place(scene.medium, scene.origin);
         rows = now.medium.count = static_cast<uint32_t>(placed.position.size());
@@ -107,14 +112,13 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
         if (placed.sigma_t.empty()) {
             std::transform(placed.multiplier.begin(), placed.multiplier.end(), c[Column::weight],
                            [](float m) { return m * 1e-4f; });
-            motion = std::make_unique<Homes>(rows);
+            motion = std::make_unique<Homes>(rows, std::move(placed.albedo));
         } else {
             std::copy(placed.sigma_t.begin(), placed.sigma_t.end(), c[Column::weight]);
             const float most = *std::max_element(placed.sigma_t.begin(), placed.sigma_t.end());
-            motion =
-                std::make_unique<Homes>(rows, scene.medium.extinction, static_cast<float>(limits::kSigmaT.hi) / most);
+            motion = std::make_unique<Homes>(rows, std::move(placed.albedo), scene.medium.extinction,
+                                             static_cast<float>(limits::kSigmaT.hi) / most);
         }
-        albedos = std::move(placed.albedo);
         cloud = std::move(placed.cloud);
     }
     first_step = motion->runUp();
@@ -125,7 +129,7 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
     for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c)
         for (const Rows run : motion->living())
             all.add(std::span((*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin));
-    for (const glm::vec3& albedo : albedos) all.add(std::span(&albedo.x, 3));
+    for (const glm::vec3& albedo : motion->albedos()) all.add(std::span(&albedo.x, 3));
     origin = all.value();
     eachLive<std::string>(partsOf(now), [](std::string& text) { text.reserve(kLongestName); });
     settle();
@@ -149,6 +153,7 @@ void Simulation::State::apply(const Impulse& c) {
     } else {
         p.along = clamped(c.push, limits::kSpeed) * strength;
     }
+    if (!motion->yields()) return;
     for (const Rows run : motion->living()) push(*columns, run, p);
 }
 
@@ -169,6 +174,12 @@ void Simulation::State::apply(const Restart&) {
     moved = glm::vec3(0);
     for (const SceneSetting* setting : liveSettings()) copy(*setting, partsOf(first_now), partsOf(now));
     ++settings_version;
+}
+
+// Of a recording they are not checked yet.
+void Simulation::State::apply(const SetParticles& c) {
+    if (problemOf(c, rows).empty())
+        motion->set(*columns, c, {.number = steps, .volume = volume(), .settings = now.simulation});
 }
 
 // Moved by commands, adrift and asway; a closed form of the number of steps, so that no rounding piles up.
@@ -211,7 +222,7 @@ uint64_t Simulation::State::hashed() {
     eachLive<float>(parts, [&](const float& value) { out.add(std::span(&value, 1)); });
     eachLive<std::string>(parts, [&](const std::string& value) { out.add(std::string_view(value)); });
     out.add(steps);
-    out.add(motion->born());
+    out.add(motion->history());
     eachLive<uint32_t>(parts, [&](uint32_t value) { out.add(uint64_t{value}); });
     eachLive<bool>(parts, [&](bool value) { out.add(uint64_t{value}); });
     return out.value();
@@ -239,7 +250,7 @@ uint64_t Simulation::settingsVersion() const { return state_->settings_version; 
 uint32_t Simulation::liveCount() const { return state_->motion->liveCount(); }
 uint32_t Simulation::capacity() const { return state_->rows; }
 uint64_t Simulation::bytes() const {
-    return state_->columns->bytes() + state_->first_columns->bytes() + state_->albedos.capacity() * sizeof(glm::vec3);
+    return state_->columns->bytes() + state_->first_columns->bytes() + state_->motion->bytes();
 }
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }
@@ -249,13 +260,14 @@ void Simulation::write(std::span<gpu::Particle> out) const {
     const State& s = *state_;
     const Columns& c = *s.columns;
     // The medium's albedo acts on those that came with the points as a factor; nothing is relative to a start of 0.
+    const std::span<const glm::vec3> albedos = s.motion->albedos();
     const glm::vec3 factor = quotient(s.now.medium.albedo, s.first_now.medium.albedo);
     size_t to = 0;
     for (const Rows run : s.motion->living())
         for (uint32_t i = run.begin; i < run.end; ++i)
             out[to++] = {{c[Column::x][i], c[Column::y][i], c[Column::z][i]},
                          c[Column::scale][i],
-                         s.albedos.empty() ? s.now.medium.albedo : glm::min(s.albedos[i] * factor, 1.0f),
+                         albedos.empty() ? s.now.medium.albedo : glm::min(albedos[i] * factor, 1.0f),
                          c[Column::sigma][i]};
 }
 

@@ -29,8 +29,8 @@ bool isUnit(glm::vec3 v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
 // Holds every effect against what the rest of the server counts on.
 class Judge {
 public:
-    Judge(const NetOptions& options, const ServerFacts& facts, Clock::time_point opened)
-        : options_(options), facts_(facts), opened_(opened) {}
+    Judge(const NetOptions& options, const ServerFacts& facts, const net::ShownMedium& medium, Clock::time_point opened)
+        : options_(options), facts_(facts), medium_(medium), opened_(opened) {}
 
     void judge(const net::Effects& effects, Clock::time_point now) {
         promise(effects.size() <= 2, "one event has two effects at most: an answer and the end");
@@ -88,6 +88,9 @@ public:
             std::visit([&](const auto& value) { allowed(*change.setting, value); }, change.value);
         }
     }
+    void operator()(const SetParticles& c) {
+        promise(problemOf(c, medium_.rows).empty(), "rows of particles within limits");
+    }
     // What holds no more than a number or a name of its own.
     template <class Other>
     void operator()(const Other&) {}
@@ -122,6 +125,7 @@ private:
 
     const NetOptions& options_;
     const ServerFacts& facts_;
+    const net::ShownMedium medium_;
     const Clock::time_point opened_;
     Clock::time_point now_;
     bool admitted_ = false, closed_ = false;
@@ -160,6 +164,12 @@ wire::Packed input(Numbers& in, const ServerFacts& facts) {
             const std::vector changes{
                 wire::CreateChangeDirect(b, path.c_str(), a, which % 2 ? &one : nullptr, text.c_str())};
             return as(wire::CreateSetDirect(b, &changes));
+        }
+        if (which >= 240) {
+            const std::vector<float> positions(in.take<uint8_t>(), a), each(in.take<uint8_t>(), c);
+            const uint32_t first = in.take<uint16_t>(), live = in.take<uint16_t>();
+            return as(wire::CreateSetParticlesDirect(b, first, &positions, &each, &each,
+                                                     which % 2 ? &positions : nullptr, live, e));
         }
         if (which % 5 == 0) return as(wire::CreateImpulse(b, &one, &two, which < 128 ? &three : nullptr, a));
         if (which % 5 == 1) return as(wire::CreateSetLight(b, &one, &two, a));
@@ -225,9 +235,11 @@ wire::Packed made(Kind kind, Numbers& in, const ServerFacts& facts) {
 void session(Bytes bytes) {
     static const NetOptions options;
     static const ServerFacts facts{"device", {"auto"}};
+    const auto medium = bytes.size() % 2 == 0 ? net::ShownMedium{} : net::ShownMedium{Layout::live, 300};
     Clock::time_point now{std::chrono::hours(1)};
     net::SessionRules rules(options, facts, now);
-    Judge judge(options, facts, now);
+    rules.shows(medium);
+    Judge judge(options, facts, medium, now);
     net::Effects effects;
     for (Numbers in(bytes); !in.done();) {
         const Kind kind = Kind(in.take<uint8_t>() % kKinds);

@@ -30,5 +30,22 @@ TEST(CommandQueue, TakesAsManyImpulsesAsATickDoes) {
     }
 }
 
+TEST(CommandQueue, TakesABoundedNumberOfRows) {
+    CommandQueue queue;
+    std::vector<Command> out;
+    ParticleRows rows;
+    rows.positions.resize(kMostRows);
+    rows.scales.resize(kMostRows);
+    rows.extinctions.resize(kMostRows);
+    const SetParticles set{.rows = std::make_shared<const ParticleRows>(std::move(rows))};
+    for (int tick = 0; tick < 2; ++tick) {
+        size_t taken = 0;
+        while (taken < 4096 && queue.push({1, 1, set})) ++taken;
+        EXPECT_EQ(taken, kMostRowBytes / set.rows->bytes());
+        EXPECT_TRUE(queue.push({1, 1, Restart{}})) << "others have room";
+        queue.drain(out);
+    }
+}
+
 } // namespace
 } // namespace brume

@@ -170,6 +170,92 @@ TEST_F(SessionRulesTest, CommandsBeyondTheirLimitsAreRefused) {
               ErrorCode::unknown_name);
 }
 
+using Floats = std::vector<float>;
+
+auto setParticles(uint32_t first, const Floats& positions, const Floats& scales, const Floats& extinctions,
+                  const Floats& albedos, uint32_t live, float seconds = 0) {
+    return [=](auto& b) {
+        return wire::CreateSetParticlesDirect(b, first, &positions, &scales, &extinctions,
+                                              albedos.empty() ? nullptr : &albedos, live, seconds);
+    };
+}
+
+TEST_F(SessionRulesTest, RowsOfParticlesArriveAsTheyWereSent) {
+    watch();
+    rules->shows({Layout::live, 10});
+    const auto set =
+        std::get<SetParticles>(only<EnqueueCommand>(input(1, setParticles(3, {1, 2, 3, 4, 5, 6}, {0.5f, 1}, {0, 7},
+                                                                          {0, 0.5f, 1, 1, 1, 0}, 5, 0.25f)))
+                                   .body);
+    EXPECT_EQ(set.first, 3u);
+    EXPECT_EQ(set.live, 5u);
+    EXPECT_EQ(set.seconds, 0.25f);
+    EXPECT_EQ(set.rows->positions, (std::vector<glm::vec3>{{1, 2, 3}, {4, 5, 6}}));
+    EXPECT_EQ(set.rows->scales, (Floats{0.5f, 1}));
+    EXPECT_EQ(set.rows->extinctions, (Floats{0, 7}));
+    EXPECT_EQ(set.rows->albedos, (std::vector<glm::vec3>{{0, 0.5f, 1}, {1, 1, 0}}));
+    const auto only_live = std::get<SetParticles>(only<EnqueueCommand>(input(2, [](auto& b) {
+                                                      wire::SetParticlesBuilder builder(b);
+                                                      builder.add_live(4);
+                                                      return builder.Finish();
+                                                  })).body);
+    EXPECT_EQ(only_live.live, 4u);
+    EXPECT_TRUE(only_live.rows->positions.empty());
+}
+
+TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefusedAndPushesToo) {
+    watch();
+    rules->shows({Layout::live, 10});
+    uint32_t seq = 0;
+    const auto refused = [&](auto&& build) {
+        const auto effects = input(++seq, build);
+        EXPECT_EQ(only<SendError>(effects).input_seq, seq);
+        return onlyError(effects) == ErrorCode::out_of_range ? only<SendError>(effects).text : "another code";
+    };
+    EXPECT_EQ(refused(setParticles(0, {1, 2}, {1}, {1}, {}, 1)),
+              "positions and albedos have three numbers for each row");
+    EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {1}, {1}, {1}, 1)),
+              "positions and albedos have three numbers for each row");
+    EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {1, 1}, {1}, {}, 1)),
+              "1 positions, 2 scales, 1 extinctions and 0 albedos; as many of each, or no albedos");
+    EXPECT_EQ(refused(setParticles(10, {1, 2, 3}, {1}, {1}, {}, 1)),
+              "rows 10 ... 11, 1 live: the scene has medium.count = 10 rows");
+    EXPECT_EQ(refused(setParticles(0xffffffff, {1, 2, 3}, {1}, {1}, {}, 1)).find("rows 4294967295"), 0u);
+    EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 11)).find("rows 0"), 0u);
+    EXPECT_EQ(refused(setParticles(4, {1, kNan, 3}, {1}, {1}, {}, 1)),
+              "the position of row 4 must be -50000 ... 50000");
+    EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {0}, {1}, {}, 1)), "the scale of row 0 must be 0.001 ... 1000");
+    EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {1}, {-1}, {}, 1)), "the extinction of row 0 must be 0 ... 10000");
+    EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {1}, {1}, {0, 2, 0}, 1)), "the albedo of row 0 must be 0 ... 1");
+    EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 1, 61)), "seconds must be 0 ... 60");
+    EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 1, kNan)), "seconds must be 0 ... 60");
+    rules->shows({Layout::live, 1'000'000});
+    const Floats many(3001, 1.0f), places(3 * 3001, 1.0f);
+    EXPECT_EQ(refused(setParticles(0, places, many, many, {}, 1)), "3001 rows in one message; at most 3000");
+
+    const wire::Vec3 ahead(0, 0, -1);
+    const auto push = input(++seq, [&](auto& b) { return wire::CreateImpulse(b, &ahead, &ahead); });
+    EXPECT_EQ(onlyError(push), ErrorCode::unexpected);
+    rules->shows({Layout::cube, 10});
+    const auto elsewhere = input(++seq, setParticles(0, {}, {}, {}, {}, 0));
+    EXPECT_EQ(onlyError(elsewhere), ErrorCode::unexpected);
+    EXPECT_NE(only<SendError>(elsewhere).text.find("layout \"live\""), std::string::npos);
+}
+
+// The largest messages are within the limit of the socket.
+TEST(ParticleRows, FitAMessage) {
+    const Floats each(kMostRows, 1.0f), three(3 * kMostRows, 1.0f), fewer(2000, 1.0f), three_fewer(6000, 1.0f);
+    const auto bytes = [](const Floats& one, const Floats& three_of_them, const Floats* albedos) {
+        return wire::pack([&](auto& b) {
+                   const auto set = wire::CreateSetParticlesDirect(b, 0, &three_of_them, &one, &one, albedos, 0, 0.1f);
+                   return wire::CreateInput(b, 1, 2, wire::Command::SetParticles, set.Union());
+               })
+            .size();
+    };
+    EXPECT_LE(bytes(each, three, nullptr), NetOptions().max_message_bytes);
+    EXPECT_LE(bytes(fewer, three_fewer, &three_fewer), NetOptions().max_message_bytes);
+}
+
 TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
     watch();
     const auto effects = input(1, [&](auto& b) { return wire::CreateSetRenderDirect(b, "tetra"); });
@@ -178,8 +264,10 @@ TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
 
 // The least role of each command; a refusal uses up the input's number, as all do.
 TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
+    ShownMedium medium;
     const auto answer = [&](wire::Role role, auto&& build) {
         rules.emplace(options, facts, now, Authorization{role, {}, {}});
+        rules->shows(medium);
         watch();
         const Effects effects = input(1, build);
         EXPECT_EQ(effects.size(), 1u);
@@ -214,6 +302,8 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
     EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "light.rotate"}); }), "controller");
     EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "render.exposure"}); }), "operator");
     EXPECT_EQ(least([](auto& b) { return wire::CreateRestart(b); }), "operator");
+    medium.layout = Layout::live;
+    EXPECT_EQ(least([](auto& b) { return wire::CreateSetParticles(b); }), "operator");
 }
 
 TEST_F(SessionRulesTest, AViewerLooksAndWhoTriesForbiddenThingsForEverIsClosed) {

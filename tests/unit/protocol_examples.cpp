@@ -74,6 +74,11 @@ std::vector<Example> makeExamples() {
             CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
         return CreateSetDirect(b, &changes);
     }));
+    all.push_back(input("input_set_particles", 9, [](Builder& b) {
+        const std::vector<float> positions{1.5f, -2.25f, 26, 0, 0.5f, -1}, scales{0.5f, 2}, extinctions{0.125f, 8},
+            albedos{0.5f, 0.75f, 1, 0, 0.25f, 1};
+        return CreateSetParticlesDirect(b, 4000, &positions, &scales, &extinctions, &albedos, 4002, 0.125f);
+    }));
     all.push_back(example("ack", [](Builder& b) { return CreateAck(b, 41); }));
     all.push_back(example("ping", [](Builder& b) { return CreatePing(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("pong", [](Builder& b) { return CreatePong(b, 7, 9'007'199'254'740'993); }));

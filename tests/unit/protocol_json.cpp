@@ -101,6 +101,19 @@ Json of(const Set& c) {
     return Json::object({{"changes", changes}});
 }
 
+Json floats(const flatbuffers::Vector<float>* list) {
+    return list ? Json(std::vector<float>(list->begin(), list->end())) : Json(nullptr);
+}
+Json of(const SetParticles& c) {
+    return Json::object({{"first", c.first()},
+                         {"positions", floats(c.positions())},
+                         {"scales", floats(c.scales())},
+                         {"extinctions", floats(c.extinctions())},
+                         {"albedos", floats(c.albedos())},
+                         {"live", c.live()},
+                         {"seconds", c.seconds()}});
+}
+
 Json of(const Input& m) {
     Json command = Json::object();
     switch (m.command_type()) {
@@ -127,6 +140,9 @@ Json of(const Input& m) {
         break;
     case Command::Set:
         command = of(*m.command_as_Set());
+        break;
+    case Command::SetParticles:
+        command = of(*m.command_as_SetParticles());
         break;
     case Command::NONE:
         break;

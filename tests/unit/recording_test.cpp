@@ -101,7 +101,13 @@ TEST(CommandJson, EveryCommandComesBackBitForBit) {
             {"render.isv.steps", 10u},
             {"render.exposure", third}},
         Set{{"simulation.paused", true}},
-        Restart{}};
+        Restart{},
+        SetParticles{},
+        SetParticles{4, 6, third,
+                     std::make_shared<const ParticleRows>(
+                         ParticleRows{{{tiny, third, -third}, {-0.0f, 1, 2}}, {third, 2}, {0, third}, {}})},
+        SetParticles{0, 1, 0,
+                     std::make_shared<const ParticleRows>(ParticleRows{{{1, 2, 3}}, {4}, {5}, {{third, 0, tiny}}})}};
     for (const CommandBody& body : bodies) {
         const Command command{4'000'000'000u, 7, body};
         const std::string text = toJson(command).dump();
@@ -114,17 +120,41 @@ TEST(CommandJson, EveryCommandComesBackBitForBit) {
     const Impulse impulse = std::get<Impulse>(commandOf(toJson({1, 2, bodies[0]})).body);
     EXPECT_EQ(impulse.origin, std::get<Impulse>(bodies[0]).origin);
     EXPECT_TRUE(std::signbit(impulse.direction.x));
+    const auto set = std::get<SetParticles>(commandOf(toJson({1, 2, bodies[10]})).body);
+    EXPECT_EQ(set.rows->positions, std::get<SetParticles>(bodies[10]).rows->positions);
+    EXPECT_TRUE(std::signbit(set.rows->positions[1].x));
+    EXPECT_EQ(set.rows->scales[0], third);
+}
+
+// One row; each text is the digits of one coordinate, of the scales and of the albedos.
+std::string rowsText(const std::string& place, const std::string& scales, const std::string& albedos) {
+    return R"({"viewer":1,"seq":2,"set_particles":{"first":0,"live":1,"seconds":0,"positions":")" + place + place +
+           place + R"(","scales":")" + scales + R"(","extinctions":"3f800000","albedos":")" + albedos + "\"}}";
 }
 
 TEST(CommandJson, WhatIsNotACommandIsRefused) {
-    for (const char* text :
-         {"{}", "[]", "3", R"({"viewer":1,"seq":2})", R"({"viewer":1,"seq":2,"explode":{}})",
-          R"({"viewer":-1,"seq":"x","restart":{}})", R"({"viewer":1,"seq":2,"impulse":{}})",
-          R"({"viewer":1,"seq":2,"move_volume":{"offset":[1,2]}})", R"({"viewer":1,"seq":2,"restart":{"more":1}})",
-          R"({"viewer":1,"seq":2,"set_medium":{"falloff":"x"}})", R"({"viewer":1,"seq":2,"set_medium":{"count":1}})",
-          R"({"viewer":1,"seq":2,"set":[["medium.falloff","x"]]})",
-          R"({"viewer":1,"seq":2,"set":[["medium.count",1]]})", R"({"viewer":1,"seq":2,"set":[["medium.falloff"]]})",
-          R"({"viewer":1,"seq":2,"set":{"medium.falloff":1}})"})
+    EXPECT_NO_THROW(commandOf(nlohmann::json::parse(rowsText("3f800000", "3f800000", ""))));
+    for (const char* text : {"{}",
+                             "[]",
+                             "3",
+                             R"({"viewer":1,"seq":2})",
+                             R"({"viewer":1,"seq":2,"explode":{}})",
+                             R"({"viewer":-1,"seq":"x","restart":{}})",
+                             R"({"viewer":1,"seq":2,"impulse":{}})",
+                             R"({"viewer":1,"seq":2,"move_volume":{"offset":[1,2]}})",
+                             R"({"viewer":1,"seq":2,"restart":{"more":1}})",
+                             R"({"viewer":1,"seq":2,"set_medium":{"falloff":"x"}})",
+                             R"({"viewer":1,"seq":2,"set_medium":{"count":1}})",
+                             R"({"viewer":1,"seq":2,"set":[["medium.falloff","x"]]})",
+                             R"({"viewer":1,"seq":2,"set":[["medium.count",1]]})",
+                             R"({"viewer":1,"seq":2,"set":[["medium.falloff"]]})",
+                             R"({"viewer":1,"seq":2,"set":{"medium.falloff":1}})",
+                             R"({"viewer":1,"seq":2,"set_particles":{}})",
+                             rowsText("3f80", "3f800000", "").c_str(),
+                             rowsText("3f80000x", "3f800000", "").c_str(),
+                             rowsText("3f800000", "3f8000003f800000", "").c_str(),
+                             rowsText("7fc00000", "3f800000", "").c_str(),
+                             rowsText("3f800000", "3f800000", "00000000").c_str()})
         EXPECT_ANY_THROW(commandOf(nlohmann::json::parse(text))) << text;
 }
 
@@ -221,7 +251,7 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreNamed) {
                   std::string::npos)
             << readError();
     }
-    put(std::string(9 << 20, 'x'));
+    put(std::string(17 << 20, 'x'));
     EXPECT_NE(readError().find("damaged"), std::string::npos);
 }
 

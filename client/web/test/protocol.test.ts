@@ -28,6 +28,7 @@ import { SceneState } from '../src/wire/brume/wire/scene-state';
 import { Set as WireSet } from '../src/wire/brume/wire/set';
 import { SetLight } from '../src/wire/brume/wire/set-light';
 import { SetMedium } from '../src/wire/brume/wire/set-medium';
+import { SetParticles } from '../src/wire/brume/wire/set-particles';
 import { SetRender } from '../src/wire/brume/wire/set-render';
 import { SetSimulation } from '../src/wire/brume/wire/set-simulation';
 import { Welcome } from '../src/wire/brume/wire/welcome';
@@ -62,10 +63,24 @@ const tables: { [type: string]: new () => object } = {
     Restart,
     SceneState,
   },
-  ...{ Set: WireSet, SetLight, SetMedium, SetRender, SetSimulation, Welcome },
+  ...{ Set: WireSet, SetLight, SetMedium, SetParticles, SetRender, SetSimulation, Welcome },
 };
 
-const LISTS = ['methods', 'quadratures', 'jpeg_bytes', 'passes', 'changes', 'settings', 'choices', 'starts', 'scenes'];
+const LISTS = [
+  'methods',
+  'quadratures',
+  'jpeg_bytes',
+  'passes',
+  'changes',
+  'settings',
+  'choices',
+  'starts',
+  'scenes',
+  'positions',
+  'scales',
+  'extinctions',
+  'albedos',
+];
 
 // Reads, with the generated code, the fields that `like` has, into the JSON that the examples are written in.
 function read(table: object, like: Fields): Fields {
