@@ -45,6 +45,7 @@ class Link:
         self.frame = None  # the newest Frame that shows the camera as it is
         self.failure = None  # why there is no connection any more
         self.errors = []  # refusals that no waiting command has taken
+        self._awaited = set()  # numbers of inputs whose answers a command waits for
         self._refused = {}  # number of an input: its refusal
         self._ponged = 0  # number of the newest answered ping
         self._token, self._tls, self._patience, self._hello = token, tls, patience, hello
@@ -86,27 +87,35 @@ class Link:
         if self._hidden:
             self._send_pose(hidden=False)
 
-    def order(self, build, timeout):
-        """Sends a command, and returns when the server has taken it; raises BrumeError if it refused."""
+    def order(self, builds, timeout):
+        """Sends commands, and returns when the server has taken them; raises BrumeError if it refused one."""
         with self.changed:
             if self.failure:
                 raise self.failure
+            connection = self._socket
             if not self.welcome:
                 raise BrumeError('not connected: the command was not sent')
-            self._input += 1
+            numbers = []
+            for build in builds:
+                self._input += 1
+                data = messages.order(self._input, build)
+                if len(data) > messages.MOST_BYTES:
+                    raise BrumeError(f'a command of {len(data)} bytes is too long: {messages.MOST_BYTES} are allowed',
+                                     'out_of_range')
+                numbers.append(self._input)
+                self._awaited.add(self._input)
+                self._send(data)
             self._nonce += 1
-            number, nonce = self._input, self._nonce
-            data = messages.order(number, build)
-            if len(data) > messages.MOST_BYTES:
-                raise BrumeError(f'a command of {len(data)} bytes is too long: {messages.MOST_BYTES} are allowed',
-                                 'out_of_range')
-            self._send(data)
+            nonce = self._nonce
             self._send(messages.ping(nonce))  # messages are answered in their order
-            connection = self._socket
-            self.wait(lambda: number in self._refused or self._ponged >= nonce or self._socket is not connection,
-                      timeout, 'no answer to a command')
-            if number in self._refused:
-                raise self._refused.pop(number)
+            try:
+                self.wait(lambda: self._ponged >= nonce or self._socket is not connection, timeout,
+                          'no answer to a command')
+            finally:
+                self._awaited.difference_update(numbers)
+                refused = [self._refused.pop(number) for number in numbers if number in self._refused]
+            if refused:
+                raise refused[0]
             if self._socket is not connection:
                 raise BrumeError('the connection was lost: whether the command was taken is not known')
             if self._view:
@@ -245,7 +254,7 @@ class Link:
     def _refuse(self, number, error):
         if error.code == 'full':
             self._ending = error
-        elif number == self._input and number:
+        elif number in self._awaited:
             self._refused[number] = error
         elif number or error.code != 'too_fast':  # a pose that came too fast is shown a little later
             self.errors.append(error)
