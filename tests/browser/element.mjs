@@ -171,6 +171,26 @@ test('controls="none" leaves wheel, touch and keys to the page', async (t) => {
   await page.leave();
 });
 
+test('it says so when the server is away, and goes on when it is back', async (t) => {
+  let own = await startServer('--allow-origin', site.url);
+  t.after(() => own.stop());
+  const { port } = own;
+  const page = await elsewhere(
+    t,
+    `<brume-view src="${own.url}/"></brume-view><script type="module" src="/brume-view.js"></script>
+     <style>brume-view { height: 200px }</style><script>window.brume = {}</script>`,
+    { sentTo: own.url },
+  );
+  await both(page);
+  const message = page.locator('brume-view .message');
+  assert.ok(await message.isHidden());
+  await own.stop('SIGKILL');
+  await message.filter({ hasText: 'Reconnecting…' }).waitFor();
+  own = await startServer('--allow-origin', site.url, '--port', port);
+  await message.waitFor({ state: 'hidden' });
+  await page.leave();
+});
+
 describe('the view alone in a frame', () => {
   const frame = (query) =>
     `<iframe src="${server.url}/embed.html?${query}" style="width: 380px; height: 200px; border: 0"></iframe>

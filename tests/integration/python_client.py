@@ -176,6 +176,21 @@ class Package(unittest.TestCase):
         self.assertGreater(view.frame(after=first.tick + 10).tick, first.tick + 10)
 
 
+class Needs(unittest.TestCase):
+    def complaint(self, prepare):
+        done = subprocess.run([sys.executable, '-c', f'import sys, types; sys.path.insert(0, {package!r}); {prepare}; '
+                               'import brume'], text=True, stderr=subprocess.PIPE, timeout=PATIENCE, check=False)
+        self.assertEqual(done.returncode, 1)
+        return done.stderr.splitlines()[-1]
+
+    def test_a_missing_module_and_an_old_one_are_named(self):
+        for name in ('websockets', 'flatbuffers'):
+            self.assertRegex(self.complaint(f'sys.modules[{name!r}] = None'),
+                             f'needs the module {name}, version .* python3-{name}.: it is missing')
+            old = f'm = types.ModuleType({name!r}); m.__version__ = "1.12"; sys.modules[{name!r}] = m'
+            self.assertRegex(self.complaint(old), f'needs the module {name}, .*: here is 1.12')
+
+
 class Alone(unittest.TestCase):
     def serve(self, *options):
         server = Server(*options)

@@ -18,10 +18,7 @@ IDLE = 1  # s without a wish for a picture, after which the server draws none
 HANDSHAKE = 10  # s
 WAITS = (0.25, 0.5, 1)  # s before each further try to connect
 
-_MAJOR = int(getattr(websockets, '__version__', '0').split('.')[0])
-if _MAJOR < 10:
-    raise ImportError('brume needs websockets 10 or newer (Debian: python3-websockets)')
-_HEADERS = 'additional_headers' if _MAJOR >= 14 else 'extra_headers'
+_HEADERS = 'additional_headers' if int(websockets.__version__.split('.')[0]) >= 14 else 'extra_headers'
 
 
 def socket_address(url):

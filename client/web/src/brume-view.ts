@@ -193,10 +193,7 @@ export class BrumeView extends HTMLElement {
       },
       welcome: (welcome) => void this.tell('welcome', welcome),
       scene: (scene) => void this.tell('scenechange', scene),
-      picture: (frame, latency) => {
-        this.message.hidden = true;
-        this.tell('picture', { frame, latency });
-      },
+      picture: (frame, latency) => void this.tell('picture', { frame, latency }),
       note: (text, kind) => void this.tell('note', { text: sentence(text), kind }),
       changed: () => void this.tell('modechange', undefined),
       touched: () => void this.tell('touched', undefined),
