@@ -171,6 +171,38 @@ test('controls="none" leaves wheel, touch and keys to the page', async (t) => {
   await page.leave();
 });
 
+test('nothing is drawn for one that is scrolled out of the window', async (t) => {
+  const page = await elsewhere(
+    t,
+    `<brume-view src="${server.url}/" style="height: 200px"></brume-view><p style="height: 3000px">
+     <script type="module" src="/brume-view.js"></script><script>window.brume = {}</script>`,
+  );
+  await both(page);
+  const told = async (name) => {
+    const text = await (await fetch(`${server.url}/metrics`)).text();
+    return Number(
+      text
+        .split('\n')
+        .find((line) => line.startsWith(`${name} `))
+        ?.split(' ')[1],
+    );
+  };
+  const rendered = () => told('brume_frames_total{fate="rendered"}');
+  await page.evaluate(() => scrollTo(0, 2000));
+  for (const deadline = Date.now() + 30_000; ; ) {
+    const [frames, ticks] = [await rendered(), await told('brume_tick_seconds_count')];
+    while ((await told('brume_tick_seconds_count')) < ticks + 60) await page.waitForTimeout(50);
+    if ((await rendered()) === frames) break;
+    assert.ok(Date.now() < deadline, 'a second without a frame');
+  }
+  const { frames } = await page.evaluate(() => ({ frames: document.querySelector('brume-view').report.frames }));
+  await page.evaluate(() => scrollTo(0, 0));
+  await page.waitForFunction((old) => document.querySelector('brume-view').report.frames > old + 5, frames, {
+    polling: 50,
+  });
+  await page.leave();
+});
+
 test('it says so when the server is away, and goes on when it is back', async (t) => {
   let own = await startServer('--allow-origin', site.url);
   t.after(() => own.stop());

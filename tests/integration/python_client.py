@@ -239,6 +239,34 @@ class Alone(unittest.TestCase):
                     view.pause()
                 self.assertEqual(caught.exception.code, 'forbidden')
 
+    def test_another_scene_and_a_cloud_of_ones_own(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        server = self.serve('--cloud-dir', folder.name)
+        with brume.connect(server.url, size=(96, 64), timeout=PATIENCE) as view:
+            self.assertIn('tubes', view.scenes)
+            before = view.frame()
+            view.show_scene('tubes')
+            self.assertEqual(view.scene, 'tubes')
+            self.assertNotEqual(view.frame().position, before.position)
+            head = 'ply\nformat ascii 1.0\nelement vertex 2\n' + ''.join(
+                f'property float {name}\n' for name in ('x', 'y', 'z', 'scale', 'sigma_t')) + 'end_header\n'
+            path = pathlib.Path(folder.name) / 'two.ply'
+            path.write_text(head + '2 0 0 4 30\n4 0 0 4 30\n')
+            view.show_cloud(path, 'two')
+            self.assertEqual(view.scene, 'two')
+            view.show_cloud((head + '2 0 0 4 30\n9 0 0 4 30\n').encode(), 'two')  # the same name, another camera
+            frame = view.frame()
+            state = view.state
+            self.assertEqual(state.particles, 2)
+            self.assertLess(state.box[0][0], 2)
+            self.assertGreater(state.box[1][0], 9)
+            self.assertGreater(numpy.std(frame.array()), 2, 'they are seen')
+            for line, act in (('no scene of that name', lambda: view.show_scene('nowhere')),
+                              ('bad.ply', lambda: view.show_cloud(b'no points', 'bad'))):
+                with self.assertRaisesRegex(brume.BrumeError, line):
+                    act()
+
     def live(self, rows):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)

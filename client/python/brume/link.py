@@ -31,6 +31,10 @@ def socket_address(url):
     return urllib.parse.urlunsplit((schemes[parts.scheme], parts.netloc, path, '', ''))
 
 
+def _line(answer):
+    return answer.read(1000).decode('utf-8', 'replace').split('\n')[0]
+
+
 class Link:
     """`changed` guards what a reader sees: welcome, state, frame, failure. It is notified whenever one changes."""
 
@@ -201,16 +205,28 @@ class Link:
         except BrumeError as error:
             return error
 
-    def _why(self):
-        """The server's reason to refuse the handshake, in one line, as it tells HTTP; empty if it tells none."""
-        request = urllib.request.Request('http' + self.address[2:])
+    def post(self, route, query, body, timeout):
+        """Asks for something over HTTP, beside the socket; raises BrumeError with the server's line if it refuses."""
+        address = urllib.parse.urljoin('http' + self.address[2:], f'{route}?{urllib.parse.urlencode(query)}')
+        try:
+            self._ask(urllib.request.Request(address, data=body, method='POST'), timeout)
+        except urllib.error.HTTPError as answer:
+            code = 'forbidden' if answer.code in (401, 403) else 'unexpected'
+            raise BrumeError(_line(answer) or f'HTTP {answer.code}', code) from None
+        except OSError as error:
+            raise BrumeError(f'no answer from {address}: {error}') from error
+
+    def _ask(self, request, timeout):
         if self._token:
             request.add_header('Authorization', f'Bearer {self._token}')
+        urllib.request.urlopen(request, timeout=timeout, context=self._tls).close()
+
+    def _why(self):
+        """The server's reason to refuse the handshake, in one line, as it tells HTTP; empty if it tells none."""
         try:
-            urllib.request.urlopen(request, timeout=5, context=self._tls).close()
+            self._ask(urllib.request.Request('http' + self.address[2:]), 5)
         except urllib.error.HTTPError as answer:
-            if answer.code in (401, 403):
-                return answer.read(1000).decode('utf-8', 'replace').split('\n')[0]
+            return _line(answer) if answer.code in (401, 403) else ''
         except OSError:
             pass
         return ''

@@ -8,6 +8,7 @@ from brume.error import BrumeError
 from brume.link import Link
 
 REST = 1.0  # s in which a paused scene sends what it still has to send
+LOADED = 90.0  # s; scenes of a million points take a while
 ADOPTED = 2.0  # s; the server reports its settings each second
 
 
@@ -22,6 +23,7 @@ class State:
     error: float  # relative RMSE of the pictures, predicted; None from a server that does not say
     method: str  # what is rendered with now, in a few words
     settings: dict = field(repr=False)  # every live setting by its path
+    box: tuple  # two corners of a box that holds the medium, m; None from an older server
 
 
 def look_at(position, target):
@@ -46,10 +48,15 @@ class Viewer:
             welcome = link.welcome
         self.server = messages.text_of(welcome.Server())
         self.device = messages.text_of(welcome.Device())
-        camera = welcome.Camera()
-        self._view = {'position': messages.vector_of(camera.Position()), 'fov': camera.FovY(), 'size': size}
-        self._view['orientation'] = look_at(self._view['position'], messages.vector_of(camera.Target()))
-        link.look(**self._view)
+        self._view = {'size': size}
+        self._take_camera()
+
+    def _take_camera(self):
+        camera = self._welcome().Camera()
+        position = messages.vector_of(camera.Position())
+        orientation = look_at(position, messages.vector_of(camera.Target()))
+        self._view.update(position=position, orientation=orientation, fov=camera.FovY())
+        self._link.look(**self._view)
 
     def __enter__(self):
         return self
@@ -65,6 +72,13 @@ class Viewer:
         """The scene's name."""
         with self._link.changed:
             return messages.text_of(self._welcome().Scene())
+
+    @property
+    def scenes(self):
+        """The names that show_scene() takes."""
+        with self._link.changed:
+            welcome = self._welcome()
+        return [messages.text_of(welcome.Scenes(i)) for i in range(welcome.ScenesLength())]
 
     @property
     def paths(self):
@@ -85,10 +99,12 @@ class Viewer:
         paths = [messages.text_of(welcome.Settings(i).Path()) for i in range(welcome.SettingsLength())]
         values = [messages.value_of(state.Settings(i)) for i in range(state.SettingsLength())]
         plan = state.Plan()
+        lo, hi = state.Lo(), state.Hi()
         method = plan.Text() or plan.Method() if plan else state.Method()
         return State(tick=state.Tick(), hash=f'{state.StateHash():016x}', viewers=state.Viewers(),
                      particles=state.Particles(), paused=bool(state.Paused()), error=plan.Error() if plan else None,
-                     method=messages.text_of(method), settings=dict(zip(paths, values)))
+                     method=messages.text_of(method), settings=dict(zip(paths, values)),
+                     box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None)
 
     # ---- camera and pictures ----
 
@@ -187,6 +203,25 @@ class Viewer:
     def restart(self):
         """Starts the scene again."""
         self._link.order([messages.restart()], self._timeout)
+
+    def show_scene(self, name):
+        """Shows another scene, and takes its camera. `scenes` has the names that there are."""
+        self._show('scene', name, None)
+
+    def show_cloud(self, file, name='uploaded'):
+        """Shows a point cloud: the path of a PLY file, or its bytes. The server keeps it under `name`."""
+        if not isinstance(file, bytes):
+            with open(file, 'rb') as ply:
+                file = ply.read()
+        self._show('cloud', name, file)
+
+    def _show(self, route, name, body):
+        with self._link.changed:
+            before = self._welcome()
+        self._link.post(route, {'name': name}, body or b'', max(self._timeout, LOADED))
+        with self._link.changed:
+            self._link.wait(lambda: self._link.welcome not in (None, before), self._timeout, 'no word of the new scene')
+        self._take_camera()
 
     def set_particles(self, positions, scales, extinctions, albedos=None, seconds=0.0):
         """Shows particles of a simulation elsewhere, in a scene with medium.layout = "live": these and no others.

@@ -24,7 +24,7 @@ import { placed } from './place';
 import type { Place } from './place';
 import { Viewing } from './viewing';
 import type { Eyes, Reprojection } from './viewing';
-import { Visibility } from './visibility';
+import { Visibility, watchSight } from './visibility';
 
 // A still camera sends its pose again this often: the latency shown is then never older.
 const POSE_REFRESH_MS = 500;
@@ -140,16 +140,13 @@ export class Viewer {
     // Pushes that are made without a connection are lost.
     const pusher = new Pusher((impulse) => void this.link.sendInput(impulse));
     this.controls = new Controls(surface, stage.keys, this.controlsHost(), pusher, this.ending.signal);
-    // The server draws nothing for a hidden page. Animation frames, which send the other poses, stop in it too.
+    // The server draws nothing for a page that is hidden, or a view that is scrolled away. Animation frames, which send
+    // the other poses, stop in a hidden page, too.
     this.visibility = new Visibility(() => !this.headset && this.link.connected && this.ask(performance.now()));
-    document.addEventListener(
-      'visibilitychange',
-      () => {
-        this.statistics.answeredPose = this.link.lastPose; // frames of earlier poses were not presented when they came
-        this.visibility.update(document.hidden);
-      },
-      this.ending,
-    );
+    watchSight(surface, this.ending.signal, (seen) => {
+      this.statistics.answeredPose = this.link.lastPose; // frames of earlier poses were not presented when they came
+      this.visibility.update(!seen);
+    });
     let settle: number | undefined;
     this.resized = new ResizeObserver(() => {
       window.clearTimeout(settle);
