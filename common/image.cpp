@@ -10,6 +10,7 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStdIO.h>
 #include <png.h>
@@ -27,8 +28,11 @@ bool sizeIsAllowed(int width, int height) {
     return width > 0 && height > 0 && width <= kMostPixelsASide && height <= kMostPixelsASide;
 }
 
-// `pixels` of rows y.y to y.max, which lie one after the other.
-Imf::FrameBuffer frameBuffer(const glm::vec3* radiance, const float* transmittance, const Imath::Box2i& window) {
+constexpr const char *kEdges = "E", *kMediumAlone = "mediumAlone"; // a channel, an attribute
+
+// Of the window's rows, which lie one after the other. `edges`: null for none.
+Imf::FrameBuffer frameBuffer(const glm::vec3* radiance, const float* transmittance, const float* edges,
+                             const Imath::Box2i& window) {
     const auto slice = [&](const float* first, size_t stride) {
         const size_t width = window.max.x - window.min.x + 1;
         return Imf::Slice::Make(Imf::FLOAT, first, window, stride, stride * width, 1, 1,
@@ -39,6 +43,7 @@ Imf::FrameBuffer frameBuffer(const glm::vec3* radiance, const float* transmittan
     buffer.insert("G", slice(&radiance->y, sizeof(glm::vec3)));
     buffer.insert("B", slice(&radiance->z, sizeof(glm::vec3)));
     buffer.insert("T", slice(transmittance, sizeof(float)));
+    if (edges) buffer.insert(kEdges, slice(edges, sizeof(float)));
     return buffer;
 }
 
@@ -50,6 +55,10 @@ RadianceImage readPixels(const std::filesystem::path& file, Imf::InputFile& in) 
     for (const char* name : {"R", "G", "B"})
         if (!in.header().channels().findChannel(name))
             fail(file, "EXR", std::string("has no channel ") + name + "; expected R, G, B and, for transmittance, T");
+    const auto* alone = in.header().findTypedAttribute<Imf::IntAttribute>(kMediumAlone);
+    image.medium_alone = alone && alone->value() != 0;
+    const bool has_edges = in.header().channels().findChannel(kEdges) != nullptr;
+    std::vector<float> edges;
     for (int y = 0; y < image.height; y += kBand) {
         Imath::Box2i band = window;
         band.min.y += y;
@@ -57,8 +66,11 @@ RadianceImage readPixels(const std::filesystem::path& file, Imf::InputFile& in) 
         const size_t width = image.width, begin = y * width, end = (band.max.y - window.min.y + 1) * width;
         image.radiance.resize(end);
         image.transmittance.resize(end);
-        in.setFrameBuffer(frameBuffer(&image.radiance[begin], &image.transmittance[begin], band));
+        if (has_edges) edges.resize(end - begin);
+        in.setFrameBuffer(
+            frameBuffer(&image.radiance[begin], &image.transmittance[begin], has_edges ? edges.data() : nullptr, band));
         in.readPixels(band.min.y, band.max.y);
+        for (const float edge : edges) image.edges.push_back(edge != 0);
     }
     return image;
 }
@@ -68,18 +80,23 @@ RadianceImage readPixels(const std::filesystem::path& file, Imf::InputFile& in) 
 void writeExr(const std::filesystem::path& file, const RadianceImage& image) {
     const size_t pixels = size_t(image.width) * image.height;
     if (!sizeIsAllowed(image.width, image.height) || image.radiance.size() != pixels ||
-        image.transmittance.size() != pixels)
+        image.transmittance.size() != pixels || (!image.edges.empty() && image.edges.size() != pixels))
         fail(file, "EXR",
-             "not written: expected 1 to 16384 pixels a side, and radiance and transmittance of width * height values");
+             "not written: expected 1 to 16384 pixels a side, and radiance, transmittance and edges of width * height "
+             "values");
     std::ofstream out(file, std::ios::binary);
     if (!out) fail(file, "EXR", "cannot be written; check that its folder exists and is yours to write");
     try {
         Imf::Header header(image.width, image.height);
         header.compression() = Imf::ZIP_COMPRESSION;
         for (const char* name : {"R", "G", "B", "T"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        const std::vector<float> edges(image.edges.begin(), image.edges.end());
+        if (!edges.empty()) header.channels().insert(kEdges, Imf::Channel(Imf::FLOAT));
+        if (image.medium_alone) header.insert(kMediumAlone, Imf::IntAttribute(1));
         Imf::StdOFStream stream(out, file.c_str());
         Imf::OutputFile exr(stream, header);
-        exr.setFrameBuffer(frameBuffer(image.radiance.data(), image.transmittance.data(), header.dataWindow()));
+        exr.setFrameBuffer(frameBuffer(image.radiance.data(), image.transmittance.data(),
+                                       edges.empty() ? nullptr : edges.data(), header.dataWindow()));
         exr.writePixels(image.height);
     } catch (const std::exception& error) {
         fail(file, "EXR", std::string("could not be written: ") + error.what());

@@ -15,18 +15,22 @@ struct RadianceImage {
     int width = 0, height = 0;
     std::vector<glm::vec3> radiance;  // linear, Rec. 709
     std::vector<float> transmittance; // of the medium, in [0, 1]; 1 without medium
+    // 1 where an object's edge or that of its shadow crosses the pixel, otherwise 0; empty: not known.
+    std::vector<uint8_t> edges = {};
+    bool medium_alone = false; // True: rendered without sky and ambient light
 };
 
 inline constexpr int kMostPixelsASide = 16384; // of a picture that is read or written
 
-// Writes OpenEXR with float32 channels R G B T, lossless: reading it gives the same bits, also of numbers that are
-// not finite. Throws std::runtime_error, one line, if the lists do not fit the size, or if the file cannot be
-// written.
+// Writes OpenEXR with float32 channels R G B T, and E where edges are known, lossless: reading it gives the same bits,
+// also of numbers that are not finite. The attribute mediumAlone holds `medium_alone`. Throws std::runtime_error, one
+// line, if the lists do not fit the size, or if the file cannot be written.
 void writeExr(const std::filesystem::path& file, const RadianceImage& image);
 
-// Reads OpenEXR: channels R G B, half or float, and T if there is one (otherwise transmittance is 1). Other channels
-// are skipped. The picture is the file's data window. Throws std::runtime_error, one line, for a file that cannot be
-// read, is broken, lacks a channel or is larger than 16384 a side.
+// Reads OpenEXR: channels R G B, half or float, T if there is one (otherwise transmittance is 1), and E if there is one
+// (edges, where it is not 0). Other channels are skipped. The picture is the file's data window. Throws
+// std::runtime_error, one line, for a file that cannot be read, is broken, lacks a channel or is larger than 16384 a
+// side.
 RadianceImage readExr(const std::filesystem::path& file);
 
 // Writes sRGB, 8 bits a channel. Throws std::runtime_error, one line, if the pixels do not fit the size, or if the

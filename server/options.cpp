@@ -53,6 +53,13 @@ const char* mistakeIn(const ServerOptions& o) {
     return "";
 }
 
+// The first group of --help: --help itself and the options that most people need.
+void leadWith(CLI::App& app, std::initializer_list<const char*> names) {
+    constexpr const char* kGroup = "Most used";
+    app.get_help_ptr()->group(kGroup);
+    for (const char* name : names) app.get_option(name)->group(kGroup);
+}
+
 // The command line ends here, well if that was printed.
 ParsedOptions printed(const std::string& text) {
     std::cout << text << std::flush;
@@ -65,8 +72,8 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     ServerOptions o;
     o.scene_dir = findFolder("scenes", "server/scenes");
     o.net.web_root = findFolder("web", "client/web/dist");
-    o.costs = defaultCostFolder();
-    o.cloud_dir = defaultCostFolder() / "clouds";
+    o.costs = userCacheFolder();
+    o.cloud_dir = o.costs / "clouds";
     CLI::App app{"brume-server: simulates one cloud, lights it once and renders it for every viewer."};
     app.set_version_flag("--version", "brume-server " BRUME_VERSION);
     app.option_defaults()->always_capture_default()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -91,6 +98,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     addDeviceOptions(table, o);
     addLogOptions(table, o);
     addRecordOptions(table, o);
+    leadWith(app, {"--scene", "--set", "--method", "--listen", "--port"});
 
     try {
         app.parse(argc, argv);
@@ -140,15 +148,16 @@ std::vector<std::string> rendererOverrides(const ServerOptions& o) {
     return all;
 }
 
-void checkScene(const Scene& scene, const std::filesystem::path& file) {
-    const std::string wrong = checkWanted(scene.render);
-    if (!wrong.empty()) throw SceneError(file.string() + ": render: " + wrong);
+void checkScene(const Scene& scene, const std::filesystem::path& file, std::span<const std::string> overrides) {
+    const std::string wrong = checkWanted(scene.render, file.string(), overrides);
+    if (!wrong.empty()) throw SceneError(wrong);
 }
 
 Scene loadScene(const ServerOptions& o) {
     const std::filesystem::path file = findScene(o.scene, o.scene_dir);
-    Scene scene = loadScene(file, sceneOverrides(o));
-    checkScene(scene, file);
+    const std::vector<std::string> overrides = sceneOverrides(o);
+    Scene scene = loadScene(file, overrides);
+    checkScene(scene, file, overrides);
     return scene;
 }
 

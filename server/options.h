@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "common/scene.h"
@@ -22,7 +23,7 @@ struct ServerOptions {
     bool open = false;               // True: serves other machines without a key
     uint32_t max_viewers = 32;
     uint32_t max_in_flight = 6;
-    float most_frame_ms = 500; // ms of a frame of all viewers; above it no viewer is admitted
+    uint32_t max_viewers_per_owner = 24; // of one address, or one token's name
     gpu::DeviceOptions device;
     FrameOptions frame;
     // Replace the scene's values if set.
@@ -69,8 +70,9 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv);
 std::vector<std::string> sceneOverrides(const ServerOptions& options);
 // Those of them that every scene can have: all but --set.
 std::vector<std::string> rendererOverrides(const ServerOptions& options);
-// Throws SceneError if the scene asks for something that this server cannot draw.
-void checkScene(const Scene& scene, const std::filesystem::path& file);
+// Throws SceneError if the scene asks for something that this server cannot draw. It names the file, or the option if
+// one of the overrides asks for it.
+void checkScene(const Scene& scene, const std::filesystem::path& file, std::span<const std::string> overrides = {});
 // Loads the scene with these settings. Throws SceneError.
 Scene loadScene(const ServerOptions& options);
 

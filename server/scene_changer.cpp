@@ -154,7 +154,7 @@ void SceneChanger::reload() {
 
 void SceneChanger::show(const Files& files) {
     Scene scene = sceneOf(files.text, files.scene, files.overrides);
-    checkScene(scene, files.scene);
+    checkScene(scene, files.scene, files.overrides);
     show(std::move(scene), files);
 }
 

@@ -50,7 +50,7 @@ CostModel builtInCosts() {
     return model;
 }
 
-std::filesystem::path defaultCostFolder() {
+std::filesystem::path userCacheFolder() {
     if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
         return std::filesystem::path(cache) / "brume";
     if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "brume";

@@ -44,7 +44,7 @@ struct CostModel {
 CostModel builtInCosts();
 
 // The user's cache folder: $XDG_CACHE_HOME/brume or ~/.cache/brume; the working folder if neither variable is set.
-std::filesystem::path defaultCostFolder();
+std::filesystem::path userCacheFolder();
 
 // FOLDER/costs-DEVICE-DRIVER.json, with everything but letters and digits as '-'.
 std::filesystem::path costFile(const std::filesystem::path& folder, std::string_view device, std::string_view driver);

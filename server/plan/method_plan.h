@@ -47,8 +47,11 @@ public:
     // Adds its work: once per tick for all viewers, and for one view. Precondition: no setting is left open.
     virtual void addSharedWork(const PlanScene& /*scene*/, const RenderSettings& /*settings*/, Work& /*work*/) const {}
     virtual void addViewWork(const ViewWork& /*view*/, const RenderSettings& /*settings*/, Work& /*work*/) const {}
-    // Predicted relative RMSE of a view of the medium, without the error of the volumetric shadow map. 1: not known.
-    virtual double error(const RenderSettings& /*settings*/, const ViewWork& /*view*/) const { return 1; }
+    // Predicted relative RMSE of a view of the medium, without the error of the volumetric shadow map: a law of the
+    // scene, the view and the settings. Nothing: the method has no such law.
+    virtual std::optional<double> error(const RenderSettings& /*settings*/, const ViewWork& /*view*/) const {
+        return {};
+    }
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
     // The next coarser settings in a direction; nothing if there are none.

@@ -41,10 +41,6 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
 // it.
 constexpr double kMostDeviation = double(std::end(kRates)[-1]) / double(kRaysPerDeviation);
 
-double errorOf(const RenderSettings& way, const ViewWork& view) {
-    return view.sees() ? planOf(way.method)->error(way, view) : 0;
-}
-
 // True: views have their own rates, since nobody asked for one and no shaders have to be compiled for long.
 bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings) {
     return planOf(settings.method)->hasRays() && inputs.scene.wanted.rate == 0 &&
@@ -77,6 +73,9 @@ public:
     Candidate of(const RenderSettings& settings) const { return with(withoutShadow(settings), shadowOf(settings)); }
 
     double deviation() const { return deviation_; }
+    double lightErrorOf(const RenderSettings& settings) const {
+        return lightError(scene_.shadows[shadowOf(settings)].resolution.error);
+    }
 
     std::vector<PassCost> passes(const RenderSettings& settings) const {
         Work shared = sharedWork(scene_, settings), each;
@@ -107,15 +106,19 @@ private:
         for (const ViewWork& view : views_) {
             const RenderSettings own = in(view, way);
             c.views_ms += view.of(own).ms(model_);
-            c.error = std::max(c.error, errorOf(own, view));
+            const std::optional<double> error = view.sees() ? planOf(own.method)->error(own, view) : 0;
+            c.predicted = c.predicted && error;
+            c.error = std::max(c.error, error.value_or(1));
         }
         return c;
     }
     Candidate with(Candidate c, size_t shadow) const {
         c.settings.shadow_error = scene_.shadows[shadow].wanted;
-        c.error = c.error > 0 ? std::hypot(c.error, lightError(scene_.shadows[shadow].resolution.error))
-                              : 0; // 0: nothing is seen
-        c.flip = flipOf(c.error, inside_);
+        const double light = lightError(scene_.shadows[shadow].resolution.error);
+        if (!c.predicted)
+            c.error = c.flip = 1;
+        else if (c.error > 0) // 0: nothing is seen
+            c.error = std::hypot(c.error, light), c.flip = flipOf(c.error, inside_);
         c.shared_ms += shadow_ms_[shadow];
         return c;
     }
@@ -138,6 +141,20 @@ bool sameWay(const RenderSettings& a, const RenderSettings& b) {
 // Smaller is better: whether it is outside the budgets, and then what counts there.
 using Rank = std::tuple<int, double, double>;
 
+// Why a way was not taken, all reasons in one line.
+std::string whyNot(const Candidate& c, const Candidate& chosen, const RenderSettings& wanted) {
+    std::string why;
+    const auto add = [&](const std::string& reason) { why += (why.empty() ? "" : ", ") + reason; };
+    if (!c.predicted) {
+        if (wanted.error < 1) add("error not predicted");
+    } else {
+        if (c.error > double(wanted.error)) add(fmt::format("error above {:.3g} %", 100 * wanted.error));
+        if (c.flip > double(wanted.flip)) add(fmt::format("FLIP above {:.3g}", wanted.flip));
+    }
+    if (c.ms() > chosen.ms()) add(fmt::format("{:.2f} times the time", c.ms() / chosen.ms()));
+    return why.empty() ? "not clearly better than what is in use" : why;
+}
+
 // The best of each method and rate but the chosen one, with why it was not taken.
 std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candidate& chosen,
                                 const RenderSettings& wanted, const std::function<Rank(const Candidate&)>& rank) {
@@ -157,12 +174,20 @@ std::vector<Candidate> othersOf(const std::vector<Candidate>& all, const Candida
         }
         if (rank(c) < rank(*rival)) *rival = c;
     }
-    for (Candidate& c : others)
-        c.why_not = c.error > double(wanted.error) ? fmt::format("error above {:.2g} %", 100 * wanted.error)
-                    : c.flip > double(wanted.flip) ? fmt::format("FLIP above {:.2g}", wanted.flip)
-                    : c.ms() > chosen.ms()         ? fmt::format("{:.1f} times the time", c.ms() / chosen.ms())
-                                                   : "not clearly better than what is in use";
+    for (Candidate& c : others) c.why_not = whyNot(c, chosen, wanted);
     return others;
+}
+
+// Which budget keeps `chosen` from being cheaper: the one without which a cheaper way holds.
+Limit limitOf(const std::vector<Candidate>& all, const Candidate& chosen, const RenderSettings& wanted) {
+    bool without_error = false, without_flip = false, without_both = false;
+    for (const Candidate& c : all) {
+        if (c.ms() >= chosen.ms() || !c.predicted) continue;
+        const bool error = c.error <= double(wanted.error), flip = c.flip <= double(wanted.flip);
+        without_error = without_error || flip, without_flip = without_flip || error, without_both = true;
+    }
+    if (without_error == without_flip) return without_both ? Limit::both : Limit::time;
+    return without_error ? Limit::error : Limit::flip;
 }
 
 } // namespace
@@ -174,6 +199,14 @@ std::string checkWanted(const RenderSettings& wanted) {
     if (const size_t at = wrong.find("there are: "); at != wrong.npos && wrong.starts_with("no method"))
         wrong.insert(at + 11, std::string(kAutoMethod) + ", ");
     return wrong;
+}
+
+std::string checkWanted(const RenderSettings& wanted, const std::string& file, std::span<const std::string> overrides) {
+    const std::string wrong = checkWanted(wanted);
+    if (wrong.empty()) return {};
+    const bool asked =
+        std::ranges::any_of(overrides, [](std::string_view one) { return one.starts_with("render.method"); });
+    return (asked ? "--method, --set render.method: " : file + ": render: ") + wrong;
 }
 
 std::vector<const MethodPlan*> allMethods() { return {methodPlans().begin(), methodPlans().end()}; }
@@ -237,9 +270,11 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         }
     }
     plan.base = plan.chosen.settings;
+    plan.limit = limitOf(all, plan.chosen, wanted);
     while (plan.relaxed < inputs.relaxed) {
         const auto next = relaxed(plan.chosen.settings, plan.relaxed, [&](const RenderSettings& way) {
-            return prices.of(way).error <= kMostRelaxed * double(wanted.error);
+            const Candidate c = prices.of(way);
+            return (c.predicted ? c.error : prices.lightErrorOf(way)) <= kMostRelaxed * double(wanted.error);
         });
         if (!next) break;
         plan.less_relaxed_ms = plan.chosen.ms();

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ inline constexpr const char* kAutoMethod = "auto";
 
 // checkSettings() (server/methods/plans.h) that also allows "auto".
 std::string checkWanted(const RenderSettings& wanted);
+// The same with its source: the scene's file, or the option if an override of it (loadScene()) names the method.
+std::string checkWanted(const RenderSettings& wanted, const std::string& file, std::span<const std::string> overrides);
 
 struct PlanInputs {
     PlanScene scene;
@@ -31,14 +34,18 @@ struct PlanInputs {
 // One way to render, with its predicted cost and error.
 struct Candidate {
     RenderSettings settings; // no setting is left open
-    double error = 0;        // relative RMSE of the worst view
-    double flip = 0;         // mean FLIP that belongs to the error
+    double error = 0;        // relative RMSE of the worst view; 1, that of a black picture, if it is not predicted
+    double flip = 0;         // mean FLIP that belongs to the error; 1 if that is not predicted
+    bool predicted = true;   // False: the method has no law of its error
     double shared_ms = 0;    // per tick
     double views_ms = 0;     // of all views together
     std::string why_not;     // reason, one line; empty: this is the plan
 
     double ms() const { return shared_ms + views_ms; }
 };
+
+// What keeps the plan from a cheaper way.
+enum class Limit : uint8_t { time, error, flip, both }; // time: it is the cheapest of all ways; both: error and FLIP
 
 // The plans of all methods (methodPlans()), for PlanInputs.
 std::vector<const MethodPlan*> allMethods();
@@ -58,6 +65,7 @@ struct Plan {
     std::string refused;        // "METHOD: reason" for a method that the scene does not allow; empty: none
     bool within = true;         // True: the error budget holds; false: the cheapest of the most accurate ways was taken
     bool kept = false;          // True: PlanInputs::before was kept, though another way is a little cheaper
+    Limit limit = Limit::time;  // before overload
     RenderSettings base;        // the settings before overload
     uint32_t relaxed = 0;       // overload steps taken, of those asked for; they end at ten times the error budget
     double less_relaxed_ms = 0; // predicted time one overload step earlier
@@ -82,7 +90,8 @@ double flipOf(double error, bool inside);
 using Allowed = std::function<bool(const RenderSettings&)>;
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed = {});
 
-// The plan as text for people: each choice with its cost and error, then the other ways and why they were not chosen.
+// The plan as text for people: the view that it is made for, what limits it, each choice with its cost and error, then
+// the other ways and why they were not chosen.
 std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel& model);
 // The plan in one line, for a log.
 std::string summary(const Plan& plan);

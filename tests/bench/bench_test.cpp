@@ -9,6 +9,7 @@
 
 #include "common/metrics.h"
 #include "common/plot.h"
+#include "tests/bench/on_device.h"
 #include "tools/bench/report.h"
 #include "tools/bench/sweep.h"
 #include "tools/bench/truth.h"
@@ -19,23 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// With a device that counts; the validation layer has nothing to say.
-class OnDevice : public testing::Test {
-protected:
-    static void SetUpTestSuite() {
-        gpu::DeviceOptions options;
-        options.validation = true;
-        options.statistics = true;
-        made = std::make_unique<gpu::Device>(options);
-    }
-    static void TearDownTestSuite() { made.reset(); }
-    void TearDown() override { EXPECT_EQ(device().validationMessages(), 0u); }
-    static const gpu::Device& device() { return *made; }
-
-private:
-    static inline std::unique_ptr<gpu::Device> made;
-};
-
 // A kept reference is never taken for another one's: all that a scene can say has its part in the name.
 TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
     reference::World world;
@@ -45,7 +29,7 @@ TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
     world.lights.emplace_back();
     world.obstacles.emplace_back();
     const glm::uvec2 size(64, 36);
-    const auto name = [&](const reference::World& w) { return truthFile(w, Pose{}, size, 1, false); };
+    const auto name = [&](const reference::World& w) { return truthFile(w, Pose{}, size, 1); };
     const std::vector<std::function<void(reference::World&)>> changes{
         [](auto& w) { w.blobs[0].sigma_t = 2; },
         [](auto& w) { w.blobs[0].albedo.y = 0.5; },
@@ -75,22 +59,8 @@ TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
     }
     Pose wide;
     wide.frustum = {1, 2, 1, 1};
-    EXPECT_TRUE(names.insert(truthFile(world, wide, size, 1, false)).second);
+    EXPECT_TRUE(names.insert(truthFile(world, wide, size, 1)).second);
     EXPECT_EQ(name(world), name(world));
-}
-
-fs::path folder(const char* name) {
-    fs::path made = fs::path(testing::TempDir()) / "brume-bench-test" / name;
-    fs::remove_all(made);
-    fs::create_directories(made);
-    return made;
-}
-
-Case smallCloud() {
-    Case wanted;
-    wanted.set = {"medium.count=40", "sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "render.shadow_size=64"};
-    wanted.size = {48, 27};
-    return wanted;
 }
 
 TEST(Camera, NamesDistancesAndPlaces) {

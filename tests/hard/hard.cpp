@@ -40,7 +40,7 @@ class TableWriter : public testing::Environment {
                "compared, why it is hard and where the tolerance comes from stands with each case in `tests/hard`.\n"
                "Where a tetrahedron's faces cut a Gaussian, the error is what exceeds the rounding of its vertices\n"
                "to 1/256 pixel. Made by\n"
-               "`BRUME_HARD_TABLE=docs/results/hard-cases.md build/release/tests/hard_tests`.\n\n"
+               "`BRUME_HARD_TABLE=docs/results/data/hard-cases.md build/release/tests/hard_tests`.\n\n"
                "| case | method | error | tolerance |\n|---|---|---|---|\n";
         out << std::setprecision(2);
         for (const Row& row : rows())

@@ -114,6 +114,21 @@ TEST_F(ImageFiles, ExrComesBackBitForBit) {
     }
 }
 
+TEST_F(ImageFiles, ExrKeepsEdgesAndWhetherTheMediumIsAlone) {
+    RadianceImage image = blank(5, 600); // more than one band
+    writeExr(file("plain.exr"), image);
+    EXPECT_TRUE(readExr(file("plain.exr")).edges.empty());
+    EXPECT_FALSE(readExr(file("plain.exr")).medium_alone);
+    image.edges.resize(image.radiance.size());
+    image.edges[7] = image.edges[2999] = 1;
+    image.medium_alone = true;
+    writeExr(file("edges.exr"), image);
+    EXPECT_EQ(readExr(file("edges.exr")).edges, image.edges);
+    EXPECT_TRUE(readExr(file("edges.exr")).medium_alone);
+    image.edges.pop_back();
+    EXPECT_THROW(writeExr(file("edges.exr"), image), std::runtime_error);
+}
+
 TEST_F(ImageFiles, ReadsHalfAndFloatWithAndWithoutTransmittanceFromAnyDataWindow) {
     for (const Imf::PixelType type : {Imf::HALF, Imf::FLOAT})
         for (const std::string channels : {"BGR", "BGRT", "ABGR"}) {

@@ -117,5 +117,20 @@ TEST_F(ServerOptionsTest, TheLiveOptionsAreThoseOfTheDocumentation) {
     EXPECT_GE(live.size(), 20u);
 }
 
+TEST_F(ServerOptionsTest, HelpLeadsWithWhatMostPeopleNeed) {
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(parsed({"--help"}).exit_code, 0);
+    const std::string help = testing::internal::GetCapturedStdout();
+    size_t last = 0;
+    for (const char* name : {"--scene", "--set", "--method", "--listen", "--port"}) {
+        const size_t at = help.find(std::string("\n  ") + name + ' ');
+        ASSERT_NE(at, help.npos) << name;
+        EXPECT_EQ(help.find(std::string("\n  ") + name + ' ', at + 1), help.npos) << name;
+        last = std::max(last, at);
+    }
+    for (const char* rest : {"--config", "--scene-dir", "--max-viewers"})
+        EXPECT_GT(help.find(std::string("\n  ") + rest), last) << rest;
+}
+
 } // namespace
 } // namespace brume

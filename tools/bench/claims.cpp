@@ -18,6 +18,7 @@
 #include "server/encode/jpeg.h"
 #include "server/inputs/tick_block.h"
 #include "server/render/renderer.h"
+#include "tools/bench/error.h"
 #include "tools/bench/passes.h"
 #include "tools/reference/medium_reference.h"
 
@@ -84,20 +85,24 @@ double mediumMs(std::span<const gpu::PassSample> passes) {
 }
 
 double error(Bench& bench, const Scene& scene, reference::Model model, const Pose& pose, Size size) {
-    static std::map<reference::Model, reference::Picture> exact; // one scene and camera in this program
+    static std::map<reference::Model, RadianceImage> exact; // one scene and camera in this program
     std::vector<gpu::Particle> particles(bench.simulation.liveCount());
     bench.simulation.write(particles);
     if (!exact.contains(model)) {
         const Light light = sunOf(scene);
-        exact[model] =
+        const reference::Picture picture =
             reference::render({particles, scene.medium.falloff, scene.medium.anisotropy, scene.medium.asymmetry}, light,
                               pose, int(size.width), int(size.height), model);
+        RadianceImage& image = exact[model] = {picture.width, picture.height, {}, {}};
+        image.radiance.assign(picture.radiance.begin(), picture.radiance.end());
+        image.transmittance.assign(picture.transmittance.begin(), picture.transmittance.end());
     }
     bench.renderer.keepRadiance(true);
     bench.render({pose, size.width, size.height});
-    std::vector<glm::dvec3> got;
-    for (const glm::vec4& pixel : bench.renderer.readRadiance()) got.emplace_back(pixel);
-    return reference::relativeRmse(got, exact[model].radiance);
+    RadianceImage got{int(size.width), int(size.height), {}, {}};
+    for (const glm::vec4& pixel : bench.renderer.readRadiance())
+        got.radiance.emplace_back(pixel), got.transmittance.push_back(pixel.a);
+    return bench::mediumError(got, exact[model], {}).medium.relative_rmse;
 }
 
 void methodTable(const gpu::Device& device, Scene scene, int rounds, Size size) {

@@ -10,6 +10,7 @@
 
 #include "common/metrics_flip.h"
 #include "server/encode/jpeg.h"
+#include "tools/bench/error.h"
 
 namespace brume::bench {
 namespace {
@@ -37,9 +38,8 @@ glm::vec3 linearFromSrgb(glm::vec3 v) {
 nlohmann::json jpegRows(const gpu::Device& device, const Case& wanted, glm::uvec2 size,
                         const std::vector<std::string>& qualities) {
     Stage stage(device, wanted);
-    const RenderSettings& render = stage.scene().render;
     const RadianceImage image = stage.picture(stage.pose(), size);
-    const std::vector<glm::vec3> shown = displayedLight(image, {render.exposure, render.tone_map == "filmic"});
+    const std::vector<glm::vec3> shown = displayedLight(image, displayOf(stage.scene().render));
     JpegEncoder encoder;
     nlohmann::json rows = nlohmann::json::array();
     for (const std::string& quality : qualities) {

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/metrics.h"
 #include "server/inputs/tick_block.h"
 #include "server/light/shadow_resolution.h"
+#include "tools/bench/error.h"
 
 namespace brume::bench {
 namespace {
@@ -56,9 +56,9 @@ json lightRows(const gpu::Device& device, const std::vector<LightCase>& cases, g
     const RadianceImage exact = reference.picture(reference.pose(), size);
     json rows = json::array();
     for (size_t i = 0; i < stages.size(); ++i) {
-        const RenderSettings& render = stages[i]->scene().render;
-        const Errors errors = compare(stages[i]->picture(stages[i]->pose(), size), exact,
-                                      {render.exposure, render.tone_map == "filmic"}, mediumMask(exact));
+        const Errors errors =
+            mediumError(stages[i]->picture(stages[i]->pose(), size), exact, displayOf(stages[i]->scene().render))
+                .medium;
         const Map map = mapOf(*stages[i]);
         const double ms = median(times[i]);
         rows.push_back({{"scene", cases[i].wanted.scene},

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "common/metrics.h"
 #include "server/plan/planner.h"
+#include "tools/bench/error.h"
 
 namespace brume::bench {
 namespace {
@@ -102,22 +102,6 @@ struct Ratios {
     std::string text() const { return most > 0 ? fmt::format("{:.2f} to {:.2f}", least, most) : "none"; }
 };
 
-// Pixels that show the medium, but for those that an edge of an object or of its shadow crosses, where the pixel's mean
-// is not its centre's value: how such a pixel is smoothed is no matter of the medium. `left_out`: their share.
-std::vector<uint8_t> comparedPixels(const RadianceImage& centres, const RadianceImage& means, double& left_out) {
-    constexpr float kSame = 0.01f; // of the larger
-    std::vector<uint8_t> mask = mediumMask(centres);
-    size_t medium = 0, edges = 0;
-    for (size_t i = 0; i < mask.size(); ++i) {
-        const glm::vec3 a = centres.radiance[i], b = means.radiance[i];
-        const bool edge = glm::any(glm::greaterThan(glm::abs(a - b), kSame * glm::max(a, b)));
-        medium += mask[i] != 0, edges += mask[i] != 0 && edge;
-        if (edge) mask[i] = 0;
-    }
-    left_out = double(edges) / double(std::max<size_t>(medium, 1));
-    return mask;
-}
-
 } // namespace
 
 CostModel calibrate(const gpu::Device& device, double seconds) {
@@ -151,29 +135,23 @@ CostModel calibrate(const gpu::Device& device, double seconds) {
 
 std::string planTable(const gpu::Device& device, const CostModel& model, Truth& truth, const PlanTable& wanted) {
     std::string out = "| scene, camera | fitted | plan | shared, ms | measured | ratio | view, ms | measured | "
-                      "ratio | error, % | measured | ratio | FLIP | measured | ratio | edges, % "
-                      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+                      "ratio | error, % | measured | ratio | FLIP | measured | ratio | at edges, % | of pixels, % "
+                      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
     constexpr glm::uvec2 kSize{640, 360};
     constexpr uint32_t kEvery = 5; // of the pixels compared
     Ratios errors_of[2], flips_of[2], times_of;
     for (const std::string& name : wanted.scenes)
         for (const std::string& camera : wanted.cameras) {
-            Case view{.scene = name,
-                      .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]"},
-                      .camera = camera};
+            Case view{.scene = name, .set = {std::begin(kMediumAlone), std::end(kMediumAlone)}, .camera = camera};
             view.set.insert(view.set.end(), wanted.set.begin(), wanted.set.end());
             Stage stage(device, view, 0, model);
             double shared = 0, each = 0;
             for (const FrameCost::Pass& pass : passesOf(stage, 0.5)) (pass.shared ? shared : each) += pass.ms;
-            const RadianceImage exact = truth.of(stage, stage.pose(), kSize, kEvery, true);
-            double left_out = 0;
-            const std::vector<uint8_t> mask = comparedPixels(exact, truth.of(stage, stage.pose(), kSize, kEvery),
-                                                             left_out); // the same where there are no objects
-            const RenderSettings& render = stage.scene().render;
-            const Errors errors = compare(thinned(stage.picture(stage.pose(), kSize), kEvery), exact,
-                                          {render.exposure, render.tone_map == "filmic"}, mask);
+            const RadianceImage exact = truth.of(stage, stage.pose(), kSize, kEvery);
+            const MediumError error = mediumError(thinned(stage.picture(stage.pose(), kSize), kEvery), exact,
+                                                  displayOf(stage.scene().render));
             const Candidate& c = stage.plan().chosen;
-            const double measured[] = {shared, each, errors.relative_rmse, errors.flip};
+            const double measured[] = {shared, each, error.medium.relative_rmse, error.medium.flip};
             const double predicted[] = {c.shared_ms, c.views_ms, c.error, c.flip};
             const bool fit = fitted(name, camera);
             out += fmt::format("| {}, {} | {} | {} |", name, camera, fit ? "yes" : "no", wayText(c.settings));
@@ -184,14 +162,15 @@ std::string planTable(const gpu::Device& device, const CostModel& model, Truth& 
                                    kDigits[i], ratio);
                 (i < 2 ? times_of : i == 2 ? errors_of[fit] : flips_of[fit]).add(ratio);
             }
-            out += fmt::format(" {:.1f} |\n", 100 * left_out);
-            std::fprintf(stderr, "  %-11s %-8s error %.3f %%, measured %.3f %%\n", name.c_str(), camera.c_str(),
-                         100 * c.error, 100 * errors.relative_rmse);
+            out += error.edges.pixels > 0
+                       ? fmt::format(" {:.3g} | {:.1f} |\n", 100 * error.edges.relative_rmse, 100 * error.edgeShare())
+                       : " - | 0 |\n";
+            std::fprintf(stderr, "  %-11s %-8s error %.3f %%, measured %s\n", name.c_str(), camera.c_str(),
+                         100 * c.error, inShort(error).c_str());
         }
     return out + fmt::format("\nMeasured over predicted: times {}; error {} on the views that the laws were fitted on, "
                              "{} on the others; FLIP {} and "
-                             "{}. Edges: pixels of the medium that an edge of an object or its shadow crosses, which "
-                             "are not compared.\n",
+                             "{}. Error, FLIP and edges as docs/conventions.md defines them.\n",
                              times_of.text(), errors_of[1].text(), errors_of[0].text(), flips_of[1].text(),
                              flips_of[0].text());
 }

@@ -101,7 +101,7 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
         };
         std::vector<std::string> heads = {"variant",    "medium, ms",     "times faster", "picture, ms", "times faster",
                                           "shared, ms", "wall, ms (p95)", "fragments",    "device, MiB"};
-        if (errors) heads.insert(heads.end(), {"relative RMSE", "bias", "FLIP", "worst pixel"});
+        if (errors) heads.insert(heads.end(), {"relative RMSE", "at edges", "bias", "FLIP", "worst pixel"});
         if (published) heads.insert(heads.end(), {"published, ms", "published, times faster"});
         Table table(heads);
         std::map<std::string, int> groups; // "isv, Simpson 2" has isv's colour
@@ -123,11 +123,12 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
                                               digits(numberAt(row, "/device_mib"))};
             if (errors) {
                 const double rmse = numberAt(row, "/error/relative_rmse");
-                cells.insert(cells.end(), {digits(rmse, 100, " %"), digits(numberAt(row, "/error/bias"), 100, " %"),
-                                           digits(numberAt(row, "/error/flip")),
-                                           digits(numberAt(row, "/error/worst/error"), 100, " %") + " at " +
-                                               whole(numberAt(row, "/error/worst/x")) + ", " +
-                                               whole(numberAt(row, "/error/worst/y"))});
+                cells.insert(cells.end(),
+                             {digits(rmse, 100, " %"), digits(numberAt(row, "/error/edges/relative_rmse"), 100, " %"),
+                              digits(numberAt(row, "/error/bias"), 100, " %"), digits(numberAt(row, "/error/flip")),
+                              digits(numberAt(row, "/error/worst/error"), 100, " %") + " at " +
+                                  whole(numberAt(row, "/error/worst/x")) + ", " +
+                                  whole(numberAt(row, "/error/worst/y"))});
                 const std::string variant = row.at("variant");
                 const auto [group, unused] =
                     groups.try_emplace(variant.substr(0, variant.find(',')), int(groups.size()));
@@ -182,24 +183,35 @@ std::string list(const json& texts) {
     return out;
 }
 
+// False: the results are older than the definition that counts edges apart.
+bool edgesApart(const json& results) {
+    for (const json& series : results.at("series"))
+        for (const json& row : series.at("rows"))
+            if (row.contains("error") && !row.at("error").contains("edges")) return false;
+    return true;
+}
+
 } // namespace
 
 void writeReport(const json& results, const std::filesystem::path& folder, const std::string& name) {
     if (!results.contains("series") || !results.contains("device"))
         throw std::runtime_error("not the results of a sweep");
     std::filesystem::create_directories(folder);
-    std::string out = "# Speed against error\n\nDevice: " + results.at("device").get<std::string>() + ", driver " +
-                      results.value("driver", "") + "; CPU: " + results.value("cpu", "") + "; commit " +
-                      results.value("commit", "unknown") + ", " + results.value("date", "") + ". Made by `" +
-                      results.value("command", "") + "` in " + digits(numberAt(results, "/seconds") / 60) +
-                      " minutes; most memory of the process: " + digits(numberAt(results, "/peak_mib")) +
-                      " MiB.\n\nMedium: cull, sort and draw of all viewers; picture: all that is done for them, "
-                      "from the background to the planes that JPEG takes. Medians of all frames; in brackets the "
-                      "least, which a busy machine spoils less. Shared: what is done once per tick for all of them "
-                      "(upload, shadow maps). Errors are those of linear radiance in pixels with medium, against "
-                      "the double-precision reference of the true overlapping medium without sky and ambient "
-                      "light; FLIP of what a viewer sees. Times faster: against the row of that name that says "
-                      "1.\n\n";
+    std::string out =
+        "# Speed against error\n\nDevice: " + results.at("device").get<std::string>() + ", driver " +
+        results.value("driver", "") + "; CPU: " + results.value("cpu", "") + "; commit " +
+        results.value("commit", "unknown") + ", " + results.value("date", "") + ". Made by `" +
+        results.value("command", "") + "` in " + digits(numberAt(results, "/seconds") / 60) +
+        " minutes; most memory of the process: " + digits(numberAt(results, "/peak_mib")) +
+        " MiB.\n\nMedium: cull, sort and draw of all viewers; picture: all that is done for them, "
+        "from the background to the planes that JPEG takes. Medians of all frames; in brackets the "
+        "least, which a busy machine spoils less. Shared: what is done once per tick for all of them "
+        "(upload, shadow maps). Errors, edges and bias: as docs/conventions.md defines them, of "
+        "the medium without sky and ambient light. Times faster: against the row of that name that says 1." +
+        (edgesApart(results) ? ""
+                             : " These results are of a time when edges were not counted apart: the errors hold "
+                               "them too, in scenes with objects.") +
+        "\n\n";
     for (const json& series : results.at("series")) {
         out += "## " + series.at("name").get<std::string>() + "\n\n" + series.value("about", "");
         if (!series.at("set").empty()) out += " Settings: " + list(series.at("set")) + '.';

@@ -30,8 +30,8 @@ Pose turnedAbout(const Pose& pose, glm::vec3 target, float angle) {
 
 Scene sceneOf(const Case& wanted) {
     Scene scene = loadScene(findScene(wanted.scene, BRUME_SCENES), wanted.set);
-    const std::string wrong = checkWanted(scene.render);
-    if (!wrong.empty()) throw SceneError(wanted.scene + ": render: " + wrong);
+    const std::string wrong = checkWanted(scene.render, wanted.scene, wanted.set);
+    if (!wrong.empty()) throw SceneError(wrong);
     return scene;
 }
 
@@ -54,6 +54,11 @@ Pose poseOf(const std::string& camera, const Scene& scene, const Simulation& sim
     }
     throw std::runtime_error("no camera \"" + camera +
                              "\"; there are: outside, inside, a distance like 20m, x,y,z, x,y,z:x,y,z");
+}
+
+bool isMediumAlone(const Scene& scene) {
+    const glm::vec3 none(0);
+    return scene.sky.zenith == none && scene.sky.horizon == none && scene.sky.ambient == none;
 }
 
 glm::uvec2 sizeOf(const std::string& text) {
@@ -117,6 +122,7 @@ RadianceImage Stage::picture(const Pose& pose, glm::uvec2 size) {
         image.radiance.emplace_back(pixel);
         image.transmittance.push_back(pixel.a);
     }
+    image.medium_alone = isMediumAlone(scene_);
     return image;
 }
 

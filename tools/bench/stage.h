@@ -34,6 +34,9 @@ Pose poseOf(const std::string& camera, const Scene& scene, const Simulation& sim
 // The pose rotated by `angle` (rad) about a vertical axis through `target`.
 Pose turnedAbout(const Pose& pose, glm::vec3 target, float angle);
 
+// True: neither sky nor ambient light, RadianceImage::medium_alone.
+bool isMediumAlone(const Scene& scene);
+
 // Parses a size such as "640x360". Throws std::runtime_error.
 glm::uvec2 sizeOf(const std::string& text);
 

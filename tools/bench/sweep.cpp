@@ -1,15 +1,14 @@
 #include "tools/bench/sweep.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
-#include "common/metrics.h"
 #include "common/scene_reader.h"
+#include "tools/bench/error.h"
 #include "tools/bench/jpeg_error.h"
 #include "tools/bench/light_error.h"
 #include "tools/bench/passes.h"
@@ -49,9 +48,6 @@ void readSeries(TableReader& in, Series& out) {
     if (out.variants.empty()) out.variants.push_back({.name = "default", .set = {}, .size = {}});
 }
 
-// Without sky and ambient light the medium alone is compared.
-constexpr const char* kMediumAlone[] = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]"};
-
 Case caseOf(const Series& series, const Variant& variant, const std::string& scene, const std::string& camera) {
     Case wanted;
     wanted.scene = scene;
@@ -60,21 +56,6 @@ Case caseOf(const Series& series, const Variant& variant, const std::string& sce
     if (!series.error.empty()) wanted.set.insert(wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
     wanted.set.insert(wanted.set.end(), variant.set.begin(), variant.set.end());
     return wanted;
-}
-
-// JSON has no infinity and no NaN: they become null.
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
-json errorsOf(const Errors& e) {
-    return {{"relative_rmse", number(e.relative_rmse)},
-            {"bias", number(e.bias)},
-            {"rel_mse", number(e.rel_mse)},
-            {"psnr", number(e.psnr)},
-            {"ssim", number(e.ssim)},
-            {"flip", number(e.flip)},
-            {"worst", {{"error", number(e.worst.error)}, {"x", e.worst.x}, {"y", e.worst.y}}},
-            {"pixels", e.pixels},
-            {"not_finite", e.not_finite}};
 }
 
 // What the frames of one stage took.
@@ -156,9 +137,8 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
         if (!series.error.empty()) {
             const glm::uvec2 small = sizeOf(series.error);
             const RadianceImage exact = truth.of(stage, stage.pose(), small, series.every);
-            const RenderSettings& render = stage.scene().render;
-            row["error"] = errorsOf(compare(thinned(stage.picture(stage.pose(), small), series.every), exact,
-                                            {render.exposure, render.tone_map == "filmic"}, mediumMask(exact)));
+            row["error"] = toJson(mediumError(thinned(stage.picture(stage.pose(), small), series.every), exact,
+                                              displayOf(stage.scene().render)));
         }
         std::fprintf(stderr, "  %-12s %-8s %-10s x%s  %-28s %8.1f ms\n", scene.c_str(), camera.c_str(), size.c_str(),
                      viewers.c_str(), series.variants[i].name.c_str(), row["medium_ms"].get<double>());
@@ -181,8 +161,7 @@ json orbitRows(const gpu::Device& device, const Series& series, const std::strin
             frames.push_back(stage.picture(pose, size));
             exact.push_back(truth.of(stage, pose, size));
         }
-        const RenderSettings& render = stage.scene().render;
-        const double flip = temporalFlip(frames, exact, {render.exposure, render.tone_map == "filmic"});
+        const double flip = temporalFlip(frames, exact, displayOf(stage.scene().render));
         rows.push_back({{"scene", scene},
                         {"camera", camera},
                         {"variant", variant.name},
@@ -190,7 +169,7 @@ json orbitRows(const gpu::Device& device, const Series& series, const std::strin
                         {"frames", series.frames},
                         {"degrees", series.degrees},
                         {"size", series.error},
-                        {"temporal_flip", number(flip)}});
+                        {"temporal_flip", flip}});
         std::fprintf(stderr, "  %-12s %-8s orbit %-28s %.5f\n", scene.c_str(), camera.c_str(), variant.name.c_str(),
                      flip);
     }

@@ -1,14 +1,16 @@
 #include "tools/bench/truth.h"
 
-#include <chrono>
-#include <cstdio>
+#include <atomic>
 #include <stdexcept>
 
 #define XXH_INLINE_ALL
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include "tools/bench/error.h"
 #include "tools/reference/medium_reference.h"
+#include "tools/reference/progress.h"
+#include "tools/reference/rows.h"
 
 namespace brume::bench {
 namespace {
@@ -72,14 +74,68 @@ public:
     }
 };
 
+reference::World worldOf(const Stage& stage) {
+    const std::vector<gpu::Particle> particles = stage.particles();
+    const SceneNow& now = stage.simulation().now();
+    return reference::worldOf(stage.scene(), particles, now.medium, now.light);
+}
+
+// When to stop: no pixel is begun later than `seconds` after the start, once `least` are.
+struct Limit {
+    double seconds = reference::kInfinity;
+    size_t least = 0;
+};
+
+// A picture of one row: the pixels, up to the limit.
+RadianceImage traced(const reference::World& world, const reference::Camera& camera, std::span<const glm::uvec2> pixels,
+                     reference::Progress& progress, const Limit& limit = {}) {
+    reference::Settings settings;
+    settings.tolerance = kTolerance;
+    const reference::Stage stage(world, settings);
+    RadianceImage image{int(pixels.size()), 1, {}, {}};
+    image.radiance.resize(pixels.size());
+    image.transmittance.resize(pixels.size());
+    image.edges.resize(pixels.size());
+    std::atomic<size_t> end{pixels.size()}; // the first that was too late
+    reference::forRows(int(pixels.size()), settings.threads, [&] {
+        return [&, tracer = reference::RayTracer(stage)](int i) mutable {
+            if (size_t(i) >= limit.least && progress.seconds() > limit.seconds) {
+                for (size_t seen = end; size_t(i) < seen && !end.compare_exchange_weak(seen, size_t(i));) {
+                }
+                return;
+            }
+            const glm::dvec2 corner(pixels[i]);
+            const auto at = [&](double x, double y) {
+                return tracer.trace(rayThrough(camera, corner.x + x, corner.y + y));
+            };
+            const reference::RayResult centre = at(0.5, 0.5);
+            image.radiance[i] = centre.total();
+            image.transmittance[i] = float(centre.transmittance);
+            progress.done();
+            if (world.obstacles.empty()) return;
+            glm::dvec3 mean(0);
+            double transmittance = 0;
+            for (const double x : {0.25, 0.75})
+                for (const double y : {0.25, 0.75}) {
+                    const reference::RayResult ray = at(x, y);
+                    mean += ray.total() / 4.0, transmittance += ray.transmittance / 4;
+                }
+            if (!isEdge(image.radiance[i], mean)) return;
+            image.edges[i] = 1, image.radiance[i] = mean, image.transmittance[i] = float(transmittance);
+        };
+    });
+    image.width = int(end);
+    image.radiance.resize(end), image.transmittance.resize(end), image.edges.resize(end);
+    return image;
+}
+
 } // namespace
 
-std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every, bool centres) {
-    constexpr double kVersion = 3; // goes up when the reference itself changes
+std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every) {
+    constexpr double kVersion = 4; // goes up when the reference itself changes
     Numbers numbers;
     for (const double number : {kVersion, double(size.x), double(size.y), kTolerance, double(every)})
         numbers.add(number);
-    numbers.add(centres && !world.obstacles.empty() ? 1.0 : 0.0);
     numbers.add(world);
     numbers.add(pose);
     return fmt::format("{:016x}.exr", XXH3_64bits(numbers.all.data(), numbers.all.size() * sizeof(double)));
@@ -89,41 +145,37 @@ Truth::Truth(std::filesystem::path folder) : folder_(std::move(folder)) {
     std::filesystem::create_directories(folder_);
 }
 
-RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, uint32_t every, bool centres) {
+RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, uint32_t every) {
     const glm::uvec2 size = thinned(whole, every);
-    const std::vector<gpu::Particle> particles = stage.particles();
-    const SceneNow& now = stage.simulation().now();
-    const reference::World world = reference::worldOf(stage.scene(), particles, now.medium, now.light);
-    const std::filesystem::path file = folder_ / truthFile(world, pose, size, every, centres);
+    const reference::World world = worldOf(stage);
+    const std::filesystem::path file = folder_ / truthFile(world, pose, size, every);
     if (std::filesystem::exists(file)) return readExr(file);
 
-    std::fprintf(stderr, "  reference %ux%u of %s ...", size.x, size.y, stage.scene().name.c_str());
-    const auto begin = std::chrono::steady_clock::now();
-    reference::Settings settings;
-    settings.tolerance = kTolerance;
-    const int across = world.obstacles.empty() || centres ? 1 : 2;
-    reference::Camera camera = reference::perspective(pose, int(size.x) * across, int(size.y) * across, kNearDepth);
-    camera.cluster = across;
-    camera.cluster_part = 1.0 / every;
-    const reference::Picture exact = reference::render(world, camera, settings);
-    RadianceImage image{int(size.x), int(size.y), {}, {}};
-    const std::vector<glm::dvec3> total = exact.total();
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            glm::dvec3 radiance(0);
-            double transmittance = 0;
-            for (int i = 0; i < across * across; ++i) {
-                const size_t at = (size_t(y) * across + i / across) * exact.width + size_t(x) * across + i % across;
-                radiance += total[at] / double(across * across);
-                transmittance += exact.transmittance[at] / double(across * across);
-            }
-            image.radiance.emplace_back(radiance);
-            image.transmittance.push_back(float(transmittance));
-        }
+    std::vector<glm::uvec2> pixels;
+    for (uint32_t y = 0; y < size.y; ++y)
+        for (uint32_t x = 0; x < size.x; ++x) pixels.push_back(glm::uvec2(x, y) * every + every / 2);
+    RadianceImage image;
+    {
+        reference::Progress progress(fmt::format("reference {}x{} of {}", size.x, size.y, stage.scene().name),
+                                     pixels.size());
+        image = traced(world, reference::perspective(pose, int(whole.x), int(whole.y), kNearDepth), pixels, progress);
+    }
+    image.width = int(size.x), image.height = int(size.y);
+    image.medium_alone = isMediumAlone(stage.scene());
     const std::filesystem::path part = file.string() + ".part.exr"; // whole or not at all
     writeExr(part, image);
     std::filesystem::rename(part, file);
-    std::fprintf(stderr, " %.1f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    return image;
+}
+
+RadianceImage truthAt(const Stage& stage, const Pose& pose, glm::uvec2 size, std::span<const glm::uvec2> pixels,
+                      double seconds, size_t least) {
+    const reference::World world = worldOf(stage);
+    reference::Progress progress(fmt::format("reference of {}, up to {} pixels", stage.scene().name, pixels.size()),
+                                 pixels.size());
+    RadianceImage image = traced(world, reference::perspective(pose, int(size.x), int(size.y), kNearDepth), pixels,
+                                 progress, {seconds, least});
+    image.medium_alone = isMediumAlone(stage.scene());
     return image;
 }
 
@@ -143,6 +195,7 @@ RadianceImage thinned(const RadianceImage& image, uint32_t every) {
             thin.radiance.push_back(image.radiance[at]);
             thin.transmittance.push_back(image.transmittance[at]);
         }
+    thin.medium_alone = image.medium_alone;
     return thin;
 }
 

@@ -13,19 +13,23 @@ public:
     // Makes `folder` if it is missing.
     explicit Truth(std::filesystem::path folder);
 
-    // The reference picture of the stage's present scene from `pose`: overlapping, uncut Gaussians in double
-    // precision. A pixel is the ray through its centre; in scenes with opaque objects it is the mean of 2x2 rays,
-    // which smooths edges. `every`: only every so many-th pixel, odd, divides the size; see thinned(). `centres`:
-    // true for one ray per pixel also with objects, as the renderer draws it. Then all error that is left is the
-    // medium's.
-    RadianceImage of(const Stage& stage, const Pose& pose, glm::uvec2 size, uint32_t every = 1, bool centres = false);
+    // The reference picture of the stage's present scene from `pose`: overlapping, uncut Gaussians in double precision.
+    // A pixel is the ray through its centre. Where an edge of an object or of its shadow crosses it, it is the mean of
+    // 2x2 rays, which smooths the edge, and RadianceImage::edges is 1. `every`: only every so many-th pixel, odd,
+    // divides the size; see thinned().
+    RadianceImage of(const Stage& stage, const Pose& pose, glm::uvec2 size, uint32_t every = 1);
 
 private:
     std::filesystem::path folder_;
 };
 
+// Some pixels of such a picture, as a picture of one row. It ends with the last that is begun within `seconds`, but not
+// before `least`.
+RadianceImage truthAt(const Stage& stage, const Pose& pose, glm::uvec2 size, std::span<const glm::uvec2> pixels,
+                      double seconds, size_t least);
+
 // Name of the cached file: a hash of everything that the picture depends on.
-std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every, bool centres);
+std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every);
 
 // The middle pixel of every block of every x every pixels. Throws std::runtime_error unless `every` is odd and
 // divides the size.

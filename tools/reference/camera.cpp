@@ -19,12 +19,6 @@ Camera orthographic(const Pose& pose, int width, int height, double height_m) {
 }
 
 Ray rayThrough(const Camera& camera, double x, double y) {
-    const auto drawnTogether = [&](double at) {
-        const double middle = (std::floor(at / camera.cluster) + 0.5) * camera.cluster;
-        return middle + (at - middle) * camera.cluster_part;
-    };
-    x = drawnTogether(x);
-    y = drawnTogether(y);
     const double right = (2 * x - camera.width) / camera.height * camera.half_height;
     const double up = (1 - 2 * y / camera.height) * camera.half_height;
     if (camera.orthographic)

@@ -13,10 +13,6 @@ struct Camera {
     bool orthographic = false;
     double half_height = 0.5; // half the picture's height: m if orthographic, otherwise m per m of view depth
     double near_depth = 0;    // m, view depth of the near plane; nothing in front of it is seen
-    // For pictures of every n-th pixel of a larger one: rays form clusters of cluster x cluster, and a cluster covers
-    // only part = 1/n of the side of its square.
-    int cluster = 1;
-    double cluster_part = 1;
 };
 
 Camera perspective(const Pose& pose, int width, int height, double near_depth = 0);

@@ -29,6 +29,7 @@ Picture render(const World& world, const Camera& camera, const Settings& setting
                 picture.transmittance[pixel] = result.transmittance;
                 picture.background[pixel] = result.background;
             }
+            if (settings.row_done) settings.row_done();
         };
     });
     return picture;

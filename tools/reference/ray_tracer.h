@@ -2,6 +2,7 @@
 // for the rest.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "tools/reference/gauss_legendre.h"
@@ -20,6 +21,8 @@ struct Settings {
     double tolerance = 1e-8;
     bool shadows = true;  // False: every light reaches every point unattenuated
     unsigned threads = 0; // for a picture; 0: as many as the machine has
+    // Called after each row of a picture, from any thread; empty: nobody wants to know.
+    std::function<void()> row_done = {};
 };
 
 struct RayResult {

@@ -9,6 +9,7 @@
 
 #include "server/sim/simulation.h"
 #include "tools/reference/medium_reference.h"
+#include "tools/reference/progress.h"
 
 namespace {
 
@@ -60,6 +61,8 @@ int main(int argc, char** argv) {
         const auto timed = [&](double with) {
             reference::Settings settings;
             settings.tolerance = with;
+            reference::Progress progress(scene.name, size_t(height));
+            settings.row_done = [&] { progress.done(); };
             const auto begin = std::chrono::steady_clock::now();
             reference::Picture picture = reference::render(world, camera, settings);
             const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -39,6 +39,7 @@ describe('the plan in words', () => {
     expect(planText('auto', plan)).toBe('auto: slabs, 32 slabs, 0.31 %');
     expect(planText('auto', { ...plan, relaxed: 2 })).toMatch(/, relaxed 2$/);
     expect(planText('sphere', { ...plan, method: 'sphere', text: '', error: 0.1234 })).toBe('sphere, 12 %');
+    expect(planText('sphere', { ...plan, text: 'sphere', error: 1 })).toBe('sphere, error not predicted');
   });
 
   test('is silent where the server is', () => {

@@ -9,7 +9,6 @@ namespace {
 constexpr CostInfo kMedium{"isv", "medium", 22}; // fragments x (1 + steps)
 constexpr const CostInfo* kCosts[] = {&costs::kOrder, &kMedium};
 constexpr double kTetrahedronOfDisc = 0.37; // what a tetrahedron covers of the sphere around it, on average
-constexpr double kTruncation = 0.13;        // relative RMSE: tetrahedra leave out what is beyond their faces
 
 class Plan final : public MethodPlan {
 public:
@@ -37,7 +36,6 @@ public:
         addDrawnWork(view, work);
         work[kMedium] = view.fragments(kTetrahedronOfDisc * kDiscOfBox) * (1 + settings.isv.steps);
     }
-    double error(const RenderSettings&, const ViewWork&) const override { return kTruncation; }
 };
 
 } // namespace

@@ -12,9 +12,6 @@ inline constexpr CostInfo kOrder{"order", "cull, sort", 1300}; // particles + 20
 } // namespace costs
 
 inline constexpr double kDiscOfBox = std::numbers::pi / 4; // part of the box around a sphere's picture that it covers
-// What two Gauss-Hermite points leave on the shipped scenes (relative RMSE): the particles' order stands for their
-// overlap.
-inline constexpr double kTwoPointError = 0.03;
 
 // Surfaces, order and composing of a view.
 inline void addDrawnWork(const ViewWork& view, Work& work) {

@@ -26,7 +26,7 @@ double slabError(double thickness, double depth, bool inside) {
     return curvature * thickness * thickness * (1 + std::pow(thickness / 2, 4));
 }
 
-double RayPlan::error(const RenderSettings& settings, const ViewWork& view) const {
+std::optional<double> RayPlan::error(const RenderSettings& settings, const ViewWork& view) const {
     return std::hypot(std::hypot(kLeastError, nodeError(settings)), rayError(view.raySpacing(settings.rate)),
                       slabError(view.slabThickness(settings.slabs), view.deviationDepth(), view.inside()));
 }

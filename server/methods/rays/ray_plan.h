@@ -20,7 +20,7 @@ inline constexpr uint32_t kRayMargin = 3;
 constexpr uint32_t raysBeyond(uint32_t margin) { return 2 * margin + 1; }
 
 // Errors that these approximations leave (relative RMSE), as measured against the double-precision reference:
-// docs/results/plan.md. The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes and
+// docs/results/data/plan.md. The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes and
 // props from outside and from within, each cause by itself.
 //
 // Of rays `spacing` projected standard deviations apart: a cubic B-spline errs by the fourth derivative, which of
@@ -33,7 +33,7 @@ double slabError(double thickness, double depth, bool inside);
 class RayPlan : public MethodPlan {
 public:
     bool hasRays() const override { return true; }
-    double error(const RenderSettings& settings, const ViewWork& view) const override;
+    std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.
     RenderSettings finer(const RenderSettings& settings) const override;

@@ -20,7 +20,6 @@ public:
         addDrawnWork(view, work);
         work[kMedium] = view.fragments(kDiscOfBox);
     }
-    double error(const RenderSettings&, const ViewWork&) const override { return kTwoPointError; }
 };
 
 } // namespace

@@ -37,10 +37,6 @@ public:
         work[kBin] = view.scene().particles;
         work[kMedium] = view.fragments(1) * (isCached(settings) ? 1 : 2);
     }
-    // The cached light has a larger error if the eye is inside the medium.
-    double error(const RenderSettings& settings, const ViewWork& view) const override {
-        return isCached(settings) && view.inside() ? 0.055 : kTwoPointError;
-    }
 
 private:
     bool isCached(const RenderSettings& settings) const { return settings.tiles.quadrature == "cached"; }

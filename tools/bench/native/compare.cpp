@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "common/metrics.h"
+#include "tools/bench/error.h"
 
 namespace brume::bench {
 namespace {
@@ -69,7 +69,7 @@ double vulkanSamples(const Stage& stage, const RenderSettings& way) {
 }
 
 double off(const RadianceImage& value, const RadianceImage& reference) {
-    return 100 * compare(value, reference, {}, mediumMask(reference)).relative_rmse; // %
+    return 100 * mediumError(value, reference, {}).medium.relative_rmse; // %
 }
 
 } // namespace
@@ -144,7 +144,7 @@ std::string nativeReport(const native::Kernel& kernel, const NativeRun& run, con
     return fmt::format(
         "# Slabs on Vulkan beside the same maths written for the CPU\n\n"
         "Written by `{}` on {}. CPU: {}. Vulkan device: {}. Native instructions: {}, {} floats a vector.\n\n"
-        "The native program ([`tools/bench/native`](../../tools/bench/native)) does what the method `slabs` does "
+        "The native program ([`tools/bench/native`](../../../tools/bench/native)) does what the method `slabs` does "
         "to a medium that is lit already: bins, extinction of all slabs by recurrence, light along the rays, a "
         "cubic B-spline to radiance and transmittance of every pixel. Vulkan's time is that of the passes bin, "
         "slabs, slab light and spline, and of compose less what compose takes of a medium that was drawn (tone "

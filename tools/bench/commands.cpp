@@ -1,0 +1,221 @@
+#include "tools/bench/commands.h"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/metrics.h"
+#include "common/metrics_flip.h"
+#include "tools/bench/error.h"
+#include "tools/bench/features.h"
+#include "tools/bench/native/compare.h"
+#include "tools/bench/picture_file.h"
+#include "tools/bench/pictures.h"
+#include "tools/bench/report.h"
+
+namespace brume::bench {
+namespace {
+
+using nlohmann::json;
+
+json readJson(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    json parsed = json::parse(in, nullptr, false);
+    if (parsed.is_discarded())
+        throw std::runtime_error(file.string() + ": no JSON; give the results that brume-bench sweep wrote");
+    return parsed;
+}
+
+// First line of what a command prints; empty when it fails.
+std::string said(const char* command) {
+    std::string text(256, '\0');
+    FILE* pipe = ::popen(command, "r");
+    if (!pipe) return {};
+    text.resize(std::fread(text.data(), 1, text.size(), pipe));
+    ::pclose(pipe);
+    return text.substr(0, text.find('\n'));
+}
+
+std::string cpu() {
+    return said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) +
+           " threads";
+}
+
+std::string today() {
+    const std::time_t now = std::time(nullptr);
+    char date[16];
+    std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
+    return date;
+}
+
+// To standard output where `file` is empty. Throws std::runtime_error, one line.
+void writeText(const std::filesystem::path& file, const std::string& text) {
+    if (file.empty()) {
+        std::cout << text;
+        return;
+    }
+    std::filesystem::create_directories(file.parent_path().empty() ? "." : file.parent_path());
+    std::ofstream out(file);
+    out << text;
+    if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+    std::cout << file.string() << '\n';
+}
+
+CostModel costsOf(const Context& context, const gpu::Device& device) {
+    std::string complaint;
+    CostModel model = loadCosts(costFile(context.costs, device.name(), device.driver()), complaint);
+    if (!complaint.empty()) std::cerr << complaint << '\n';
+    return model;
+}
+
+} // namespace
+
+void render(const Context& context, RenderOptions o) {
+    if (const std::string refused = pictureRefusal(o.out); !refused.empty())
+        throw std::runtime_error("--out " + refused);
+    o.wanted.size = sizeOf(o.size);
+    if (o.medium_alone) o.wanted.set.insert(o.wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
+    if (!o.method.empty()) o.wanted.set.push_back("render.method=" + o.method);
+    const gpu::Device device(context.device);
+    Stage stage(device, o.wanted, o.ticks);
+    const RadianceImage image = o.reference ? Truth(context.cache).of(stage, stage.pose(), o.wanted.size)
+                                            : stage.picture(stage.pose(), o.wanted.size);
+    writePicture(o.out, image, displayOf(stage.scene().render));
+    std::cout << o.out << '\n';
+}
+
+int comparePictures(const CompareOptions& o) {
+    const RadianceImage value = readExr(o.picture), reference = readExr(o.reference);
+    if (value.width != reference.width || value.height != reference.height)
+        throw std::runtime_error(fmt::format("the pictures differ in size: {} is {}x{}, {} is {}x{}", o.picture,
+                                             value.width, value.height, o.reference, reference.width,
+                                             reference.height));
+    Errors errors;
+    if (o.all_pixels) {
+        errors = compare(value, reference, {});
+        std::cout << "all pixels: " << describe(errors) << '\n';
+    } else {
+        const MediumError error = mediumError(value, reference, {});
+        std::cout << describe(error) << '\n';
+        errors = error.medium;
+    }
+    if (!o.flip_map.empty()) writePng(o.flip_map, value.width, value.height, colourMap(flipMap(value, reference, {})));
+    return o.most > 0 && !(errors.relative_rmse <= o.most) ? 1 : 0;
+}
+
+int answerWhich(const Context& context, const WhichOptions& o) {
+    const gpu::Device device(context.device);
+    const CostModel model = costsOf(context, device);
+    std::string page;
+    bool all_hold = true;
+    for (const std::string& scene : o.scenes) {
+        Question question = o.question;
+        question.wanted.scene = scene;
+        question.wanted.size = sizeOf(o.size);
+        const Answers answers = which(device, model, question);
+        all_hold = all_hold && answers.holds;
+        page += whichText(question, answers);
+    }
+    if (o.out.empty())
+        std::cout << page;
+    else
+        writeText(o.out,
+                  fmt::format("# Which method within {:.3g} %?\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: "
+                              "{}, {}. Costs: {}.\n\n",
+                              100 * o.question.error, context.command, today(), cpu(), device.name(), device.driver(),
+                              model.source) +
+                      whichLegend() + page);
+    return all_hold ? 0 : 1;
+}
+
+void sweep(const Context& context, const SweepOptions& o) {
+    std::vector<Series> all;
+    for (const std::string& file : o.files) {
+        const std::vector<Series> some = loadSweep(file);
+        all.insert(all.end(), some.begin(), some.end());
+    }
+    const gpu::Device device(context.device);
+    Truth truth(context.cache);
+    const auto begin = std::chrono::steady_clock::now();
+    json results = {{"device", device.name()}, {"driver", device.driver()}, {"command", context.command}};
+    results["series"] = runSweep(device, all, truth, o.effort);
+    results["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    results["peak_mib"] = double(usage.ru_maxrss) / 1024;
+    results["commit"] =
+        said("git rev-parse --short HEAD 2>/dev/null") +
+        (said("git status --porcelain -- . ':!docs/results' 2>/dev/null").empty() ? "" : " with changes");
+    results["cpu"] = cpu();
+    results["date"] = today();
+    writeText(o.out, results.dump(1) + '\n');
+}
+
+void calibrateDevice(const Context& context, double seconds) {
+    const gpu::Device device(context.device);
+    const CostModel model = calibrate(device, seconds);
+    const std::filesystem::path file = costFile(context.costs, device.name(), device.driver());
+    saveCosts(file, model, device.name(), device.driver());
+    for (const CostInfo* cost : allCosts())
+        std::printf("%-15s %10.4f ns per unit, built in %10.4f\n", cost->key, model[*cost], cost->built_in);
+    std::cout << file.string() << '\n';
+}
+
+void plan(const Context& context, const PlanTable& wanted, const std::filesystem::path& out) {
+    const gpu::Device device(context.device);
+    const CostModel model = costsOf(context, device);
+    Truth truth(context.cache);
+    const std::string about =
+        fmt::format("# The plan: predicted against measured\n\nWritten by `{}` on {}. CPU: {}. "
+                    "Vulkan device: {}, {}. Costs: {}.\n\n",
+                    context.command, today(), cpu(), device.name(), device.driver(), model.source);
+    writeText(out, about + planTable(device, model, truth, wanted));
+}
+
+void features(const Context& context, uint32_t frames, const std::filesystem::path& out) {
+    const gpu::Device device(context.device);
+    const std::string about =
+        fmt::format("# What is saved by compiling out what a scene does not have\n\nWritten by `{}` on {}. "
+                    "CPU: {}. Vulkan device: {}, {}.\n\n"
+                    "Scenes without objects, lobe and ambient light, 640x360 from outside, with shaders "
+                    "specialised for what is there and, besides, for "
+                    "things that are not; the pictures are the same. Least of {} frames each, in turns. "
+                    "There is one light in every scene, so that "
+                    "nothing is specialised for more.\n\n",
+                    context.command, today(), cpu(), device.name(), device.driver(), frames);
+    writeText(out, about + featuresTable(device, frames));
+}
+
+void nativeSlabs(const Context& context, const NativeOptions& o) {
+    const native::Kernel* kernel = NativeSlabs::named(o.instructions);
+    if (!kernel) {
+        const std::string wanted = o.instructions.empty() ? "AVX-512 or AVX2" : o.instructions;
+        std::cout << "skipped: this CPU (" << cpu() << ") does not have " << wanted << '\n';
+        return;
+    }
+    const gpu::Device device(context.device);
+    Truth truth(context.cache);
+    const std::string table = nativeTable(device, truth, *kernel, o.frames, o.threads);
+    writeText(o.out,
+              nativeReport(*kernel, {cpu(), device.name() + ", " + device.driver(), today(), context.command}, table));
+}
+
+void pictures(const Context& context, const std::string& only, const std::filesystem::path& out) {
+    writeText(out, pictureHashes(gpu::Device(context.device), only));
+}
+
+void report(const ReportOptions& o) {
+    const json results = readJson(o.results);
+    if (o.before.empty()) return writeReport(results, o.folder, o.name);
+    std::cout << compareResults(readJson(o.before), results);
+}
+
+} // namespace brume::bench

@@ -1,0 +1,74 @@
+// The commands of brume-bench, each a function. All throw std::exception with one line.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "server/gpu/device.h"
+#include "tools/bench/predict.h"
+#include "tools/bench/sweep.h"
+#include "tools/bench/which.h"
+
+namespace brume::bench {
+
+// What several commands share.
+struct Context {
+    gpu::DeviceOptions device;
+    std::filesystem::path cache; // folder of reference pictures
+    std::filesystem::path costs; // folder of what calibrate wrote
+    std::string command;         // the command line, for the heads of pages
+};
+
+struct RenderOptions {
+    Case wanted;
+    std::string method, size = "640x360", out = "picture.exr";
+    bool reference = false;    // True: in double precision
+    bool medium_alone = false; // True: without sky and ambient light
+    uint32_t ticks = 0;        // simulated first
+};
+void render(const Context& context, RenderOptions options);
+
+struct CompareOptions {
+    std::string picture, reference, flip_map;
+    double most = 0;         // largest relative RMSE that is well; 0: any
+    bool all_pixels = false; // True: also those without medium
+};
+// Exit code: 0, or 1 if the relative RMSE is above `most` or not a number.
+int comparePictures(const CompareOptions& options);
+
+struct WhichOptions {
+    std::vector<std::string> scenes;
+    std::string size = "640x360", out;
+    Question question; // its scene and size are replaced
+};
+// Exit code: 0, or 1 if nothing holds the error in a scene.
+int answerWhich(const Context& context, const WhichOptions& options);
+
+struct SweepOptions {
+    std::vector<std::string> files;
+    std::string out = "build/bench.json";
+    Effort effort;
+};
+void sweep(const Context& context, const SweepOptions& options);
+
+void calibrateDevice(const Context& context, double seconds);
+void plan(const Context& context, const PlanTable& wanted, const std::filesystem::path& out);
+void features(const Context& context, uint32_t frames, const std::filesystem::path& out);
+
+struct NativeOptions {
+    std::string instructions, out;
+    uint32_t frames = 30, threads = 2;
+};
+// Says so and does nothing if the CPU lacks the instructions.
+void nativeSlabs(const Context& context, const NativeOptions& options);
+
+void pictures(const Context& context, const std::string& only, const std::filesystem::path& out);
+
+struct ReportOptions {
+    std::string results, before; // JSON of sweeps; `before` is empty for a page instead of a comparison
+    std::string folder = "docs/results/data", name = "speed-error";
+};
+void report(const ReportOptions& options);
+
+} // namespace brume::bench
