@@ -21,6 +21,8 @@ constexpr auto kLoadEvery = std::chrono::milliseconds(100);
 
 using Millis = std::chrono::duration<float, std::milli>;
 
+constexpr double kLeastPixels = 160 * 90; // for which a newcomer must find time
+
 constexpr auto kLongStart = std::chrono::seconds(1);
 
 // Logs its text unless it is gone before that time is over.
@@ -38,6 +40,12 @@ private:
     std::jthread thread_; // the last member: it uses the others
 };
 
+double pixelsOf(std::span<const PlanView> views) {
+    double pixels = 0;
+    for (const PlanView& view : views) pixels += double(view.width) * view.height;
+    return std::max(pixels, 1.0);
+}
+
 // `count`. Throws SceneError when so many particles do not fit the memory that there is for them.
 uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
     const std::string wrong = memoryRefusal(count, memory);
@@ -50,7 +58,8 @@ uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
                      const Options& options)
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
-      costs_(options.costs), memory_(options.memory), frame_ms_(options.frame_ms), simulation_(scene),
+      costs_(options.costs), memory_(options.memory), frame_ms_(options.frame_ms),
+      most_frame_ms_(options.most_frame_ms), simulation_(scene),
       renderer_(std::in_place, device, scene, bounded(scene, simulation_.capacity(), options.memory)),
       planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
@@ -124,7 +133,7 @@ void FrameLoop::run() {
         if (!on_device_) takeScene();
         const Clock::time_point now = Clock::now();
         while (ticks_->take(now, commands_)) tick();
-        if (!on_device_ && simulation_.tick() != rendered_tick_)
+        if (!on_device_ && (simulation_.tick() != rendered_tick_ || batch_planner_.someoneWaits()))
             if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
         if (now - load_told_ >= kLoadEvery) tellLoad(now);
         if (changed_ || now - reported_ >= kReportEvery) report(now);
@@ -197,9 +206,13 @@ bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
     const Plan& before = planner_->plan();
-    const bool any = batch_planner_.plan(
-        viewers_, scene_version_,
-        {frame_ms_, before.still_ms / before.chosen.ms(), Renderer::mostPictureBytes(device_)}, batch.taken, batch);
+    const bool any = batch_planner_.plan(viewers_, scene_version_,
+                                         {.budget_ms = frame_ms_,
+                                          .most_ms = most_frame_ms_,
+                                          .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
+                                          .still_ratio = before.still_ms / before.chosen.ms(),
+                                          .bytes = Renderer::mostPictureBytes(device_)},
+                                         batch.taken, batch);
     viewers_.clear();
     if (!any) return false;
     batch.tick = simulation_.tick();
@@ -272,14 +285,10 @@ void FrameLoop::encode(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
     const float took = Millis(batch.done - batch.taken).count();
-    if (!batch.one_shot) {
-        planner_->took(double(took * batch.full_batch_ratio), batch.done);
-        audience_.frameTook(took * batch.full_batch_ratio);
-    }
+    if (!batch.one_shot) planner_->took(double(took * batch.full_batch_ratio), batch.done);
     const DeviceLedger::Times times = ledger_.book(batch.submission.commands.readTimes(), batch);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
-    if (!batch.one_shot)
-        batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);
+    batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);
     if (batch.finer && !batch.still_pictures) refinement_.took(double(took));
 
     const std::span<const PictureView> pictures = batch.submission.pictures();
@@ -347,6 +356,7 @@ void FrameLoop::tellLoad(Clock::time_point now) {
         viewer->deviceHas({batch_planner_.predictMs(viewer->id()), most_full_ms_, frame_ms_,
                            batch_planner_.activeViewers(), planner_->exhausted()});
     viewers_.clear();
+    audience_.setRoom(uint32_t(std::clamp(batch_planner_.roomFor(kLeastPixels, most_frame_ms_), 1.0, 1e9)));
     metrics_.budget(most_full_ms_ / frame_ms_);
     if (!on_device_) most_full_ms_ = 0;
 }

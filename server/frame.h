@@ -93,6 +93,7 @@ private:
     const CostModel costs_;
     const uint64_t memory_; // FrameOptions::memory
     std::atomic<double> frame_ms_;
+    const double most_frame_ms_;
     std::atomic<bool> compiled_{true};
     Simulation simulation_;
     std::optional<Renderer> renderer_; // made anew after a submission failed

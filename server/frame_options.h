@@ -16,6 +16,7 @@ struct FrameOptions {
     unsigned encode_threads = 2;
     unsigned batches = 3;            // batches in flight: one on the device, the others with the encoders
     double frame_ms = 50;            // budget for a frame of all viewers; above it accuracy is given up
+    double most_frame_ms = 500;      // that a frame of all viewers may take: larger pictures are made smaller
     double refine_moving = 0.5;      // part of frame_ms for finer pictures while cameras rest and the medium moves
     uint64_t memory = 1024ull << 20; // most bytes of particles, on the CPU and on the device together
     CostModel costs = builtInCosts();

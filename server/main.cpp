@@ -86,7 +86,8 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     ServerFacts facts{device.name(), {kAutoMethod}};
     for (const std::string& method : methodNames()) facts.methods.push_back(method);
     Audience audience(facts, sceneFacts(scene, otherScenes(options)), options.max_viewers, options.max_in_flight);
-    audience.admitUpTo(options.most_frame_ms);
+    audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner);
+    audience.keepPlaceForOperators(!options.net.token_key.empty());
     Metrics metrics;
     const std::unique_ptr<Recorder> recorder = recorderOf(options, scene, device);
     FrameLoop::Options frame = options.frame;

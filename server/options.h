@@ -23,7 +23,7 @@ struct ServerOptions {
     bool open = false;               // True: serves other machines without a key
     uint32_t max_viewers = 32;
     uint32_t max_in_flight = 6;
-    float most_frame_ms = 500; // ms of a frame of all viewers; above it no viewer is admitted
+    uint32_t max_viewers_per_owner = 24; // of one address, or one token's name
     gpu::DeviceOptions device;
     FrameOptions frame;
     // Replace the scene's values if set.

@@ -32,6 +32,8 @@ std::unique_ptr<Process> start(const Options& options) {
                                      "warn",
                                      "--max-viewers",
                                      room,
+                                     "--max-viewers-per-address",
+                                     room,
                                      "--accept-rate",
                                      sockets,
                                      "--max-connections",

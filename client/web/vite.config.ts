@@ -23,6 +23,8 @@ export default defineConfig(({ mode }) => ({
     proxy: {
       '/ws': { target: server, ws: true },
       '/healthz': server,
+      '/scene': server, // and /scene.toml
+      '/cloud': server,
     },
   },
   test: { include: ['test/*.test.ts'] },

@@ -10,18 +10,30 @@ namespace {
 
 constexpr uint32_t kMostEyes = 64; // of a submission; viewers beyond that are first in the next one
 constexpr auto kRestsFor = std::chrono::milliseconds(150);
-
-double pixelsOf(const PoseRequest& request) { return double(request.width) * request.height * request.views; }
+constexpr size_t kMostSeats = 256;
 
 } // namespace
+
+// Pixels that every viewer may have drawn, so that a frame of all takes no more than `most_ms`.
+void BatchPlanner::fit(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms) {
+    wishes_.clear();
+    most_pixels_.clear();
+    for (const std::shared_ptr<Viewer>& viewer : viewers)
+        wishes_.push_back(schedule_.predict(viewer->id(), viewer->wishedPixels()));
+    const double level = fairLevel(wishes_, std::max(most_ms - schedule_.sharedMs(), 0.0));
+    for (size_t i = 0; i < viewers.size(); ++i)
+        most_pixels_.push_back(wishes_[i] > level ? viewers[i]->wishedPixels() * level / wishes_[i]
+                                                  : std::numeric_limits<double>::infinity());
+}
 
 void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still,
                            Clock::time_point now) {
     due_.clear();
     requests_.clear();
     draw_requests_.clear();
-    for (const std::shared_ptr<Viewer>& viewer : viewers) {
-        const auto due = viewer->pollDue(now, scene, still);
+    for (size_t i = 0; i < viewers.size(); ++i) {
+        const std::shared_ptr<Viewer>& viewer = viewers[i];
+        const auto due = viewer->pollDue(now, scene, still, most_pixels_[i]);
         if (!due) continue;
         const auto same = std::find_if(requests_.begin(), requests_.end(),
                                        [&](const PoseRequest& request) { return samePictures(request, *due); });
@@ -37,26 +49,69 @@ void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uin
     }
 }
 
+uint32_t BatchPlanner::seatOf(const std::string& owner) {
+    const auto [seat, is_new] = seats_.try_emplace(owner, next_seat_);
+    if (is_new) next_seat_ = std::max(next_seat_ + 1, kFirstSeat);
+    return seat->second;
+}
+
+// Of every owner the one that has waited longest.
+void BatchPlanner::findOneShots(std::span<const std::shared_ptr<Viewer>> viewers) {
+    const size_t first = requests_.size();
+    if (seats_.size() > kMostSeats) seats_.clear();
+    for (const std::shared_ptr<Viewer>& viewer : viewers) {
+        const auto request = viewer->pollOneShot();
+        if (!request) continue;
+        const uint32_t seat = seatOf(viewer->owner());
+        size_t at = first;
+        while (at < requests_.size() && draw_requests_[at].viewer != seat) ++at;
+        if (at == requests_.size()) {
+            draw_requests_.push_back({.viewer = seat, .like = uint32_t(at), .alone = true});
+            requests_.push_back(*request);
+            due_.push_back(viewer);
+        } else if (request->received < requests_[at].received) {
+            requests_[at] = *request;
+        }
+        draw_requests_[at].pixels = pixelsOf(requests_[at]);
+        draw_requests_[at].eyes = requests_[at].views;
+    }
+}
+
 bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
                         Clock::time_point now, BatchContents& out) {
     out.jobs.clear();
     out.eyes.clear();
     out.views.clear();
     out.still_pictures = out.one_shot = false;
-    if (!one_shot_last_ && planOneShot(viewers, scene, now, out)) return one_shot_last_ = true;
-    one_shot_last_ = false;
+    out.full_batch_ratio = 1;
+    schedule_.expect(limits.ms_per_pixel);
+    fit(viewers, limits.most_ms);
     findDue(viewers, scene, false, now);
     if (draw_requests_.empty()) { // no viewer's picture has changed
         out.still_pictures = true;
         findDue(viewers, scene, true, now);
     }
-    if (draw_requests_.empty()) return one_shot_last_ = planOneShot(viewers, scene, now, out);
+    const size_t watched = requests_.size();
+    findOneShots(viewers);
+    if (draw_requests_.empty()) return false;
+
+    present_.clear();
+    for (const std::shared_ptr<Viewer>& viewer : viewers) present_.push_back(viewer->id());
+    for (const auto& [owner, seat] : seats_) present_.push_back(seat);
+    std::ranges::sort(present_);
+    schedule_.stay(present_);
     const double dearer = out.still_pictures ? limits.still_ratio : 1;
     for (const uint32_t number :
-         schedule_.choose(draw_requests_, {limits.budget_ms, dearer, kMostEyes, limits.bytes}, now, kTick))
-        if (const auto due = due_[number]->take(requests_[number], now, scene)) add(due_[number], *due, out);
+         schedule_.choose(draw_requests_, {limits.budget_ms, dearer, kMostEyes, limits.bytes}, now, kTick)) {
+        if (draw_requests_[number].alone)
+            takeOneShot(viewers, requests_[number], scene, now, out), out.seat = draw_requests_[number].viewer;
+        else if (const auto due = due_[number]->take(requests_[number], now, scene))
+            add(due_[number], *due, out);
+    }
     due_.clear();
-    for (size_t i = 0; i < draw_requests_.size(); ++i)
+    requests_.resize(watched);
+    if (out.one_shot) return !out.jobs.empty();
+    for (size_t i = 0; i < watched; ++i)
         for (int eye = 0; draw_requests_[i].like == i && eye < requests_[i].views; ++eye)
             out.views.push_back(
                 {eyePose(requests_[i].pose, eye, requests_[i].views), requests_[i].width, requests_[i].height});
@@ -64,21 +119,14 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     return !out.jobs.empty();
 }
 
-// The one that has waited longest, for all who ask for the same picture.
-bool BatchPlanner::planOneShot(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, Clock::time_point now,
-                               BatchContents& out) {
-    std::optional<PoseRequest> first;
+// For all who ask for the same picture.
+void BatchPlanner::takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers, const PoseRequest& wanted,
+                               uint64_t scene, Clock::time_point now, BatchContents& out) {
     for (const std::shared_ptr<Viewer>& viewer : viewers)
-        if (const auto request = viewer->pollOneShot(); request && (!first || request->received < first->received))
-            first = request;
-    if (!first) return false;
-    for (const std::shared_ptr<Viewer>& viewer : viewers)
-        if (const auto request = viewer->pollOneShot(); request && samePictures(*request, *first))
+        if (const auto request = viewer->pollOneShot(); request && samePictures(*request, wanted))
             if (const auto due = viewer->take(*request, now, scene)) add(viewer, *due, out);
     for (const EyeRequest& eye : out.eyes) out.views.push_back({eye.pose, eye.width, eye.height});
-    out.full_batch_ratio = 1;
-    out.one_shot = out.still_pictures = !out.jobs.empty();
-    return out.one_shot;
+    out.one_shot = out.still_pictures = true;
 }
 
 // Viewers that ask for the same pictures share them.
@@ -102,6 +150,11 @@ bool BatchPlanner::camerasRest(Clock::time_point now) const {
 }
 
 void BatchPlanner::took(const BatchContents& batch, double shared_ms, double besides, bool usual) {
+    if (batch.one_shot) {
+        const BatchJob& drawn = batch.jobs.front();
+        return schedule_.took(batch.seat, pixelsOf(drawn.due.request), besides * (shared_ms + double(drawn.gpu_ms)),
+                              false);
+    }
     schedule_.sharedTook(besides * shared_ms);
     if (!usual) return;
     for (const BatchJob& job : batch.jobs)

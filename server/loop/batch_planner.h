@@ -2,6 +2,8 @@
 // clock and no device, so that fairness and overload are tested by themselves.
 #pragma once
 
+#include <limits>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -30,19 +32,23 @@ struct BatchContents {
     // True: redraws views that have not changed for 150 ms, with less error and full colour.
     bool still_pictures = false;
     bool one_shot = false;      // True: one picture of PoseRequest::one_shot; it says nothing about the viewers' load
+    uint32_t seat = 0;          // of a one-shot picture: its owner's in the schedule
     float full_batch_ratio = 1; // predicted time of a batch with all due viewers / of this batch; at least 1
 };
 
 class BatchPlanner {
 public:
     struct Limits {
-        double budget_ms = 0;   // that a batch may take
+        double budget_ms = 0;                                     // that a batch may take
+        double most_ms = std::numeric_limits<double>::infinity(); // that one with the pictures of all viewers may take
+        double ms_per_pixel = 0;                                  // predicted, until pictures were measured
         double still_ratio = 1; // predicted time of a still picture / of the same while it moves
         uint64_t bytes = ~0ull; // of a batch's pictures; a viewer that exceeds them alone is drawn alone
     };
     // Takes the due viewers that the budget allows. `scene`: a version of all that is seen. When nothing has changed
-    // for anybody, still pictures are taken. Every other batch may be a one-shot picture, alone, so that neither
-    // those nor the viewers wait for the other. False when nobody is due.
+    // for anybody, still pictures are taken. Pictures that are too large for `most_ms` are made smaller, the largest
+    // first. One-shot pictures are drawn alone; all of one owner share one viewer's part of the time. False when nobody
+    // is due.
     bool plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
               Clock::time_point now, BatchContents& out);
 
@@ -58,16 +64,28 @@ public:
 
     // What the device has to do for this viewer, and for how many it does.
     double predictMs(uint32_t viewer) const { return schedule_.predict(viewer); }
+    // Schedule::someoneWaits().
+    bool someoneWaits() const { return schedule_.someoneWaits(); }
+    // Viewers for whom there is time within `most_ms` if each has a picture of `pixels`; nothing is known: infinite.
+    double roomFor(double pixels, double most_ms) const { return schedule_.roomFor(pixels, most_ms); }
     uint32_t activeViewers() const { return std::max(schedule_.active(), 1u); }
 
 private:
-    bool planOneShot(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, Clock::time_point now,
-                     BatchContents& out);
+    static constexpr uint32_t kFirstSeat = 1u << 31; // viewers' ids count up from 1
+
+    void fit(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms);
+    void findOneShots(std::span<const std::shared_ptr<Viewer>> viewers);
+    void takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers, const PoseRequest& request, uint64_t scene,
+                     Clock::time_point now, BatchContents& out);
     void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, Clock::time_point now);
+    uint32_t seatOf(const std::string& owner);
     void add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due, BatchContents& out) const;
 
-    bool one_shot_last_ = false; // True: the last batch was a one-shot picture
     Schedule schedule_;
+    std::map<std::string, uint32_t> seats_; // of owners whose one-shot pictures wait, as if each were a viewer
+    uint32_t next_seat_ = kFirstSeat;
+    std::vector<double> wishes_, most_pixels_; // by viewer: device time, predicted; Viewer::pollDue()
+    std::vector<uint32_t> present_;            // ids in the schedule
     std::vector<std::shared_ptr<Viewer>> due_; // viewers of the requests in the next two lists
     std::vector<PoseRequest> requests_;
     std::vector<Schedule::DrawRequest> draw_requests_;

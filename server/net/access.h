@@ -19,6 +19,11 @@ struct Authorization {
     std::string name;                       // of the token, for the log; may be empty
 };
 
+// Newcomer::owner of who comes with it. `network`: ConnectionSlot::network().
+inline std::string ownerOf(const Authorization& authorization, const std::string& network) {
+    return authorization.name.empty() ? "address " + network : "token " + authorization.name;
+}
+
 // Reads the token in the header `Authorization: Bearer ...` or, without one, the `token` of the query. Without a token
 // key everyone is operator. A refusal is HTTP 401 and one line if there is no good token, 403 if its role is below
 // `least`.

@@ -71,6 +71,7 @@ public:
     ConnectionSlot(const ConnectionSlot&) = delete;
     ConnectionSlot& operator=(const ConnectionSlot&) = delete;
     const std::string& address() const { return address_; }
+    const std::string& network() const { return network_; } // what counts as one address
     // The connection that uses the slot from now on. It is stopped at once if all others already are.
     void assign(const std::shared_ptr<Connection>& connection);
 

@@ -53,7 +53,9 @@ private:
     asio::awaitable<bool> secure();
     asio::awaitable<bool> answer(RequestParser& parser);
     asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
-    asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query);
+    asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query,
+                                   Authorization authorization);
+    Newcomer newcomer(const Authorization& authorization) const;
     asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);
     asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
     asio::awaitable<bool> pause(const HttpRequest& request, bool on);

@@ -31,8 +31,15 @@ asio::awaitable<bool> HttpConnection::sendLater(const HttpRequest& request, std:
     return send(request, route, std::move(reply));
 }
 
+Newcomer HttpConnection::newcomer(const Authorization& authorization) const {
+    return {.owner = ownerOf(authorization, slot_->network()),
+            .is_operator = authorization.role >= Role::operator_,
+            .max_in_flight = 1};
+}
+
 // One still picture of a camera that the query places, within the scene's error whatever the load.
-asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query) {
+asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query,
+                                               Authorization authorization) {
     if (request.method() == http::verb::head)
         co_return co_await send(request, "snapshot", lineReply(405, "only GET is served here"));
     auto read = readPictureQuery(query, context_->options, context_->audience.scene()->scene.camera);
@@ -50,10 +57,11 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
             co_return co_await sendLater(request, "snapshot",
                                          fmt::format("{} snapshots are being drawn, the most at a time", most));
         }
-        const auto handle = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1);
+        const auto [handle, why] =
+            ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), newcomer(authorization));
         if (!handle) {
             context_->metrics.refused("snapshots");
-            co_return co_await sendLater(request, "snapshot", context_->audience.whyFull());
+            co_return co_await sendLater(request, "snapshot", why);
         }
         PoseRequest pose = picture.request;
         pose.one_shot = true;
@@ -94,10 +102,11 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         context_->metrics.refused("streams");
         co_return co_await sendLater(request, "stream", fmt::format("{} streams are open, the most at a time", most));
     }
-    const auto handle = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 1);
+    const auto [handle, why] =
+        ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), newcomer(authorization));
     if (!handle) {
         context_->metrics.refused("streams");
-        co_return co_await sendLater(request, "stream", context_->audience.whyFull());
+        co_return co_await sendLater(request, "stream", why);
     }
     picture.request.received = Clock::now();
     handle->viewer().setPose(picture.request);
@@ -130,6 +139,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         due = std::max(due + period, Clock::now());
         while (Clock::now() < due && !context_->stopping) co_await event_->wait(due);
         handle->viewer().acknowledge(frame->id);
+        handle->viewer().observe(Clock::now(), false); // it gives up size and rate under load, as others do
         if (FramePtr next = co_await nextFrame(*handle, kRepeatAfter)) frame = std::move(next);
         if (!handle->viewer().refusal().empty()) break;
     }

@@ -10,12 +10,17 @@ namespace brume::net {
 
 class ViewerHandle {
 public:
-    // Null if the audience is full. `audience` and `metrics` outlive the handle. `notify` is called when a frame is
-    // ready; the destructor waits for a call that runs. `max_in_flight` and `key` as in Audience::join.
-    static std::unique_ptr<ViewerHandle> join(Audience& audience, Metrics& metrics, std::function<void()> notify,
-                                              uint32_t max_in_flight = 0, const std::string& key = {}) {
-        auto viewer = audience.join(std::move(notify), max_in_flight, key);
-        return viewer ? std::unique_ptr<ViewerHandle>(new ViewerHandle(audience, metrics, std::move(viewer))) : nullptr;
+    struct Admission {
+        std::unique_ptr<ViewerHandle> handle; // null: refused
+        const char* refusal;                  // one line
+    };
+    // As Audience::join(). `audience` and `metrics` outlive the handle. `notify` is called when a frame is ready; the
+    // destructor waits for a call that runs.
+    static Admission join(Audience& audience, Metrics& metrics, std::function<void()> notify,
+                          const Newcomer& newcomer) {
+        auto [viewer, refusal] = audience.join(std::move(notify), newcomer);
+        if (!viewer) return {nullptr, refusal};
+        return {std::unique_ptr<ViewerHandle>(new ViewerHandle(audience, metrics, std::move(viewer))), ""};
     }
     ~ViewerHandle() {
         audience_.leave(viewer_, lost_);

@@ -294,14 +294,18 @@ void WebSocketSession::carryOut(Effects& effects) {
 }
 
 void WebSocketSession::admit(const Admit& hello) {
-    handle_ = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), 0, hello.resume);
+    auto [handle, why] = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(),
+                                            {.owner = ownerOf(authorization_, slot_->network()),
+                                             .is_operator = authorization_.role >= Role::operator_,
+                                             .key = hello.resume});
+    handle_ = std::move(handle);
     if (!handle_) {
         context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
-        spdlog::info("{} from {}: turned away, {}", hello.client, slot_->address(), context_->audience.whyFull());
-        const char* why = context_->audience.whyFull();
+        spdlog::info("{} from {}: turned away, {}", hello.client, slot_->address(), why);
         enqueue(packError(wire::ErrorCode::full, why, 0));
         return close(kCloseTryLater, why, kRetryFull);
     }
+    handle_->viewer().grant(hello.granted);
     name_ = fmt::format("viewer {}", handle_->viewer().id());
     const std::string whose = authorization_.name.empty() ? "" : fmt::format(" ({})", authorization_.name);
     spdlog::info("{}{}: {} from {}, {}x{}, {}, {}", name_, whose, hello.client, slot_->address(), hello.granted.width,

@@ -17,8 +17,8 @@ void addDeviceOptions(OptionTable& table, ServerOptions& o) {
     g.option("--refine-moving", o.frame.refine_moving,
              "part of it that finer pictures may take while cameras rest and the medium moves; 0: none")
         .range(0.0, 1.0);
-    g.option("--most-frame-time", o.most_frame_ms,
-             "that a frame of all viewers may take: newcomers are told to come back later")
+    g.option("--most-frame-time", o.frame.most_frame_ms,
+             "that a frame of all viewers may take: larger pictures are made smaller")
         .range(1.0, 60'000.0)
         .unit("MS");
     g.option("--ahead", o.ahead, "compile shaders that may be needed later: background, off, or only that and end")

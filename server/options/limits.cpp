@@ -5,6 +5,9 @@ namespace brume {
 void addLimitOptions(OptionTable& table, ServerOptions& o) {
     OptionGroup g(table, "Limits");
     g.option("--max-viewers", o.max_viewers, "MJPEG streams and snapshots count").range(1, 1000).live();
+    g.option("--max-viewers-per-address", o.max_viewers_per_owner, "and with tokens of each name in them")
+        .range(1, 1000)
+        .live();
     g.option("--max-in-flight", o.max_in_flight, "frames a viewer may leave unacknowledged").range(1, 16);
     g.mebibytes("--memory", o.frame.memory,
                 "that particles may take on the CPU and on the device; a scene with more is refused")

@@ -8,7 +8,7 @@
 namespace brume {
 namespace {
 
-constexpr size_t kMostLost = 1024;
+constexpr size_t kMostLost = 1024, kMostOfOne = 64; // viewers whose connection broke: of all, of one owner
 constexpr std::chrono::seconds kComesBackWithin{60};
 
 // A secret key: 128 random bits in hexadecimal.
@@ -54,54 +54,70 @@ void Audience::setScene(std::shared_ptr<const SceneFacts> scene) {
     ++revision_;
 }
 
-void Audience::setMaxViewers(uint32_t max_viewers) {
+void Audience::setMaxViewers(uint32_t max_viewers, uint32_t per_owner) {
     const std::scoped_lock lock(mutex_);
     max_viewers_ = max_viewers;
+    max_per_owner_ = per_owner;
 }
 
-std::shared_ptr<Viewer> Audience::join(std::function<void()> notify, uint32_t max_in_flight, const std::string& key) {
+const char* Audience::whyFull(const Newcomer& newcomer) const {
+    const size_t places = max_viewers_ - (keeps_place_ && !newcomer.is_operator && max_viewers_ > 1);
+    if (viewers_.size() >= places)
+        return viewers_.size() >= max_viewers_ ? "every place is taken" : "the last place is kept for operators";
+    if (viewers_.size() >= room_) return "there is no time to draw for one more viewer";
+    const auto own = std::ranges::count_if(viewers_, [&](const auto& one) { return one->owner() == newcomer.owner; });
+    if (!newcomer.owner.empty() && uint32_t(own) >= max_per_owner_)
+        return "your address or token has as many places as one may have";
+    return nullptr;
+}
+
+Audience::Admission Audience::join(std::function<void()> notify, const Newcomer& newcomer) {
     const std::scoped_lock lock(mutex_);
-    if (viewers_.size() >= max_viewers_ || !hasTime()) return nullptr;
-    const uint32_t window = max_in_flight == 0 ? max_in_flight_ : std::min(max_in_flight, max_in_flight_);
+    if (const char* const refusal = whyFull(newcomer)) return {nullptr, refusal};
+    const uint32_t window =
+        newcomer.max_in_flight == 0 ? max_in_flight_ : std::min(newcomer.max_in_flight, max_in_flight_);
     PacingOptions pacing;
     pacing.most_frames = window;
     pacing.least_frames = std::min(pacing.least_frames, window);
-    const auto known = key.empty() ? lost_.end() : lost_.find(key);
-    const bool back = known != lost_.end() && known->second.until > Clock::now();
-    viewers_.push_back(std::make_shared<Viewer>(back ? known->second.id : next_id_++, pacing, std::move(notify)));
-    viewers_.back()->known(newKey());
-    if (back) viewers_.back()->resume(known->second.pose);
-    if (known != lost_.end()) lost_.erase(known); // a key can be used once
+    const auto known = newcomer.key.empty() ? lost_.end() : lost_.find(newcomer.key);
+    const bool back =
+        known != lost_.end() && known->second.owner == newcomer.owner && known->second.until > Clock::now();
+    auto viewer = std::make_shared<Viewer>(back ? known->second.id : next_id_++, pacing, std::move(notify));
+    viewer->known(newKey(), newcomer.owner);
+    if (back) {
+        viewer->resume(known->second.pose);
+        lost_.erase(known); // a key can be used once
+    }
+    viewers_.push_back(viewer);
     ++revision_;
-    return viewers_.back();
-}
-
-bool Audience::hasTime() const {
-    const auto count = float(viewers_.size());
-    return count == 0 || frame_ms_ * (count + 1) / count <= most_frame_ms_;
-}
-
-const char* Audience::whyFull() const {
-    const std::scoped_lock lock(mutex_);
-    return viewers_.size() >= max_viewers_ ? "every place is taken" : "there is no time to draw for one more viewer";
-}
-
-void Audience::frameTook(float ms) {
-    const std::scoped_lock lock(mutex_);
-    frame_ms_ = frame_ms_ == 0 ? ms : frame_ms_ + 0.1f * (ms - frame_ms_);
+    return {std::move(viewer)};
 }
 
 void Audience::leave(const std::shared_ptr<Viewer>& viewer, bool lost) {
     {
         const std::scoped_lock lock(mutex_);
         if (std::erase(viewers_, viewer) > 0) ++revision_;
-        if (viewers_.empty()) frame_ms_ = 0;
-        const auto now = Clock::now();
-        std::erase_if(lost_, [&](const auto& one) { return one.second.until <= now; });
-        if (lost && lost_.size() < kMostLost)
-            lost_[viewer->key()] = {viewer->id(), viewer->pose(), now + kComesBackWithin};
+        if (lost) remember(viewer);
     }
     viewer->close(); // without the lock: close() waits for the viewer's notify, which may call this class
+}
+
+// Keeps what a lost viewer resumes with. Where too many are kept, of one owner or of all, the oldest goes.
+void Audience::remember(const std::shared_ptr<Viewer>& viewer) {
+    const auto now = Clock::now();
+    std::erase_if(lost_, [&](const auto& one) { return one.second.until <= now; });
+    const auto oldest = [&](auto&& counts) {
+        auto found = lost_.end();
+        for (auto one = lost_.begin(); one != lost_.end(); ++one)
+            if (counts(one->second) && (found == lost_.end() || one->second.until < found->second.until)) found = one;
+        return found;
+    };
+    const auto same_owner = [&](const Lost& one) { return one.owner == viewer->owner(); };
+    if (size_t(std::ranges::count_if(lost_, [&](const auto& one) { return same_owner(one.second); })) >= kMostOfOne)
+        lost_.erase(oldest(same_owner));
+    else if (lost_.size() >= kMostLost)
+        lost_.erase(oldest([](const Lost&) { return true; }));
+    lost_[viewer->key()] = {viewer->id(), viewer->owner(), viewer->pose(), now + kComesBackWithin};
 }
 
 uint32_t Audience::size() const {

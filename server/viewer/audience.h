@@ -59,6 +59,15 @@ struct ServerFacts {
     std::vector<std::string> choicesOf(const SceneSetting& setting) const;
 };
 
+// Who asks to join.
+struct Newcomer {
+    // What counts as one person where places and time are shared out: an address, or the name in a token.
+    std::string owner;
+    bool is_operator = false;   // True: may take the place that is kept for operators
+    uint32_t max_in_flight = 0; // a smaller window than the server's; 0: the server's
+    std::string key;            // of a viewer whose connection was lost; empty: somebody new
+};
+
 class Audience {
 public:
     // `max_in_flight`: the most frames in flight for one viewer; Pacing may decide for fewer.
@@ -69,20 +78,21 @@ public:
     // Another scene is shown from now on: every viewer is told.
     void setScene(std::shared_ptr<const SceneFacts> scene);
 
-    // Viewers that have joined stay, also when there are more than the new limit.
-    void setMaxViewers(uint32_t max_viewers);
+    // Viewers that have joined stay, also when there are more than the new limits. `per_owner`: Newcomer::owner.
+    void setMaxViewers(uint32_t max_viewers, uint32_t per_owner = ~0u);
     uint32_t maxInFlight() const { return max_in_flight_; }
 
-    // Admits a viewer; null when whyFull() applies. `max_in_flight`: a smaller window than the server's; 0: the
-    // server's. `key`: the key of a viewer whose connection was lost less than a minute ago. It gets its id and its
-    // pose back.
-    std::shared_ptr<Viewer> join(std::function<void()> notify, uint32_t max_in_flight = 0, const std::string& key = {});
-    // The reason, one line, for which join() returned null.
-    const char* whyFull() const;
-    // Admission by time. frameTook(): measured device time of a frame of all viewers (ms). admitUpTo(): the most that
-    // it may become (ms). join() refuses a viewer that would make it longer.
-    void frameTook(float ms);
-    void admitUpTo(float ms) { most_frame_ms_ = ms; }
+    // Admits a viewer, or says in one line why not. A viewer whose connection was lost less than a minute ago gets its
+    // id and its pose back, if the owner is the same.
+    struct Admission {
+        std::shared_ptr<Viewer> viewer; // null: refused
+        const char* refusal = "";
+    };
+    Admission join(std::function<void()> notify, const Newcomer& newcomer = {});
+    // The last place is for operators. For servers whose tokens say who is one.
+    void keepPlaceForOperators(bool keep) { keeps_place_ = keep; }
+    // The device has time for so many viewers at least, each with a small picture. join() refuses more.
+    void setRoom(uint32_t viewers) { room_ = viewers; }
     // Removes the viewer and closes it. `lost`: true if its connection broke, so that it may come back with its key.
     // Precondition: not called from the viewer's own notify.
     void leave(const std::shared_ptr<Viewer>& viewer, bool lost = false);
@@ -102,22 +112,25 @@ public:
     std::atomic<bool> ready{false};
 
 private:
-    bool hasTime() const; // True: one more viewer fits admitUpTo(). Precondition: mutex_ is held
+    const char* whyFull(const Newcomer& newcomer) const; // null: it is not. Precondition: mutex_ is held
+    void remember(const std::shared_ptr<Viewer>& viewer);
 
     const ServerFacts facts_;
-    uint32_t max_viewers_, max_in_flight_;
+    uint32_t max_viewers_, max_in_flight_, max_per_owner_ = ~0u;
+    std::atomic<uint32_t> room_{~0u};
+    std::atomic<bool> keeps_place_{false};
     CommandQueue commands_;
     SceneRequests scene_requests_;
     mutable std::mutex mutex_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     uint32_t next_id_ = 1;
-    float frame_ms_ = 0, most_frame_ms_ = 1e30f; // frame_ms_: smoothed
     struct Lost {
         uint32_t id;
+        std::string owner;
         std::optional<PoseRequest> pose;
         Clock::time_point until;
     };
-    std::map<std::string, Lost> lost_; // viewers whose connection broke, by key; at most kMostLost
+    std::map<std::string, Lost> lost_; // viewers whose connection broke, by key
     std::shared_ptr<const SceneFacts> scene_;
     std::shared_ptr<const SceneReport> report_;
     uint64_t revision_ = 0;

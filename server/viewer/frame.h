@@ -48,6 +48,8 @@ struct EncodedFrame {
     std::array<Jpeg, 2> jpeg; // one for each of request.views eyes
     bool png = false;         // True: all pictures are PNG; false: JPEG
 };
+// Of all its views together.
+double pixelsOf(const PoseRequest& request);
 // True if both requests ask for the same pictures. Their numbers and times may differ.
 bool samePictures(const PoseRequest& a, const PoseRequest& b);
 

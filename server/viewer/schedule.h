@@ -11,10 +11,17 @@
 
 namespace brume {
 
-// Earliest deadline first:
-//   deadline = last frame + interval, and not before the viewer asked
-//   interval = max(ticks that its quality allows, its predicted time x active viewers), at most max(1 s, 2 x that time)
-// A waiting viewer's deadline stays, while those of drawn viewers move on: nobody waits forever.
+// The most that anybody gets when all get what they demand, but nobody more than that: the sum of min(demand, level) is
+// `capacity`. Infinite where there is enough for all. Max-min fairness; O(n^2), allocates nothing.
+double fairLevel(std::span<const double> demands, double capacity);
+
+// Equal time for each viewer; of those whose turn has come the earliest deadline first (worst-case fair queueing,
+// Bennett and Zhang 1996):
+//   turn     = the turn of its last frame + interval, and not before the viewer asked
+//   deadline = turn + interval
+//   interval = max(ticks that its quality allows, its predicted time / its part of the device)
+//   part     = what it demands, its predicted time once a tick, but not more than the fair level of all active viewers
+// So a small picture never waits for more than one dear one, and who comes anew is no better off than who stays.
 class Schedule {
 public:
     // The pictures that one due viewer asks for.
@@ -25,6 +32,7 @@ public:
         uint64_t bytes = 0; // device memory for its pictures
         uint32_t every = 1; // least ticks between its frames
         uint32_t like = 0;  // index of the first request with the same pictures: they are drawn once
+        bool alone = false; // True: not together with others, and only in its turn where there are others
     };
     struct Limits {
         double budget_ms = 0;   // most predicted time of a batch
@@ -36,8 +44,9 @@ public:
     // Chooses requests for the next batch; returns their indices, earliest deadline first.
     // - All of them, when they fit or exceed the budget by no more than half: a second batch would cost the others
     //   more.
-    // - Otherwise as many as fit. The first is taken in any case, unless it exceeds the budget alone, its deadline is
-    //   still to come, and other viewers are active.
+    // - Otherwise as many as fit. The first is taken in any case, unless it exceeds the budget alone, its turn is still
+    //   to come, and other viewers are active.
+    // - A request that wants to be alone is the only one when it comes first; it counts in no batch of all.
     // `tick`: duration of a simulation tick.
     std::span<const uint32_t> choose(std::span<const DrawRequest> requests, const Limits& limits, Clock::time_point now,
                                      Clock::duration tick);
@@ -45,32 +54,51 @@ public:
     double fullBatchMs() const { return full_batch_ms_; }
     double chosenMs() const { return chosen_ms_; }
 
+    // Of the last choose(). True: somebody whose turn has come was left out. The device should not wait for the next
+    // tick with it.
+    bool someoneWaits() const { return someone_waits_; }
+
+    // Predicted device time of a pixel, for as long as nothing was measured.
+    void expect(double ms_per_pixel) {
+        if (ms_per_pixel_ == 0) ms_per_pixel_ = ms_per_pixel;
+    }
+    // Viewers that are not among these have left: they take no part any more. `viewers`: ids, ascending.
+    void stay(std::span<const uint32_t> viewers);
+
     // Measured device time: of this viewer's pictures, of `pixels` in all; and of the work that the batch's viewers
-    // share.
-    void took(uint32_t viewer, double pixels, double ms);
+    // share. `usual`: false if it says nothing of what other viewers' pictures take.
+    void took(uint32_t viewer, double pixels, double ms, bool usual = true);
     void sharedTook(double ms);
     // Predicted device time (ms) of a viewer's pictures. A viewer not measured yet counts as the average one. 0:
     // nothing is known.
     double predict(uint32_t viewer, double pixels) const;
     // The same for the pictures that the viewer last asked for; 0 for an unknown viewer.
     double predict(uint32_t viewer) const;
-    // Viewers that asked for pictures in the second before the last choose().
+    // Smoothed device time (ms) of the work that a batch's viewers share.
+    double sharedMs() const { return shared_ms_; }
+    // Viewers for whom a batch has time within `most_ms` if each has pictures of `pixels`; nothing known: infinite.
+    double roomFor(double pixels, double most_ms) const { return (most_ms - shared_ms_) / (pixels * ms_per_pixel_); }
+    // Viewers that asked for pictures in the second before the last choose(), and have not left.
     uint32_t active() const { return active_; }
 
 private:
     // State of one viewer between batches.
     struct Turn {
-        double ms_per_pixel = 0; // smoothed; 0: not measured
-        double pixels = 0;       // of its last request
-        Clock::time_point drawn{}, since{}, seen{};
-        bool waits = false; // True: asked at `since`, not drawn yet
+        double ms_per_pixel = 0;                    // smoothed; 0: not measured
+        double pixels = 0;                          // of its last request
+        double every_ms = 0;                        // least time between its frames
+        Clock::time_point began{}, since{}, seen{}; // began: the turn of its last frame
+        bool waits = false;                         // True: asked at `since`, not drawn yet
     };
-    Clock::time_point deadline(const DrawRequest& request, Clock::duration tick);
+    void setTurns(std::span<const DrawRequest> requests, Clock::time_point now, Clock::duration tick);
+    double fairPart(Clock::time_point now);
 
-    std::map<uint32_t, Turn> turns_; // by viewer; forgotten 10 s after the last request
+    std::map<uint32_t, Turn> turns_; // by viewer; forgotten when it leaves, and 10 s after its last request
     double shared_ms_ = 0, ms_per_pixel_ = 0, full_batch_ms_ = 0, chosen_ms_ = 0;
     uint32_t active_ = 0;
-    std::vector<Clock::time_point> deadlines_;
+    bool someone_waits_ = false;
+    std::vector<Clock::time_point> turn_of_, deadlines_; // by request
+    std::vector<double> demands_;                        // of active viewers, parts of the device
     std::vector<uint32_t> order_, chosen_;
     std::vector<char> drawn_; // [request]: 1 if its pictures are in the batch
 };

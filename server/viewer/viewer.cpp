@@ -13,7 +13,18 @@ constexpr float kDisplayMs = 500.0f / 60; // mean time until a display's next fr
 // Serial numbers that wrap around: `a` is newer when less than half the range ahead.
 bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
 
+// The factor on the sides of a picture of which only a part of the pixels may be drawn. It grows only where there is a
+// quarter to spare, so that sizes do not swing.
+double fitted(double part, double before) {
+    constexpr double kSteps[] = {1, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125};
+    for (const double side : kSteps)
+        if (side * side * (side > before ? 1.25 : 1) <= part) return side;
+    return kSteps[std::size(kSteps) - 1];
+}
+
 } // namespace
+
+double pixelsOf(const PoseRequest& request) { return double(request.width) * request.height * request.views; }
 
 bool samePictures(const PoseRequest& a, const PoseRequest& b) {
     return a.pose.position == b.pose.position && a.pose.orientation == b.pose.orientation &&
@@ -42,6 +53,17 @@ void Viewer::resume(const std::optional<PoseRequest>& pose) {
     resumed_ = any_pose_ = true;
     pose_ = pose;
     if (pose_) pose_->received = Clock::now();
+}
+
+void Viewer::grant(const PoseRequest& granted) {
+    const std::scoped_lock lock(mutex_);
+    if (!pose_) return;
+    PoseRequest request = granted;
+    request.seq = pose_->seq;
+    request.client_time_us = pose_->client_time_us;
+    request.pose = pose_->pose;
+    request.received = request.since = pose_->received;
+    pose_ = request;
 }
 
 std::optional<PoseRequest> Viewer::pose() const {
@@ -99,16 +121,24 @@ void Viewer::close() {
     notify_ = nullptr;
 }
 
-std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture) {
+double Viewer::wishedPixels() const {
+    const std::scoped_lock lock(mutex_);
+    if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return 0;
+    return pixelsOf(*pose_);
+}
+
+std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
+                                           double most_pixels) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
     const QualityStep step = quality_.step();
     PoseRequest request = *pose_;
-    request.lowered = quality_.level() > 0 || quality_.deviceLevel() > 0;
+    fit_ = fitted(most_pixels / pixelsOf(*pose_), fit_);
+    request.lowered = quality_.level() > 0 || quality_.deviceLevel() > 0 || fit_ < 1;
     request.quality = std::min(request.quality, step.quality);
-    if (step.half)
-        request.width = std::max<uint16_t>(request.width / 2, 1),
-        request.height = std::max<uint16_t>(request.height / 2, 1);
+    const double side = std::min(step.half ? 0.5 : 1.0, fit_);
+    request.width = uint16_t(std::max(request.width * side, 1.0));
+    request.height = uint16_t(std::max(request.height * side, 1.0));
     if (made_ && scene && scene == scene_ && samePictures(*made_, request)) {
         // PNG is large: over a link that has queued, the next pose's picture would wait behind it.
         const bool lossless = made_detail_ == Detail::still && request.takes_png && !pacing_.bytes();

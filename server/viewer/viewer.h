@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -26,9 +27,16 @@ public:
     const std::string& key() const { return key_; }
     // True if it continues a viewer whose connection broke.
     bool resumed() const { return resumed_; }
-    void known(std::string key) { key_ = std::move(key); }
+    // Newcomer::owner.
+    const std::string& owner() const { return owner_; }
+    void known(std::string key, std::string owner) {
+        key_ = std::move(key);
+        owner_ = std::move(owner);
+    }
     // Continues with the pose of a broken connection. The next setPose() counts, however old its number is.
     void resume(const std::optional<PoseRequest>& pose);
+    // Size, views, quality and format of what it asks for now are those of `granted`; the camera stays.
+    void grant(const PoseRequest& granted);
     std::optional<PoseRequest> pose() const;
 
     // --- the connection's side ---
@@ -62,10 +70,14 @@ public:
     // frames as QualityStep::every says, and it notes when the window of bytes held a request back. Nothing is due
     // while there is no pose, the viewer's window is hidden, or a window of frames or bytes is full. Nothing is due
     // either when the picture would equal the last one: same view and same `scene` (a version of all that is seen;
-    // nothing: it always differs). `still_picture`: asks for refinements of a still picture instead. First, after
+    // nothing: it always differs). `most_pixels`: of all its eyes together; a larger picture is made smaller, in
+    // steps. `still_picture`: asks for refinements of a still picture instead. First, after
     // 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a link that does not
     // queue. Each comes once.
-    std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture);
+    std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
+                                       double most_pixels = std::numeric_limits<double>::infinity());
+    // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.
+    double wishedPixels() const;
     // The request of a viewer whose pose is PoseRequest::one_shot, until its frame was handed out. pollDue() returns
     // nothing for such a viewer.
     std::optional<PoseRequest> pollOneShot();
@@ -105,7 +117,7 @@ private:
     mutable std::mutex mutex_;
     std::mutex notify_mutex_;
     std::function<void()> notify_;
-    std::string key_;
+    std::string key_, owner_;
     bool resumed_ = false, any_pose_ = false; // any_pose_: true if the next pose counts, however old its number is
     std::optional<PoseRequest> pose_;
     FramePtr frame_;
@@ -117,6 +129,7 @@ private:
     Clock::time_point made_at_{};         // when a frame was last handed out
     std::optional<uint64_t> scene_;       // its version of the scene
     Detail made_detail_ = Detail::moving; // its refinement
+    double fit_ = 1;                      // factor on the sides of its pictures, for `most_pixels`
     uint32_t skipped_ = 0;                // frames skipped since the last one, for QualityStep::every
     std::optional<DeviceLoad> device_;    // since the last observe()
     bool held_back_ = false;              // True: the window of bytes held a request back since then

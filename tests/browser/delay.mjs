@@ -1,13 +1,24 @@
-// A stand-in for a long way: passes TCP on to a server, every byte `ms` later, in either direction.
+// A stand-in for a long or narrow way: passes TCP on to a server, every byte `ms` later, in either direction, and no more
+// than `rate` bytes a second from it.
 import { connect, createServer } from 'node:net';
 
+const PACKET = 1460; // bytes
+
 // Where a page finds the server through it: { url, stop() }.
-export async function startDelay(url, ms) {
+export async function startDelay(url, ms, rate = Infinity) {
   const { hostname, port } = new URL(url);
   const sockets = new Set();
-  const pass = (from, to) => {
+  const pass = (from, to, most = Infinity) => {
     const later = (act) => setTimeout(() => to.destroyed || act(), ms); // timers of one length keep their order
-    from.on('data', (chunk) => later(() => to.write(chunk)));
+    let free = 0; // when the narrow way has passed on what came before
+    const through = (packet) => {
+      free = Math.max(free, performance.now()) + (1000 * packet.length) / most;
+      setTimeout(() => to.destroyed || to.write(packet), ms + free - performance.now());
+    };
+    from.on('data', (chunk) => {
+      if (most === Infinity) return later(() => to.write(chunk));
+      for (let at = 0; at < chunk.length; at += PACKET) through(chunk.subarray(at, at + PACKET));
+    });
     from.on('end', () => later(() => to.end()));
     from.on('error', () => later(() => to.destroy()));
     from.on('close', () => {
@@ -22,7 +33,7 @@ export async function startDelay(url, ms) {
       sockets.add(socket);
     }
     pass(near, far);
-    pass(far, near);
+    pass(far, near, rate);
   });
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
   return {

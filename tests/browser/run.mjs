@@ -374,6 +374,9 @@ test('a full server refuses politely, and lets in who waits when there is room',
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });
 
+await import('./element.mjs');
 await import('./eyes.mjs');
+await import('./links.mjs');
+await import('./scenes.mjs');
 await import('./trust.mjs');
 await import('./window.mjs');

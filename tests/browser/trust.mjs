@@ -79,6 +79,9 @@ describe('a server with a key', () => {
     assert.deepEqual([parts['Light'], parts['Simulation'], parts['Render']], [false, false, true]);
     await page.keyboard.press('p');
     await until(page, 'it is paused', pausedIs, true);
+    const guest = await openPage(t, browser, `${server.url}/#token=${token('viewer')}`);
+    await guest.locator('#status-text', { hasText: 'Paused: a controller can resume' }).waitFor();
+    await guest.leave();
     const chief = await openPage(t, browser, `${server.url}/#token=${token('operator')}`);
     await connected(chief);
     assert.ok(Object.values(await inert(chief)).every((part) => !part));

@@ -86,6 +86,10 @@ class Package(unittest.TestCase):
             self.assertAlmostEqual(frame.fov, 0.5)
             self.assertEqual(frame.array().shape, (size[1], size[0], 3))
             self.assertGreater(numpy.std(frame.array()), 2, 'a picture of something')
+        for x in range(60):  # at every moment of a tick: frames of the camera before are on their way
+            time.sleep(x / 60 / 60)
+            view.look(position=(x, 6, 26))
+            self.assertEqual(view.frame().position, (x, 6, 26))
         view.look(orientation=(0, 0, 0, 1))
         self.assertEqual(view.frame().orientation, (0, 0, 0, 1))
         ticks = [frame.tick for frame in view.frames(5)]
@@ -172,6 +176,21 @@ class Package(unittest.TestCase):
         self.assertGreater(view.frame(after=first.tick + 10).tick, first.tick + 10)
 
 
+class Needs(unittest.TestCase):
+    def complaint(self, prepare):
+        done = subprocess.run([sys.executable, '-c', f'import sys, types; sys.path.insert(0, {package!r}); {prepare}; '
+                               'import brume'], text=True, stderr=subprocess.PIPE, timeout=PATIENCE, check=False)
+        self.assertEqual(done.returncode, 1)
+        return done.stderr.splitlines()[-1]
+
+    def test_a_missing_module_and_an_old_one_are_named(self):
+        for name in ('websockets', 'flatbuffers'):
+            self.assertRegex(self.complaint(f'sys.modules[{name!r}] = None'),
+                             f'needs the module {name}, version .* python3-{name}.: it is missing')
+            old = f'm = types.ModuleType({name!r}); m.__version__ = "1.12"; sys.modules[{name!r}] = m'
+            self.assertRegex(self.complaint(old), f'needs the module {name}, .*: here is 1.12')
+
+
 class Alone(unittest.TestCase):
     def serve(self, *options):
         server = Server(*options)
@@ -219,6 +238,85 @@ class Alone(unittest.TestCase):
                 with self.assertRaisesRegex(brume.BrumeError, 'it takes controller') as caught:
                     view.pause()
                 self.assertEqual(caught.exception.code, 'forbidden')
+
+    def test_another_scene_and_a_cloud_of_ones_own(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        server = self.serve('--cloud-dir', folder.name)
+        with brume.connect(server.url, size=(96, 64), timeout=PATIENCE) as view:
+            self.assertIn('tubes', view.scenes)
+            before = view.frame()
+            view.show_scene('tubes')
+            self.assertEqual(view.scene, 'tubes')
+            self.assertNotEqual(view.frame().position, before.position)
+            head = 'ply\nformat ascii 1.0\nelement vertex 2\n' + ''.join(
+                f'property float {name}\n' for name in ('x', 'y', 'z', 'scale', 'sigma_t')) + 'end_header\n'
+            path = pathlib.Path(folder.name) / 'two.ply'
+            path.write_text(head + '2 0 0 4 30\n4 0 0 4 30\n')
+            view.show_cloud(path, 'two')
+            self.assertEqual(view.scene, 'two')
+            view.show_cloud((head + '2 0 0 4 30\n9 0 0 4 30\n').encode(), 'two')  # the same name, another camera
+            frame = view.frame()
+            state = view.state
+            self.assertEqual(state.particles, 2)
+            self.assertLess(state.box[0][0], 2)
+            self.assertGreater(state.box[1][0], 9)
+            self.assertGreater(numpy.std(frame.array()), 2, 'they are seen')
+            for line, act in (('no scene of that name', lambda: view.show_scene('nowhere')),
+                              ('bad.ply', lambda: view.show_cloud(b'no points', 'bad'))):
+                with self.assertRaisesRegex(brume.BrumeError, line):
+                    act()
+
+    def live(self, rows):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        scene = pathlib.Path(folder.name) / 'live.toml'
+        scene.write_text(f'[medium]\nlayout = "live"\ncount = {rows}\nextinction = 1\n')
+        return self.serve('--scene', scene)
+
+    def test_particles_of_a_simulation_elsewhere(self):
+        server = self.live(7000)
+        with brume.connect(server.url, size=(96, 64), timeout=PATIENCE) as view:
+            view.look(position=(0, 0, 30), target=(0, 0, 0))
+            empty = view.frame().array().astype(float)
+            # More than two messages, each below 64 KiB; with albedos more than three.
+            places = numpy.random.default_rng(1).uniform(-4, 4, (7000, 3))
+            for albedos in (None, numpy.tile((1.0, 0.1, 0.1), (7000, 1))):
+                view.set_particles(places, 0.6, numpy.full(7000, 3.0), albedos)
+                self.assertEqual(self.particles(view), 7000)
+            view.pause()
+            red = view.frame().array().astype(float)
+            middle = red[28:36, 44:52]
+            self.assertGreater(abs(middle - empty[28:36, 44:52]).mean(), 10, 'they are seen')
+            self.assertGreater(middle[..., 0].mean(), 1.3 * middle[..., 2].mean(), 'and are red')
+            # The same by lists, and fewer of them; then none.
+            view.set_particles([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [1, 1, 2], 5, seconds=0.1)
+            self.assertEqual(self.particles(view), 3)
+            view.set_particles([], [], [])
+            self.assertEqual(self.particles(view), 0)
+
+    def particles(self, view):
+        """How many there are a second later, which the server reports."""
+        tick, deadline = view.state.tick, time.monotonic() + PATIENCE
+        while view.state.tick < tick + 30 and time.monotonic() < deadline:
+            time.sleep(0.02)
+        return view.state.particles
+
+    def test_particles_that_cannot_be_set(self):
+        server = self.live(10)
+        with brume.connect(server.url, size=(96, 64)) as view:
+            for line, act in (('medium.count = 10 rows', lambda: view.set_particles([(0, 0, 0)] * 11, 1, 1)),
+                              ('the scale of row 0', lambda: view.set_particles([(0, 0, 0)], -1, 1)),
+                              ('pushes move nothing here', lambda: view.push((0, 0, 0), (0, 0, 1)))):
+                with self.assertRaisesRegex(brume.BrumeError, line):
+                    act()
+            with self.assertRaisesRegex(brume.BrumeError, '2 numbers of scales for 1 particles: 1 each'):
+                view.set_particles([(0, 0, 0)], [1, 2], 1)
+
+    def test_a_scene_of_its_own_takes_no_particles(self):
+        with brume.connect(self.serve().url, size=(96, 64)) as view:
+            with self.assertRaisesRegex(brume.BrumeError, 'sets its own particles'):
+                view.set_particles([(0, 0, 0)], 1, 1)
 
     def test_a_full_server_says_so(self):
         server = self.serve('--max-viewers', '1')

@@ -298,14 +298,13 @@ TEST_F(HttpTest, TheSceneIsPausedForWhoMayDoSo) {
 TEST_F(HttpTest, WhoIsTurnedAwayIsToldWhyAndWhenToComeBack) {
     max_viewers = 1;
     const uint16_t port = serve();
-    const auto seat = audience->join(nullptr);
+    const auto seat = audience->join(nullptr).viewer;
     const auto full = get(port, "/snapshot.jpg");
     EXPECT_EQ(full.status, 503);
     EXPECT_NE(full.body.find("every place is taken"), std::string::npos) << full.body;
     EXPECT_EQ(full.header("Retry-After"), "5");
     audience->setMaxViewers(8);
-    audience->admitUpTo(10);
-    audience->frameTook(9);
+    audience->setRoom(1);
     const auto late = get(port, "/snapshot.jpg");
     EXPECT_EQ(late.status, 503);
     EXPECT_NE(late.body.find("no time to draw"), std::string::npos) << late.body;

@@ -15,13 +15,13 @@ PoseRequest firstPose() {
 
 TEST(Audience, HasAsManyPlacesAsItSays) {
     Audience audience({}, sceneFacts({}), 2, 2);
-    const auto first = audience.join(nullptr), second = audience.join(nullptr);
+    const auto first = audience.join(nullptr).viewer, second = audience.join(nullptr).viewer;
     ASSERT_TRUE(first && second);
     EXPECT_NE(first->id(), second->id());
-    EXPECT_EQ(audience.join(nullptr), nullptr);
+    EXPECT_EQ(audience.join(nullptr).viewer, nullptr);
     audience.leave(first);
     EXPECT_EQ(audience.size(), 1u);
-    const auto third = audience.join(nullptr);
+    const auto third = audience.join(nullptr).viewer;
     ASSERT_TRUE(third);
     std::vector<std::shared_ptr<Viewer>> viewers;
     audience.list(viewers);
@@ -30,7 +30,7 @@ TEST(Audience, HasAsManyPlacesAsItSays) {
 
 TEST(Audience, LeavingClosesTheViewer) {
     Audience audience({}, sceneFacts({}), 2, 2);
-    const auto viewer = audience.join(nullptr);
+    const auto viewer = audience.join(nullptr).viewer;
     viewer->setPose(firstPose());
     audience.leave(viewer);
     EXPECT_FALSE(takeDue(*viewer));
@@ -41,7 +41,7 @@ TEST(Audience, LeavingClosesTheViewer) {
 TEST(Audience, AViewerMayAskForASmallerWindowNotALarger) {
     Audience audience({}, sceneFacts({}), 3, 2);
     const auto dueOf = [&](uint32_t window) {
-        const auto viewer = audience.join(nullptr, window);
+        const auto viewer = audience.join(nullptr, {.max_in_flight = window}).viewer;
         viewer->setPose(firstPose());
         int due = 0;
         while (due < 100 && takeDue(*viewer)) ++due;
@@ -50,6 +50,68 @@ TEST(Audience, AViewerMayAskForASmallerWindowNotALarger) {
     EXPECT_EQ(dueOf(0), 2);
     EXPECT_EQ(dueOf(1), 1);
     EXPECT_EQ(dueOf(50), 2);
+}
+
+TEST(Audience, OneOwnerDoesNotHoldAllPlaces) {
+    Audience audience({}, sceneFacts({}), 8, 2);
+    audience.setMaxViewers(8, 3);
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(audience.join(nullptr, {.owner = "address 1"}).viewer);
+    const auto refused = audience.join(nullptr, {.owner = "address 1"});
+    EXPECT_FALSE(refused.viewer);
+    EXPECT_NE(std::string(refused.refusal).find("as many places as one may have"), std::string::npos);
+    EXPECT_TRUE(audience.join(nullptr, {.owner = "token ann"}).viewer);
+}
+
+TEST(Audience, TheLastPlaceIsForOperators) {
+    Audience audience({}, sceneFacts({}), 2, 2);
+    audience.keepPlaceForOperators(true);
+    EXPECT_TRUE(audience.join(nullptr, {.owner = "token ann"}).viewer);
+    const auto refused = audience.join(nullptr, {.owner = "token ben"});
+    EXPECT_FALSE(refused.viewer);
+    EXPECT_NE(std::string(refused.refusal).find("operators"), std::string::npos);
+    EXPECT_TRUE(audience.join(nullptr, {.owner = "token operator", .is_operator = true}).viewer);
+}
+
+TEST(Audience, OnlyTheSameOwnerResumes) {
+    Audience audience({}, sceneFacts({}), 4, 2);
+    const auto lost = audience.join(nullptr, {.owner = "token ann"}).viewer;
+    lost->setPose(firstPose());
+    audience.leave(lost, true);
+    const auto thief = audience.join(nullptr, {.owner = "token ben", .key = lost->key()}).viewer;
+    EXPECT_FALSE(thief->resumed());
+    EXPECT_NE(thief->id(), lost->id());
+    const auto back = audience.join(nullptr, {.owner = "token ann", .key = lost->key()}).viewer;
+    EXPECT_TRUE(back->resumed());
+    EXPECT_EQ(back->id(), lost->id());
+}
+
+TEST(Audience, AThousandLostConnectionsDoNotKeepOthersFromResuming) {
+    Audience audience({}, sceneFacts({}), 4, 2);
+    const auto lost = audience.join(nullptr, {.owner = "token ann"}).viewer;
+    audience.leave(lost, true);
+    for (int i = 0; i < 3000; ++i) audience.leave(audience.join(nullptr, {.owner = "address 6"}).viewer, true);
+    EXPECT_TRUE(audience.join(nullptr, {.owner = "token ann", .key = lost->key()}).viewer->resumed());
+}
+
+// A pose that is resumed has the size that the new hello asked for.
+TEST(Audience, WhoResumesGetsWhatItAsksForNow) {
+    Audience audience({}, sceneFacts({}), 4, 2);
+    const auto lost = audience.join(nullptr).viewer;
+    PoseRequest large = firstPose();
+    large.width = 1920, large.height = 1080, large.views = 2;
+    large.pose.position.x = 7;
+    lost->setPose(large);
+    audience.leave(lost, true);
+    const auto back = audience.join(nullptr, {.key = lost->key()}).viewer;
+    PoseRequest granted;
+    granted.width = 320, granted.height = 180, granted.quality = 50;
+    back->grant(granted);
+    const auto due = takeDue(*back);
+    ASSERT_TRUE(due);
+    EXPECT_EQ(due->request.width, 320);
+    EXPECT_EQ(due->request.views, 1);
+    EXPECT_EQ(due->request.quality, 50);
+    EXPECT_EQ(due->request.pose.position.x, 7);
 }
 
 TEST(Audience, RevisionGrowsWithSettingsAndVisitorsNotWithTime) {
@@ -74,7 +136,7 @@ TEST(Audience, RevisionGrowsWithSettingsAndVisitorsNotWithTime) {
     EXPECT_FALSE(grows(
         [&] { report.settings[0] = glm::vec3(1, 0, 0), audience.publish(std::make_shared<SceneReport>(report)); }));
     std::shared_ptr<Viewer> viewer;
-    EXPECT_TRUE(grows([&] { viewer = audience.join(nullptr); }));
+    EXPECT_TRUE(grows([&] { viewer = audience.join(nullptr).viewer; }));
     EXPECT_TRUE(grows([&] { audience.leave(viewer); }));
 }
 

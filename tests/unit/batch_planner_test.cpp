@@ -89,7 +89,76 @@ TEST(BatchPlanner, OneShotPicturesTakeTurnsWithTheViewers) {
         EXPECT_EQ(batch.full_batch_ratio, 1.0f);
         deliver(batch, now);
     }
-    EXPECT_EQ(drawn, (std::vector<std::vector<uint32_t>>{{3, 4}, {1}, {2}, {1}, {1}, {1}}));
+    EXPECT_EQ(drawn, (std::vector<std::vector<uint32_t>>{{1}, {3, 4}, {1}, {2}, {1}, {1}}));
+}
+
+// Four who ask for snapshots without a pause, from one address, beside one who watches: each side has half of the time.
+TEST(BatchPlanner, OneShotPicturesOfAnOwnerShareOneSeat) {
+    BatchPlanner planner;
+    BatchContents batch;
+    const auto watcher = viewerOf(1);
+    watcher->setPose(poseOf(1, 100, 100));
+    uint32_t next = 2;
+    std::vector<std::shared_ptr<Viewer>> askers(4);
+    double watched_ms = 0, once_ms = 0;
+    Clock::time_point now = kStart;
+    while (now < kStart + std::chrono::seconds(20)) {
+        const auto scene = uint64_t((now - kStart) / kTick); // it moves once a tick
+        std::vector viewers{watcher};
+        for (auto& asker : askers) {
+            if (!asker) {
+                asker = viewerOf(next);
+                asker->known("", "address 1");
+                PoseRequest once = poseOf(1, 200, 200, float(next++));
+                once.one_shot = true;
+                asker->setPose(once);
+            }
+            viewers.push_back(asker);
+        }
+        now += std::chrono::milliseconds(1);
+        if (!planner.plan(viewers, scene, {.budget_ms = 50, .ms_per_pixel = 0.002}, now, batch)) continue;
+        ASSERT_EQ(batch.jobs.size(), 1u);
+        const double took = batch.one_shot ? 160 : 20;
+        (batch.one_shot ? once_ms : watched_ms) += took;
+        batch.jobs[0].gpu_ms = float(took);
+        planner.took(batch, 0, 1, true);
+        deliver(batch, now);
+        now += std::chrono::milliseconds(int(took));
+        for (auto& asker : askers)
+            if (asker == batch.jobs[0].viewer) asker.reset();
+    }
+    EXPECT_GT(watched_ms, 0.8 * once_ms);
+    EXPECT_GT(once_ms, 0.5 * watched_ms);
+}
+
+// Twenty who say hello and then all wish for two eyes of 1920x1080: a frame of all stays within its time from the
+// first, and who wishes for little gets it.
+TEST(BatchPlanner, WishesThatDoNotFitAreMadeSmallerAtOnce) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    for (uint32_t i = 0; i < 20; ++i) {
+        viewers.push_back(viewerOf(i + 1));
+        viewers[i]->setPose(i == 7 ? poseOf(1, 320, 180, float(i)) : poseOf(1, 1920, 1080, float(i), 2));
+    }
+    constexpr double kPerPixel = 660.0 / (1920 * 1080 * 2); // ms
+    Clock::time_point now = kStart;
+    std::map<uint32_t, uint32_t> widths;
+    for (uint64_t scene = 1; scene < 60; ++scene) {
+        now += std::chrono::milliseconds(100);
+        ASSERT_TRUE(
+            planner.plan(viewers, scene, {.budget_ms = 50, .most_ms = 500, .ms_per_pixel = kPerPixel}, now, batch));
+        EXPECT_LE(planner.fullBatchMs(), 500) << scene;
+        for (BatchJob& job : batch.jobs) {
+            job.gpu_ms = float(pixelsOf(job.due.request) * kPerPixel);
+            const auto [width, is_new] = widths.emplace(job.viewer->id(), job.due.request.width);
+            EXPECT_EQ(width->second, job.due.request.width) << "sizes do not swing";
+        }
+        planner.took(batch, 0, 1, true);
+        deliver(batch, now);
+    }
+    ASSERT_EQ(widths.size(), 20u);
+    for (const auto& [id, width] : widths) EXPECT_EQ(width, id == 8 ? 320u : 360u) << id;
 }
 
 // What rests is drawn once more, finer, when nothing has changed for anybody; then nothing at all.

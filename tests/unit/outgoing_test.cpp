@@ -24,7 +24,7 @@ TEST(Outgoing, ASceneStateTellsThePlansRaysAndSlabs) {
 // A viewer can show and change every live setting without knowing any of them.
 TEST(Outgoing, EveryLiveSettingIsDescribedAndItsValueSent) {
     Audience audience({.methods = {"auto", "isv"}}, sceneFacts({}), 1, 2);
-    const auto viewer = audience.join(nullptr);
+    const auto viewer = audience.join(nullptr).viewer;
     const wire::Packed greeting = packWelcome(*viewer, {}, audience, *audience.scene(), wire::Role::controller);
     SceneReport report;
     const wire::Packed state = packSceneState(report, 1);

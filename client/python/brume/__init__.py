@@ -1,7 +1,11 @@
 """A viewer of a brume server: camera, pushes, settings, pictures. connect() gives one; README.md shows how."""
-from brume.error import BrumeError
-from brume.frame import Frame
-from brume.viewer import State, Viewer, connect
+from brume import needs
+
+needs.check()
+
+from brume.error import BrumeError  # noqa: E402
+from brume.frame import Frame  # noqa: E402
+from brume.viewer import State, Viewer, connect  # noqa: E402
 
 __all__ = ['BrumeError', 'Frame', 'State', 'Viewer', 'connect']
 __version__ = '0.1.0'

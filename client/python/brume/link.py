@@ -18,10 +18,7 @@ IDLE = 1  # s without a wish for a picture, after which the server draws none
 HANDSHAKE = 10  # s
 WAITS = (0.25, 0.5, 1)  # s before each further try to connect
 
-_MAJOR = int(getattr(websockets, '__version__', '0').split('.')[0])
-if _MAJOR < 10:
-    raise ImportError('brume needs websockets 10 or newer (Debian: python3-websockets)')
-_HEADERS = 'additional_headers' if _MAJOR >= 14 else 'extra_headers'
+_HEADERS = 'additional_headers' if int(websockets.__version__.split('.')[0]) >= 14 else 'extra_headers'
 
 
 def socket_address(url):
@@ -32,6 +29,10 @@ def socket_address(url):
         raise BrumeError(f'{url!r} is no address of a server: http://HOST:PORT or wss://HOST:PORT/ws')
     path = parts.path if parts.path.endswith('/ws') else urllib.parse.urljoin(parts.path or '/', 'ws')
     return urllib.parse.urlunsplit((schemes[parts.scheme], parts.netloc, path, '', ''))
+
+
+def _line(answer):
+    return answer.read(1000).decode('utf-8', 'replace').split('\n')[0]
 
 
 class Link:
@@ -45,6 +46,7 @@ class Link:
         self.frame = None  # the newest Frame that shows the camera as it is
         self.failure = None  # why there is no connection any more
         self.errors = []  # refusals that no waiting command has taken
+        self._awaited = set()  # numbers of inputs whose answers a command waits for
         self._refused = {}  # number of an input: its refusal
         self._ponged = 0  # number of the newest answered ping
         self._token, self._tls, self._patience, self._hello = token, tls, patience, hello
@@ -86,27 +88,35 @@ class Link:
         if self._hidden:
             self._send_pose(hidden=False)
 
-    def order(self, build, timeout):
-        """Sends a command, and returns when the server has taken it; raises BrumeError if it refused."""
+    def order(self, builds, timeout):
+        """Sends commands, and returns when the server has taken them; raises BrumeError if it refused one."""
         with self.changed:
             if self.failure:
                 raise self.failure
+            connection = self._socket
             if not self.welcome:
                 raise BrumeError('not connected: the command was not sent')
-            self._input += 1
+            numbers = []
+            for build in builds:
+                self._input += 1
+                data = messages.order(self._input, build)
+                if len(data) > messages.MOST_BYTES:
+                    raise BrumeError(f'a command of {len(data)} bytes is too long: {messages.MOST_BYTES} are allowed',
+                                     'out_of_range')
+                numbers.append(self._input)
+                self._awaited.add(self._input)
+                self._send(data)
             self._nonce += 1
-            number, nonce = self._input, self._nonce
-            data = messages.order(number, build)
-            if len(data) > messages.MOST_BYTES:
-                raise BrumeError(f'a command of {len(data)} bytes is too long: {messages.MOST_BYTES} are allowed',
-                                 'out_of_range')
-            self._send(data)
+            nonce = self._nonce
             self._send(messages.ping(nonce))  # messages are answered in their order
-            connection = self._socket
-            self.wait(lambda: number in self._refused or self._ponged >= nonce or self._socket is not connection,
-                      timeout, 'no answer to a command')
-            if number in self._refused:
-                raise self._refused.pop(number)
+            try:
+                self.wait(lambda: self._ponged >= nonce or self._socket is not connection, timeout,
+                          'no answer to a command')
+            finally:
+                self._awaited.difference_update(numbers)
+                refused = [self._refused.pop(number) for number in numbers if number in self._refused]
+            if refused:
+                raise refused[0]
             if self._socket is not connection:
                 raise BrumeError('the connection was lost: whether the command was taken is not known')
             if self._view:
@@ -195,16 +205,28 @@ class Link:
         except BrumeError as error:
             return error
 
-    def _why(self):
-        """The server's reason to refuse the handshake, in one line, as it tells HTTP; empty if it tells none."""
-        request = urllib.request.Request('http' + self.address[2:])
+    def post(self, route, query, body, timeout):
+        """Asks for something over HTTP, beside the socket; raises BrumeError with the server's line if it refuses."""
+        address = urllib.parse.urljoin('http' + self.address[2:], f'{route}?{urllib.parse.urlencode(query)}')
+        try:
+            self._ask(urllib.request.Request(address, data=body, method='POST'), timeout)
+        except urllib.error.HTTPError as answer:
+            code = 'forbidden' if answer.code in (401, 403) else 'unexpected'
+            raise BrumeError(_line(answer) or f'HTTP {answer.code}', code) from None
+        except OSError as error:
+            raise BrumeError(f'no answer from {address}: {error}') from error
+
+    def _ask(self, request, timeout):
         if self._token:
             request.add_header('Authorization', f'Bearer {self._token}')
+        urllib.request.urlopen(request, timeout=timeout, context=self._tls).close()
+
+    def _why(self):
+        """The server's reason to refuse the handshake, in one line, as it tells HTTP; empty if it tells none."""
         try:
-            urllib.request.urlopen(request, timeout=5, context=self._tls).close()
+            self._ask(urllib.request.Request('http' + self.address[2:]), 5)
         except urllib.error.HTTPError as answer:
-            if answer.code in (401, 403):
-                return answer.read(1000).decode('utf-8', 'replace').split('\n')[0]
+            return _line(answer) if answer.code in (401, 403) else ''
         except OSError:
             pass
         return ''
@@ -245,7 +267,7 @@ class Link:
     def _refuse(self, number, error):
         if error.code == 'full':
             self._ending = error
-        elif number == self._input and number:
+        elif number in self._awaited:
             self._refused[number] = error
         elif number or error.code != 'too_fast':  # a pose that came too fast is shown a little later
             self.errors.append(error)

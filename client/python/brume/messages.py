@@ -1,5 +1,7 @@
 """The messages of brume.v1 to bytes and back. brume/wire is generated from protocol/brume.fbs."""
+import array
 import struct
+import sys
 import time
 
 import flatbuffers
@@ -9,7 +11,8 @@ from brume.frame import Frame
 
 try:
     from brume.wire import (Ack, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
-                            Message, MoveVolume, Ping, Pong, Pose, Quat, Restart, SceneState, Set, Vec3, Welcome)
+                            Message, MoveVolume, Ping, Pong, Pose, Quat, Restart, SceneState, Set, SetParticles, Vec3,
+                            Welcome)
     from brume.wire import Frame as WireFrame
 except ImportError as error:
     raise ImportError('brume.wire is missing: build it with ./dev build and use build/release/python, or see '
@@ -17,6 +20,7 @@ except ImportError as error:
 
 IDENTIFIER = b'BRM1'
 MOST_BYTES = 64 * 1024  # of a message that the server reads
+ROWS, ROWS_WITH_ALBEDO = 3000, 2000  # particles in one message, so that it stays below that
 
 
 def now_us():
@@ -150,8 +154,42 @@ def change(values):
     return build
 
 
+def packed(values):
+    """Numbers, or lists of them, as the bytes of 32-bit floats; a NumPy array at once."""
+    if hasattr(values, 'astype'):
+        return values.astype('<f4').tobytes()
+    flat = array.array('f', (x for one in values for x in (one if hasattr(one, '__len__') else (one,))))
+    if sys.byteorder == 'big':
+        flat.byteswap()
+    return flat.tobytes()
+
+
+def particles(first, live, seconds, lists):
+    """lists: bytes of positions, scales, extinctions and albedos; of the last also None."""
+    def build(b):
+        vectors = []
+        for data in lists:
+            if data is None:
+                vectors.append(None)
+                continue
+            b.StartVector(4, len(data) // 4, 4)
+            b.head = b.head - len(data)
+            b.Bytes[b.head:b.head + len(data)] = data
+            vectors.append(b.EndVector())
+        SetParticles.Start(b)
+        SetParticles.AddFirst(b, first)
+        for add, vector in zip((SetParticles.AddPositions, SetParticles.AddScales, SetParticles.AddExtinctions,
+                                SetParticles.AddAlbedos), vectors):
+            if vector is not None:
+                add(b, vector)
+        SetParticles.AddLive(b, live)
+        SetParticles.AddSeconds(b, seconds)
+        return Command.Command.SetParticles, SetParticles.End(b)
+    return build
+
+
 def order(seq, build):
-    b = flatbuffers.Builder(1024)
+    b = flatbuffers.Builder(MOST_BYTES)
     kind, table = build(b)
     Input.Start(b)
     Input.AddSeq(b, seq)

@@ -8,6 +8,7 @@ from brume.error import BrumeError
 from brume.link import Link
 
 REST = 1.0  # s in which a paused scene sends what it still has to send
+LOADED = 90.0  # s; scenes of a million points take a while
 ADOPTED = 2.0  # s; the server reports its settings each second
 
 
@@ -22,6 +23,7 @@ class State:
     error: float  # relative RMSE of the pictures, predicted; None from a server that does not say
     method: str  # what is rendered with now, in a few words
     settings: dict = field(repr=False)  # every live setting by its path
+    box: tuple  # two corners of a box that holds the medium, m; None from an older server
 
 
 def look_at(position, target):
@@ -46,10 +48,15 @@ class Viewer:
             welcome = link.welcome
         self.server = messages.text_of(welcome.Server())
         self.device = messages.text_of(welcome.Device())
-        camera = welcome.Camera()
-        self._view = {'position': messages.vector_of(camera.Position()), 'fov': camera.FovY(), 'size': size}
-        self._view['orientation'] = look_at(self._view['position'], messages.vector_of(camera.Target()))
-        link.look(**self._view)
+        self._view = {'size': size}
+        self._take_camera()
+
+    def _take_camera(self):
+        camera = self._welcome().Camera()
+        position = messages.vector_of(camera.Position())
+        orientation = look_at(position, messages.vector_of(camera.Target()))
+        self._view.update(position=position, orientation=orientation, fov=camera.FovY())
+        self._link.look(**self._view)
 
     def __enter__(self):
         return self
@@ -65,6 +72,13 @@ class Viewer:
         """The scene's name."""
         with self._link.changed:
             return messages.text_of(self._welcome().Scene())
+
+    @property
+    def scenes(self):
+        """The names that show_scene() takes."""
+        with self._link.changed:
+            welcome = self._welcome()
+        return [messages.text_of(welcome.Scenes(i)) for i in range(welcome.ScenesLength())]
 
     @property
     def paths(self):
@@ -85,10 +99,12 @@ class Viewer:
         paths = [messages.text_of(welcome.Settings(i).Path()) for i in range(welcome.SettingsLength())]
         values = [messages.value_of(state.Settings(i)) for i in range(state.SettingsLength())]
         plan = state.Plan()
+        lo, hi = state.Lo(), state.Hi()
         method = plan.Text() or plan.Method() if plan else state.Method()
         return State(tick=state.Tick(), hash=f'{state.StateHash():016x}', viewers=state.Viewers(),
                      particles=state.Particles(), paused=bool(state.Paused()), error=plan.Error() if plan else None,
-                     method=messages.text_of(method), settings=dict(zip(paths, values)))
+                     method=messages.text_of(method), settings=dict(zip(paths, values)),
+                     box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None)
 
     # ---- camera and pictures ----
 
@@ -153,11 +169,11 @@ class Viewer:
 
     def push(self, origin, direction, strength=1.0, push=None):
         """Pushes particles along a ray: away from it with `strength`, or with the velocity `push`, m/s."""
-        self._link.order(messages.impulse(origin, direction, push, float(strength)), self._timeout)
+        self._link.order([messages.impulse(origin, direction, push, float(strength))], self._timeout)
 
     def move(self, offset):
         """Moves the medium, in m."""
-        self._link.order(messages.move(offset), self._timeout)
+        self._link.order([messages.move(offset)], self._timeout)
 
     def set(self, path, value):
         """Changes a live setting, and returns when the server reports its value."""
@@ -166,7 +182,7 @@ class Viewer:
     def set_all(self, values):
         """Changes live settings by path, all or none: set_all({'medium.extinction': 2, 'render.exposure': 1})."""
         link, before = self._link, self.state.settings
-        link.order(messages.change(values), self._timeout)
+        link.order([messages.change(values)], self._timeout)
         end = time.monotonic() + ADOPTED
         while time.monotonic() < end:
             now = self.state.settings
@@ -186,7 +202,52 @@ class Viewer:
 
     def restart(self):
         """Starts the scene again."""
-        self._link.order(messages.restart(), self._timeout)
+        self._link.order([messages.restart()], self._timeout)
+
+    def show_scene(self, name):
+        """Shows another scene, and takes its camera. `scenes` has the names that there are."""
+        self._show('scene', name, None)
+
+    def show_cloud(self, file, name='uploaded'):
+        """Shows a point cloud: the path of a PLY file, or its bytes. The server keeps it under `name`."""
+        if not isinstance(file, bytes):
+            with open(file, 'rb') as ply:
+                file = ply.read()
+        self._show('cloud', name, file)
+
+    def _show(self, route, name, body):
+        with self._link.changed:
+            before = self._welcome()
+        self._link.post(route, {'name': name}, body or b'', max(self._timeout, LOADED))
+        with self._link.changed:
+            self._link.wait(lambda: self._link.welcome not in (None, before), self._timeout, 'no word of the new scene')
+        self._take_camera()
+
+    def set_particles(self, positions, scales, extinctions, albedos=None, seconds=0.0):
+        """Shows particles of a simulation elsewhere, in a scene with medium.layout = "live": these and no others.
+        Particle n is the same in every call. Lists or arrays; scales and extinctions may be one number for all.
+
+        positions: n x 3, m, counted from the scene's origin. scales: m. extinctions: 1/m at the particle's centre.
+        albedos: n x 3; without them the scene's. seconds: the particles move to their new values in this time; with
+        the time between two calls, ten calls a second look smooth. The server takes 120 messages a second, each of
+        3000 particles, or 2000 with albedos.
+        """
+        count = len(positions)
+        parts = [messages.packed(positions), *(messages.packed(one if hasattr(one, '__len__') else [one] * count)
+                                               for one in (scales, extinctions))]
+        parts.append(None if albedos is None else messages.packed(albedos))
+        widths = (12, 4, 4, 12)  # bytes of a particle
+        for name, part, width in zip(('positions', 'scales', 'extinctions', 'albedos'), parts, widths):
+            if part is not None and len(part) != count * width:
+                raise BrumeError(f'{len(part) // 4} numbers of {name} for {count} particles: {width // 4} each are due',
+                                 'out_of_range')
+        step = messages.ROWS if albedos is None else messages.ROWS_WITH_ALBEDO
+        before = min(self.state.particles, count)  # rows beyond them show up with the last message, all at once
+        self._link.order([
+            messages.particles(first, count if first + step >= count else before, float(seconds),
+                               [part and part[first * width:(first + step) * width]
+                                for part, width in zip(parts, widths)])
+            for first in range(0, max(count, 1), step)], self._timeout)
 
     def _welcome(self):
         if not self._link.welcome:

@@ -48,12 +48,26 @@ sheet.replaceSync(STYLE);
 
 export class BrumeView extends HTMLElement {
   static readonly observedAttributes = [
-    ...['src', 'token', 'position', 'target', 'fov', 'eyes', 'reproject', 'predict', 'quality', 'size', 'controls'],
+    ...[
+      'src',
+      'token',
+      'position',
+      'target',
+      'fov',
+      'eyes',
+      'reproject',
+      'predict',
+      'quality',
+      'size',
+      'controls',
+      'box',
+    ],
   ];
   // The camera to begin with, in place of the attributes: of a viewer that was here before.
   arrived: { camera: Camera; scene?: string | undefined } | undefined;
   readonly canvas = el('canvas', { class: 'view', width: '2', height: '2', 'aria-hidden': 'true' });
   readonly warped = el('canvas', { width: '2', height: '2', 'aria-hidden': 'true' });
+  private readonly drawing = el('canvas', { class: 'drawing', width: '2', height: '2', 'aria-hidden': 'true' });
   private readonly cursor = el('div', { class: 'cursor' });
   private readonly ring = el('div', { class: 'ring' });
   private readonly message = el('p', { class: 'message', part: 'message', role: 'status' });
@@ -62,10 +76,10 @@ export class BrumeView extends HTMLElement {
 
   constructor() {
     super();
-    this.warped.hidden = this.message.hidden = true;
+    this.warped.hidden = this.drawing.hidden = this.message.hidden = true;
     const root = this.attachShadow({ mode: 'open' });
     root.adoptedStyleSheets = [sheet];
-    root.append(this.canvas, this.warped, this.ring, this.cursor, this.message);
+    root.append(this.canvas, this.warped, this.drawing, this.ring, this.cursor, this.message);
     // The keyboard's focus ring is for who came by keyboard.
     this.addEventListener('pointerdown', () => this.ring.classList.add('quiet'));
     this.addEventListener('blur', () => this.ring.classList.remove('quiet'));
@@ -158,6 +172,7 @@ export class BrumeView extends HTMLElement {
       predict: this.hasAttribute('predict'),
       control: control === 'none' || control === 'look' ? control : 'push',
       place: {},
+      box: this.hasAttribute('box'),
     };
   }
 
@@ -168,20 +183,17 @@ export class BrumeView extends HTMLElement {
     const src = this.getAttribute('src');
     if (src === null) return;
     const keys = this.getAttribute('keys') === 'window' ? window : this;
-    const { canvas, warped } = this;
+    const { canvas, warped, drawing } = this;
     const wishes = { ...this.wishes(), place: this.place() };
     const address = socketAddress(src, this.getAttribute('token') ?? undefined);
-    const viewer = new Viewer({ surface: this, canvas, warped, keys }, wishes, address, {
+    const viewer = new Viewer({ surface: this, canvas, warped, drawing, keys }, wishes, address, {
       link: (state) => {
         this.say(state);
         this.tell('statechange', state);
       },
       welcome: (welcome) => void this.tell('welcome', welcome),
       scene: (scene) => void this.tell('scenechange', scene),
-      picture: (frame, latency) => {
-        this.message.hidden = true;
-        this.tell('picture', { frame, latency });
-      },
+      picture: (frame, latency) => void this.tell('picture', { frame, latency }),
       note: (text, kind) => void this.tell('note', { text: sentence(text), kind }),
       changed: () => void this.tell('modechange', undefined),
       touched: () => void this.tell('touched', undefined),

@@ -25,6 +25,7 @@ import type { Setting, SettingKind, SettingValue } from './protocol';
 const MAX_VIEWS = 2;
 const MAX_NAMES = 64;
 const MAX_SETTINGS = 200;
+const MAX_SCENES = 5000;
 
 // Throws ProtocolError for anything that is not a message of a brume.v1 server.
 export function decode(data: ArrayBuffer): ServerMessage {
@@ -133,6 +134,8 @@ function decodeWelcome(w: WireWelcome): Welcome {
     settings: toList(w.settingsLength(), MAX_SETTINGS, (i) => decodeSetting(w.settings(i))),
     resume: w.resume() ?? '',
     role: roleOf(w.role()),
+    starts: toList(w.startsLength(), MAX_SETTINGS, (i) => decodeValue(w.starts(i))),
+    scenes: toList(w.scenesLength(), MAX_SCENES, (i) => w.scenes(i)),
   };
 }
 
@@ -147,7 +150,7 @@ function decodePlan(p: WirePlan): Plan {
 }
 
 function decodeScene(s: WireSceneState): SceneState {
-  const plan = s.plan();
+  const [plan, lo, hi] = [s.plan(), s.lo(), s.hi()];
   return {
     kind: 'scene',
     tick: s.tick(),
@@ -159,6 +162,7 @@ function decodeScene(s: WireSceneState): SceneState {
       const pass = s.passes(i);
       return { name: pass?.name() ?? '', ms: pass?.ms() ?? 0 };
     }),
+    ...(lo && hi ? { box: { lo: toVec3(lo), hi: toVec3(hi) } } : {}),
     ...(plan ? { plan: decodePlan(plan) } : {}),
   };
 }

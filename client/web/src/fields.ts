@@ -172,7 +172,7 @@ export function select(
   label: string,
   change: (value: string) => void,
   hint?: string,
-): Field<string> & { options(list: Option[]): void } {
+): Field<string> & { options(list: Option[]): void; follow(value: string, atOnce?: boolean): void } {
   const input = el('select');
   const hold = new Hold(input);
   input.addEventListener('change', () => {
@@ -183,8 +183,10 @@ export function select(
   element.classList.add('inline');
   return {
     element,
-    follow: (value) => {
-      if (hold.held || document.activeElement === input || input.value === value) return;
+    // `atOnce`: also while the viewer is at it.
+    follow: (value, atOnce = false) => {
+      if (!atOnce && (hold.held || document.activeElement === input)) return;
+      if (input.value === value) return;
       input.value = value;
     },
     options: (list) => {

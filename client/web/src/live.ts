@@ -4,23 +4,32 @@ import type { Size } from './size';
 export interface Seen {
   paused: boolean;
   mayControl: boolean; // true: this viewer may resume
+  touch: boolean; // true: there is no keyboard
   frame: (Size & { quality: number }) | undefined; // the newest, one eye
   asked: Size; // of one eye
   limit: number; // pixels of one eye that the server draws at most, whatever is asked for
   relaxed: number; // steps of accuracy given up under overload
+  rate: number | undefined; // pictures a second; undefined while too few were seen to tell
+  serverMs: number; // that the server took for the newest
 }
 
 const LINK_QUALITY = 45; // on a slow link the JPEG quality goes down to 40 before the size does
+const RARE = 8; // pictures a second below which they no longer look like movement
 const SMALLER = 0.6; // part of the pixels asked for: the server halves both sides
 
 // Undefined: nothing is missing.
 export function lack(seen: Seen): string | undefined {
-  const { paused, mayControl, frame, asked, limit, relaxed } = seen;
-  if (paused) return mayControl ? 'Paused: resume with P' : 'Paused: a controller can resume';
+  const { paused, mayControl, touch, frame, asked, limit, relaxed, rate } = seen;
+  if (paused && !mayControl) return 'Paused: a controller can resume';
+  if (paused) return touch ? 'Paused: tap Pause to resume' : 'Paused: resume with P';
   const wanted = asked.width * asked.height;
   if (frame && frame.width * frame.height < SMALLER * Math.min(wanted, limit)) {
     const busy = relaxed > 0 && frame.quality > LINK_QUALITY;
     return `${frame.width}×${frame.height}: the ${busy ? 'server is busy' : 'link is slow'}`;
+  }
+  if (rate !== undefined && rate < RARE) {
+    const busy = seen.serverMs > 500 / RARE; // most of the time between two pictures
+    return `${rate.toFixed(rate < 1 ? 1 : 0)} pictures/s: the ${busy ? 'server is busy' : 'link is slow'}`;
   }
   if (relaxed > 0) return 'Accuracy reduced: the server is busy';
   if (frame && frame.width * frame.height < SMALLER * wanted)
@@ -28,18 +37,21 @@ export function lack(seen: Seen): string | undefined {
   return undefined;
 }
 
-// Says what was the same so many times in a row, so that a picture that is small for a moment makes no stir.
+// Says what was the same so many times in a row, so that a picture that is small for a moment makes no stir. What is
+// said at once is also taken back at once.
 export class Steady {
   private said: string | undefined;
   private last: string | undefined;
   private times = 0;
+  private certain = false; // true: what was said last was said at once
 
   constructor(private readonly needed = 4) {}
 
   next(text: string | undefined, atOnce = false): string | undefined {
     this.times = text === this.last ? this.times + 1 : 1;
     this.last = text;
-    if (atOnce || this.times >= this.needed) this.said = text;
+    if (atOnce || this.certain || this.times >= this.needed) this.said = text;
+    this.certain = atOnce;
     return this.said;
   }
 }

@@ -4,7 +4,7 @@ import { onKeys } from './controls';
 import type { Mode } from './controls';
 import { find, setPressed, setText } from './dom';
 import { headsetSupported } from './headset';
-import { hintText } from './hint';
+import { hintText, touchOnly } from './hint';
 import { copyLink } from './link';
 import { Steady, lack } from './live';
 import { keepCamera, keptCamera } from './memory';
@@ -14,13 +14,16 @@ import { Overlay } from './overlay';
 import { buildPanel } from './panel';
 import { placeOf } from './place';
 import type { Report } from './report';
-import { takeToken } from './role';
+import { mayOperate, takeToken } from './role';
+import { sentence } from './sentence';
 import { followAddress, loadSettings, saveSettings, settingsText } from './settings';
+import { Scenes, chooseFile, cloudName, onDrop, saveFile } from './scenes';
+import { PAUSED, changesBack, valuesOf } from './shared-settings';
 import { SIZE_CAPS, defaultCap } from './size';
 import type { Viewer } from './viewer';
 
-const PAUSED = 'simulation.paused'; // path of the setting
 const REFRESH_MS = 250;
+const SETTLED_MS = 3000; // after which the rate of pictures is known
 
 const sentHere = cameraIn(location.hash); // camera of a viewer that another server sent here
 const token = takeToken();
@@ -43,12 +46,15 @@ view.addEventListener('picture', ({ detail: { latency } }) => {
   if (latency) overlay.sample(latency);
   notices.picture();
 });
+let sceneName: string | undefined;
 view.addEventListener('welcome', ({ detail: welcome }) => {
+  if (sceneName !== undefined && sceneName !== welcome.scene) notices.note(`Another scene is shown: ${welcome.scene}.`);
+  sceneName = welcome.scene;
   panel.welcome(welcome, settings.cap ?? defaultCap(welcome.device));
   setText(find('brand-scene'), welcome.scene);
 });
 view.addEventListener('scenechange', ({ detail: scene }) => {
-  panel.follow(viewer().values, scene.plan);
+  panel.follow(viewer().values, scene.plan, settingsBack().length > 0);
   setPressed(find('tool-pause'), paused());
   tellLack();
 });
@@ -69,6 +75,7 @@ function attributes(): Record<string, string | undefined> {
     eyes: settings.eyes,
     reproject: settings.reprojection,
     predict: settings.predict ? '' : undefined,
+    box: settings.box ? '' : undefined,
   };
 }
 
@@ -123,24 +130,25 @@ const actions: Record<string, () => void> = {
     viewer().mayControl && viewer().command({ kind: 'set', changes: [{ path: PAUSED, value: paused() ? 0 : 1 }] }),
   reset: () => viewer().goHome(),
   link: () => void copyLink(viewer().camera, viewer().fovY, settingsText(settings)).then((text) => notices.note(text)),
+  box: () => change({ box: !settings.box }),
   vr: () => void viewer().toggleHeadset(),
   stats: () => toggles.stats(!settings.stats),
   panel: () => toggles.panel(!settings.panel),
 };
-for (const [name, action] of Object.entries(actions)) find(`tool-${name}`).addEventListener('click', action);
+for (const [name, action] of Object.entries(actions))
+  document.getElementById(`tool-${name}`)?.addEventListener('click', action);
 
 onKeys({
   KeyC: () => setMode(viewer().mode === 'orbit' ? 'fly' : 'orbit'),
   KeyX: () => actions['push']?.(),
   KeyP: () => actions['pause']?.(),
   KeyR: () => actions['reset']?.(),
+  KeyB: () => actions['box']?.(),
   KeyL: () => actions['link']?.(),
   KeyI: () => actions['stats']?.(),
   KeyO: () => actions['panel']?.(),
   Escape: () => (viewer().pushing ? (viewer().pushing = false) : toggles.panel(false)),
 });
-
-// ---- panel and overlay ----
 
 function change(wish: Partial<typeof settings>): void {
   const was = { ...settings };
@@ -153,7 +161,42 @@ function change(wish: Partial<typeof settings>): void {
     apply();
   }
   saveSettings(settings);
+  panel.follows(settings);
 }
+
+// ---- scenes ----
+
+const scenes = new Scenes(location.href, token);
+const settingsBack = () => {
+  const { welcome, values } = viewer();
+  if (!welcome) return [];
+  return changesBack(welcome.settings, values, valuesOf(welcome.settings, welcome.starts), welcome.role);
+};
+const mayChoose = (): boolean => mayOperate(viewer().welcome?.role ?? 'viewer');
+
+// Says what is being done, and then what came of it.
+async function doing(what: string, work: Promise<unknown>): Promise<void> {
+  panel.busy(what);
+  notices.note(what);
+  try {
+    await work;
+  } catch (error) {
+    notices.note(sentence(error instanceof Error ? error.message : String(error)), 'error');
+    if (viewer().welcome) panel.scene(viewer().welcome?.scene ?? '');
+  }
+  panel.busy('');
+}
+
+const showCloud = (file: File): void =>
+  void doing(`Uploading ${file.name} as “${cloudName(file.name)}”…`, scenes.showCloud(file));
+onDrop(mayChoose, (over) => document.body.classList.toggle('dropping', over), showCloud);
+
+async function saveScene(): Promise<void> {
+  const { camera, fovY, welcome } = viewer();
+  saveFile(`${cloudName(welcome?.scene ?? 'scene')}.toml`, await scenes.toml(camera, fovY));
+}
+
+// ---- panel and overlay ----
 
 const panel = buildPanel(
   find('panel'),
@@ -165,6 +208,11 @@ const panel = buildPanel(
     setEyes: (eyes) => change({ eyes: eyes === 'side' ? 'side' : 'one' }),
     setReprojection: (way) => change({ reprojection: way === 'rotation' || way === 'plane' ? way : 'off' }),
     setPredict: (predict) => change({ predict }),
+    setBox: (box) => change({ box }),
+    showScene: (name) => void doing(`Loading ${name}…`, scenes.show(name)),
+    openCloud: () => chooseFile(showCloud),
+    saveScene: () => void doing('Saving the scene…', saveScene()),
+    resetAll: () => viewer().command({ kind: 'set', changes: settingsBack() }),
     close: () => toggles.panel(false),
   },
   settings,
@@ -172,11 +220,19 @@ const panel = buildPanel(
 const overlay = new Overlay(find('overlay'));
 const steady = new Steady();
 
+let countedFrom = 0; // ms; pictures come without a break since then
+
 function tellLack(): void {
-  const { scene, size, limit, statistics, headset, mayControl } = viewer();
-  const seen = { paused: paused(), mayControl, frame: statistics.lastFrame, asked: size, limit };
-  const text = headset ? undefined : lack({ ...seen, relaxed: scene?.plan?.relaxed ?? 0 });
-  notices.lack(steady.next(text, seen.paused));
+  const { scene, size, limit, statistics, headset, mayControl, linkState } = viewer();
+  const [now, frame] = [performance.now(), statistics.lastFrame];
+  if (paused() || document.hidden || linkState !== 'connected') countedFrom = now;
+  const seen = {
+    ...{ paused: paused(), mayControl, touch: touchOnly(), frame, asked: size, limit },
+    relaxed: scene?.plan?.relaxed ?? 0,
+    rate: now - countedFrom > SETTLED_MS ? statistics.shownRate.perSecond(now) : undefined,
+    serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
+  };
+  notices.lack(steady.next(headset ? undefined : lack(seen), seen.paused));
 }
 
 function refresh(): void {
@@ -210,6 +266,7 @@ window.addEventListener('pagehide', () => {
 void headsetSupported().then((supported) => (find('tool-vr').hidden = !supported));
 toggles.stats(settings.stats);
 toggles.panel(settings.panel);
+panel.follows(settings);
 window.setInterval(refresh, REFRESH_MS);
 
 declare global {

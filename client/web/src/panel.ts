@@ -2,12 +2,12 @@
 import { axes } from './camera';
 import type { Camera } from './camera';
 import { el, setText } from './dom';
-import { button, group, select } from './fields';
+import { button, group, select, toggle } from './fields';
 import { planText } from './plan';
 import type { Command, Plan, SettingValue, Welcome } from './protocol';
 import { mayOperate } from './role';
 import type { Settings } from './settings';
-import { settingGroups } from './shared-settings';
+import { settingGroups, valuesOf } from './shared-settings';
 import type { SettingGroup, Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
 
@@ -19,12 +19,21 @@ export interface PanelHost {
   setEyes(eyes: string): void;
   setReprojection(way: string): void;
   setPredict(on: boolean): void;
+  setBox(on: boolean): void;
+  showScene(name: string): void;
+  openCloud(): void;
+  saveScene(): void;
+  resetAll(): void;
   close(): void;
 }
 
 export interface Panel {
   welcome(welcome: Welcome, cap: number): void;
-  follow(values: Values, inUse: Plan | undefined): void;
+  // `changed`: true if a setting that this viewer may change is not as the scene began.
+  follow(values: Values, inUse: Plan | undefined, changed: boolean): void;
+  follows(own: Settings): void; // what is this viewer's own
+  scene(name: string): void; // the one that is shown
+  busy(text: string): void; // what is being done with the scene; empty: nothing
 }
 
 const QUALITIES = [0, 50, 65, 80, 90, 95];
@@ -36,6 +45,7 @@ const KEYS = [
   ['C', 'orbit or fly'],
   ['X, Ctrl, Alt', 'push while dragging'],
   ['R', 'first view'],
+  ['B', 'box and scale'],
   ['P', 'pause for everyone'],
   ['L', 'copy a link to this view'],
   ['I · O', 'statistics · settings'],
@@ -100,14 +110,27 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   ]);
   predict.follow(chosen.predict ? 'on' : 'off');
 
+  const box = toggle('Box, scale', (on) => host.setBox(on), 'The medium’s box and a scale in metres (B)');
+
+  const scene = select('Scene', (name) => host.showScene(name), 'What everybody sees');
+  const open = button('Open PLY…', 'Show a point cloud of yours to everyone; or drop the file here', () =>
+    host.openCloud(),
+  );
+  const save = button('Save TOML', 'The scene as it is set now, from this view, as a file', () => host.saveScene());
+  const reset = button('Reset all', 'All settings back to what the scene began with', () => host.resetAll());
+  reset.disabled = true;
+  const doing = el('small', { role: 'status' });
+
   const close = button('×', 'Close (O)', () => host.close());
   close.className = 'close';
   close.setAttribute('aria-label', 'Close settings');
   // Groups of the server's settings stand here.
   const place = el('div', { class: 'shared' });
   let shared: SettingGroup[] = [];
+  const scenes = group('Scene', true, scene.element, el('div', { class: 'actions' }, open, save, reset), doing);
   root.append(
     el('header', {}, el('h2', {}, 'Settings'), el('small', {}, 'shared by all viewers'), close),
+    scenes,
     place,
     group(
       'Picture, yours alone',
@@ -117,6 +140,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       eyes.element,
       reprojection.element,
       predict.element,
+      box.element,
     ),
     group('Keys', false, keyList()),
   );
@@ -126,16 +150,27 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       size.follow(String(cap));
       const send = (path: string, value: SettingValue): void =>
         host.command({ kind: 'set', changes: [{ path, value }] });
-      shared = settingGroups(welcome.settings, welcome.role, send, {
+      const operates = mayOperate(welcome.role);
+      scene.options([...new Set([...welcome.scenes, welcome.scene])].map((value) => ({ value, text: value })));
+      scene.follow(welcome.scene, true);
+      scene.element.inert = open.disabled = !operates;
+      const starts = valuesOf(welcome.settings, welcome.starts);
+      shared = settingGroups(welcome.settings, starts, welcome.role, send, {
         render: [plan],
         simulation: [el('div', { class: 'actions' }, restart), nudges],
       });
       place.replaceChildren(...shared.map(({ element }) => element));
-      restart.disabled = !mayOperate(welcome.role);
+      restart.disabled = !operates;
     },
-    follow: (values, inUse) => {
+    follow: (values, inUse, changed) => {
+      reset.disabled = !changed;
       for (const one of shared) one.follow(values);
       setText(plan, planText(values.get('render.method') as string | undefined, inUse));
     },
+    follows: (own) => {
+      box.follow(own.box);
+    },
+    scene: (name) => scene.follow(name, true),
+    busy: (text) => setText(doing, text),
   };
 }

@@ -39,8 +39,13 @@ export interface PoseMessage {
 export type Command =
   | { kind: 'impulse'; origin: Vec3; direction: Vec3; push?: Vec3; strength: number }
   | { kind: 'move'; offset: Vec3 }
-  | { kind: 'set'; changes: { path: string; value: SettingValue }[] }
+  | { kind: 'set'; changes: Change[] }
   | { kind: 'restart' };
+
+export interface Change {
+  path: string;
+  value: SettingValue;
+}
 
 export type SettingKind = 'boolean' | 'whole' | 'number' | 'vector' | 'colour' | 'direction' | 'text';
 export type SettingValue = number | Vec3 | string; // of a boolean 0 or 1
@@ -73,6 +78,14 @@ export interface Welcome {
   settings: Setting[];
   resume: string; // key to be the same viewer again when the connection is lost; empty from older servers
   role: Role;
+  starts: SettingValue[]; // the scene began with, in the order of settings; empty from older servers
+  scenes: string[]; // names of the scenes that an operator can switch to
+}
+
+// Corners of a box along the axes, m.
+export interface Box {
+  lo: Vec3;
+  hi: Vec3;
 }
 
 export interface SceneState {
@@ -83,6 +96,7 @@ export interface SceneState {
   particles: number;
   settings: SettingValue[]; // in the order of Welcome.settings
   passes: { name: string; ms: number }[];
+  box?: Box; // holds the medium; older servers leave it out
   plan?: Plan; // method and settings in use; older servers leave it out
 }
 

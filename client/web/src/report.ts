@@ -59,7 +59,8 @@ export function report(of: Sources) {
     get lastFrame() {
       const { lastFrame, lastLatency } = statistics;
       if (!lastFrame) return undefined;
-      const { id, tick, stateHash, poseSeq, orientation, width, height, quality, stages, jpeg, frusta } = lastFrame;
+      const { id, tick, stateHash, poseSeq, orientation, fovY, width, height, quality, stages, jpeg, frusta } =
+        lastFrame;
       const bytes = jpeg.reduce((sum, view) => sum + view.length, 0);
       const shown = {
         id,
@@ -69,6 +70,7 @@ export function report(of: Sources) {
         width,
         height,
         quality,
+        fovY,
         bytes,
         frusta,
       };

@@ -10,6 +10,7 @@ export interface Settings {
   panel: boolean;
   eyes: Eyes;
   reprojection: Reprojection;
+  box: boolean; // true: the medium's box and a scale are drawn over the picture
   predict: boolean; // true: poses are predicted for the time when their pictures are seen
 }
 
@@ -18,7 +19,7 @@ const KEY = 'brume';
 export function loadSettings(): Settings {
   const settings: Settings = {
     ...{ cap: undefined, quality: 0, stats: false, panel: false },
-    ...{ eyes: 'one', reprojection: 'off', predict: false },
+    ...{ eyes: 'one', reprojection: 'off', predict: false, box: false },
   };
   try {
     const stored = JSON.parse(localStorage.getItem(KEY) ?? '{}') as Partial<Record<keyof Settings, unknown>>;
@@ -26,6 +27,7 @@ export function loadSettings(): Settings {
     if (Number.isInteger(stored.quality)) settings.quality = Math.min(100, Math.max(0, stored.quality as number));
     if (typeof stored.stats === 'boolean') settings.stats = stored.stats;
     if (typeof stored.panel === 'boolean') settings.panel = stored.panel;
+    if (typeof stored.box === 'boolean') settings.box = stored.box;
     if (typeof stored.predict === 'boolean') settings.predict = stored.predict;
     settings.eyes = EYES.find((eyes) => eyes === stored.eyes) ?? settings.eyes;
     settings.reprojection = REPROJECTIONS.find((way) => way === stored.reprojection) ?? settings.reprojection;
@@ -37,8 +39,8 @@ export function loadSettings(): Settings {
 
 const SIZES = SIZE_CAPS.map(({ width, height }) => `${width}x${height}`);
 
-// Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1&size=1280x720&
-// quality=90. Returns a line that says what is allowed if one of them cannot be used; it is then left as it was.
+// Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1&box=1&size=1280x720
+// &quality=90. Returns a line that says what is allowed if one of them cannot be used; it is then left as it was.
 export function followAddress(settings: Settings, address: string): string | undefined {
   const asked = new URLSearchParams(address);
   let fault: string | undefined;
@@ -52,6 +54,7 @@ export function followAddress(settings: Settings, address: string): string | und
   take('eyes', EYES, (_, index) => (settings.eyes = EYES[index] ?? settings.eyes));
   take('reproject', REPROJECTIONS, (_, i) => (settings.reprojection = REPROJECTIONS[i] ?? settings.reprojection));
   take('predict', ['0', '1'], (text) => (settings.predict = text === '1'));
+  take('box', ['0', '1'], (text) => (settings.box = text === '1'));
   take('size', SIZES, (_, index) => (settings.cap = index));
   const quality = asked.get('quality');
   if (quality !== null) {
@@ -63,11 +66,12 @@ export function followAddress(settings: Settings, address: string): string | und
 
 // The same as parameters of an address; those that are as in a new browser are left out.
 export function settingsText(settings: Settings): [name: string, value: string][] {
-  const { eyes, reprojection, predict, cap, quality } = settings;
+  const { eyes, reprojection, predict, box, cap, quality } = settings;
   const all: [string, string, boolean][] = [
     ['eyes', eyes, eyes !== 'one'],
     ['reproject', reprojection, reprojection !== 'off'],
     ['predict', '1', predict],
+    ['box', '1', box],
     ['size', SIZES[cap ?? -1] ?? '', cap !== undefined],
     ['quality', String(quality), quality !== 0],
   ];

@@ -1,8 +1,9 @@
 // The settings that all viewers share, as groups of fields: one group for each table of a scene. The server describes
 // them in its welcome, so that the page names none of them.
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex } from './colour';
-import { colour, group, select, slider, toggle } from './fields';
-import type { Setting, SettingValue, Vec3 } from './protocol';
+import { el } from './dom';
+import { button, colour, group, select, slider, toggle } from './fields';
+import type { Change, Setting, SettingValue, Vec3 } from './protocol';
 import { atLeast } from './role';
 import type { Role } from './role';
 
@@ -19,6 +20,8 @@ export interface SettingGroup {
   element: HTMLDetailsElement;
   follow(values: Values): void;
 }
+
+export const PAUSED = 'simulation.paused'; // path of the setting
 
 // Ratio of a slider's ends above which it is logarithmic.
 const WIDE = 200;
@@ -170,11 +173,25 @@ function controlsOf(setting: Setting, send: Send): Controls | undefined {
   }
 }
 
+const differs = (value: SettingValue | undefined, start: SettingValue | undefined): boolean =>
+  value !== undefined && start !== undefined && String(value) !== String(start);
+
+// The changes that bring the settings back to what the scene began with, as far as `role` may make them. What is paused
+// stays paused: that is no setting of the scene's look.
+export function changesBack(settings: readonly Setting[], values: Values, starts: Values, role: Role): Change[] {
+  return settings.flatMap(({ path, leastRole }) => {
+    const start = starts.get(path);
+    const due = path !== PAUSED && atLeast(role, leastRole) && differs(values.get(path), start);
+    return due && start !== undefined ? [{ path, value: start }] : [];
+  });
+}
+
 // The groups of all settings, in the server's order. What `role` may not change is shown, but cannot be used. The
-// settings of one method (table render.NAME) are shown while that method is asked for. `more`: what stands below the
-// settings of a table.
+// settings of one method (table render.NAME) are shown while that method is asked for. `starts`: what the scene began
+// with. `more`: what stands below the settings of a table.
 export function settingGroups(
   settings: readonly Setting[],
+  starts: Values,
   role: Role,
   send: (path: string, value: SettingValue) => void,
   more: Readonly<Record<string, readonly HTMLElement[]>>,
@@ -185,20 +202,32 @@ export function settingGroups(
       .flatMap((setting) => {
         const controls = controlsOf(setting, (value) => send(setting.path, value));
         if (!controls) return [];
-        for (const element of controls.elements) element.inert = !atLeast(role, setting.leastRole);
-        return [{ path: setting.path, ...controls }];
+        const allowed = atLeast(role, setting.leastRole);
+        for (const element of controls.elements) element.inert = !allowed;
+        const start = starts.get(setting.path);
+        const reset = button('↺', `${keyOf(setting.path)}: back to the scene’s value`, () => {
+          if (start === undefined) return;
+          send(setting.path, start);
+          controls.follow(start);
+        });
+        reset.setAttribute('aria-label', reset.title);
+        reset.className = 'reset';
+        reset.hidden = true;
+        const row = el('div', { class: 'setting' }, reset, ...controls.elements);
+        return [{ path: setting.path, allowed, row, reset, ...controls }];
       });
-    const elements = own.flatMap((one) => one.elements);
-    const element = group(sentence(table.replace('.', ' · ')), true, ...elements, ...(more[table] ?? []));
-    element.inert = elements.every((one) => one.inert);
+    const rows = own.map((one) => one.row);
+    const element = group(sentence(table.replace('.', ' · ')), true, ...rows, ...(more[table] ?? []));
+    element.inert = own.every((one) => !one.allowed);
     const method = /^render\.(.+)$/.exec(table)?.[1];
     return {
       element,
       follow: (values) => {
         if (method !== undefined) element.hidden = values.get('render.method') !== method;
-        for (const { path, follow } of own) {
+        for (const { path, follow, allowed, reset } of own) {
           const value = values.get(path);
           if (value !== undefined) follow(value);
+          reset.hidden = !allowed || !differs(value, starts.get(path));
         }
       },
     };

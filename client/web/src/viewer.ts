@@ -1,4 +1,5 @@
 // One viewer of a server, without a page around it: connection, pictures, camera, pushes, headset.
+import { drawBox } from './box';
 import { fitAspect, lookAt, same } from './camera';
 import type { Camera } from './camera';
 import { Connection } from './connection';
@@ -23,7 +24,7 @@ import { placed } from './place';
 import type { Place } from './place';
 import { Viewing } from './viewing';
 import type { Eyes, Reprojection } from './viewing';
-import { Visibility } from './visibility';
+import { Visibility, watchSight } from './visibility';
 
 // A still camera sends its pose again this often: the latency shown is then never older.
 const POSE_REFRESH_MS = 500;
@@ -36,6 +37,7 @@ export interface Stage {
   surface: HTMLElement; // the picture's place: the mouse and touch are for it, it has its size
   canvas: HTMLCanvasElement;
   warped: HTMLCanvasElement; // above the canvas
+  drawing: HTMLCanvasElement; // above both: lines
   keys: HTMLElement | Window; // hears the keyboard
 }
 
@@ -57,7 +59,10 @@ export interface Wishes {
   predict: boolean;
   control: 'push' | 'look' | 'none'; // what the mouse, touch and keys may do
   place: Place; // where the first view is; what it leaves out is the scene's
+  box: boolean; // true: the medium's box and a scale are drawn over the picture
 }
+
+const sameCamera = (a: Welcome, b: Welcome): boolean => JSON.stringify(a.camera) === JSON.stringify(b.camera);
 
 export class Viewer {
   readonly statistics = new Statistics();
@@ -119,10 +124,11 @@ export class Viewer {
           return { client: CLIENT, ...this.size, views, quality: this.wishes.quality };
         },
         state: (state) => {
+          const again = this.linkState === 'connected';
           this.linkState = state.name;
           if (state.name !== 'connected')
             this.headset?.end('The connection was lost: the headset’s session has ended.');
-          if (state.name === 'connected') this.enter(state.welcome);
+          if (state.name === 'connected') this.enter(state.welcome, again);
           events.link(state);
         },
         message: (message, bytes) => this.receive(message, bytes),
@@ -134,16 +140,13 @@ export class Viewer {
     // Pushes that are made without a connection are lost.
     const pusher = new Pusher((impulse) => void this.link.sendInput(impulse));
     this.controls = new Controls(surface, stage.keys, this.controlsHost(), pusher, this.ending.signal);
-    // The server draws nothing for a hidden page. Animation frames, which send the other poses, stop in it too.
+    // The server draws nothing for a page that is hidden, or a view that is scrolled away. Animation frames, which send
+    // the other poses, stop in a hidden page, too.
     this.visibility = new Visibility(() => !this.headset && this.link.connected && this.ask(performance.now()));
-    document.addEventListener(
-      'visibilitychange',
-      () => {
-        this.statistics.answeredPose = this.link.lastPose; // frames of earlier poses were not presented when they came
-        this.visibility.update(document.hidden);
-      },
-      this.ending,
-    );
+    watchSight(surface, this.ending.signal, (seen) => {
+      this.statistics.answeredPose = this.link.lastPose; // frames of earlier poses were not presented when they came
+      this.visibility.update(!seen);
+    });
     let settle: number | undefined;
     this.resized = new ResizeObserver(() => {
       window.clearTimeout(settle);
@@ -301,11 +304,12 @@ export class Viewer {
     };
   }
 
-  private enter(greeting: Welcome): void {
-    const { arrived, wishes } = this;
+  // `again`: true for another welcome on the same connection, which tells of another scene.
+  private enter(greeting: Welcome, again: boolean): void {
+    const { arrived, wishes, welcome } = this;
     // The camera starts at the scene's own; in the same scene it stays where it was.
-    if (this.welcome?.scene !== greeting.scene) {
-      if (this.welcome) wishes.place = {}; // it was meant for the scene before
+    if (welcome?.scene !== greeting.scene || (again && !sameCamera(welcome, greeting))) {
+      if (welcome) wishes.place = {}; // it was meant for the scene before
       const { position, target } = wishes.place;
       this.home = placed(wishes.place, greeting.camera);
       const known = arrived && (arrived.scene ?? greeting.scene) === greeting.scene;
@@ -355,11 +359,22 @@ export class Viewer {
     this.controls.update(now, Math.min(0.1, Math.max(0, (now - this.before) / 1000)));
     this.before = now;
     this.viewing.draw();
+    this.drawBox();
     this.predictor.add(now, this.camera);
     const { sent, camera, size } = this;
     const due = !sent || !same(sent.camera, camera) || sent.size !== size || now - sent.at > POSE_REFRESH_MS;
     if (due && this.link.connected) this.ask(now);
   };
+
+  private drawBox(): void {
+    const { drawing } = this.stage;
+    const [shown, box] = [this.viewing.shown, this.scene?.box];
+    drawing.hidden = !this.wishes.box || !shown || !box || this.viewing.views === 2;
+    if (drawing.hidden || !shown || !box) return;
+    const above = Number.parseFloat(getComputedStyle(drawing).getPropertyValue('--brume-scale-above')) || 0;
+    const eye = { position: shown.position, orientation: shown.orientation, fovY: this.fovY };
+    drawBox(drawing, box, eye, window.devicePixelRatio, above);
+  }
 
   private ask(now: number): void {
     const { camera, size, link } = this;

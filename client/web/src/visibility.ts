@@ -1,4 +1,4 @@
-// Decides whether the page counts as hidden: once nobody has seen it for two seconds, until somebody sees it again.
+// Decides whether a view counts as hidden: once nobody has seen it for two seconds, until somebody sees it again.
 const PATIENCE_MS = 2000; // so that a look at another tab does not stop the pictures
 
 export class Visibility {
@@ -19,4 +19,17 @@ export class Visibility {
     this.hidden = hidden;
     this.changed();
   }
+}
+
+// Says whether somebody can see the surface: its page is not hidden, and it is not scrolled out of the window.
+export function watchSight(surface: HTMLElement, ending: AbortSignal, changed: (seen: boolean) => void): void {
+  let inWindow = true;
+  const tell = (): void => changed(!document.hidden && inWindow);
+  document.addEventListener('visibilitychange', tell, { signal: ending });
+  const observer = new IntersectionObserver((entries) => {
+    inWindow = entries[entries.length - 1]?.isIntersecting ?? true;
+    tell();
+  });
+  observer.observe(surface);
+  ending.addEventListener('abort', () => observer.disconnect());
 }

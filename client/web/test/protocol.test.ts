@@ -162,6 +162,8 @@ describe('decode', () => {
       ...present(b, { viewer: 'viewer', server: 'server', scene: 'scene', device: 'device', width: 'width' }),
       ...present(b, { height: 'height', tickHz: 'tick_hz', maxInFlight: 'max_in_flight' }),
       settings: [],
+      starts: [],
+      scenes: [],
       resume: '',
       role: 'operator', // as before there were roles
       camera: present(camera, { position: 'position', target: 'target', fovY: 'fov_y' }),
@@ -202,6 +204,15 @@ describe('decode', () => {
     );
     expect(scene.settings).toEqual([[0.5, 0.75, 1], 0.25, 'isv']);
     expect(scene.plan?.text).toBe('isv, simpson 2');
+  });
+
+  test('scenes, what this one began with, and where its medium is', () => {
+    const welcome = decode(bytesOf('welcome_scenes'));
+    const scene = decode(bytesOf('scene_state_box'));
+    if (welcome.kind !== 'welcome' || scene.kind !== 'scene') throw new Error('other messages');
+    expect(welcome.scenes).toEqual(body('welcome_scenes')['scenes']);
+    expect(welcome.starts).toEqual([0.5]);
+    expect(scene.box).toEqual({ lo: body('scene_state_box')['lo'], hi: body('scene_state_box')['hi'] });
   });
 
   test.each(['frame', 'frame_stereo', 'frame_frusta', 'frame_png'])('%s, with the bytes of each view', (name) => {

@@ -1,0 +1,129 @@
+// The medium's box and a scale bar, drawn over the picture. The lines are computed without a page.
+import { add, scale, subtract } from './camera';
+import { rotate } from './projection';
+import type { Box, Quat, Vec3 } from './protocol';
+
+export interface Eye {
+  position: Vec3;
+  orientation: Quat;
+  fovY: number;
+}
+export interface Point {
+  x: number; // pixels from the left
+  y: number; // pixels from the top
+}
+export interface Edge {
+  from: Point;
+  to: Point;
+  behind: boolean; // true: it meets the corner that is furthest from the eye
+}
+
+const NEAR = 0.01; // m before the eye where lines are cut off
+const conjugate = ([x, y, z, w]: Quat): Quat => [-x, -y, -z, w];
+
+function toView(eye: Eye, point: Vec3): Vec3 {
+  return rotate(conjugate(eye.orientation), subtract(point, eye.position));
+}
+
+// Pixels that a metre covers at the depth of one metre.
+const focal = (eye: Eye, height: number): number => height / (2 * Math.tan(eye.fovY / 2));
+
+export const cornersOf = ({ lo, hi }: Box): Vec3[] =>
+  Array.from({ length: 8 }, (_, i) => [i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2]]);
+
+// The box's edges in a picture of that size, without what lies behind the eye.
+export function edgesOf(box: Box, eye: Eye, width: number, height: number): Edge[] {
+  const seen = cornersOf(box).map((corner) => toView(eye, corner));
+  const far = seen.reduce((best, one, i) => (Math.hypot(...one) > Math.hypot(...(seen[best] ?? one)) ? i : best), 0);
+  const pixels = focal(eye, height);
+  const project = (p: Vec3): Point => ({
+    x: width / 2 - (p[0] / p[2]) * pixels,
+    y: height / 2 + (p[1] / p[2]) * pixels,
+  });
+  const edges: Edge[] = [];
+  for (let i = 0; i < 8; ++i)
+    for (const bit of [1, 2, 4]) {
+      if (i & bit) continue;
+      let [a, b] = [seen[i], seen[i | bit]];
+      if (!a || !b) continue;
+      if (a[2] > -NEAR && b[2] > -NEAR) continue;
+      const cut = (inside: Vec3, outside: Vec3): Vec3 =>
+        add(inside, scale(subtract(outside, inside), (-NEAR - inside[2]) / (outside[2] - inside[2])));
+      if (a[2] > -NEAR) a = cut(b, a);
+      else if (b[2] > -NEAR) b = cut(a, b);
+      edges.push({ from: project(a), to: project(b), behind: i === far || (i | bit) === far });
+    }
+  return edges;
+}
+
+// The scale at the depth of the box's middle: a round length of 1, 2 or 5 times a power of ten that is at most a
+// quarter of the picture wide. Undefined while the middle is behind the eye.
+export function barOf(
+  box: Box,
+  eye: Eye,
+  width: number,
+  height: number,
+): { metres: number; pixels: number } | undefined {
+  const depth = -toView(eye, scale(add(box.lo, box.hi), 0.5))[2];
+  if (!(depth > NEAR)) return undefined;
+  const perMetre = focal(eye, height) / depth;
+  const most = width / 4 / perMetre;
+  const decade = 10 ** Math.floor(Math.log10(most));
+  const metres = ([5, 2, 1].find((times) => times * decade <= most) ?? 1) * decade;
+  return { metres, pixels: metres * perMetre };
+}
+
+// Lengths with their unit, in at most three digits: 5 m, 13.8 × 13.8 × 7 m, 2 km.
+export function lengthText(...metres: readonly number[]): string {
+  const most = Math.max(...metres);
+  const [unit, factor] = most >= 1000 ? ['km', 1e-3] : most < 0.1 ? ['mm', 1e3] : ['m', 1];
+  return `${metres.map((one) => Number((one * factor).toPrecision(3))).join(' × ')} ${unit}`;
+}
+
+const BAR = { left: 18, above: 18, tick: 5 }; // CSS pixels
+
+// Draws both on a canvas that lies over the picture. `ratio`: its pixels in one of the page's.
+export function drawBox(canvas: HTMLCanvasElement, box: Box, eye: Eye, ratio: number, above: number): void {
+  const context = canvas.getContext('2d');
+  if (!context) return;
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  const [across, down] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== across || canvas.height !== down) Object.assign(canvas, { width: across, height: down });
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  // Light lines on a dark rim are seen on sky and on cloud.
+  const stroke = (path: Path2D, faint: boolean): void => {
+    context.setLineDash(faint ? [4, 5] : []);
+    for (const [colour, thick] of [
+      ['rgb(11 15 20 / 45%)', 3],
+      [faint ? 'rgb(255 255 255 / 55%)' : 'rgb(255 255 255 / 92%)', 1.6],
+    ] as const) {
+      Object.assign(context, { strokeStyle: colour, lineWidth: thick });
+      context.stroke(path);
+    }
+  };
+  for (const { from, to, behind } of edgesOf(box, eye, width, height)) {
+    const path = new Path2D();
+    path.moveTo(from.x, from.y);
+    path.lineTo(to.x, to.y);
+    stroke(path, behind);
+  }
+  const bar = barOf(box, eye, width, height);
+  if (!bar) return;
+  const [x, y] = [BAR.left, height - BAR.above - above];
+  const path = new Path2D();
+  path.moveTo(x, y - BAR.tick);
+  path.lineTo(x, y);
+  path.lineTo(x + bar.pixels, y);
+  path.lineTo(x + bar.pixels, y - BAR.tick);
+  stroke(path, false);
+  context.setLineDash([]);
+  Object.assign(context, { font: '12px system-ui, sans-serif', lineWidth: 3, lineJoin: 'round' });
+  Object.assign(context, { strokeStyle: 'rgb(11 15 20 / 70%)', fillStyle: '#fff' });
+  const lines = [lengthText(...subtract(box.hi, box.lo)), lengthText(bar.metres)];
+  lines.forEach((text, i) => {
+    const at = y - 10 - 17 * (lines.length - 1 - i);
+    context.strokeText(text, x, at);
+    context.fillText(text, x, at);
+  });
+}

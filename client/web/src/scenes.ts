@@ -1,0 +1,92 @@
+// Another scene for everyone: by its name, or a point cloud that this viewer has as a PLY file; and what is shown now as
+// a file. Over HTTP, with the token of the page.
+import type { Camera } from './camera';
+import { placeText } from './place';
+
+const LONGEST_NAME = 40;
+
+// The name under which the server keeps a file's points: what it allows of the file's own name.
+export function cloudName(file: string): string {
+  const stem = file.replace(/\.[^./]*$/, '');
+  const name = stem.replace(/[^A-Za-z0-9_-]+/g, '-').replace(/^-+|-+$/g, '');
+  return name.slice(0, LONGEST_NAME) || 'uploaded';
+}
+
+export class Scenes {
+  constructor(
+    private readonly page: string, // address of the server's page
+    private readonly token: string | undefined,
+  ) {}
+
+  // Each resolves with the server's line, and rejects with one that says why not.
+  show(name: string): Promise<string> {
+    return this.post('scene', name);
+  }
+
+  showCloud(file: File): Promise<string> {
+    return this.post('cloud', cloudName(file.name), file);
+  }
+
+  // The scene as it was tuned, seen from this camera, as text.
+  async toml(camera: Camera, fov: number): Promise<string> {
+    return this.ask(
+      `scene.toml?${placeText(camera, fov)
+        .map((one) => one.join('='))
+        .join('&')}`,
+      {},
+    );
+  }
+
+  private post(route: string, name: string, body?: File): Promise<string> {
+    return this.ask(`${route}?name=${encodeURIComponent(name)}`, { method: 'POST', ...(body && { body }) });
+  }
+
+  private async ask(address: string, request: RequestInit): Promise<string> {
+    const headers = this.token === undefined ? {} : { Authorization: `Bearer ${this.token}` };
+    let answer: Response;
+    try {
+      answer = await fetch(new URL(address, this.page), { cache: 'no-store', headers, ...request });
+    } catch {
+      throw new Error('The server did not answer: is the connection there, and the file not too large for it?');
+    }
+    const text = (await answer.text()).trim();
+    if (!answer.ok) throw new Error(text.split('\n')[0] || `The server answered ${answer.status}.`);
+    return text;
+  }
+}
+
+// Hands a text to the browser as a file to save.
+export function saveFile(name: string, text: string): void {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([text], { type: 'application/toml' }));
+  link.download = name;
+  link.click();
+  window.setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
+
+// Calls `opened` with a file that the viewer chooses. To be called in the handler of a click.
+export function chooseFile(opened: (file: File) => void): void {
+  const input = document.createElement('input');
+  Object.assign(input, { type: 'file', accept: '.ply' });
+  input.addEventListener('change', () => input.files?.[0] && opened(input.files[0]));
+  input.click();
+}
+
+// Calls `dropped` with a file that is dropped anywhere on the page, while `allowed`. `over`: one is held above it.
+export function onDrop(allowed: () => boolean, over: (on: boolean) => void, dropped: (file: File) => void): void {
+  const has = (event: DragEvent): boolean => event.dataTransfer?.types.includes('Files') ?? false;
+  window.addEventListener('dragover', (event) => {
+    if (!has(event)) return;
+    event.preventDefault(); // else the browser would leave the page for the file
+    if (event.dataTransfer) event.dataTransfer.dropEffect = allowed() ? 'copy' : 'none';
+    over(allowed());
+  });
+  window.addEventListener('dragleave', (event) => event.relatedTarget ?? over(false));
+  window.addEventListener('drop', (event) => {
+    if (!has(event)) return;
+    event.preventDefault();
+    over(false);
+    const file = event.dataTransfer?.files[0];
+    if (file && allowed()) dropped(file);
+  });
+}

@@ -1,0 +1,93 @@
+import { describe, expect, test } from 'vitest';
+import { lookAt, orbit } from '../src/camera';
+import { linkTo } from '../src/link';
+import { cameraFrom, cameraText } from '../src/move';
+import { placeOf, placeText, placed } from '../src/place';
+import { followAddress, settingsText } from '../src/settings';
+import type { Settings } from '../src/settings';
+
+const own = { position: [0, 2, 26] as const, target: [0, 0, 0] as const };
+const of = (query: string) => {
+  const fields = new URLSearchParams(query);
+  return placeOf((name) => fields.get(name));
+};
+
+describe('a place in an address', () => {
+  test('is what it says, and the scene’s own for what it leaves out', () => {
+    expect(of('')).toEqual({});
+    expect(of('position=1,-2.5,3e1&target=0,0,0&fov=0.5')).toEqual({
+      position: [1, -2.5, 30],
+      target: [0, 0, 0],
+      fov: 0.5,
+    });
+    expect(placed({}, own)).toEqual(lookAt(own.position, own.target));
+    expect(placed({ position: [5, 0, 0] }, own)).toEqual(lookAt([5, 0, 0], own.target));
+    expect(placed({ target: [5, 0, 0] }, own)).toEqual(lookAt(own.position, [5, 0, 0]));
+  });
+
+  test('that cannot be used is told in one line with what is allowed', () => {
+    for (const bad of ['1,2', '1,2,3,4', '', '1,,3', 'a,b,c', 'NaN,0,0', '1,2,50001', 'Infinity,0,0']) {
+      expect(of(`position=${bad}`), bad).toMatch(/^position takes three numbers from −50,000 to 50,000/);
+      expect(of(`target=${bad}`), bad).toMatch(/^target takes three numbers/);
+    }
+    for (const bad of ['', '0', '0.04', '3.1', 'wide']) expect(of(`fov=${bad}`), bad).toMatch(/^fov takes .* radians/);
+    expect(of('position=1,2,3&target=1,2,3.0005')).toMatch(/same place/);
+    expect(typeof of('position=1,2,3&target=1,2,3.002')).toBe('object');
+  });
+
+  test('shows the view that it was made of', () => {
+    const camera = orbit(lookAt([3, 7, 26.5], [0.5, 1, -2]), 1.234, -0.4);
+    const read = of(
+      placeText(camera, 0.8)
+        .map((one) => one.join('='))
+        .join('&'),
+    );
+    if (typeof read === 'string') throw new Error(read);
+    const again = placed(read, own);
+    for (const key of ['yaw', 'pitch', 'distance'] as const) expect(again[key]).toBeCloseTo(camera[key], 3);
+    again.position.forEach((x, i) => expect(x).toBeCloseTo(camera.position[i] ?? NaN, 3));
+    expect(read.fov).toBe(0.8);
+  });
+});
+
+describe('a link', () => {
+  const settings: Settings = {
+    ...{ cap: 3, quality: 90, stats: true, panel: true },
+    ...{ eyes: 'side', reprojection: 'plane', predict: true, box: true },
+  };
+  const plain: Settings = {
+    ...{ cap: undefined, quality: 0, stats: false, panel: false },
+    ...{ eyes: 'one', reprojection: 'off', predict: false, box: false },
+  };
+
+  test('has the view and what is the viewer’s own, and no token', () => {
+    const page = 'https://clouds.example/show/?eyes=one&old=1#token=secret';
+    expect(linkTo(page, lookAt([0, 2, 26], [0, 0, 0]), 0.8, settingsText(settings))).toBe(
+      'https://clouds.example/show/?position=0,2,26&target=0,0,0&fov=0.8' +
+        '&eyes=side&reproject=plane&predict=1&box=1&size=1280x720&quality=90',
+    );
+    expect(settingsText(plain)).toEqual([]);
+  });
+
+  test('gives these settings to who opens it', () => {
+    const read = { ...plain };
+    const query = settingsText(settings)
+      .map((one) => one.join('='))
+      .join('&');
+    expect(followAddress(read, `?${query}`)).toBeUndefined();
+    expect(read).toEqual({ ...settings, stats: false, panel: false });
+  });
+
+  test('with a bad setting changes nothing, and says what there is', () => {
+    for (const bad of ['eyes=three', 'reproject=', 'predict=yes', 'box=on', 'size=1x1', 'quality=101', 'quality=-1']) {
+      const read = { ...plain };
+      expect(followAddress(read, `?${bad}`), bad).toContain(`${bad.split('=')[0]} in the address is`);
+      expect(read, bad).toEqual(plain);
+    }
+  });
+});
+
+test('a camera survives as text to the last bit', () => {
+  const camera = orbit(lookAt([1.1, 2.2, 3.3], [0, 0.1, 0]), 0.777, 0.1);
+  expect(cameraFrom(cameraText(camera))).toEqual(camera);
+});
