@@ -1,6 +1,7 @@
 #include "common/ply.h"
 
 #include <array>
+#include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ using ply::Element, ply::Property, ply::Reader, ply::Type;
 constexpr uint64_t kMostBytes = 512ull << 20; // a million points of 64 doubles
 
 // What is taken of a point.
-enum Slot : size_t { kX, kY, kZ, kScale, kRadius, kSigmaT, kOpacity, kRed, kGreen, kBlue, kSlots };
+enum Slot : size_t { kX, kY, kZ, kScale, kRadius, kSigmaT, kOpacity, kRed, kGreen, kBlue, kId, kSlots };
 
 struct SlotRule {
     std::string_view name, other; // names of a property; `other` is read where a file has none called `name`
@@ -34,7 +35,8 @@ constexpr std::array<SlotRule, kSlots> kRules{{{"x", "", limits::kPlace},
                                                {"opacity", "", limits::kColour, true},
                                                {"red", "diffuse_red", limits::kColour, true},
                                                {"green", "diffuse_green", limits::kColour, true},
-                                               {"blue", "diffuse_blue", limits::kColour, true}}};
+                                               {"blue", "diffuse_blue", limits::kColour, true},
+                                               {"id", "", {-2147483648.0, 4294967295.0}}}};
 
 using Point = std::array<double, kSlots>;
 
@@ -55,6 +57,8 @@ size_t find(Reader& in, const Element& vertex, std::string_view name) {
     return found;
 }
 
+bool isFloat(const Property& p) { return p.type == Type::f32 || p.type == Type::f64; }
+
 void take(Reader& in, const Element& vertex, Slot slot, Columns& out) {
     const SlotRule& rule = kRules[slot];
     size_t at = find(in, vertex, rule.name);
@@ -62,19 +66,21 @@ void take(Reader& in, const Element& vertex, Slot slot, Columns& out) {
     if (at == vertex.properties.size()) return;
     const Property& p = vertex.properties[at];
     if (p.list) in.fail("vertex property " + p.name + " is a list; expected one number");
-    const bool is_float = p.type == Type::f32 || p.type == Type::f64;
-    if (rule.part && !is_float && p.type != Type::u8)
+    if (rule.part && !isFloat(p) && p.type != Type::u8)
         in.fail("vertex property " + p.name + " has an odd type; expected uchar (0 to 255) or float (0 to 1)");
     out.slot_of[at] = slot;
     out.there[slot] = true;
-    out.unit[slot] = rule.part && !is_float ? 1.0 / 255 : 1.0;
+    out.unit[slot] = rule.part && !isFloat(p) ? 1.0 / 255 : 1.0;
 }
 
-Columns columnsOf(Reader& in, const Element& vertex) {
+Columns columnsOf(Reader& in, const Element& vertex, bool ids) {
     Columns out{.slot_of = std::vector<size_t>(vertex.properties.size(), kSlots)};
     for (const Slot slot : {kX, kY, kZ, kScale, kSigmaT, kRed, kGreen, kBlue}) take(in, vertex, slot, out);
     if (!out.there[kScale]) take(in, vertex, kRadius, out);
     if (!out.there[kSigmaT]) take(in, vertex, kOpacity, out);
+    if (const size_t id = find(in, vertex, "id");
+        ids && id < vertex.properties.size() && !vertex.properties[id].list && !isFloat(vertex.properties[id]))
+        take(in, vertex, kId, out);
     if (!out.there[kX] || !out.there[kY] || !out.there[kZ]) in.fail("element vertex lacks one of x, y, z");
     if (out.there[kRed] != out.there[kGreen] || out.there[kRed] != out.there[kBlue])
         in.fail("element vertex has some of red, green, blue; expected all or none");
@@ -84,10 +90,14 @@ Columns columnsOf(Reader& in, const Element& vertex) {
 // Empty if the point can be used; otherwise which of its numbers is out of range.
 std::string problemOf(const Point& point, const Columns& columns, glm::dvec3 origin) {
     for (size_t s = 0; s < kSlots; ++s) {
-        if (!columns.there[s] || kRules[s].allowed.holds(point[s])) continue;
+        if (!columns.there[s] || (kRules[s].allowed.holds(point[s]) && (s != kId || point[s] == std::floor(point[s]))))
+            continue;
         if (s > kZ)
             return fmt::format("{} is {}; allowed: {} to {}{}", kRules[s].name, point[s], kRules[s].allowed.lo,
-                               kRules[s].allowed.hi, kRules[s].part ? " as float, 0 to 255 as uchar" : "");
+                               kRules[s].allowed.hi,
+                               kRules[s].part ? " as float, 0 to 255 as uchar"
+                               : s == kId     ? ", whole numbers"
+                                              : "");
         return fmt::format(
             "{} is {}; allowed: finite, within 50 km of the scene's origin (origin = [x, y, z] at its top)",
             kRules[s].name, point[s] + origin[static_cast<int>(s)]);
@@ -95,8 +105,8 @@ std::string problemOf(const Point& point, const Columns& columns, glm::dvec3 ori
     return {};
 }
 
-PointCloud readPoints(Reader& in, const Element& vertex, glm::dvec3 origin) {
-    const Columns columns = columnsOf(in, vertex);
+PointCloud readPoints(Reader& in, const Element& vertex, glm::dvec3 origin, bool ids) {
+    const Columns columns = columnsOf(in, vertex, ids);
     PointCloud out;
     for (size_t p = 0; p < vertex.properties.size(); ++p)
         if (columns.slot_of[p] == kSlots) out.ignored.push_back(vertex.properties[p].name);
@@ -124,6 +134,7 @@ PointCloud readPoints(Reader& in, const Element& vertex, glm::dvec3 origin) {
         add(out.radius, kRadius);
         add(out.sigma_t, kSigmaT);
         add(out.opacity, kOpacity);
+        if (columns.there[kId]) out.id.push_back(static_cast<int64_t>(taken[kId]));
         if (columns.there[kRed]) out.albedo.emplace_back(taken[kRed], taken[kGreen], taken[kBlue]);
     }
     return out;
@@ -145,11 +156,11 @@ std::string readBytes(const std::filesystem::path& file) {
 
 } // namespace
 
-PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin) {
-    return parsePly(readBytes(file), file.string(), origin);
+PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin, bool ids) {
+    return parsePly(readBytes(file), file.string(), origin, ids);
 }
 
-PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin) {
+PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin, bool ids) {
     Reader in(bytes, name);
     const ply::Header header = readHeader(in);
     for (const Element& element : header.elements) {
@@ -159,7 +170,7 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 
         }
         if (!limits::kCount.holds(static_cast<double>(element.count)))
             in.fail("element vertex has " + std::to_string(element.count) + " points; allowed: 1 to 1000000");
-        PointCloud cloud = readPoints(in, element, origin);
+        PointCloud cloud = readPoints(in, element, origin, ids);
         if (cloud.position.empty()) in.fail("no point is usable; the first, " + cloud.first_dropped);
         return cloud;
     }

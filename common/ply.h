@@ -1,6 +1,7 @@
 // Point clouds from PLY files: ASCII and binary little-endian, version 1.0.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -19,6 +20,7 @@ struct PointCloud {
     std::vector<float> sigma_t;       // 1/m, extinction at a particle's centre
     std::vector<float> opacity;       // 0 ... 1, part of the light that a particle stops on a ray through its centre
     std::vector<glm::vec3> albedo;    // linear, in [0, 1]
+    std::vector<int64_t> id;          // of a simulation's particle; only where asked for
     std::vector<std::string> ignored; // names of the points' properties that are not read
     size_t dropped = 0;               // number of points left out, since a number is not finite or out of range
     std::string first_dropped;        // why the first of them was left out: "line 9: x is nan; allowed: ..."
@@ -28,10 +30,11 @@ struct PointCloud {
 // diffuse_red diffuse_green diffuse_blue; everything else is skipped. Of a uchar, 255 stands for 1.
 // Positions are read as doubles, and `origin` (m) is subtracted before they become floats. Points that then lie
 // beyond limits::kPlace are dropped. Throws SceneError for a file that cannot be read, is not such a PLY, ends early,
-// or has no usable point.
-PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin = glm::dvec3(0));
+// or has no usable point. `ids`: true to read the property id, too, if it is of a whole-number type.
+PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin = glm::dvec3(0), bool ids = false);
 
 // Reads the bytes of a PLY file from memory; messages call the file `name`.
-PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin = glm::dvec3(0));
+PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin = glm::dvec3(0),
+                    bool ids = false);
 
 } // namespace brume

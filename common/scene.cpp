@@ -89,18 +89,33 @@ private:
     std::filesystem::path folder_;
 };
 
+// True: the file's name has one run of #, of at most as many digits as a number can have.
+bool isPattern(const std::string& name) {
+    const size_t begin = name.find('#'), end = name.find_last_of('#') + 1;
+    return begin != name.npos && end - begin <= 9 && name.find_first_not_of('#', begin) >= end;
+}
+
 void readMedium(TableReader& in, const SettingReader& read, Medium& out, const glm::dvec3& origin) {
     const SceneParts parts{.medium = &out};
     read.readOne(in, "medium.layout", parts); // what the centre is depends on it
-    const bool from_file = out.layout == Layout::file, live = out.layout == Layout::live,
-               emitted = out.layout == Layout::emitter;
+    const bool sequence = out.layout == Layout::sequence, from_file = out.layout == Layout::file || sequence,
+               live = out.layout == Layout::live, emitted = out.layout == Layout::emitter;
     read.readTable(in, "medium", parts, from_file || live ? nullptr : &origin);
     in.table("emitter", [&](TableReader& r) { read.readTable(r, "medium.emitter", parts, &origin); });
 
     out.scale_by_spacing = from_file && !in.has("scale");
+    const std::string name = out.file.filename().string();
     if (from_file && out.file.empty())
-        in.fail("layout", "\"file\" without a file", "with the key file, a PLY beside the scene");
-    if (!from_file && in.has("file")) in.fail("file", "not used by this layout", "only with layout = \"file\"");
+        in.fail("layout", sequence ? "\"sequence\" without files" : "\"file\" without a file",
+                sequence ? "with the key file, like \"smoke-####.ply\", beside the scene"
+                         : "with the key file, a PLY beside the scene");
+    if (sequence && !isPattern(name))
+        in.fail("file", "\"" + name + "\" is no name of numbered files",
+                "a run of 1 to 9 #, one for each digit, like \"smoke-####.ply\"");
+    if (!from_file && in.has("file"))
+        in.fail("file", "not used by this layout", "only with layout = \"file\" or \"sequence\"");
+    for (const char* key : {"rate", "loop"})
+        if (!sequence && in.has(key)) in.fail(key, "not used by this layout", "only with layout = \"sequence\"");
     if (from_file && in.has("count"))
         in.fail("count", "not used by this layout", "none: the file says how many points it has");
     if (!emitted && in.has("emitter")) in.fail("emitter", "not used by this layout", "only with layout = \"emitter\"");

@@ -16,7 +16,7 @@ struct Range {
     float lo = 0, hi = 0;
 };
 
-enum class Layout { cube, tubes, cumulus, emitter, file, live };
+enum class Layout { cube, tubes, cumulus, emitter, file, sequence, live };
 
 // Births per second from a disc; every particle rises, grows, thins (its optical mass is conserved) and dies at its
 // life's end.
@@ -37,10 +37,10 @@ struct Emitter {
 struct Medium {
     Layout layout = Layout::cube;
     uint32_t count = 500;          // 1 ... 1,000,000; an emitter's pool size; rows of layout live
-    glm::vec3 centre{0};           // m, of the layout; with layout file and live what points are moved by
+    glm::vec3 centre{0};           // m, of the layout; with layouts file, sequence and live what points are moved by
     float extent = 10;             // m, side of the cube, length of a tube, width of the cumulus
     Range scale{6, 6};             // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
-    bool scale_by_spacing = false; // layout file: points without sizes have one that follows from their spacing
+    bool scale_by_spacing = false; // of files: points without sizes have one that follows from their spacing
     float falloff = 1.6f;          // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
     float extinction = 15;         // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
     Range multiplier{5, 10};       // per particle, uniform
@@ -48,8 +48,12 @@ struct Medium {
     float anisotropy = 0;          // a in [0, 1]: p = (1-a)/4pi + a HG(g)
     float asymmetry = 0;           // g in (-1, 1)
     uint64_t seed = 1;
-    Emitter emitter;            // layout emitter only
-    std::filesystem::path file; // layout file only, resolved against the scene's folder
+    Emitter emitter; // layout emitter only
+    // Layouts file and sequence only, resolved against the scene's folder. Of a sequence its name has a run of #, each
+    // a digit.
+    std::filesystem::path file;
+    float rate = 24;  // layout sequence: 1/s, the numbers of files that pass
+    bool loop = true; // layout sequence. True: after the last file comes the first; false: the last one stays
 };
 
 struct SimulationSettings {

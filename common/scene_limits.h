@@ -38,7 +38,8 @@ inline constexpr Limits kViscosity{0, 100};
 inline constexpr Limits kImpulseStrength{-100, 100}, kStrength{-10, 10};
 inline constexpr Limits kPeriod{0.1, 1e4}, kRotate{-10, 10}, kAngle{-1e3, 1e3};
 
-inline constexpr Limits kMoveTime{0, 60}; // s, of particles that are set
+inline constexpr Limits kFileRate{1e-3, 1e3}; // 1/s, of a sequence
+inline constexpr Limits kMoveTime{0, 60};     // s, of particles that are set
 
 inline constexpr Limits kFovY{0.05, 3.0}, kEyeSeparation{0, 10}; // m; people have 0.065, giants and models more
 inline constexpr Limits kExposure{1e-4, 1e4}, kSteps{1, 10}, kTransmittanceSteps{1, 3};

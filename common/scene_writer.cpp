@@ -78,8 +78,7 @@ private:
     // settings is left out, an element of a list is not.
     void table(std::string_view name, const SceneParts& parts, const SceneParts& by_default, Head head = Head::table) {
         std::string lines;
-        const bool displaced =
-            name == "medium" && (parts.medium->layout == Layout::file || parts.medium->layout == Layout::live);
+        const bool displaced = name == "medium" && (isFromFiles() || parts.medium->layout == Layout::live);
         const glm::dvec3 origin = displaced ? glm::dvec3(0) : scene_.origin;
         for (const SceneSetting& setting : sceneSettings()) {
             if (setting.table() != name || isNotSaid(setting)) continue;
@@ -112,19 +111,22 @@ private:
         if (medium.layout == Layout::emitter) table("medium.emitter", parts, defaults);
     }
 
+    bool isFromFiles() const {
+        return scene_.medium.layout == Layout::file || scene_.medium.layout == Layout::sequence;
+    }
+
     // Keys that the medium's layout does not allow, or that would say what the server found out by itself.
     bool isNotSaid(const SceneSetting& setting) const {
         const Medium& medium = scene_.medium;
-        const bool from_file = medium.layout == Layout::file;
-        if (setting.path == "medium.count") return from_file;
+        if (setting.path == "medium.count") return isFromFiles();
         if (setting.path == "medium.scale") return medium.scale_by_spacing;
-        if (setting.path == "medium.file") return !from_file;
+        if (setting.path == "medium.file") return !isFromFiles();
         return false;
     }
 
     // Keys whose absence means something else than their default.
     bool isAlwaysSaid(const SceneSetting& setting) const {
-        return setting.path == "name" || (setting.path == "medium.scale" && scene_.medium.layout == Layout::file);
+        return setting.path == "name" || (setting.path == "medium.scale" && isFromFiles());
     }
 
     const Scene& scene_;

@@ -24,7 +24,8 @@ using R = RenderSettings;
 constexpr Limits kNames{1, kLongestName}, kPaths{1, 4096}; // bytes
 constexpr Limits kNone{0, 0};                              // of what has no range: booleans and choices
 
-constexpr std::string_view kLayouts[]{"cube", "tubes", "cumulus", "emitter", "file", "live"}; // in the order of Layout
+constexpr std::string_view kLayouts[]{"cube", "tubes",    "cumulus", "emitter",
+                                      "file", "sequence", "live"}; // in the order of Layout
 constexpr std::string_view kLights[]{"directional"};
 constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
 constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
@@ -55,14 +56,16 @@ constexpr SceneSetting kSettings[]{
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
      Form::plain, kLayouts},
     {"medium.count", at<&P::medium, &Medium::count>, "", limits::kCount,
-     "Number of particles; of an emitter and with layout `live` the most at a time; not allowed with layout `file`"},
+     "Number of particles; of an emitter and with layout `live` the most at a time; not allowed with layouts "
+     "`file` and `sequence`"},
     {"medium.centre", at<&P::medium, &Medium::centre>, "m", limits::kPlace,
-     "Centre of the layout; with layout `file` or `live` what its points are moved by", kNobody, Form::place},
+     "Centre of the layout; with layouts `file`, `sequence` and `live` what its points are moved by", kNobody,
+     Form::place},
     {"medium.extent", at<&P::medium, &Medium::extent>, "m", limits::kLength,
      "Side of the cube, length of a tube, width of the cumulus"},
     {"medium.scale", at<&P::medium, &Medium::scale>, "m", limits::kScale,
      "Size of the particles, from the centre to a vertex of the tetrahedron; a range is uniform, or by the layout. "
-     "Left out with layout `file`: of points without sizes, from their spacing"},
+     "Left out with layouts `file` and `sequence`: of points without sizes, from their spacing"},
     usually({0, 100}, {"medium.extinction", at<&P::medium, &Medium::extinction>, "", limits::kExtinction,
                        "Extinction at a particle's centre is extinction · multiplier · 1e-4 per metre; "
                        "a factor where points have their own",
@@ -78,7 +81,12 @@ constexpr SceneSetting kSettings[]{
     {"medium.asymmetry", at<&P::medium, &Medium::asymmetry>, "", limits::kAsymmetry,
      "g of the Henyey-Greenstein function: backward (below 0) or forward scattering", kControllers},
     {"medium.seed", at<&P::medium, &Medium::seed>, "", limits::kSeed, "Seed of all random numbers of the scene"},
-    {"medium.file", at<&P::medium, &Medium::file>, "", kPaths, "PLY file beside the scene; only with layout `file`"},
+    {"medium.file", at<&P::medium, &Medium::file>, "", kPaths,
+     "PLY file beside the scene, with layout `file`; with `sequence` files, a # for each digit: `smoke-####.ply`"},
+    {"medium.rate", at<&P::medium, &Medium::rate>, "1/s", limits::kFileRate,
+     "Layout `sequence`: how many numbers of files pass in a second"},
+    {"medium.loop", at<&P::medium, &Medium::loop>, "", kNone,
+     "Layout `sequence`. True: after the last file comes the first again; false: the last one stays"},
 
     {"medium.emitter.position", at<&P::medium, &Medium::emitter, &Emitter::position>, "m", limits::kPlace,
      "Middle of the disc that particles are born on", kNobody, Form::place},

@@ -51,6 +51,22 @@ at 1, extinctions at 10000 per metre.
 At its start, and for `--explain`, the server says in one line what it found: box, sizes, extinctions, colours, and the
 properties that it ignored. It warns if the scene's camera sees no point, and says where to put it.
 
+## A sequence of point clouds
+
+With `medium.layout = "sequence"` the files of a simulation are played. `medium.file` names them, with a # for each
+digit of their number: `smoke-####.ply` is `smoke-0000.ply`, `smoke-0001.ply` and so on, up to 10000 files. All are read
+and checked at the start, as above; `--memory` bounds their points. The number is the time: in a second `medium.rate`
+numbers pass, from the lowest one on. Where a number has no file, the file before lasts longer, and the server says so.
+After the last file comes the first, or with `medium.loop = false` it stays.
+
+Where the points of every file have a property `id` of a whole-number type, a point that is in two files one after the
+other moves evenly from its place in the one to that in the next. So do its size, extinction and albedo. Points that
+are in one of them only come and go with their file. Without ids each file is shown until the next. All files have the
+same properties, apart from `id`. Points without sizes have one that follows from the spacing in the first file.
+
+Pause stops the sequence, Restart begins at the first file. `medium.centre`, `simulation.volume_velocity` and so on
+move all points. Pushes do not, and are refused.
+
 ## Particles of a simulation elsewhere
 
 With `medium.layout = "live"` the scene begins empty. An operator's messages (`SetParticles`,

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "server/render/renderer.h"
+#include "server/sim/sequence_files.h"
 
 namespace brume {
 namespace {
@@ -18,7 +19,7 @@ constexpr uint32_t kMostSteps = 12;                            // of overload
 } // namespace
 
 void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms) {
-    const Simulation simulation(scene);
+    const Simulation simulation(standIn(scene));
     Renderer renderer(device, scene, simulation.capacity());
     Submission submission(device, "ahead");
     Planner planner(scene, costs, frame_budget_ms);
@@ -49,7 +50,7 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
 }
 
 std::unique_ptr<Process> startAhead(const Scene& scene, std::vector<std::string> command) {
-    if (Simulation(scene).capacity() > kMostParticles) return nullptr;
+    if (Simulation(standIn(scene)).capacity() > kMostParticles) return nullptr;
     command[0] = "/proc/self/exe";
     command.insert(command.end(), {"--ahead", "only", "--log-file", "", "--log-level", "error"});
     try {

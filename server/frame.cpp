@@ -18,6 +18,7 @@ namespace {
 
 constexpr auto kReportEvery = std::chrono::seconds(1);
 constexpr auto kLoadEvery = std::chrono::milliseconds(100);
+constexpr auto kLongestLook = std::chrono::milliseconds(100); // at ticks, before other things are seen to
 
 using Millis = std::chrono::duration<float, std::milli>;
 
@@ -46,11 +47,11 @@ double pixelsOf(std::span<const PlanView> views) {
     return std::max(pixels, 1.0);
 }
 
-// `count`. Throws SceneError when so many particles do not fit the memory that there is for them.
-uint32_t bounded(const Scene& scene, uint32_t count, uint64_t memory) {
-    const std::string wrong = memoryRefusal(count, memory);
+// The most particles that can be alive. Throws SceneError when so many do not fit the memory that there is for them.
+uint32_t bounded(const Scene& scene, const Simulation& simulation, uint64_t memory) {
+    const std::string wrong = memoryRefusal(simulation.capacity(), memory, simulation.besides());
     if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);
-    return count;
+    return simulation.capacity();
 }
 
 } // namespace
@@ -59,10 +60,11 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
                      const Options& options)
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
       costs_(options.costs), memory_(options.memory), frame_ms_(options.frame_ms),
-      most_frame_ms_(options.most_frame_ms), simulation_(scene),
-      renderer_(std::in_place, device, scene, bounded(scene, simulation_.capacity(), options.memory)),
+      most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
+      renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
       planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
+    simulation_.countFrom(options.first_tick);
     tellOfPointCloud(scene_, simulation_);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
@@ -132,8 +134,15 @@ void FrameLoop::run() {
 
         if (!on_device_) takeScene();
         const Clock::time_point now = Clock::now();
-        while (ticks_->take(now, commands_)) tick();
-        if (!on_device_ && (simulation_.tick() != rendered_tick_ || batch_planner_.someoneWaits()))
+        if (auto beginning = ticks_->beginning()) begin(*std::move(beginning));
+        const bool sought = ticks_->seeks();
+        while (ticks_->take(now, commands_)) {
+            tick();
+            if (Clock::now() - now > kLongestLook) break; // many ticks of a seek: the rest comes with the next look
+        }
+        if (paused_ != ticks_->paused() || sought != ticks_->seeks()) changed_ = true;
+        const bool is_new = simulation_.tick() != rendered_tick_ || ticks_->stands() || batch_planner_.someoneWaits();
+        if (!on_device_ && !ticks_->seeks() && is_new)
             if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
         if (now - load_told_ >= kLoadEvery) tellLoad(now);
         if (changed_ || now - reported_ >= kReportEvery) report(now);
@@ -156,6 +165,14 @@ void FrameLoop::tick() {
     if (ticked_) ticked_(simulation_, commands_);
 }
 
+// Goes on from another state of the same scene.
+void FrameLoop::begin(Simulation simulation) {
+    simulation_ = std::move(simulation);
+    ++scene_version_;
+    changed_ = replan_ = true;
+    if (ticked_) ticked_(simulation_, {});
+}
+
 std::future<void> FrameLoop::show(NextScene next) {
     const std::scoped_lock lock(mutex_);
     next_.emplace(std::move(next));
@@ -175,7 +192,7 @@ void FrameLoop::takeScene() {
     }
     renderer_.reset(); // makes room for the other
     try {
-        renderer_.emplace(device_, next->scene, bounded(next->scene, next->simulation.capacity(), memory_));
+        renderer_.emplace(device_, next->scene, bounded(next->scene, next->simulation, memory_));
     } catch (const gpu::DeviceLost&) {
         throw;
     } catch (const std::runtime_error&) {
@@ -365,6 +382,11 @@ void FrameLoop::report(Clock::time_point now) {
     reported_ = now;
     changed_ = false;
     const std::shared_ptr<SceneReport> report = sceneReport(simulation_, planner_->plan());
+    if (ticks_) {
+        if (paused_ != ticks_->paused()) ++pauses_;
+        paused_ = ticks_->paused();
+        if (paused_) tellPaused(*report, *paused_, pauses_);
+    }
     report->passes = ledger_.passes();
     report->memory = {device_.memoryInUse(), device_.peakMemory(), simulation_.bytes() + renderer_->particleBytes()};
     audience_.publish(report);

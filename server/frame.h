@@ -75,6 +75,7 @@ private:
     void run();
     void tick();
     void takeScene();
+    void begin(Simulation simulation);
     Batch* freeBatch();
     bool render(Batch& batch);
     bool renderOneShot(Batch& batch);
@@ -113,6 +114,8 @@ private:
     bool replan_ = false;        // True: a command came since the last frame
     bool changed_ = true;        // True: a command came since the last report
     uint64_t scene_version_ = 0; // grows whenever pictures would change
+    std::optional<bool> paused_; // TickSource::paused() in the last report
+    uint64_t pauses_ = 0;        // how often it was another
 
     EncodeWorkers workers_; // declared before the thread that uses it
     std::mutex mutex_;      // guards the next four

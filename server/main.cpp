@@ -14,6 +14,7 @@
 #include "server/operate/log.h"
 #include "server/operate/recorder.h"
 #include "server/operate/replay.h"
+#include "server/operate/replay_ticks.h"
 #include "server/options.h"
 #include "server/reload.h"
 #include "server/scene_changer.h"
@@ -75,7 +76,10 @@ void drain(NetServer& network, Audience& audience, std::chrono::milliseconds tim
 
 void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals) {
     const ServerOptions& options = *parsed.options;
-    const Scene scene = loadScene(options);
+    const bool replayed = !options.replay.empty();
+    const std::optional<RecordingExtent> recording =
+        replayed ? std::optional<RecordingExtent>(options.replay) : std::nullopt;
+    const Scene scene = replayed ? sceneOf(recording->head) : loadScene(options);
     const gpu::Device device(options.device);
     const CostModel costs = costsOf(options, device);
     if (options.explain) {
@@ -85,24 +89,35 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms);
     ServerFacts facts{device.name(), {kAutoMethod}};
     for (const std::string& method : methodNames()) facts.methods.push_back(method);
-    Audience audience(facts, sceneFacts(scene, otherScenes(options)), options.max_viewers, options.max_in_flight);
+    Audience audience(facts, sceneFacts(scene, replayed ? std::vector<std::string>() : otherScenes(options)),
+                      options.max_viewers, options.max_in_flight);
     audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner);
     audience.keepPlaceForOperators(!options.net.token_key.empty());
     Metrics metrics;
-    const std::unique_ptr<Recorder> recorder = recorderOf(options, scene, device);
+    const std::unique_ptr<Recorder> recorder = replayed ? nullptr : recorderOf(options, scene, device);
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;
     if (recorder)
         frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };
+    std::unique_ptr<ReplayTicks> ticks;
+    if (replayed) {
+        const auto control = std::make_shared<ReplayControl>(recording->head.tick, recording->last);
+        audience.setReplay(control);
+        ticks = std::make_unique<ReplayTicks>(options.replay, control, options.frame.memory, Clock::now());
+        frame.ticked = [replay = ticks.get()](const Simulation& s, auto) { replay->check(s); };
+        frame.first_tick = recording->head.tick;
+    }
     std::atomic<bool> stopping{false}, failed{false}; // outlive the loop's thread
     FrameLoop frames(scene, device, audience, metrics, frame);
     NetServer network(options.net, audience, metrics);
 
     network.start(); // a taken port ends it here, before the first frame
-    frames.start([&] {
-        failed = true;
-        if (!stopping) ::kill(::getpid(), SIGTERM);
-    });
+    frames.start(
+        [&] {
+            failed = true;
+            if (!stopping) ::kill(::getpid(), SIGTERM);
+        },
+        std::move(ticks));
     if (!std::filesystem::exists(options.net.web_root / "index.html"))
         spdlog::warn("no page in '{}': run ./dev build, or name its folder with --web-root",
                      options.net.web_root.string());
@@ -111,13 +126,19 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
                      options.net.listen);
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
-    SceneChanger scenes(options, scene, {argc, argv, frames, audience, recorder.get(), failed});
+    if (replayed)
+        spdlog::info("replay of '{}', ticks {} to {}", options.replay.string(), recording->head.tick, recording->last);
+    std::optional<SceneChanger> scenes;
+    if (!replayed)
+        scenes.emplace(options, scene, SceneChanger::Server{argc, argv, frames, audience, recorder.get(), failed});
 
     int signal = 0;
     while (sigwait(&signals, &signal) == 0 && (signal == SIGHUP || signal == SIGCHLD || signal == SIGUSR1)) {
-        if (signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, scenes, network});
-        if (signal == SIGCHLD) scenes.childEnded();
-        if (signal == SIGUSR1) scenes.serveRequests();
+        if (signal == SIGHUP && !scenes) spdlog::warn("no reload: this is a replay");
+        if (!scenes) continue;
+        if (signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, *scenes, network});
+        if (signal == SIGCHLD) scenes->childEnded();
+        if (signal == SIGUSR1) scenes->serveRequests();
     }
     drain(network, audience, options.drain, signals, failed);
     spdlog::info("stopping");
@@ -158,10 +179,15 @@ int main(int argc, char** argv) {
         const ServerOptions& options = *parsed.options;
         if (options.ahead == "only") stepBehind();
         startLog(options.log_level, options.log_format, options.log_file);
-        if (options.replay.empty())
+        if (options.replay.empty() || options.look)
             serve(parsed, argc, argv, signals);
         else
-            replay({options.replay, options.frames, options.device}, std::cout);
+            replay({options.replay,
+                    options.frames,
+                    options.device,
+                    {options.out, options.fps, options.format == "png", (options.height * 16 / 9 + 1) / 2 * 2,
+                     options.height}},
+                   std::cout);
         return 0;
     } catch (const std::exception& e) {
         std::cerr << "brume-server: " << e.what() << std::endl;

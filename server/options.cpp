@@ -52,6 +52,14 @@ void leadWith(CLI::App& app, std::initializer_list<const char*> names) {
     for (const char* name : names) app.get_option(name)->group(kGroup);
 }
 
+// Options of a replay that do not go together: what is wrong, or empty.
+const char* mistakeIn(const ServerOptions& o) {
+    if (o.look && o.replay.empty()) return "--look: nothing to look at; allowed: with --replay FILE";
+    if (!o.out.empty() && o.replay.empty()) return "--out: nothing to make a film of; allowed: with --replay FILE";
+    if (o.look && !o.out.empty()) return "--look and --out exclude each other: look at a replay, or make a film of it";
+    return "";
+}
+
 // The command line ends here, well if that was printed.
 ParsedOptions printed(const std::string& text) {
     std::cout << text << std::flush;
@@ -104,10 +112,11 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         return {std::nullopt, 2, std::move(complaint), {}};
     }
     for (const auto& act : table.afterwards) act();
+    if (const char* mistake = mistakeIn(o); *mistake) return {std::nullopt, 2, mistake, {}};
     if (print_settings) return printed(settingsPage());
     if (print_config) return printed(writeConfig(app));
     try {
-        if (o.replay.empty() && !o.explain) readTrust(o);
+        if ((o.replay.empty() || o.look) && !o.explain) readTrust(o);
         if (!token.role.empty()) return printed(makeToken(token, o.net.token_key) + "\n");
     } catch (const std::exception& e) {
         return {std::nullopt, 2, e.what(), {}};

@@ -42,6 +42,11 @@ struct ServerOptions {
     std::filesystem::path record, replay;  // files; empty: none
     uint32_t record_limit = 256;           // MiB
     uint32_t frames = 0;                   // recording, replay: ticks between pictures of the scene's camera; 0: none
+    bool look = false;                     // True: viewers look at the replay
+    std::filesystem::path out;             // folder for a film of the replay; empty: none
+    std::string format = "jpeg";           // of its pictures: jpeg | png
+    uint32_t fps = 30;                     // of the film
+    uint32_t height = 720;                 // pixels of the film, 16:9
 };
 
 // The present value of one option.

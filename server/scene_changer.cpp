@@ -12,6 +12,7 @@
 #include "common/text.h"
 #include "server/ahead.h"
 #include "server/sim/point_cloud.h"
+#include "server/sim/sequence_files.h"
 
 namespace brume {
 namespace {
@@ -57,7 +58,7 @@ struct SceneChanger::Files {
     fs::path scene;
     std::string text; // of the scene
     std::vector<std::string> overrides;
-    std::pair<uintmax_t, fs::file_time_type> points{}; // size and time of the point cloud
+    std::pair<uintmax_t, fs::file_time_type> points{}; // size of the point clouds, time of the newest
 
     bool operator==(const Files&) const = default;
 };
@@ -159,7 +160,7 @@ void SceneChanger::show(const Files& files) {
 
 // Waits until the frame loop shows it. Throws what keeps the frame loop from it.
 void SceneChanger::show(Scene scene, const Files& files) {
-    Simulation simulation(scene);
+    Simulation simulation(scene, options_.frame.memory);
     tellOfPointCloud(scene, simulation);
     const RecordingHead head = recordingHead(files.scene, scene, files.overrides);
     server_.frames.setCompiled(false);
@@ -183,9 +184,15 @@ void SceneChanger::show(Scene scene, const Files& files) {
 SceneChanger::Files SceneChanger::filesOf(fs::path file, std::vector<std::string> overrides) const {
     Files files{std::move(file), {}, std::move(overrides)};
     files.text = sceneText(files.scene);
-    const fs::path points = sceneOf(files.text, files.scene, files.overrides).medium.file;
+    const Medium medium = sceneOf(files.text, files.scene, files.overrides).medium;
+    std::vector<std::pair<uint64_t, fs::path>> clouds;
+    if (medium.layout == Layout::file) clouds = {{0, medium.file}};
+    if (medium.layout == Layout::sequence) clouds = numberedFiles(medium.file);
     std::error_code error; // a cloud that is not there is complained about when it is loaded
-    if (!points.empty()) files.points = {fs::file_size(points, error), fs::last_write_time(points, error)};
+    for (const auto& [number, cloud] : clouds) {
+        files.points.first += fs::file_size(cloud, error);
+        files.points.second = std::max(files.points.second, fs::last_write_time(cloud, error));
+    }
     return files;
 }
 

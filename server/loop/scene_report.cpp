@@ -1,5 +1,7 @@
 #include "server/loop/scene_report.h"
 
+#include <algorithm>
+
 #include "server/methods/plans.h"
 
 namespace brume {
@@ -29,6 +31,12 @@ std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Pla
     }
     told.error = plan.chosen.error, told.ms = plan.chosen.ms(), told.relaxed = plan.relaxed;
     return report;
+}
+
+void tellPaused(SceneReport& report, bool paused, uint64_t changes) {
+    const auto all = liveSettings();
+    report.settings[size_t(std::ranges::find(all, liveSetting("simulation.paused")) - all.begin())] = paused;
+    report.settings_version += changes << 32;
 }
 
 } // namespace brume

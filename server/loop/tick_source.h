@@ -1,6 +1,7 @@
 // Where ticks come from: when the next one is due, and which commands it takes.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "server/sim/command.h"
@@ -19,6 +20,15 @@ public:
     // Takes the next tick if it is due at `now`: `commands` are then those that it takes, in order. False if none is
     // due.
     virtual bool take(Clock::time_point now, std::vector<Command>& commands) = 0;
+
+    // A state to go on from instead of the present one; nothing: the present one. Asked for before each look at ticks.
+    virtual std::optional<Simulation> beginning() { return {}; }
+    // True: no tick comes by itself, and viewers get pictures of the present one as their cameras move.
+    virtual bool stands() const { return false; }
+    // True: ticks are on their way to one that is wanted, and none before it is drawn.
+    virtual bool seeks() const { return false; }
+    // What viewers are told of simulation.paused; nothing: what the simulation says.
+    virtual std::optional<bool> paused() const { return {}; }
 };
 
 // Sixty ticks a second of this machine's clock, with what viewers have asked for until then.

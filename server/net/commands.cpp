@@ -85,8 +85,8 @@ public:
     }
     // Particles that come from elsewhere do not yield.
     void push() {
-        if (medium_.layout == Layout::live)
-            refuse(wire::ErrorCode::unexpected, "pushes move nothing here: a simulation elsewhere sets the particles");
+        if (medium_.layout == Layout::live || medium_.layout == Layout::sequence)
+            refuse(wire::ErrorCode::unexpected, "pushes move nothing here: the particles come from elsewhere");
     }
     template <class T>
     void change(Set& set, std::string_view path, flatbuffers::Optional<T> value) {
@@ -219,8 +219,8 @@ wire::Role roleFor(const CommandBody& body) {
     const bool for_controllers = set && std::all_of(set->changes.begin(), set->changes.end(), [](const Change& one) {
                                      return one.setting->changed_by == ChangedBy::controllers;
                                  });
-    return for_controllers ? wire::Role::controller
-                           : wire::Role::operator_; // what a frame costs everyone, Restart, SetParticles
+    // Operators: what a frame costs everyone, Restart, SetParticles.
+    return for_controllers ? wire::Role::controller : wire::Role::operator_;
 }
 
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
@@ -231,6 +231,12 @@ std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const S
         return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};
     if (in.refusal) return *std::move(in.refusal);
     return body;
+}
+
+std::optional<bool> pauseOf(const CommandBody& body) {
+    const auto* set = std::get_if<Set>(&body);
+    if (!set || set->changes.size() != 1 || set->changes[0].setting != liveSetting("simulation.paused")) return {};
+    return std::get<bool>(set->changes[0].value);
 }
 
 } // namespace brume::net

@@ -1,6 +1,7 @@
 // Turns a viewer's input into a command for the simulation and checks every number.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -29,5 +30,8 @@ struct ShownMedium {
 // A viewer whose role is too low is told that before anything else.
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
                                                const ShownMedium& medium, wire::Role role);
+
+// True or false where a command to a replay pauses it or lets it go on; nothing for all other commands.
+std::optional<bool> pauseOf(const CommandBody& body);
 
 } // namespace brume::net

@@ -28,7 +28,7 @@ constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the la
 // The least role that a path takes; nothing for one that is open to everybody.
 std::optional<Role> roleFor(std::string_view path) {
     if (path == "/metrics" || path == "/viewers" || path == "/scene" || path == "/cloud") return Role::operator_;
-    if (path == "/pause" || path == "/resume") return Role::controller;
+    if (path == "/pause" || path == "/resume" || path == "/seek") return Role::controller;
     if (path == "/ws" || path == "/snapshot.jpg" || path == "/snapshot.png" || path == "/stream.mjpg" ||
         path == "/scene.toml")
         return Role::viewer;
@@ -115,6 +115,7 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
         if (path == "/scene") return showScene(request, query);
         if (path == "/cloud") return showCloud(parser, query);
         if (path == "/scene.toml") return send(request, "scene", sceneFile(query));
+        if (path == "/seek") return seek(request, query);
         if (least == Role::controller) return pause(request, path == "/pause");
     }
     if (path == "/healthz" || path == "/readyz" || least) return send(request, path.substr(1), health(path));
@@ -149,7 +150,9 @@ Reply HttpConnection::health(std::string_view path) const {
 asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on) {
     const SceneSetting* const setting = liveSetting("simulation.paused");
     const size_t at = size_t(std::ranges::find(liveSettings(), setting) - liveSettings().begin());
-    if (!context_->audience.commands().push({.body = Set{{setting->path, on}}}))
+    if (ReplayControl* const replay = context_->audience.replay())
+        replay->paused = on;
+    else if (!context_->audience.commands().push({.body = Set{{setting->path, on}}}))
         co_return co_await sendLater(request, "pause", "too many commands wait for their tick");
     const auto deadline = Clock::now() + kAppliedWithin;
     std::shared_ptr<const SceneReport> report = context_->audience.report();

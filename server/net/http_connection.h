@@ -1,5 +1,5 @@
 // One connection that speaks HTTP, until it ends or becomes a WebSocket. Pictures are in http_pictures.cpp, scenes in
-// http_scenes.cpp, all else in http.cpp.
+// http_scenes.cpp, replays in http_replay.cpp, all else in http.cpp.
 #pragma once
 
 #include <array>
@@ -59,6 +59,7 @@ private:
     asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);
     asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
     asio::awaitable<bool> pause(const HttpRequest& request, bool on);
+    asio::awaitable<bool> seek(const HttpRequest& request, std::string_view query); // http_replay.cpp
     // http_scenes.cpp
     asio::awaitable<bool> showScene(const HttpRequest& request, std::string_view query);
     asio::awaitable<bool> showCloud(RequestParser& parser, std::string_view query);

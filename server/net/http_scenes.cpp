@@ -95,6 +95,8 @@ asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::stri
 // Answers once the scene is shown, or with the reason why the old one stays.
 asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::string_view route, std::string name,
                                              std::string points) {
+    if (context_->audience.replay())
+        co_return co_await send(request, route, lineReply(409, "this is a replay: it shows the recorded scene alone"));
     const auto wish = std::make_shared<SceneRequest>(std::move(name), std::move(points), event_->notifier());
     if (!context_->audience.sceneRequests().push(wish))
         co_return co_await sendLater(request, route, "other scenes are being loaded");

@@ -36,7 +36,7 @@ std::optional<Reply> unfit(const boost::system::error_code& error, const Request
     const std::string_view target(request.target().data(), request.target().size());
     const std::string_view path = target.substr(0, target.find('?'));
     const bool posted = request.method() == http::verb::post, points = path == "/cloud";
-    const bool changes = path == "/pause" || path == "/resume" || path == "/scene" || points;
+    const bool changes = path == "/pause" || path == "/resume" || path == "/seek" || path == "/scene" || points;
     if (changes ? !posted : request.method() != http::verb::get && request.method() != http::verb::head) {
         Reply reply = refuse(405, changes ? "only POST is served here" : "only GET and HEAD are served here");
         reply.headers = {{"Allow", changes ? "POST" : "GET, HEAD"}};

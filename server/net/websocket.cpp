@@ -323,6 +323,15 @@ void WebSocketSession::acknowledge(uint32_t frame) {
 
 void WebSocketSession::enqueueCommand(EnqueueCommand&& command) {
     const uint32_t seq = command.seq;
+    if (ReplayControl* const replay = context_->audience.replay()) {
+        if (const std::optional<bool> paused = pauseOf(command.body)) {
+            replay->paused = *paused;
+            return;
+        }
+        context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::unexpected));
+        return enqueue(
+            packError(wire::ErrorCode::unexpected, "this is a replay: pause it, resume it, or POST /seek?tick=N", seq));
+    }
     if (context_->audience.commands().push({handle_->viewer().id(), seq, std::move(command.body)})) return;
     context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::busy));
     enqueue(packError(wire::ErrorCode::busy, "too many commands wait: try again", seq));

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "common/scene_text.h"
 #include "server/operate/own_frames.h"
 #include "server/operate/recorded_ticks.h"
+#include "server/operate/replay_ticks.h"
 
 namespace brume {
 namespace {
@@ -14,12 +14,16 @@ namespace {
 class Replay {
 public:
     Replay(const ReplayOptions& options, std::ostream& out)
-        : options_(options), out_(out), recording_(options.file),
-          scene_(sceneOf(recording_.head().text, recording_.head().file, recording_.head().overrides)),
+        : options_(options), out_(out), recording_(options.file), scene_(sceneOf(recording_.head())),
           simulation_(scene_) {
         simulation_.countFrom(recording_.head().tick);
-        if (options.frames == 0) return;
+        const bool film = !options.film.folder.empty();
+        if (options.frames == 0 && !film) return;
         device_ = std::make_unique<gpu::Device>(options.device);
+        if (film)
+            film_ = std::make_unique<ReplayPictures>(options.film, *device_, scene_, simulation_.capacity(),
+                                                     recording_.head().tick, RecordingExtent(options.file).last);
+        if (options.frames == 0) return;
         pictures_ = std::make_unique<OwnFrames>(*device_, scene_, simulation_.capacity());
         out_ << fmt::format("pictures of scene '{}' by {}, {}\n", scene_.name, device_->name(), device_->driver());
     }
@@ -27,10 +31,12 @@ public:
     void run() {
         RecordedTicks ticks(recording_);
         check(ticks.records());
+        if (film_) film_->ticked(simulation_);
         std::vector<Command> commands;
         while (ticks.take(Clock::now(), commands)) {
             step(commands);
             check(ticks.records());
+            if (film_) film_->ticked(simulation_);
         }
         if (recording_.cut())
             out_ << fmt::format("{}: its last line is incomplete and left out\n", options_.file.string());
@@ -76,6 +82,7 @@ private:
     Simulation simulation_;
     std::unique_ptr<gpu::Device> device_;
     std::unique_ptr<OwnFrames> pictures_;
+    std::unique_ptr<ReplayPictures> film_;
     std::optional<uint64_t> picture_; // of the present tick
     RecordedTick last_;               // that was as recorded
     uint64_t commands_ = 0, states_ = 0, frames_ = 0;

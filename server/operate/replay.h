@@ -5,6 +5,7 @@
 #include <iosfwd>
 
 #include "server/gpu/device.h"
+#include "server/operate/replay_pictures.h"
 
 namespace brume {
 
@@ -14,6 +15,7 @@ struct ReplayOptions {
     // needed.
     uint32_t frames = 0;
     gpu::DeviceOptions device;
+    ReplayPictures::Options film; // of the whole recording; an empty folder: none
 };
 
 // Replays a file and reports on `out`. Throws RecordingError for a file that cannot be replayed, and for the first

@@ -36,10 +36,11 @@ uint64_t deviceBytes() { // of one particle
 
 ParticleMemory particleMemory(uint32_t count) { return {kCpu * count, deviceBytes() * count}; }
 
-std::string memoryRefusal(uint32_t count, uint64_t most) {
-    if (particleMemory(count).total() <= most) return {};
+std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides) {
+    const uint64_t all = particleMemory(count).total() + besides;
+    if (all <= most) return {};
     return fmt::format("{} particles take {} MiB, --memory allows {}: use at most {} particles or allow more", count,
-                       particleMemory(count).total() >> 20, most >> 20, most / (kCpu + deviceBytes()));
+                       all >> 20, most >> 20, (most - std::min(besides, most)) / (kCpu + deviceBytes()));
 }
 
 } // namespace brume

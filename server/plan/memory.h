@@ -16,7 +16,8 @@ struct ParticleMemory {
 // Memory that does not grow with the count (pictures, shadow maps, fields of slabs) is left out.
 ParticleMemory particleMemory(uint32_t count);
 
-// Empty if `count` particles fit `most` bytes; otherwise one line that says how many would fit.
-std::string memoryRefusal(uint32_t count, uint64_t most);
+// Empty if `count` particles fit `most` bytes, with `besides` bytes that do not depend on them; otherwise one line that
+// says how many would fit.
+std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides = 0);
 
 } // namespace brume

@@ -1,4 +1,4 @@
-// Initial particles of the layouts cube, tubes, cumulus and file.
+// Initial particles of the layouts cube, tubes, cumulus and file, and those of a sequence's file.
 #pragma once
 
 #include <optional>
@@ -14,8 +14,9 @@ struct PointCloudFacts {
     std::string sizes_from, extinctions_from; // for people: "the file's scale"
     bool coloured = false;                    // True: every point came with its albedo
     std::vector<std::string> ignored;         // names of properties that are not read
-    size_t dropped = 0;                       // points that are left out
+    size_t kept = 0, dropped = 0;             // points that are read, and those that are left out
     std::string first_dropped;                // why the first of them is
+    std::string sequence, gaps;               // of a sequence: what it is; a warning of missing files, or empty
 };
 
 // One entry per particle. sigma_t and albedo come from files only and are empty otherwise.
@@ -25,12 +26,14 @@ struct Placement {
     std::vector<float> multiplier;        // times the medium's extinction
     std::vector<float> sigma_t;           // 1/m, replaces multiplier * extinction
     std::vector<glm::vec3> albedo;        // replaces the medium's
-    std::optional<PointCloudFacts> cloud; // of the layout file alone
+    std::vector<int64_t> id;              // of a sequence's file whose points have ids
+    bool own_scale = false;               // True: sizes came with the points
+    std::optional<PointCloudFacts> cloud; // of files alone
 };
 
 // Places the particles of a medium. The result depends on the medium only, not on compiler or machine. Throws
 // SceneError if the medium's file is bad. `origin`: the scene's; it is subtracted from a file's positions.
-// Precondition: the layout is not `emitter` or `live`.
+// Precondition: the layout is not `emitter`, `sequence` or `live`.
 Placement place(const Medium& medium, glm::dvec3 origin = glm::dvec3(0));
 
 // medium.count positions and scales that fill a cumulus, medium.extent wide, that stands on y = 0 over the origin.

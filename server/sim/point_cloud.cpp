@@ -22,6 +22,7 @@ float scaleOf(float deviation, const Medium& medium) { return limits::kScale.cla
 
 // Fills out.scale and says where the sizes came from.
 std::string placeSizes(const PointCloud& cloud, const Medium& medium, Placement& out) {
+    out.own_scale = !cloud.scale.empty() || !cloud.radius.empty();
     if (!cloud.scale.empty()) {
         out.scale = cloud.scale;
         return "the file's scale";
@@ -56,8 +57,9 @@ std::string placeExtinctions(const PointCloud& cloud, const Medium& medium, Plac
 } // namespace
 
 Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
-    PointCloud cloud = loadPly(medium.file, origin);
+    PointCloud cloud = loadPly(medium.file, origin, medium.layout == Layout::sequence);
     Placement out;
+    out.id = std::move(cloud.id);
     out.position = std::move(cloud.position);
     PointCloudFacts facts;
     facts.sizes_from = placeSizes(cloud, medium, out);
@@ -65,6 +67,7 @@ Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
     out.albedo = std::move(cloud.albedo);
     facts.coloured = !out.albedo.empty();
     facts.ignored = std::move(cloud.ignored);
+    facts.kept = out.position.size();
     facts.dropped = cloud.dropped;
     facts.first_dropped = std::move(cloud.first_dropped);
     out.cloud = std::move(facts);

@@ -1,4 +1,4 @@
-// The layout `file`: particles from a user's own point cloud, and what the user is told about them.
+// The layouts `file` and `sequence`: particles from a user's own point cloud, and what the user is told about them.
 #pragma once
 
 #include <string>
@@ -10,13 +10,15 @@ namespace brume {
 
 class Simulation;
 
-// Precondition: the layout is `file`. Throws SceneError if the file is bad.
+// Precondition: the layout is `file`, or `sequence` with one of its files. Throws SceneError if the file is bad.
 Placement placePointCloud(const Medium& medium, glm::dvec3 origin);
 
-// One line: file, points, box, sizes, extinctions, colours, ignored properties, optical depth.
-// Precondition of the four below: the simulation is of `scene`, whose layout is `file`, and has not been stepped.
+// One line: file, points, box, sizes, extinctions, colours, ignored properties, optical depth. Of a sequence: what its
+// files are, then the same of the first.
+// Precondition of the four below: the simulation is of `scene`, whose points come from files, and has not been
+// stepped.
 std::string pointCloudLine(const Scene& scene, const Simulation& simulation);
-// One line each: points were left out; the scene's camera sees no particle. Empty if neither is so.
+// One line each: points were left out; files are missing; the scene's camera sees no particle. Empty if none is so.
 std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation);
 // A camera that sees all points, in the direction and with the angle of the scene's own.
 SceneCamera cameraOnAll(const Scene& scene, const Simulation& simulation);

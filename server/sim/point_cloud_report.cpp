@@ -102,6 +102,8 @@ std::string unseenText(const Cloud& cloud) {
         vectorText(cloud.world(on_all.target)));
 }
 
+const char* kind(const PointCloudFacts& facts) { return facts.sequence.empty() ? "point cloud" : "sequence"; }
+
 std::string ignoredText(const PointCloudFacts& facts) {
     if (facts.ignored.empty()) return "every property is read";
     std::string names = fmt::format("{}", fmt::join(facts.ignored, ", "));
@@ -114,22 +116,25 @@ std::string ignoredText(const PointCloudFacts& facts) {
 std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
     const Cloud cloud(scene, simulation);
     const double depth = opticalDepth(cloud);
-    return oneLine(fmt::format("point cloud '{}': {} points in {}; scale {} m ({}); extinction {} 1/m ({}); {}; {}; "
-                               "optical depth about {:.2g}{}",
-                               scene.medium.file.string(), cloud.particles.size(), cloud.boxText(),
-                               rangeOf(cloud, &gpu::Particle::scale), cloud.facts.sizes_from,
-                               rangeOf(cloud, &gpu::Particle::sigma_t), cloud.facts.extinctions_from,
-                               cloud.facts.coloured ? "with colours" : "no colours", ignoredText(cloud.facts), depth,
-                               depth < kNearlyNothing ? ", nearly transparent: medium.extinction changes it" : ""));
+    return oneLine(fmt::format(
+        "{} '{}': {}{} points in {}; scale {} m ({}); extinction {} 1/m ({}); {}; {}; "
+        "optical depth about {:.2g}{}",
+        kind(cloud.facts), scene.medium.file.string(),
+        cloud.facts.sequence.empty() ? "" : cloud.facts.sequence + "; the first file: ", cloud.particles.size(),
+        cloud.boxText(), rangeOf(cloud, &gpu::Particle::scale), cloud.facts.sizes_from,
+        rangeOf(cloud, &gpu::Particle::sigma_t), cloud.facts.extinctions_from,
+        cloud.facts.coloured ? "with colours" : "no colours", ignoredText(cloud.facts), depth,
+        depth < kNearlyNothing ? ", nearly transparent: medium.extinction changes it" : ""));
 }
 
 std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation) {
     const Cloud cloud(scene, simulation);
     std::vector<std::string> warnings;
     if (cloud.facts.dropped > 0)
-        warnings.push_back(oneLine(
-            fmt::format("point cloud '{}': dropped {} of {} points; the first, {}", scene.medium.file.string(),
-                        cloud.facts.dropped, cloud.facts.dropped + cloud.particles.size(), cloud.facts.first_dropped)));
+        warnings.push_back(oneLine(fmt::format("{} '{}': dropped {} of {} points; the first, {}", kind(cloud.facts),
+                                               scene.medium.file.string(), cloud.facts.dropped,
+                                               cloud.facts.dropped + cloud.facts.kept, cloud.facts.first_dropped)));
+    if (!cloud.facts.gaps.empty()) warnings.push_back(oneLine(cloud.facts.gaps));
     if (!seesAny(cloud)) warnings.push_back(unseenText(cloud));
     return warnings;
 }

@@ -14,6 +14,7 @@
 #include "server/sim/layout.h"
 #include "server/sim/live.h"
 #include "server/sim/plume.h"
+#include "server/sim/sequence.h"
 #include "server/sim/sine.h"
 #include "server/sim/state_hash.h"
 
@@ -59,7 +60,7 @@ glm::vec3 turned(glm::vec3 v, float angle) {
 } // namespace
 
 struct Simulation::State {
-    explicit State(const Scene& scene);
+    State(const Scene& scene, uint64_t most_bytes);
 
     void apply(const Impulse& c);
     void apply(const MoveVolume& c);
@@ -89,7 +90,8 @@ struct Simulation::State {
     Bounds bounds;
 };
 
-Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), scene.render, scene.simulation} {
+Simulation::State::State(const Scene& scene, uint64_t most_bytes)
+    : now{scene.medium, sunOf(scene), scene.render, scene.simulation} {
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);
@@ -98,6 +100,12 @@ Simulation::State::State(const Scene& scene) : now{scene.medium, sunOf(scene), s
         rows = scene.medium.count;
         columns.emplace(rows);
         motion = std::make_unique<Live>(scene.medium, *columns);
+    } else if (scene.medium.layout == Layout::sequence) {
+        SequenceFiles files = loadSequence(scene.medium, scene.origin, most_bytes);
+        cloud = files.facts;
+        rows = now.medium.count = files.most;
+        columns.emplace(rows);
+        motion = std::make_unique<Sequence>(scene.medium, std::move(files), *columns);
     } else {
         Placement placed = place(scene.medium, scene.origin);
         rows = now.medium.count = static_cast<uint32_t>(placed.position.size());
@@ -228,7 +236,7 @@ uint64_t Simulation::State::hashed() {
     return out.value();
 }
 
-Simulation::Simulation(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
+Simulation::Simulation(const Scene& scene, uint64_t most_bytes) : state_(std::make_unique<State>(scene, most_bytes)) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
@@ -252,6 +260,7 @@ uint32_t Simulation::capacity() const { return state_->rows; }
 uint64_t Simulation::bytes() const {
     return state_->columns->bytes() + state_->first_columns->bytes() + state_->motion->bytes();
 }
+uint64_t Simulation::besides() const { return state_->motion->bytes(); }
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }
 const PointCloudFacts* Simulation::pointCloud() const { return state_->cloud ? &*state_->cloud : nullptr; }

@@ -36,8 +36,9 @@ struct PointCloudFacts; // server/sim/layout.h
 
 class Simulation {
 public:
-    // Throws SceneError when the scene's particle file is bad.
-    explicit Simulation(const Scene& scene);
+    // `most_bytes`: of points that a sequence holds. Throws SceneError when one of the scene's particle files is bad,
+    // and for more bytes.
+    explicit Simulation(const Scene& scene, uint64_t most_bytes = ~0ull);
     ~Simulation();
     Simulation(Simulation&&) noexcept;
     Simulation& operator=(Simulation&&) noexcept;
@@ -56,9 +57,10 @@ public:
     uint32_t liveCount() const;
     uint32_t capacity() const; // most particles that can be alive at once
     uint64_t bytes() const;    // of the particles' memory in the simulation
+    uint64_t besides() const;  // that part of it which all particles' own columns do not make up
     const Bounds& bounds() const;
     const SceneNow& now() const;
-    const PointCloudFacts* pointCloud() const; // null unless the layout is `file`
+    const PointCloudFacts* pointCloud() const; // null unless points come from files
     // Writes the live particles, in a stable order. Precondition: out.size() >= liveCount().
     void write(std::span<gpu::Particle> out) const;
 

@@ -12,6 +12,7 @@
 #include "common/scene.h"
 #include "common/settings.h"
 #include "server/sim/command.h"
+#include "server/viewer/replay_control.h"
 #include "server/viewer/scene_requests.h"
 #include "server/viewer/viewer.h"
 
@@ -102,6 +103,10 @@ public:
 
     CommandQueue& commands() { return commands_; }
     SceneRequests& sceneRequests() { return scene_requests_; }
+    // Of a recording that is looked at: nothing else takes commands then. Null otherwise.
+    ReplayControl* replay() { return replay_.get(); }
+    // To be called before viewers come.
+    void setReplay(std::shared_ptr<ReplayControl> replay) { replay_ = std::move(replay); }
 
     void publish(std::shared_ptr<const SceneReport> report);
     std::shared_ptr<const SceneReport> report() const; // never null
@@ -121,6 +126,7 @@ private:
     std::atomic<bool> keeps_place_{false};
     CommandQueue commands_;
     SceneRequests scene_requests_;
+    std::shared_ptr<ReplayControl> replay_;
     mutable std::mutex mutex_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     uint32_t next_id_ = 1;

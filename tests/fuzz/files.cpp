@@ -35,7 +35,8 @@ void scene(Bytes input) {
         promise(medium.scale.lo <= medium.scale.hi && limits::kScale.holds(medium.scale.lo) &&
                     limits::kScale.holds(medium.scale.hi),
                 "sizes within limits");
-        promise((medium.layout == Layout::file) == !medium.file.empty(), "a file only where it is used");
+        promise((medium.layout == Layout::file || medium.layout == Layout::sequence) == !medium.file.empty(),
+                "a file only where it is used");
         promise(scene.lights.size() == 1 && std::abs(glm::length(scene.lights[0].to_light) - 1) < 1e-3f,
                 "one light, its direction unit");
         promise(scene.planes.size() <= 64 && scene.boxes.size() <= 64 && scene.spheres.size() <= 64,
@@ -49,12 +50,12 @@ void scene(Bytes input) {
 void ply(Bytes input) {
     const std::string bytes(textOf(input)); // exactly so long
     try {
-        const PointCloud cloud = parsePly(bytes, "points.ply");
+        const PointCloud cloud = parsePly(bytes, "points.ply", glm::dvec3(0), bytes.size() % 2 == 1);
         const size_t points = cloud.position.size();
         promise(limits::kCount.holds(double(points)), "a number of points within limits");
         promise(points + cloud.dropped <= bytes.size(), "every point has bytes of its own");
-        for (const size_t size :
-             {cloud.scale.size(), cloud.radius.size(), cloud.sigma_t.size(), cloud.opacity.size(), cloud.albedo.size()})
+        for (const size_t size : {cloud.scale.size(), cloud.radius.size(), cloud.sigma_t.size(), cloud.opacity.size(),
+                                  cloud.albedo.size(), cloud.id.size()})
             promise(size == 0 || size == points, "a list is empty or complete");
         for (const glm::vec3& at : cloud.position) promise(within(at, limits::kPlace), "a place within limits");
         for (const float scale : cloud.scale) promise(limits::kScale.holds(double(scale)), "a size within limits");
@@ -65,6 +66,7 @@ void ply(Bytes input) {
             promise(limits::kSigmaT.holds(double(sigma_t)), "an extinction within limits");
         for (const glm::vec3& albedo : cloud.albedo)
             promise(within(albedo, limits::kColour), "an albedo within limits");
+        for (const int64_t id : cloud.id) promise(id >= -(1ll << 31) && id < 1ll << 32, "an id of 32 bits");
     } catch (const SceneError& error) {
         promiseOneLine(error.what(), kLongestRefusal);
     }

@@ -236,6 +236,9 @@ TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefusedAndPushesToo)
     const wire::Vec3 ahead(0, 0, -1);
     const auto push = input(++seq, [&](auto& b) { return wire::CreateImpulse(b, &ahead, &ahead); });
     EXPECT_EQ(onlyError(push), ErrorCode::unexpected);
+    rules->shows({Layout::sequence, 10});
+    EXPECT_EQ(onlyError(input(++seq, [&](auto& b) { return wire::CreateImpulse(b, &ahead, &ahead); })),
+              ErrorCode::unexpected);
     rules->shows({Layout::cube, 10});
     const auto elsewhere = input(++seq, setParticles(0, {}, {}, {}, {}, 0));
     EXPECT_EQ(onlyError(elsewhere), ErrorCode::unexpected);

@@ -14,7 +14,9 @@
 #include "common/scene_text.h"
 #include "server/operate/command_json.h"
 #include "server/operate/replay.h"
+#include "server/operate/replay_ticks.h"
 #include "server/sim/simulation.h"
+#include "tests/net/log_capture.h"
 
 namespace brume {
 namespace {
@@ -268,6 +270,98 @@ TEST_F(RecordingTest, AReplayNamesTheFirstTickThatDiffers) {
     const std::string said = replayed();
     EXPECT_NE(said.find("the first difference is at tick 4: state "), said.npos) << said;
     EXPECT_NE(said.find("tick 0 was as recorded"), said.npos) << said;
+}
+
+// What a frame loop does with a source of ticks, but for the pictures.
+class Looking {
+public:
+    explicit Looking(const std::filesystem::path& file)
+        : extent(file), control(std::make_shared<ReplayControl>(extent.head.tick, extent.last)),
+          simulation(sceneOf(extent.head)), ticks(file, control, ~0ull, now) {
+        simulation.countFrom(extent.head.tick);
+        ticks.check(simulation);
+    }
+    void goOn(std::chrono::milliseconds time) {
+        now += time;
+        if (auto beginning = ticks.beginning()) {
+            simulation = *std::move(beginning);
+            ticks.check(simulation);
+        }
+        while (ticks.take(now, commands)) {
+            simulation.step(commands);
+            ticks.check(simulation);
+        }
+    }
+
+    RecordingExtent extent;
+    std::shared_ptr<ReplayControl> control;
+    Simulation simulation;
+    Clock::time_point now = Clock::now();
+    ReplayTicks ticks;
+    std::vector<Command> commands;
+};
+
+TEST_F(RecordingTest, ALookGoesSixtyTicksASecondPausesAndSeeks) {
+    record();
+    Looking look(file);
+    EXPECT_EQ(look.extent.last, 10u);
+    using std::chrono::milliseconds;
+    look.goOn(milliseconds(1));
+    EXPECT_EQ(look.simulation.tick(), 1u);
+    look.goOn(milliseconds(50));
+    EXPECT_EQ(look.simulation.tick(), 4u);
+    const uint64_t fourth = look.simulation.stateHash();
+    look.control->paused = true;
+    look.goOn(milliseconds(200));
+    EXPECT_EQ(look.simulation.tick(), 4u);
+    EXPECT_TRUE(look.ticks.stands());
+    EXPECT_EQ(look.ticks.paused(), true);
+    EXPECT_GT(look.ticks.due(), look.now) << "a loop may sleep";
+
+    const uint64_t number = look.control->seek(9);
+    look.goOn(milliseconds(0));
+    EXPECT_EQ(look.simulation.tick(), 9u);
+    EXPECT_EQ(look.control->reached().number, number);
+    EXPECT_EQ(look.control->reached().state_hash, look.simulation.stateHash());
+    look.control->seek(4);
+    look.goOn(milliseconds(0));
+    EXPECT_EQ(look.simulation.tick(), 4u);
+    EXPECT_EQ(look.control->reached().state_hash, fourth);
+    const uint64_t here = look.control->seek(4);
+    look.goOn(milliseconds(0));
+    EXPECT_EQ(look.control->reached().number, here) << "where it is already";
+    look.control->seek(0);
+    look.goOn(milliseconds(0));
+    EXPECT_EQ(look.control->reached().tick, 0u);
+    EXPECT_EQ(look.simulation.tick(), 0u);
+
+    look.control->paused = false;
+    for (int i = 0; i < 10; ++i) look.goOn(milliseconds(100));
+    EXPECT_EQ(look.simulation.tick(), 10u) << "the end";
+    EXPECT_TRUE(look.ticks.stands());
+}
+
+TEST_F(RecordingTest, ALookTellsOfADifferenceAndOfTheEndOnce) {
+    {
+        record();
+        RecordingReader in(file);
+        std::vector<RecordedTick> all;
+        while (auto tick = in.next()) all.push_back(*tick);
+        std::get<Set>(all[1].commands[1].body).changes.at(0).value = std::nextafter(0.1f, 1.0f);
+        RecordingWriter out(file, head());
+        for (const RecordedTick& tick : all) EXPECT_TRUE(out.write(tick));
+    }
+    const test::LogCapture log;
+    Looking look(file);
+    for (const uint64_t tick : {10, 0, 10}) {
+        look.control->seek(tick);
+        look.goOn(std::chrono::milliseconds(0));
+    }
+    const std::string errors = log.atLeast(spdlog::level::err), all = log.atLeast(spdlog::level::info);
+    EXPECT_EQ(errors.find("replay: the first difference is at tick 4: state "), 0u) << errors;
+    EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1) << errors;
+    EXPECT_NE(all.find("replay: the recording ends at tick 10 (stopped): the scene stands still"), all.npos) << all;
+    EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 2) << all;
 }
 
 TEST_F(RecordingTest, NeverGrowsBeyondItsBoundAndKeepsRoomForItsEnd) {

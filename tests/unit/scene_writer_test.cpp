@@ -147,5 +147,15 @@ TEST(SceneWriter, ACloudKeepsWhatItsFileSays) {
     }
 }
 
+TEST(SceneWriter, MediaFromElsewhereKeepTheirKeys) {
+    for (const char* medium :
+         {"layout = \"sequence\"\nfile = \"smoke-####.ply\"\nrate = 12.5\nloop = false\nscale = 6\n",
+          "layout = \"sequence\"\nfile = \"smoke-####.ply\"\n", "layout = \"live\"\ncount = 77\n"}) {
+        const Scene scene =
+            sceneOf("origin = [100, 0, 0]\n[medium]\ncentre = [1, 2, 3]\n" + std::string(medium), "a/b.toml");
+        expectSame(scene, again(scene));
+    }
+}
+
 } // namespace
 } // namespace brume

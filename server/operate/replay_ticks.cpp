@@ -1,0 +1,88 @@
+#include "server/operate/replay_ticks.h"
+
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "common/scene_text.h"
+
+namespace brume {
+
+RecordingExtent::RecordingExtent(const std::filesystem::path& file) {
+    RecordingReader recording(file);
+    head = recording.head();
+    last = head.tick;
+    while (const auto record = recording.next()) last = record->tick;
+}
+
+Scene sceneOf(const RecordingHead& head) { return sceneOf(head.text, head.file, head.overrides); }
+
+ReplayTicks::ReplayTicks(std::filesystem::path file, std::shared_ptr<ReplayControl> control, uint64_t memory,
+                         Clock::time_point begin)
+    : file_(std::move(file)), control_(std::move(control)), memory_(memory), next_(begin) {
+    open();
+}
+
+void ReplayTicks::open() {
+    recorded_.reset();
+    recording_ = std::make_unique<RecordingReader>(file_);
+    recorded_ = std::make_unique<RecordedTicks>(*recording_);
+    tick_ = recording_->head().tick;
+}
+
+// A seek backwards begins anew: states cannot be taken back.
+std::optional<Simulation> ReplayTicks::beginning() {
+    const ReplayControl::Seek wanted = control_->wanted();
+    if (wanted.number == number_) return {};
+    number_ = wanted.number;
+    target_ = wanted.tick;
+    if (*target_ >= tick_) {
+        arrive();
+        return {};
+    }
+    open();
+    Simulation simulation(sceneOf(recording_->head()), memory_);
+    simulation.countFrom(tick_);
+    return simulation;
+}
+
+bool ReplayTicks::take(Clock::time_point now, std::vector<Command>& commands) {
+    constexpr std::chrono::milliseconds kMostBehind{250}; // as LocalTicks
+    if (seeks()) {
+        next_ = now + kTick;
+    } else {
+        if (now - next_ > kMostBehind) next_ = now;
+        if (next_ > now) return false;
+        if (stands()) {
+            next_ = now + kTick;
+            return false;
+        }
+        next_ += kTick;
+    }
+    if (!recorded_->take(now, commands)) return false;
+    ++tick_;
+    return true;
+}
+
+void ReplayTicks::check(const Simulation& simulation) {
+    state_hash_ = simulation.stateHash();
+    for (const RecordedTick& record : recorded_->records()) {
+        if (record.state_hash != state_hash_ && !std::exchange(differs_, true))
+            spdlog::error("replay: the first difference is at tick {}: state {}, recorded {}; what follows is not the "
+                          "recorded session",
+                          tick_, hexOf(state_hash_), hexOf(record.state_hash));
+        if (tick_ == control_->last && !std::exchange(ended_, true))
+            spdlog::info("replay: the recording ends at tick {} ({}): the scene stands still", tick_,
+                         record.end.empty() ? "the server was killed or still records" : record.end);
+    }
+    arrive();
+}
+
+// Ends the seek where it is reached.
+void ReplayTicks::arrive() {
+    if (target_ != tick_) return;
+    target_.reset();
+    control_->arrived({number_, tick_, state_hash_});
+}
+
+} // namespace brume

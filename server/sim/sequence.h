@@ -1,0 +1,45 @@
+// A simulation that was computed before: its files are shown one after another. Points with ids move from file to file.
+#pragma once
+
+#include <vector>
+
+#include "server/sim/motion.h"
+#include "server/sim/sequence_files.h"
+
+namespace brume {
+
+class Sequence final : public Motion {
+public:
+    // Shows the first file. Precondition: `columns` are new, with room for the largest file.
+    Sequence(const Medium& medium, SequenceFiles files, Columns& columns);
+
+    void step(Columns& columns, const MotionStep& step) override { show(columns, step.number, step.volume); }
+    // `extinction` is a factor, relative to the scene's own, where the points have theirs.
+    void settle(Columns& columns, float extinction) const override;
+    std::array<Rows, 2> living() const override { return {Rows{0, live_}, Rows{}}; }
+    std::span<const glm::vec3> albedos() const override { return albedos_; }
+    bool yields() const override { return false; }
+    uint64_t history() const override { return files_.hash; }
+    uint64_t bytes() const override;
+    void restart() override { turnTo(0); }
+
+private:
+    struct Moment {
+        size_t file = 0; // the one that is shown
+        float part = 0;  // of the way to the next; 0 where points do not move
+    };
+    Moment at(uint64_t step) const;
+    void turnTo(size_t file);
+    void show(Columns& columns, uint64_t step, glm::vec3 volume);
+
+    const SequenceFiles files_;
+    const double rate_;
+    const bool loop_;
+    const float unit_; // medium.extinction of the scene; 0: points' own extinctions are never scaled
+    size_t present_ = 0;
+    uint32_t live_ = 0;
+    std::vector<uint32_t> next_; // of each row, the same point in the next file; kNone: it has none
+    std::vector<glm::vec3> albedos_;
+};
+
+} // namespace brume

@@ -1,0 +1,215 @@
+#include "server/sim/sequence_files.h"
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/text.h"
+#include "server/sim/point_cloud.h"
+#include "server/sim/random.h"
+#include "server/sim/state_hash.h"
+
+namespace brume {
+
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
+    throw SceneError(oneLine(file.string() + ": " + what));
+}
+
+// The number in a file's name that is made as `pattern` says; nothing for other names.
+std::optional<uint64_t> numberOf(const std::string& name, const std::string& pattern) {
+    const size_t begin = pattern.find('#'), end = pattern.find_last_of('#') + 1;
+    if (name.size() != pattern.size() || name.compare(0, begin, pattern, 0, begin) != 0 ||
+        name.compare(end, name.npos, pattern, end, pattern.npos) != 0)
+        return {};
+    uint64_t number = 0;
+    const auto [stop, error] = std::from_chars(&name[begin], &name[end - 1] + 1, number);
+    return error == std::errc() && stop == &name[end - 1] + 1 ? std::optional(number) : std::nullopt;
+}
+
+// What the points of a file come with, besides their places.
+std::string propertiesOf(const Placement& placed) {
+    return fmt::format("{}, {}, {}", placed.own_scale ? placed.cloud->sizes_from : "no sizes",
+                       placed.cloud->extinctions_from, placed.cloud->coloured ? "colours" : "no colours");
+}
+
+template <class T>
+void reorder(std::vector<T>& list, const std::vector<uint32_t>& order) {
+    if (list.empty()) return;
+    std::vector<T> out;
+    out.reserve(list.size());
+    for (const uint32_t i : order) out.push_back(list[i]);
+    list = std::move(out);
+}
+
+void sortById(SequenceFile& file, const std::filesystem::path& path) {
+    std::vector<uint32_t> order(file.id.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return file.id[a] < file.id[b]; });
+    const auto twice = std::adjacent_find(order.begin(), order.end(),
+                                          [&](uint32_t a, uint32_t b) { return file.id[a] == file.id[b]; });
+    if (twice != order.end())
+        fail(path, fmt::format("PLY: property id: points {} and {} are both number {}; expected a number for each",
+                               twice[0] + 1, twice[1] + 1, file.id[twice[0]]));
+    reorder(file.position, order);
+    reorder(file.scale, order);
+    reorder(file.weight, order);
+    reorder(file.albedo, order);
+    reorder(file.id, order);
+}
+
+uint64_t bytesOf(const SequenceFile& file) {
+    return (file.position.size() + file.albedo.size()) * sizeof(glm::vec3) +
+           (file.scale.size() + file.weight.size()) * sizeof(float) + file.id.size() * sizeof(int64_t);
+}
+
+// Numbers of the scene's own ranges belong to a point's id or, without one, to its row: they are the same in all files.
+SequenceFile fileOf(uint64_t number, Placement&& placed, const Medium& medium) {
+    SequenceFile out{number,
+                     std::move(placed.position),
+                     std::move(placed.scale),
+                     std::move(placed.sigma_t),
+                     std::move(placed.albedo),
+                     std::move(placed.id)};
+    const bool own_extinction = !out.weight.empty();
+    for (size_t i = 0; i < out.position.size(); ++i) {
+        out.position[i] += medium.centre;
+        Random random(medium.seed, out.id.empty() ? i : static_cast<uint64_t>(out.id[i]));
+        const float scale = random.uniform(medium.scale.lo, medium.scale.hi);
+        if (!placed.own_scale) out.scale[i] = scale;
+        if (!own_extinction) out.weight.push_back(random.uniform(medium.multiplier.lo, medium.multiplier.hi) * 1e-4f);
+    }
+    return out;
+}
+
+uint64_t hashOf(const SequenceFiles& all, const Medium& medium) {
+    StateHash hash;
+    hash.add(std::span(&medium.rate, 1));
+    hash.add(uint64_t{medium.loop});
+    for (const SequenceFile& file : all.files) {
+        hash.add(file.number);
+        hash.add(uint64_t{file.position.size()});
+        hash.add(std::span(&file.position[0].x, 3 * file.position.size()));
+        hash.add(file.scale);
+        hash.add(file.weight);
+        if (!file.albedo.empty()) hash.add(std::span(&file.albedo[0].x, 3 * file.albedo.size()));
+        for (const int64_t id : file.id) hash.add(static_cast<uint64_t>(id));
+    }
+    return hash.value();
+}
+
+// What the line about the sequence says.
+std::string textOf(const SequenceFiles& all, const Medium& medium, const std::string& without_ids) {
+    const uint64_t first = all.files.front().number, last = all.files.back().number;
+    const auto count = [](const SequenceFile& a, const SequenceFile& b) {
+        return a.position.size() < b.position.size();
+    };
+    const size_t least = std::min_element(all.files.begin(), all.files.end(), count)->position.size();
+    return fmt::format("{} files, {} to {}, in {:.4g} s, {}; {} points; {}", all.files.size(), first, last,
+                       static_cast<double>(last - first + 1) / static_cast<double>(medium.rate),
+                       medium.loop ? "again and again" : "once",
+                       least < all.most ? fmt::format("{} to {}", least, all.most) : fmt::format("{}", least),
+                       without_ids.empty() ? "they move by their ids"
+                                           : "each file is shown until the next, as '" + without_ids +
+                                                 "' has no property id of whole numbers");
+}
+
+std::string gapsOf(const SequenceFiles& all, const std::filesystem::path& pattern) {
+    const uint64_t first = all.files.front().number, last = all.files.back().number;
+    const uint64_t missing = last - first + 1 - all.files.size();
+    if (missing == 0) return {};
+    uint64_t gap = first;
+    for (const SequenceFile& file : all.files) {
+        if (file.number != gap) break;
+        ++gap;
+    }
+    return fmt::format("sequence '{}': {} numbers between {} and {} have no file, the first is {}: the file before "
+                       "each lasts longer",
+                       pattern.string(), missing, first, last, gap);
+}
+
+} // namespace
+
+std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std::filesystem::path& pattern) {
+    std::vector<std::pair<uint64_t, std::filesystem::path>> found;
+    const std::string name = pattern.filename().string();
+    const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
+    std::error_code error;
+    for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+        const auto number = numberOf(i->path().filename().string(), name);
+        if (!number) continue;
+        if (found.size() == kMostFiles)
+            fail(pattern, fmt::format("more than {} files; leave some out, or merge them", kMostFiles));
+        found.emplace_back(*number, i->path());
+    }
+    if (error) fail(pattern, "the folder cannot be read: " + error.message());
+    if (found.empty()) fail(pattern, "no such file; expected numbered files, with a digit for each #");
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t most_bytes) {
+    SequenceFiles out;
+    Medium one = medium;
+    std::string properties, without_ids;
+    const auto files = numberedFiles(medium.file);
+    for (const auto& [number, path] : files) {
+        one.file = path;
+        Placement placed = placePointCloud(one, origin);
+        if (out.files.empty()) {
+            properties = propertiesOf(placed);
+            out.facts = *placed.cloud;
+            out.own_extinction = !placed.sigma_t.empty();
+            if (one.scale_by_spacing && !placed.own_scale) one.scale = {placed.scale[0], placed.scale[0]};
+            one.scale_by_spacing = false; // the others' points are as large as those of the first
+        } else {
+            if (propertiesOf(placed) != properties)
+                fail(path,
+                     fmt::format("PLY: {}; the first file of the sequence has: {}", propertiesOf(placed), properties));
+            if (out.facts.dropped == 0 && placed.cloud->dropped > 0)
+                out.facts.first_dropped = path.filename().string() + ", " + placed.cloud->first_dropped;
+            out.facts.dropped += placed.cloud->dropped;
+            out.facts.kept += placed.cloud->kept;
+        }
+        if (placed.id.empty() && without_ids.empty()) without_ids = path.filename().string();
+        SequenceFile file = fileOf(number, std::move(placed), one);
+        if (!file.id.empty()) sortById(file, path);
+        out.most = std::max(out.most, static_cast<uint32_t>(file.position.size()));
+        out.bytes += bytesOf(file);
+        if (out.bytes > most_bytes)
+            fail(medium.file, fmt::format("the first {} of {} files hold {} MiB of points, --memory allows {}: use "
+                                          "fewer files or allow more",
+                                          out.files.size() + 1, files.size(), out.bytes >> 20, most_bytes >> 20));
+        out.files.push_back(std::move(file));
+    }
+    out.has_ids = without_ids.empty();
+    for (SequenceFile& file : out.files)
+        if (!out.has_ids) {
+            out.bytes -= file.id.size() * sizeof(int64_t);
+            file.id = {};
+        }
+    out.hash = hashOf(out, medium);
+    out.facts.sequence = textOf(out, medium, without_ids);
+    out.facts.gaps = gapsOf(out, medium.file);
+    return out;
+}
+
+Scene standIn(Scene scene) {
+    Medium& medium = scene.medium;
+    if (medium.layout == Layout::sequence) {
+        medium.layout = Layout::file;
+        medium.file = numberedFiles(medium.file).front().second;
+    } else if (medium.layout == Layout::live) {
+        medium.layout = Layout::cube;
+        medium.count = std::min(medium.count, Medium().count);
+    }
+    return scene;
+}
+
+} // namespace brume

@@ -1,0 +1,47 @@
+// The numbered PLY files of the layout `sequence`, loaded and checked as a whole.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "server/sim/layout.h"
+
+namespace brume {
+
+inline constexpr size_t kMostFiles = 10'000; // of a sequence
+
+// The points of one file. The optional lists are empty, or as long as `position`.
+struct SequenceFile {
+    uint64_t number = 0;             // of the file's name: its time
+    std::vector<glm::vec3> position; // m, without the volume's offset
+    std::vector<float> scale;        // m
+    std::vector<float> weight;       // as Column::weight
+    std::vector<glm::vec3> albedo;
+    std::vector<int64_t> id; // ascending
+};
+
+struct SequenceFiles {
+    std::vector<SequenceFile> files; // by number; at least one
+    uint32_t most = 0;               // points of the largest
+    bool own_extinction = false;     // True: weights are extinctions (1/m) that came with the points
+    bool has_ids = false;            // True: the points of every file have ids
+    uint64_t hash = 0;               // of the points, their times and how they are played
+    uint64_t bytes = 0;              // of the points
+    PointCloudFacts facts;           // of the first file, with points that are left out of all files
+};
+
+// Files of the name `pattern`, whose run of # stands for as many digits, by number.
+// Throws SceneError if there are none or too many.
+std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std::filesystem::path& pattern);
+
+// Reads all files of the medium. `most_bytes`: of their points. Throws SceneError for a bad file, for files that have
+// not the same properties, and if there are more bytes. Precondition: the layout is `sequence`.
+SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t most_bytes);
+
+// A scene that is drawn by the same shaders, for what needs no more: of a sequence the first file; for a live scene,
+// which is empty, a small cube; any other scene as it is.
+Scene standIn(Scene scene);
+
+} // namespace brume
