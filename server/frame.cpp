@@ -141,8 +141,8 @@ void FrameLoop::run() {
             if (Clock::now() - now > kLongestLook) break; // many ticks of a seek: the rest comes with the next look
         }
         if (paused_ != ticks_->paused() || sought != ticks_->seeks()) changed_ = true;
-        if (!on_device_ && !ticks_->seeks() &&
-            (simulation_.tick() != rendered_tick_ || ticks_->stands() || batch_planner_.someoneWaits()))
+        const bool is_new = simulation_.tick() != rendered_tick_ || ticks_->stands() || batch_planner_.someoneWaits();
+        if (!on_device_ && !ticks_->seeks() && is_new)
             if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
         if (now - load_told_ >= kLoadEvery) tellLoad(now);
         if (changed_ || now - reported_ >= kReportEvery) report(now);

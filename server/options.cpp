@@ -45,19 +45,19 @@ std::vector<Setting> settingsOf(const OptionTable& table) {
     return settings;
 }
 
+// The first group of --help: --help itself and the options that most people need.
+void leadWith(CLI::App& app, std::initializer_list<const char*> names) {
+    constexpr const char* kGroup = "Most used";
+    app.get_help_ptr()->group(kGroup);
+    for (const char* name : names) app.get_option(name)->group(kGroup);
+}
+
 // Options of a replay that do not go together: what is wrong, or empty.
 const char* mistakeIn(const ServerOptions& o) {
     if (o.look && o.replay.empty()) return "--look: nothing to look at; allowed: with --replay FILE";
     if (!o.out.empty() && o.replay.empty()) return "--out: nothing to make a film of; allowed: with --replay FILE";
     if (o.look && !o.out.empty()) return "--look and --out exclude each other: look at a replay, or make a film of it";
     return "";
-}
-
-// The first group of --help: --help itself and the options that most people need.
-void leadWith(CLI::App& app, std::initializer_list<const char*> names) {
-    constexpr const char* kGroup = "Most used";
-    app.get_help_ptr()->group(kGroup);
-    for (const char* name : names) app.get_option(name)->group(kGroup);
 }
 
 // The command line ends here, well if that was printed.

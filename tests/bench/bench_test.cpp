@@ -216,6 +216,14 @@ set = ["medium.count=10"]
     EXPECT_TRUE(fs::exists(here / "r-ways-1-cloud-outside-48x27.svg"));
     const std::string compared = compareResults(results, results);
     EXPECT_NE(compared.find("Ways <1> · `cloud`, outside, 48x27 · one"), std::string::npos) << compared;
+    EXPECT_NE(compared.find("| at edges before |"), std::string::npos) << compared;
+    EXPECT_NE(text.str().find("| relative RMSE | at edges | bias |"), std::string::npos);
+    EXPECT_EQ(text.str().find("edges were not counted apart"), std::string::npos);
+    for (json& row : results["series"][0]["rows"]) row["error"].erase("edges"); // as older results are
+    writeReport(results, here, "old");
+    std::stringstream old;
+    old << std::ifstream(here / "old.md").rdbuf();
+    EXPECT_NE(old.str().find("edges were not counted apart"), std::string::npos);
     EXPECT_THROW(writeReport(json::object(), here, "x"), std::runtime_error);
 }
 

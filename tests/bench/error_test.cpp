@@ -66,6 +66,15 @@ TEST(MediumError, SaysWhatItCannotTell) {
     EXPECT_NE(describe(error).find("no edges"), std::string::npos);
 }
 
+// Light that bends within a pixel is four times as far off at its corners as half-way: that is no edge.
+TEST(Edges, AreJumpsAndNotCurves) {
+    const glm::vec3 centre(1);
+    EXPECT_FALSE(isEdge(centre, glm::vec3(1), glm::vec3(1)));
+    EXPECT_FALSE(isEdge(centre, glm::vec3(1.009f), glm::vec3(1.036f))) << "a curve";
+    EXPECT_TRUE(isEdge(centre, {1, 1, 1.02f}, {1, 1, 1.02f})) << "an edge across the middle, of one channel";
+    EXPECT_TRUE(isEdge(centre, glm::vec3(1), glm::vec3(0.875f))) << "an edge that cuts off one corner";
+}
+
 // The jackknife says how far samples of a picture are from the whole.
 TEST(SamplingError, IsTheSpreadOfSamples) {
     std::mt19937 random(7);

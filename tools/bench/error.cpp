@@ -99,8 +99,11 @@ nlohmann::json toJson(const MediumError& error) {
             {"edges", {{"relative_rmse", error.edges.relative_rmse}, {"share", error.edgeShare()}}}};
 }
 
-bool isEdge(glm::vec3 centre, glm::vec3 mean) {
-    return glm::any(glm::greaterThan(glm::abs(centre - mean), kSame * glm::max(centre, mean)));
+bool isEdge(glm::vec3 centre, glm::vec3 mean, glm::vec3 corners) {
+    const auto differs = [&](glm::vec3 other, float part) {
+        return glm::any(glm::greaterThan(glm::abs(centre - other), part * glm::max(centre, other)));
+    };
+    return differs(mean, kSame) || differs(corners, 4 * kSame);
 }
 
 DisplaySettings displayOf(const RenderSettings& settings) { return {settings.exposure, settings.tone_map == "filmic"}; }

@@ -242,15 +242,17 @@ std::string compareResults(const json& before, const json& now) {
     };
     for (const json& series : before.at("series"))
         for (const json& row : series.at("rows")) old[keyOf(series, row)] = row;
-    Table table({"what", "medium, ms before", "now", "now / before", "relative RMSE before", "now"});
+    Table table(
+        {"what", "medium, ms before", "now", "now / before", "relative RMSE before", "now", "at edges before", "now"});
     for (const json& series : now.at("series"))
         for (const json& row : series.at("rows")) {
             const auto found = old.find(keyOf(series, row));
             if (found == old.end()) continue;
             const double a = numberAt(found->second, "/medium_ms"), b = numberAt(row, "/medium_ms");
-            table.line({found->first, digits(a), digits(b), digits(b / a),
-                        digits(numberAt(found->second, "/error/relative_rmse"), 100, " %"),
-                        digits(numberAt(row, "/error/relative_rmse"), 100, " %")});
+            const auto error = [](const json& of, const char* at) { return digits(numberAt(of, at), 100, " %"); };
+            constexpr const char *kMedium = "/error/relative_rmse", *kEdges = "/error/edges/relative_rmse";
+            table.line({found->first, digits(a), digits(b), digits(b / a), error(found->second, kMedium),
+                        error(row, kMedium), error(found->second, kEdges), error(row, kEdges)});
         }
     return table.text();
 }

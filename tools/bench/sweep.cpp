@@ -134,14 +134,18 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
                     {"device_mib", double(stage.deviceBytes()) / (1 << 20)},
                     {"particles_mib", double(stage.particleBytes()) / (1 << 20)}});
         if (series.variants[i].published_ms > 0) row["published_ms"] = series.variants[i].published_ms;
+        std::string said; // of the error
         if (!series.error.empty()) {
             const glm::uvec2 small = sizeOf(series.error);
             const RadianceImage exact = truth.of(stage, stage.pose(), small, series.every);
-            row["error"] = toJson(mediumError(thinned(stage.picture(stage.pose(), small), series.every), exact,
-                                              displayOf(stage.scene().render)));
+            const MediumError error = mediumError(thinned(stage.picture(stage.pose(), small), series.every), exact,
+                                                  displayOf(stage.scene().render));
+            row["error"] = toJson(error);
+            said = inShort(error);
         }
-        std::fprintf(stderr, "  %-12s %-8s %-10s x%s  %-28s %8.1f ms\n", scene.c_str(), camera.c_str(), size.c_str(),
-                     viewers.c_str(), series.variants[i].name.c_str(), row["medium_ms"].get<double>());
+        std::fprintf(stderr, "  %-12s %-8s %-10s x%s  %-28s %8.1f ms  %s\n", scene.c_str(), camera.c_str(),
+                     size.c_str(), viewers.c_str(), series.variants[i].name.c_str(), row["medium_ms"].get<double>(),
+                     said.c_str());
         rows.push_back(std::move(row));
     }
     return rows;

@@ -113,15 +113,19 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
             image.transmittance[i] = float(centre.transmittance);
             progress.done();
             if (world.obstacles.empty()) return;
-            glm::dvec3 mean(0);
-            double transmittance = 0;
-            for (const double x : {0.25, 0.75})
-                for (const double y : {0.25, 0.75}) {
-                    const reference::RayResult ray = at(x, y);
-                    mean += ray.total() / 4.0, transmittance += ray.transmittance / 4;
-                }
-            if (!isEdge(image.radiance[i], mean)) return;
-            image.edges[i] = 1, image.radiance[i] = mean, image.transmittance[i] = float(transmittance);
+            // Of the rays at four points a distance from the centre, in pixels; radiance and transmittance.
+            const auto meanAt = [&](double off) {
+                reference::RayResult mean{.background = glm::dvec3(0), .transmittance = 0};
+                for (const double x : {-off, off})
+                    for (const double y : {-off, off}) {
+                        const reference::RayResult ray = at(0.5 + x, 0.5 + y);
+                        mean.scattered += ray.total() / 4.0, mean.transmittance += ray.transmittance / 4;
+                    }
+                return mean;
+            };
+            const reference::RayResult mean = meanAt(0.25), corners = meanAt(0.5);
+            if (!isEdge(image.radiance[i], mean.scattered, corners.scattered)) return;
+            image.edges[i] = 1, image.radiance[i] = mean.scattered, image.transmittance[i] = float(mean.transmittance);
         };
     });
     image.width = int(end);
@@ -132,7 +136,7 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
 } // namespace
 
 std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every) {
-    constexpr double kVersion = 4; // goes up when the reference itself changes
+    constexpr double kVersion = 5; // goes up when the reference itself changes
     Numbers numbers;
     for (const double number : {kVersion, double(size.x), double(size.y), kTolerance, double(every)})
         numbers.add(number);
