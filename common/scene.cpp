@@ -104,6 +104,7 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
     in.table("emitter", [&](TableReader& r) { read.readTable(r, "medium.emitter", parts, &origin); });
 
     out.scale_by_spacing = from_file && !in.has("scale");
+    out.extinction_by_depth = out.layout == Layout::file && !in.has("extinction");
     const std::string name = out.file.filename().string();
     if (from_file && out.file.empty())
         in.fail("layout", sequence ? "\"sequence\" without files" : "\"file\" without a file",
@@ -166,6 +167,7 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
               [&](TableReader& r, Sphere& sphere) { read.readTable(r, "sphere", {.sphere = &sphere}, &origin); });
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
     in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
+    out.camera_by_points = !out.medium.file.empty() && !in.has("camera");
     in.table("render", [&](TableReader& r) { readRender(r, read, out.render); });
 }
 

@@ -36,10 +36,12 @@ struct Emitter {
 
 struct Medium {
     Layout layout = Layout::cube;
-    uint32_t count = 500;          // 1 ... 1,000,000; an emitter's pool size; rows of layout live
-    glm::vec3 centre{0};           // m, of the layout; with layouts file, sequence and live what points are moved by
-    float extent = 10;             // m, side of the cube, length of a tube, width of the cumulus
-    Range scale{6, 6};             // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
+    uint32_t count = 500; // 1 ... 1,000,000; an emitter's pool size; rows of layout live
+    glm::vec3 centre{0};  // m, of the layout; with layouts file, sequence and live what points are moved by
+    float extent = 10;    // m, side of the cube, length of a tube, width of the cumulus
+    Range scale{6, 6};    // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
+    bool extinction_by_depth =
+        false; // of a file: the scene gives no extinction; points without one get what a cloud needs
     bool scale_by_spacing = false; // of files: points without sizes have one that follows from their spacing
     float falloff = 1.6f;          // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
     float extinction = 15;         // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
@@ -167,6 +169,7 @@ struct Scene {
     std::vector<Sphere> spheres;
     Sky sky;
     SceneCamera camera;
+    bool camera_by_points = false; // True: the scene has points of a file and gives no camera: placeCamera() does
     RenderSettings render;
 };
 

@@ -120,6 +120,7 @@ private:
         const Medium& medium = scene_.medium;
         if (setting.path == "medium.count") return isFromFiles();
         if (setting.path == "medium.scale") return medium.scale_by_spacing;
+        if (setting.path == "medium.extinction") return medium.extinction_by_depth;
         if (setting.path == "medium.file") return !isFromFiles();
         return false;
     }

@@ -44,6 +44,9 @@ splatting hold logarithms and logits instead (`scale_0`, `opacity`): convert the
 Points without a size take `medium.scale`. If the scene does not give it, the spacing of the points decides: the
 standard deviation is half the median distance to the 8th neighbour. A point with a number out of range is left out.
 
+Points without `sigma_t` or `opacity` take medium.extinction · multiplier. If the scene does not give the extinction
+either, it is chosen for a mean optical depth of 3. A scene that gives no `[camera]` has one that sees all points.
+
 `medium.extinction` and `medium.albedo` are factors of values that came with the points, relative to the scene's start.
 Twice the extinction that the scene gives is twice every point's. Relative to a start of 0 nothing changes. Albedos end
 at 1, extinctions at 10000 per metre.

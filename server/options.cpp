@@ -11,6 +11,7 @@
 #include "server/operate/config_file.h"
 #include "server/options/groups.h"
 #include "server/plan/plan.h"
+#include "server/sim/point_cloud.h"
 
 namespace brume {
 namespace {
@@ -158,6 +159,7 @@ Scene loadScene(const ServerOptions& o) {
     const std::vector<std::string> overrides = sceneOverrides(o);
     Scene scene = loadScene(file, overrides);
     checkScene(scene, file, overrides);
+    placeCamera(scene);
     return scene;
 }
 

@@ -130,7 +130,7 @@ void SceneChanger::showCloud(const SceneRequest& request) {
     } remover{incoming};
 
     Scene scene = sceneOf("[medium]\nlayout = \"file\"\nfile = \"incoming/" + request.name + ".ply\"\n", file, {});
-    scene.camera = cameraOnAll(scene, Simulation(scene));
+    placeCamera(scene);
     fs::rename(incoming, folder / (request.name + ".ply"));
     scene.medium.file = folder / (request.name + ".ply");
     writeFile(file, sceneToml(scene));
@@ -155,6 +155,7 @@ void SceneChanger::reload() {
 void SceneChanger::show(const Files& files) {
     Scene scene = sceneOf(files.text, files.scene, files.overrides);
     checkScene(scene, files.scene, files.overrides);
+    placeCamera(scene);
     show(std::move(scene), files);
 }
 

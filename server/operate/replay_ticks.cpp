@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/scene_text.h"
+#include "server/sim/point_cloud.h"
 
 namespace brume {
 
@@ -15,7 +16,11 @@ RecordingExtent::RecordingExtent(const std::filesystem::path& file) {
     while (const auto record = recording.next()) last = record->tick;
 }
 
-Scene sceneOf(const RecordingHead& head) { return sceneOf(head.text, head.file, head.overrides); }
+Scene sceneOf(const RecordingHead& head) {
+    Scene scene = sceneOf(head.text, head.file, head.overrides);
+    placeCamera(scene);
+    return scene;
+}
 
 ReplayTicks::ReplayTicks(std::filesystem::path file, std::shared_ptr<ReplayControl> control, uint64_t memory,
                          Clock::time_point begin)

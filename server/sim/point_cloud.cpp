@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/ply.h"
 #include "common/scene_limits.h"
@@ -41,9 +42,29 @@ std::string placeSizes(const PointCloud& cloud, const Medium& medium, Placement&
     return "medium.scale";
 }
 
-// Fills out.sigma_t if the file has extinctions, and says where they come from.
+// The extinction of every particle with which the cloud's mean optical depth is kDepth.
+float extinctionByDepth(const Medium& medium, const Placement& placed) {
+    constexpr double kDepth = 3; // light is seen to come in, and hardly anything is seen through
+    double mass = 0;             // per unit of extinction
+    float largest = 0;
+    glm::dvec3 lo(std::numeric_limits<double>::max()), hi = -lo;
+    for (size_t i = 0; i < placed.position.size(); ++i) {
+        const double deviation = double(deviationOf(placed.scale[i], medium)) * double(kSqrt2Pi);
+        mass += deviation * deviation * deviation;
+        largest = std::max(largest, deviationOf(placed.scale[i], medium));
+        lo = glm::min(lo, glm::dvec3(placed.position[i]));
+        hi = glm::max(hi, glm::dvec3(placed.position[i]));
+    }
+    return limits::kSigmaT.clamp(float(kDepth / opticalDepth(mass, lo, hi, 3.0 * double(largest))));
+}
+
+// Fills out.sigma_t if the file has extinctions, or the scene leaves them open, and says where they come from.
 std::string placeExtinctions(const PointCloud& cloud, const Medium& medium, Placement& out) {
     out.sigma_t = cloud.sigma_t;
+    if (cloud.sigma_t.empty() && cloud.opacity.empty() && medium.extinction_by_depth && !out.position.empty()) {
+        out.sigma_t.assign(out.position.size(), extinctionByDepth(medium, out));
+        return "for an optical depth of 3, as none came; medium.extinction replaces it";
+    }
     if (cloud.opacity.empty())
         return cloud.sigma_t.empty() ? "medium.extinction, medium.multiplier" : "the file's sigma_t";
     // On a ray through the centre the optical depth is peak * deviation * sqrt(2 pi), and 1 - opacity is left.
@@ -55,6 +76,11 @@ std::string placeExtinctions(const PointCloud& cloud, const Medium& medium, Plac
 }
 
 } // namespace
+
+double opticalDepth(double mass, glm::dvec3 lo, glm::dvec3 hi, double reach) {
+    const glm::dvec3 side = hi - lo + 4.0 / 3 * reach;
+    return mass * 3 / (side.x * side.y + side.y * side.z + side.z * side.x);
+}
 
 Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
     PointCloud cloud = loadPly(medium.file, origin, medium.layout == Layout::sequence);

@@ -52,12 +52,11 @@ std::string rangeOf(const Cloud& cloud, Member member) {
 }
 
 // Mean optical depth of the cloud's box, seen along the axes.
-double opticalDepth(const Cloud& cloud) {
+double depthOf(const Cloud& cloud) {
     double mass = 0; // integral of the extinction over the volume
     for (const gpu::Particle& p : cloud.particles)
         mass += double(p.sigma_t) * std::pow(double(cloud.deviation(p)) * 2.50662827, 3);
-    const glm::dvec3 side = glm::dvec3(cloud.bounds.hi - cloud.bounds.lo) + 4.0 / 3 * double(cloud.reach());
-    return mass * 3 / (side.x * side.y + side.y * side.z + side.z * side.x);
+    return opticalDepth(mass, cloud.bounds.lo, cloud.bounds.hi, double(cloud.reach()));
 }
 
 // True: the particle's visible part may reach into the field of view.
@@ -115,7 +114,7 @@ std::string ignoredText(const PointCloudFacts& facts) {
 
 std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
     const Cloud cloud(scene, simulation);
-    const double depth = opticalDepth(cloud);
+    const double depth = depthOf(cloud);
     return oneLine(fmt::format(
         "{} '{}': {}{} points in {}; scale {} m ({}); extinction {} 1/m ({}); {}; {}; "
         "optical depth about {:.2g}{}",
@@ -139,7 +138,9 @@ std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation
     return warnings;
 }
 
-SceneCamera cameraOnAll(const Scene& scene, const Simulation& simulation) { return cameraOn(Cloud(scene, simulation)); }
+void placeCamera(Scene& scene) {
+    if (scene.camera_by_points) scene.camera = cameraOn(Cloud(scene, Simulation(scene)));
+}
 
 void tellOfPointCloud(const Scene& scene, const Simulation& simulation) {
     if (!simulation.pointCloud()) return;

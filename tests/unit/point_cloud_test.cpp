@@ -131,7 +131,8 @@ TEST(PointClouds, OneLineSaysWhatCame) {
     expectIn(bare, "(from the spacing of the points, as no size came; medium.scale replaces it)");
     expectIn(
         bare,
-        "; extinction 0.015 1/m (medium.extinction, medium.multiplier); no colours; ignored properties: nx, alpha;");
+        "; extinction 0.8322 1/m (for an optical depth of 3, as none came; medium.extinction replaces it); no colours; "
+        "ignored properties: nx, alpha; optical depth about 3");
     EXPECT_EQ(std::count(bare.begin(), bare.end(), '\n'), 1) << bare;
 
     const std::string all = told(cloudScene("property float scale\n" + kOwn, "0 0 0 2 0.3 .1 .6 1\n1 0 0 3 7 1 0 1\n"));
@@ -143,6 +144,27 @@ TEST(PointClouds, OneLineSaysWhatCame) {
     expectIn(other, " 1/m (from the file's opacity); no colours;");
 
     expectIn(told(cloudScene("", "0 0 0\n", "scale = [2, 2]\n")), "scale 2 m (medium.scale)");
+}
+
+TEST(PointClouds, AnExtinctionThatTheSceneGivesIsTaken) {
+    expectIn(told(cloudScene("", "-1 0 2\n3 4 2.5\n", "extinction = 20\n")),
+             "extinction 0.02 1/m (medium.extinction, medium.multiplier)");
+}
+
+// Whatever the unit of a file, its cloud is seen.
+TEST(PointClouds, ASceneWithoutACameraHasOneThatSeesAll) {
+    for (const char* size : {"0.01", "1", "300"}) {
+        const std::string far = std::string("-") + size;
+        Scene scene = loadScene(cloudScene("", far + " 0 0\n" + size + " 0 0\n0 " + size + " 0\n", ""));
+        placeCamera(scene);
+        const float distance = glm::distance(scene.camera.position, scene.camera.target);
+        EXPECT_GT(distance, 2 * std::stof(size)) << size;
+        const Simulation simulation(scene);
+        EXPECT_TRUE(pointCloudWarnings(scene, simulation).empty()) << size;
+    }
+    Scene own = loadScene(cloudScene("", "0 0 0\n1 0 0\n", "[camera]\nposition = [0, 3, 9]\n"));
+    placeCamera(own);
+    EXPECT_EQ(own.camera.position, glm::vec3(0, 3, 9));
 }
 
 TEST(PointClouds, TheLineSaysHowDenseTheyAre) {

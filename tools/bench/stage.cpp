@@ -9,6 +9,8 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "server/sim/point_cloud.h"
+
 namespace brume::bench {
 namespace {
 
@@ -32,6 +34,7 @@ Scene sceneOf(const Case& wanted) {
     Scene scene = loadScene(findScene(wanted.scene, BRUME_SCENES), wanted.set);
     const std::string wrong = checkWanted(scene.render, wanted.scene, wanted.set);
     if (!wrong.empty()) throw SceneError(wrong);
+    placeCamera(scene);
     return scene;
 }
 
