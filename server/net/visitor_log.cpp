@@ -20,6 +20,7 @@ VisitorLog::~VisitorLog() {
 }
 
 void VisitorLog::forgetQuiet(TokenBucket::Time::time_point now) {
+    forget_at_ = now + std::chrono::seconds(1);
     for (auto& [network, lately] : lately_)
         if (lately.lines.full(now)) sayLeftOut(network, lately.left_out);
     std::erase_if(lately_, [&](const auto& one) { return one.second.lines.full(now); });
@@ -29,7 +30,7 @@ void VisitorLog::write(spdlog::level::level_enum level, const std::string& netwo
                        TokenBucket::Time::time_point now) {
     if (!spdlog::should_log(level)) return;
     const std::scoped_lock lock(mutex_);
-    if (!lately_.contains(network) && lately_.size() >= kMostLately) forgetQuiet(now);
+    if (!lately_.contains(network) && lately_.size() >= kMostLately && now >= forget_at_) forgetQuiet(now);
     const std::string& name = lately_.contains(network) || lately_.size() < kMostLately ? network : kOthers;
     Lately& lately = lately_[name];
     if (!lately.lines.take(now) || !all_.take(now)) {

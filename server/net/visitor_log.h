@@ -37,6 +37,7 @@ private:
     std::mutex mutex_;
     TokenBucket all_{kRateOfAll, kBurstOfAll};
     std::map<std::string, Lately> lately_; // kMostLately at most
+    TokenBucket::Time::time_point forget_at_{};
 };
 
 } // namespace brume::net

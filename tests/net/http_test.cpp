@@ -421,7 +421,7 @@ TEST_F(HttpTest, OneAddressHasThreeQuartersOfTheStreams) {
     std::vector<std::unique_ptr<Socket>> open;
     for (int i = 0; i < 3; ++i) {
         open.push_back(std::make_unique<Socket>(port));
-        open.back()->send("GET /stream.mjpg?w=64&h=36&fps=0.1 HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        open.back()->send("GET /stream.mjpg?w=64&h=36&fps=20 HTTP/1.1\r\nHost: localhost\r\n\r\n");
         EXPECT_NE(open.back()->readUntil("--brume-frame").find("200 OK"), std::string::npos);
     }
     const HttpAnswer over = get(port, "/stream.mjpg");
