@@ -84,7 +84,7 @@ void FrameLoop::warmUp() {
         }
     };
     draw(planner_->settings(simulation_, {&own, 1}, false, Clock::now()), false);
-    draw(finer(planner_->once(simulation_, own).settings), true);
+    draw(planner_->once(simulation_, own).settings, true);
 }
 
 FrameLoop::~FrameLoop() { stop(); }
@@ -258,7 +258,7 @@ bool FrameLoop::renderOneShot(Batch& batch) {
     const Candidate way = planner_->once(simulation_, batch.views.front());
     batch.finer = true;
     batch.error = float(way.error);
-    return submit(batch, finer(way.settings));
+    return submit(batch, way.settings);
 }
 
 // False when the device cannot draw the batch, which is dropped then.
