@@ -180,14 +180,13 @@ TEST_F(SessionTest, AHelloWithoutAPoseIsCutAndAHiddenViewerIsNot) {
 void floodEnds(WsClient& good, WsClient& bad, const std::string& frame) {
     std::string flood;
     for (int i = 0; i < 1000; ++i) flood += frame;
-    std::thread sender([&] {
+    const std::jthread sender([&] {
         for (int i = 0; i < 200 && bad.socket.send(flood); ++i) {
         }
     });
     const auto goodbye = bad.next<wire::Goodbye>(10s);
     ASSERT_TRUE(goodbye && goodbye->parsed) << "200,000 frames went through";
     EXPECT_EQ(goodbye->parsed->as<wire::Goodbye>()->reason()->str(), "too many WebSocket pings or fragments");
-    sender.join();
     good.pose(1);
     EXPECT_TRUE(frameOf(good, 1));
 }

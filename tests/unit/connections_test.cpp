@@ -38,11 +38,14 @@ TEST(Connections, SomeAreKeptForWhoComesWhenAllAreTaken) {
     EXPECT_TRUE(c->reserved()) << "all are taken";
     EXPECT_FALSE(connections.take("d", "d")) << "the reserve, too";
     b.reset();
-    EXPECT_FALSE(connections.take("d", "d")->reserved());
+    Slot d = connections.take("d", "d");
+    EXPECT_TRUE(d && !d->reserved());
+    d.reset();
     c.reset();
     EXPECT_TRUE(connections.take("a", "a") == nullptr) << "it still has two of the reserve";
     again.reset();
-    EXPECT_TRUE(connections.take("a", "a")->reserved());
+    again = connections.take("a", "a");
+    EXPECT_TRUE(again && again->reserved());
 }
 
 TEST(Connections, OneAddressThatComesTooOftenKeepsNobodyElseOut) {
