@@ -68,6 +68,7 @@ public:
     executor_type get_executor() { return tcp().get_executor(); }
     Tcp& tcp() { return tls() ? tls()->next_layer() : *std::get_if<Tcp>(&stream_); }
     Tls* tls() { return std::get_if<Tls>(&stream_); } // null without TLS
+    uint64_t received() const { return *received_; }  // bytes that were read so far
 
     // Into the first buffer that is not empty.
     template <class Buffers, class Handler>
@@ -110,6 +111,7 @@ private:
     void writeSome(const Gathered& buffers, AnyHandler done);
 
     std::variant<Tcp, Tls> stream_;
+    std::shared_ptr<uint64_t> received_ = std::make_shared<uint64_t>(0); // shared with the read that is under way
 };
 
 // How Beast's WebSocket closes the stream: with TLS and TCP shutdown, or at once.

@@ -29,11 +29,15 @@ std::unique_ptr<ConnectionSlot> Connections::take(const std::string& address, co
         return nullptr;
     };
     if (comesTooOften(network)) return refuse(Refused::rate);
-    if (slots_.size() >= limits_.total) return refuse(Refused::full);
     const auto known = per_address_.find(network);
-    if (known != per_address_.end() && known->second >= limits_.per_address) return refuse(Refused::full);
-    ++per_address_[network];
-    std::unique_ptr<ConnectionSlot> slot(new ConnectionSlot(*this, address, network));
+    const Share share = known == per_address_.end() ? Share{} : known->second;
+    const bool reserved = slots_.size() - reserved_ >= limits_.total || share.open >= limits_.per_address;
+    if (reserved && (reserved_ >= limits_.reserve || share.reserved >= limits_.reserve_per_address))
+        return refuse(Refused::full);
+    Share& mine = per_address_[network];
+    ++(reserved ? mine.reserved : mine.open);
+    reserved_ += reserved;
+    std::unique_ptr<ConnectionSlot> slot(new ConnectionSlot(*this, address, network, reserved));
     slots_.insert(slot.get());
     return slot;
 }
@@ -42,7 +46,9 @@ ConnectionSlot::~ConnectionSlot() {
     const std::scoped_lock lock(owner_.mutex_);
     owner_.slots_.erase(this);
     const auto here = owner_.per_address_.find(network_);
-    if (--here->second == 0) owner_.per_address_.erase(here);
+    --(reserved_ ? here->second.reserved : here->second.open);
+    if (here->second.open + here->second.reserved == 0) owner_.per_address_.erase(here);
+    owner_.reserved_ -= reserved_;
     if (owner_.slots_.empty()) owner_.emptied_.notify_all();
 }
 

@@ -31,12 +31,14 @@ public:
         uint32_t total, per_address; // open connections
         double accept_rate = 1e9;    // new connections a second, of one address
         double burst_s = 1;          // a burst may be so many seconds of them
+        // Open connections beyond those, for who comes when they are taken.
+        uint32_t reserve = 0, reserve_per_address = 0;
     };
     explicit Connections(const Limits& limits) : limits_(limits) {}
 
-    // The right to one open connection. Null if all slots are taken, or all of this address, or if the address comes
-    // too often; `why` says which. `network` is what counts as one address: of IPv6 the first 64 bits, which one site
-    // has to itself. Slots must not outlive this object.
+    // The right to one open connection. Null if all slots are taken, or all of this address, also those of the reserve,
+    // or if the address comes too often; `why` says which. `network` is what counts as one address: of IPv6 the first
+    // 64 bits, which one site has to itself. Slots must not outlive this object.
     enum class Refused { nothing, full, rate };
     std::unique_ptr<ConnectionSlot> take(const std::string& address, const std::string& network,
                                          Refused* why = nullptr);
@@ -59,7 +61,11 @@ private:
     Limits limits_;
     std::condition_variable emptied_;
     std::set<ConnectionSlot*> slots_;
-    std::map<std::string, uint32_t> per_address_;
+    struct Share {
+        uint32_t open = 0, reserved = 0;
+    };
+    std::map<std::string, Share> per_address_;
+    uint32_t reserved_ = 0;                       // slots of the reserve that are taken
     std::map<std::string, TokenBucket> accepted_; // of the addresses that came lately, kMostLately at most
     bool stopped_ = false;
 };
@@ -72,15 +78,18 @@ public:
     ConnectionSlot& operator=(const ConnectionSlot&) = delete;
     const std::string& address() const { return address_; }
     const std::string& network() const { return network_; } // what counts as one address
+    // True: one of the reserve.
+    bool reserved() const { return reserved_; }
     // The connection that uses the slot from now on. It is stopped at once if all others already are.
     void assign(const std::shared_ptr<Connection>& connection);
 
 private:
     friend Connections;
-    ConnectionSlot(Connections& owner, std::string address, std::string network)
-        : owner_(owner), address_(std::move(address)), network_(std::move(network)) {}
+    ConnectionSlot(Connections& owner, std::string address, std::string network, bool reserved)
+        : owner_(owner), address_(std::move(address)), network_(std::move(network)), reserved_(reserved) {}
     Connections& owner_;
     const std::string address_, network_;
+    const bool reserved_;
     std::weak_ptr<Connection> connection_; // guarded by owner_.mutex_
 };
 

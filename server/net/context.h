@@ -8,6 +8,8 @@
 #include "server/net/connections.h"
 #include "server/net/options.h"
 #include "server/net/pages.h"
+#include "server/net/places.h"
+#include "server/net/visitor_log.h"
 #include "server/viewer/audience.h"
 
 namespace brume::net {
@@ -37,8 +39,10 @@ struct ServerState {
     std::atomic<bool> draining{false}; // true: /readyz fails, all else goes on
     std::atomic<bool> stopping{false}; // true: connections end, and new ones are not served
     std::string go_to;                 // the URL that viewers are sent to; written before `stopping`, read after
-    std::atomic<uint32_t> streams{0}, snapshots{0}, uploads{0}; // open now
-    std::atomic<uint32_t> contexts{0};                          // alive now
+    Places streams{"streams are open"}, snapshots{"snapshots are being drawn"};
+    VisitorLog log;
+    std::atomic<uint32_t> uploads{0};  // open now
+    std::atomic<uint32_t> contexts{0}; // alive now
 };
 
 // One for every set of options that the server has had. A connection keeps the one with which it was accepted, so a
@@ -47,8 +51,8 @@ struct Context {
     Context(NetOptions with, std::shared_ptr<Tls> certificate, ServerState& server)
         : options(std::move(with)), tls(std::move(certificate)), audience(server.audience), metrics(server.metrics),
           pages(server.pages), connections(server.connections), go_to(server.go_to), draining(server.draining),
-          stopping(server.stopping), streams(server.streams), snapshots(server.snapshots), uploads(server.uploads),
-          counted(server.contexts) {}
+          stopping(server.stopping), streams(server.streams), snapshots(server.snapshots), log(server.log),
+          uploads(server.uploads), counted(server.contexts) {}
 
     const NetOptions options;
     const std::shared_ptr<Tls> tls; // null: no TLS
@@ -58,7 +62,9 @@ struct Context {
     Connections& connections;
     const std::string& go_to;
     const std::atomic<bool>&draining, &stopping;
-    std::atomic<uint32_t>&streams, &snapshots, &uploads;
+    Places &streams, &snapshots;
+    VisitorLog& log;
+    std::atomic<uint32_t>& uploads;
     const Counted counted;
 };
 

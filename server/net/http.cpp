@@ -23,6 +23,7 @@ namespace http = beast::http;
 using asio::ip::tcp;
 
 constexpr auto kAppliedWithin = std::chrono::seconds(2); // a command of HTTP
+constexpr std::chrono::milliseconds kReservedTime{1000}; // for the header of a request on a reserved connection
 constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the last answer before the socket closes
 
 // The least role that a path takes; nothing for one that is open to everybody.
@@ -38,14 +39,19 @@ std::optional<Role> roleFor(std::string_view path) {
 } // namespace
 
 // The status line and the headers, without Content-Length and the empty line at the end.
-std::string headOf(const Reply& reply, std::string_view connection) {
+std::string headOf(const Reply& reply, std::string_view connection, const NetOptions& options) {
     const beast::string_view reason = http::obsolete_reason(http::status(reply.status));
     std::string head = fmt::format("HTTP/1.1 {} {}\r\nServer: brume/{}\r\nConnection: {}\r\nContent-Type: {}\r\n"
-                                   "X-Content-Type-Options: nosniff\r\n",
+                                   "X-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: {}\r\n",
                                    reply.status, std::string_view(reason.data(), reason.size()), BRUME_VERSION,
-                                   connection, reply.content_type);
+                                   connection, reply.content_type, resourcePolicy(options));
     for (const auto& [name, value] : reply.headers) head += fmt::format("{}: {}\r\n", name, value);
     return head;
+}
+
+std::string lastWords(Reply reply, const NetOptions& options) {
+    return fmt::format("{}Content-Length: {}\r\n\r\n{}", headOf(reply, "close", options), reply.body.size(),
+                       reply.body);
 }
 
 asio::awaitable<void> HttpConnection::run() {
@@ -53,10 +59,12 @@ asio::awaitable<void> HttpConnection::run() {
     const bool secured = co_await secure();
     if (!secured) co_return;
     for (bool first = true; !context_->stopping; first = false) {
+        const bool begun = first || buffer_.size() > 0 || co_await another();
+        if (!begun) co_return;
         RequestParser parser;
         parser.header_limit(options.max_header_bytes);
         parser.body_limit(options.max_upload);
-        stream_.tcp().expires_after(first ? options.handshake : options.idle);
+        stream_.tcp().expires_after(headerTime());
         idle_ = true;
         const auto [error, size] = co_await http::async_read_header(stream_, buffer_, parser, kToken);
         idle_ = false;
@@ -72,17 +80,35 @@ asio::awaitable<void> HttpConnection::run() {
     if (slot_) co_await linger();
 }
 
+// How long a TLS handshake, and then a request's header, may take.
+Clock::duration HttpConnection::headerTime() const {
+    const auto most = context_->options.handshake;
+    return slot_->reserved() ? std::min(most, kReservedTime) : most;
+}
+
+// Waits for the first bytes of another request. False if none come in time, or the connection is gone.
+asio::awaitable<bool> HttpConnection::another() {
+    constexpr size_t kSome = 1024;
+    stream_.tcp().expires_after(context_->options.keep_alive);
+    idle_ = true;
+    const auto [error, size] = co_await stream_.async_read_some(buffer_.prepare(kSome), kToken);
+    idle_ = false;
+    buffer_.commit(size);
+    co_return !error;
+}
+
 // The TLS handshake, if the server has TLS. False if it failed: a peer without TLS cannot be told anything.
 asio::awaitable<bool> HttpConnection::secure() {
     ByteStream::Tls* const tls = stream_.tls();
     if (!tls) co_return true;
     idle_ = true;
-    stream_.tcp().expires_after(context_->options.handshake);
+    stream_.tcp().expires_after(headerTime());
     const auto [error] = co_await tls->async_handshake(asio::ssl::stream_base::server, kToken);
     idle_ = false;
     if (error && !context_->stopping) {
         context_->metrics.refused("tls");
-        spdlog::debug("{}: no TLS: {}", slot_->address(), error.message());
+        context_->log.write(spdlog::level::debug, slot_->network(),
+                            fmt::format("{}: no TLS: {}", slot_->address(), error.message()));
     }
     co_return !error;
 }
@@ -99,6 +125,13 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
     if (auto stranger = foreign(request, least.has_value(), context_->options)) {
         context_->metrics.refused(stranger->reason);
         return send(request, "refused", std::move(stranger->reply));
+    }
+    const bool health_check = path == "/healthz" || path == "/readyz";
+    // A connection of the reserve is for health checks and for requests with a good token whose reply ends.
+    const bool endless = path == "/ws" || path == "/stream.mjpg";
+    if (slot_->reserved() && !health_check && (!least || endless || context_->options.token_key.empty())) {
+        context_->metrics.refused("connections");
+        return send(request, "refused", noRoom());
     }
     if (least) {
         const auto bearer = request[http::field::authorization];
@@ -118,7 +151,7 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
         if (path == "/seek") return seek(request, query);
         if (least == Role::controller) return pause(request, path == "/pause");
     }
-    if (path == "/healthz" || path == "/readyz" || least) return send(request, path.substr(1), health(path));
+    if (health_check || least) return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
     return send(request, "page",
                 context_->pages.serve(path, {tag.data(), tag.size()}, context_->options.allowed_origins));
@@ -192,8 +225,8 @@ asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Author
 // Header and body are two buffers, written together.
 asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::string_view route, Reply reply) {
     context_->metrics.requested(route, reply.status);
-    const bool again = request.keep_alive() && !reply.close && !unread_ && !context_->stopping;
-    std::string head = headOf(reply, again ? "keep-alive" : "close");
+    const bool again = request.keep_alive() && !reply.close && !unread_ && !slot_->reserved() && !context_->stopping;
+    std::string head = headOf(reply, again ? "keep-alive" : "close", context_->options);
     if (reply.status != 304) head += fmt::format("Content-Length: {}\r\n", reply.body.size());
     head += "\r\n";
     if (request.method() == http::verb::head) reply.body.clear();

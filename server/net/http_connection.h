@@ -17,7 +17,7 @@
 namespace brume::net {
 
 // The status line and the headers, without Content-Length and the empty line at the end.
-std::string headOf(const Reply& reply, std::string_view connection);
+std::string headOf(const Reply& reply, std::string_view connection, const NetOptions& options);
 
 class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
 public:
@@ -51,6 +51,8 @@ private:
 
     asio::awaitable<void> run();
     asio::awaitable<bool> secure();
+    asio::awaitable<bool> another();
+    Clock::duration headerTime() const;
     asio::awaitable<bool> answer(RequestParser& parser);
     asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
     asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query,

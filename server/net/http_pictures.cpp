@@ -25,7 +25,8 @@ bool prefersPng(const HttpRequest& request) {
 
 // A picture cannot be had now: says why, to the client and in the log, and when to try again.
 asio::awaitable<bool> HttpConnection::sendLater(const HttpRequest& request, std::string_view route, std::string line) {
-    spdlog::info("{} for {} refused: {}", route, slot_->address(), line);
+    context_->log.write(spdlog::level::info, slot_->network(),
+                        fmt::format("{} for {} refused: {}", route, slot_->address(), line));
     Reply reply = lineReply(503, std::move(line));
     reply.headers = {{"Retry-After", "5"}};
     return send(request, route, std::move(reply));
@@ -50,12 +51,11 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
     FramePtr frame;
     std::string refusal;
     {
-        const Counted open(context_->snapshots);
-        const uint32_t most = context_->options.max_snapshots;
-        if (open.number() > most) {
+        const auto [place, full] =
+            context_->snapshots.take(ownerOf(authorization, slot_->network()), context_->options.max_snapshots);
+        if (!place) {
             context_->metrics.refused("snapshots");
-            co_return co_await sendLater(request, "snapshot",
-                                         fmt::format("{} snapshots are being drawn, the most at a time", most));
+            co_return co_await sendLater(request, "snapshot", full);
         }
         const auto [handle, why] =
             ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), newcomer(authorization));
@@ -96,11 +96,11 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
 
     if (picture.request.lossless)
         co_return co_await send(request, "stream", lineReply(400, "a stream is JPEG; /snapshot.png is a PNG"));
-    const Counted open(context_->streams);
-    const uint32_t most = context_->options.max_streams;
-    if (open.number() > most) {
+    const auto [place, full] =
+        context_->streams.take(ownerOf(authorization, slot_->network()), context_->options.max_streams);
+    if (!place) {
         context_->metrics.refused("streams");
-        co_return co_await sendLater(request, "stream", fmt::format("{} streams are open, the most at a time", most));
+        co_return co_await sendLater(request, "stream", full);
     }
     const auto [handle, why] =
         ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), newcomer(authorization));
@@ -116,12 +116,13 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     if (!frame) co_return co_await sendLater(request, "stream", kNoFrame);
 
     context_->metrics.requested("stream", 200);
-    spdlog::info("viewer {}: stream to {}, {}x{}", handle->viewer().id(), slot_->address(), picture.request.width,
-                 picture.request.height);
+    context_->log.write(spdlog::level::info, slot_->network(),
+                        fmt::format("viewer {}: stream to {}, {}x{}", handle->viewer().id(), slot_->address(),
+                                    picture.request.width, picture.request.height));
     Reply opening;
     opening.content_type = fmt::format("multipart/x-mixed-replace; boundary={}", kBoundary);
     opening.headers = {{"Cache-Control", "no-store"}};
-    std::string head = headOf(opening, "close") + fmt::format("\r\n--{}\r\n", kBoundary);
+    std::string head = headOf(opening, "close", context_->options) + fmt::format("\r\n--{}\r\n", kBoundary);
     const std::string tail = fmt::format("\r\n--{}\r\n", kBoundary);
     const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / picture.fps));
     auto due = Clock::now();
@@ -143,7 +144,9 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         if (FramePtr next = co_await nextFrame(*handle, kRepeatAfter)) frame = std::move(next);
         if (!handle->viewer().refusal().empty()) break;
     }
-    spdlog::info("viewer {}: stream ended after {} frames", handle->viewer().id(), handle->viewer().counts().sent);
+    context_->log.write(
+        spdlog::level::info, slot_->network(),
+        fmt::format("viewer {}: stream ended after {} frames", handle->viewer().id(), handle->viewer().counts().sent));
     co_return false;
 }
 

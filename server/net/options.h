@@ -26,8 +26,9 @@ struct NetOptions {
 
     // Counts. The Audience limits viewers and their unacknowledged frames.
     uint32_t max_connections = 256, max_connections_per_address = 128;
-    uint32_t max_streams = 8;   // MJPEG, each is also a viewer
-    uint32_t max_snapshots = 4; // at one time, each is also a viewer
+    // At one time, each is also a viewer; one owner has three quarters (places.h).
+    uint32_t max_streams = 8; // MJPEG
+    uint32_t max_snapshots = 4;
 
     // Bytes.
     uint32_t max_message_bytes = 64 << 10; // of a viewer's message; those of the own clients are below 1 KiB
@@ -36,8 +37,10 @@ struct NetOptions {
     uint64_t max_upload = 64 << 20;        // one uploaded point cloud; 0: none can be uploaded
 
     // Time.
-    std::chrono::milliseconds handshake{5000};    // connected -> request read, and upgraded -> hello
-    std::chrono::milliseconds idle{60000};        // nothing received; a WebSocket ping is sent after half of it
+    // Connected -> request's header read; its first byte -> all of it; upgraded -> hello; hello -> pose.
+    std::chrono::milliseconds handshake{5000};
+    std::chrono::milliseconds keep_alive{10000};  // an HTTP connection waits for another request
+    std::chrono::milliseconds idle{60000};        // of a WebSocket: nothing received; half of it, and a ping is sent
     std::chrono::milliseconds write_stall{10000}; // a write does not finish, or the peer does not take its bytes
     std::chrono::milliseconds frame_wait{20000};  // a snapshot or stream waits for its first frame
     std::chrono::milliseconds silence{15000};     // frames were sent, and the viewer acknowledged none

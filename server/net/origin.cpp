@@ -69,6 +69,10 @@ bool siteAllowed(std::string_view site, std::string_view origin, std::string_vie
     return !sameText(site, "cross-site") || listed(origin.empty() ? originOf(referer) : origin, allowed);
 }
 
+const char* resourcePolicy(const NetOptions& options) {
+    return options.allowed_origins.empty() ? "same-origin" : "cross-origin";
+}
+
 bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed) {
     if (origin.empty() || listed(origin, allowed)) return true;
     for (const auto& [scheme, port] :

@@ -29,4 +29,7 @@ bool originAllowed(std::string_view origin, std::string_view host, const std::ve
 bool siteAllowed(std::string_view site, std::string_view origin, std::string_view referer,
                  const std::vector<std::string>& allowed);
 
+// The header Cross-Origin-Resource-Policy of every reply: whose pages a browser lets embed it.
+const char* resourcePolicy(const NetOptions& options);
+
 } // namespace brume::net

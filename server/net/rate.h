@@ -19,6 +19,13 @@ public:
         tokens_ -= 1;
         return true;
     }
+    // Takes `tokens` for what has happened already, also where they are not there: then take() waits longer. False, and
+    // only what is there to owe, if that is more than a burst below none.
+    bool charge(double tokens, Time::time_point now) {
+        refill(now);
+        tokens_ = std::max(tokens_ - tokens, -burst_);
+        return tokens_ > -burst_;
+    }
     // The time until take() succeeds.
     Time::duration wait(Time::time_point now) {
         refill(now);

@@ -23,4 +23,11 @@ inline Reply lineReply(unsigned status, std::string line) {
     return reply;
 }
 
+// All connections are taken.
+inline Reply noRoom() {
+    Reply reply = lineReply(503, "too many connections: try again later");
+    reply.headers = {{"Retry-After", "5"}};
+    return reply;
+}
+
 } // namespace brume::net

@@ -28,16 +28,19 @@ namespace {
 
 constexpr int kMostUnsent = 32 << 10; // bytes of a connection that may wait in the kernel
 
-constexpr std::string_view kNoRoom =
-    "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nRetry-After: 5\r\n"
-    "Connection: close\r\n\r\ntoo many connections: try again later\n";
+// Connections beyond --max-connections (HttpConnection::answer() says for what), and those of them for one address.
+constexpr uint32_t kReserve = 16, kReservePerAddress = 4;
 
-constexpr std::string_view kTooOften =
-    "HTTP/1.1 429 Too Many Requests\r\nContent-Type: text/plain\r\nRetry-After: 1\r\n"
-    "Connection: close\r\n\r\ntoo many connections a second: try again later\n";
+Reply tooOften() {
+    Reply reply = lineReply(429, "too many connections a second: try again later");
+    reply.headers = {{"Retry-After", "1"}};
+    return reply;
+}
 
 Connections::Limits limitsOf(const NetOptions& options) {
-    return {options.max_connections, options.max_connections_per_address, options.accept_rate, options.burst_s};
+    return {
+        options.max_connections, options.max_connections_per_address, options.accept_rate, options.burst_s, kReserve,
+        kReservePerAddress};
 }
 
 // The network that limits count as one address: an IPv4 address, also if it is mapped to IPv6; otherwise the first 64
@@ -103,7 +106,8 @@ asio::awaitable<void> NetServer::State::accept() {
         auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kToken);
         if (shared.stopping || error == asio::error::operation_aborted) co_return;
         if (error) { // most likely no descriptor is free: after a pause another connection may have ended
-            spdlog::warn("cannot accept a connection: {}", error.message());
+            shared.log.write(spdlog::level::warn, "all addresses",
+                             fmt::format("cannot accept a connection: {}", error.message()));
             pause.expires_after(std::chrono::milliseconds(100));
             co_await pause.async_wait(kToken);
             continue;
@@ -134,7 +138,7 @@ void NetServer::State::serve(tcp::socket socket) const {
         if (context.tls) return; // a peer that expects TLS cannot read plain text
         socket.non_blocking(true, error);
         // The answer fits into the buffer of a new socket, so nothing has to wait for it.
-        socket.write_some(asio::buffer(full ? kNoRoom : kTooOften), error);
+        socket.write_some(asio::buffer(lastWords(full ? noRoom() : tooOften(), context.options)), error);
         return;
     }
     beast::tcp_stream tcp(std::move(socket));

@@ -79,10 +79,20 @@ void SessionRules::onUnknownFrame(uint32_t frame, Clock::time_point now, Effects
     refuse(wire::ErrorCode::unexpected, fmt::format("frame {} was never sent", frame), now, out);
 }
 
+void SessionRules::onMereFrames(uint64_t count, Clock::time_point now, Effects& out) {
+    if (state_ != State::closed && !messages_.charge(double(count), now))
+        close(kClosePolicy, "too many WebSocket pings or fragments", out);
+}
+
 void SessionRules::onTick(Clock::time_point now, Effects& out) {
     if (state_ != State::closed && until_ && now >= *until_) return close(kClosePolicy, "the token has expired", out);
     if (state_ == State::awaiting_hello && now >= hello_deadline_)
         return close(kClosePolicy, fmt::format("no Hello came within {:g} s", seconds(options_.handshake)), out);
+    if (state_ == State::watching && pose_deadline_ && now >= *pose_deadline_)
+        return close(kClosePolicy,
+                     fmt::format("no Pose came within {:g} s of Hello: send one, hidden where nothing is to be drawn",
+                                 seconds(options_.handshake)),
+                     out);
     if (state_ == State::watching && held_ && poses_.take(now)) {
         out.push_back(SetPose{*held_});
         held_.reset();
@@ -104,6 +114,7 @@ void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Effe
     granted_.takes_png = hello.lossless();
     granted_.quality = hello.quality() == 0 ? options_.default_quality : hello.quality();
     state_ = State::watching;
+    pose_deadline_ = now + options_.handshake;
     out.push_back(
         Admit{printable(hello.client()), granted_, hello.resume() ? hello.resume()->str().substr(0, kLongestKey) : ""});
 }
@@ -129,6 +140,7 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
         return refuse(wire::ErrorCode::out_of_range,
                       "a frustum has tangents in -50 ... 50, left + right and up + down at least 0.01", now, out);
     wanted.orientation = glm::normalize(wanted.orientation);
+    pose_deadline_.reset();
 
     if (pose.width() != 0 || pose.height() != 0) {
         const PictureSize size = fitSize(

@@ -67,6 +67,8 @@ public:
     void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out);
     void onText(Clock::time_point now, Effects& out); // a text message: brume.v1 has only binary ones
     void onUnknownFrame(uint32_t frame, Clock::time_point now, Effects& out);
+    // So many WebSocket frames that are no message came: pings, pongs, fragments. Each counts as one message.
+    void onMereFrames(uint64_t count, Clock::time_point now, Effects& out);
     // Checks deadlines and hands out a pose that was held back. To be called several times a second.
     void onTick(Clock::time_point now, Effects& out);
 
@@ -87,6 +89,7 @@ private:
     const ServerFacts& facts_;
     ShownMedium medium_;
     const Clock::time_point hello_deadline_;
+    std::optional<Clock::time_point> pose_deadline_; // from Hello until the first good pose
     const Role role_;
     const std::optional<Clock::time_point> until_; // when the token ends
     State state_ = State::awaiting_hello;

@@ -10,8 +10,8 @@ namespace brume::net {
 
 class Tls {
 public:
-    // TLS 1.2 or newer, with the chain and the key in these PEM files. Throws std::runtime_error, in one line, if they
-    // cannot be read or do not belong together.
+    // TLS 1.2 with forward secrecy, or newer, with the chain and the key in these PEM files. Throws std::runtime_error,
+    // in one line, if they cannot be read or do not belong together, or if others may read the key (secret_file.h).
     Tls(const std::filesystem::path& certificate, const std::filesystem::path& key);
 
     boost::asio::ssl::context context;

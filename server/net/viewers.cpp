@@ -26,6 +26,7 @@ Json of(const Viewer& viewer, Clock::time_point now) {
     if (const auto pose = viewer.pose()) {
         one["size"] = {pose->width, pose->height};
         one["eyes"] = pose->views;
+        one["hidden"] = pose->hidden;
     }
     one["window_frames"] = link.frames;
     one["frames_in_flight"] = counts.in_flight;

@@ -8,7 +8,10 @@
 #include <boost/beast/websocket/stream.hpp>
 
 #include "server/net/coroutine.h"
+#include "server/net/mere_frames.h"
+#include "server/net/origin.h"
 #include "server/net/outgoing.h"
+#include "server/net/pings.h"
 #include "server/net/session_rules.h"
 #include "server/net/tcp_state.h"
 #include "server/net/viewer_handle.h"
@@ -21,9 +24,6 @@ namespace websocket = beast::websocket;
 
 constexpr auto kHeartbeat = std::chrono::milliseconds(100); // how often deadlines and news of the scene are checked
 constexpr auto kStatePeriod = std::chrono::seconds(1);
-constexpr auto kPingEvery = std::chrono::milliseconds(200);
-constexpr auto kPingLost = std::chrono::seconds(10);
-constexpr size_t kMostPings = 8;   // unanswered pings
 constexpr size_t kMaxControl = 64; // control messages that wait for the socket; with so many, run() reads no more
 constexpr auto kCloseHandshake = std::chrono::seconds(1);
 constexpr float kRetryFull = 5, kRetryRestart = 2; // s: Goodbye::retry_after_s of a full and of a stopping server
@@ -40,6 +40,7 @@ public:
                      Authorization authorization)
         : context_(std::move(context)), slot_(std::move(slot)), ws_(std::move(stream)),
           authorization_(std::move(authorization)),
+          mere_(context_->options.max_message_bytes, ws_.next_layer().received()),
           rules_(context_->options, context_->audience.facts(), Clock::now(), authorization_),
           event_(std::make_shared<Event>(ws_.get_executor())), taken_(std::make_shared<Event>(ws_.get_executor())),
           heartbeat_(ws_.get_executor()) {}
@@ -71,11 +72,11 @@ private:
     void admit(const Admit& hello);
     void acknowledge(uint32_t frame);
     void enqueueCommand(EnqueueCommand&& command);
-    void ping(Clock::time_point now);
     wire::Packed newPing();
     void ponged(uint32_t nonce);
     void close(uint16_t code, std::string_view reason, float retry_after_s = 0);
     void leave(std::string_view why);
+    void log(const std::string& line) const { context_->log.write(spdlog::level::info, slot_->network(), line); }
 
     void enqueue(wire::Packed message);
     bool newsAreDue() const;
@@ -87,6 +88,7 @@ private:
     std::unique_ptr<ConnectionSlot> slot_;
     websocket::stream<ByteStream, false> ws_; // no compression: JPEG does not shrink
     const Authorization authorization_;
+    MereFrames mere_;
     SessionRules rules_;
     std::shared_ptr<Event> event_; // notified when there may be something to write
     std::shared_ptr<Event> taken_; // notified when write() takes a control message
@@ -94,12 +96,7 @@ private:
     std::unique_ptr<ViewerHandle> handle_; // null before Hello
     std::string name_;                     // for the log
     std::deque<wire::Packed> control_;
-    struct Ping {
-        uint32_t nonce;
-        Clock::time_point sent;
-    };
-    std::deque<Ping> pings_; // the unanswered ones
-    uint32_t last_nonce_ = 0;
+    Pings pings_;
     bool ping_due_ = false;
     std::optional<Clock::time_point> write_began_;
     bool backlog_ = false;                           // true: bytes waited for the link since the last heartbeat
@@ -114,14 +111,17 @@ private:
 asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
     websocket::stream_base::timeout timeout{context_->options.handshake, context_->options.idle, true};
     ws_.set_option(timeout);
-    ws_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
-        response.set(beast::http::field::sec_websocket_protocol, wire::kSubprotocol);
-        response.set(beast::http::field::server, "brume/" BRUME_VERSION);
-    }));
+    ws_.set_option(websocket::stream_base::decorator(
+        [policy = resourcePolicy(context_->options)](websocket::response_type& response) {
+            response.set(beast::http::field::sec_websocket_protocol, wire::kSubprotocol);
+            response.set(beast::http::field::server, "brume/" BRUME_VERSION);
+            response.set("Cross-Origin-Resource-Policy", policy);
+        }));
     ws_.read_message_max(context_->options.max_message_bytes);
     ws_.auto_fragment(false);
     ws_.binary(true);
     ws_.next_layer().tcp().expires_never(); // the timeouts above apply instead
+    ws_.control_callback([this](websocket::frame_type, beast::string_view text) { mere_.control(text.size()); });
     const auto [refused] = co_await ws_.async_accept(request, kToken);
     if (refused) {
         context_->metrics.requested("ws", 400);
@@ -151,6 +151,8 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
         const auto now = Clock::now();
         const auto data = buffer.cdata();
         effects.clear();
+        mere_.message(size);
+        rules_.onMereFrames(mere_.take(ws_.next_layer().received()), now, effects);
         if (ws_.got_text())
             rules_.onText(now, effects);
         else
@@ -228,10 +230,11 @@ asio::awaitable<void> WebSocketSession::beat() {
             co_return finish("it takes no data");
         }
         effects.clear();
+        rules_.onMereFrames(mere_.take(ws_.next_layer().received()), now, effects);
         rules_.onTick(now, effects);
         carryOut(effects);
         if (handle_ && !closing_) {
-            ping(now);
+            ping_due_ = pings_.due(now);
             if (handle_->viewer().observe(now, std::exchange(backlog_, false)) > context_->options.silence) {
                 handle_->markLost();
                 close(kCloseTryLater, "no frame was acknowledged for too long", kRetryRestart);
@@ -245,29 +248,21 @@ asio::awaitable<void> WebSocketSession::beat() {
     }
 }
 
-void WebSocketSession::ping(Clock::time_point now) {
-    while (!pings_.empty() && now - pings_.front().sent > kPingLost) pings_.pop_front();
-    const bool due = pings_.empty() || now - pings_.back().sent >= kPingEvery;
-    ping_due_ = due && pings_.size() < kMostPings;
-}
-
 // A ping is packed when the socket takes it, so that the round trip does not include waiting in this program.
 wire::Packed WebSocketSession::newPing() {
     ping_due_ = false;
     const auto now = Clock::now();
-    pings_.push_back({++last_nonce_, now});
     const auto us = std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch()).count();
-    return packPing(last_nonce_, uint64_t(us));
+    return packPing(pings_.send(now), uint64_t(us));
 }
 
 void WebSocketSession::ponged(uint32_t nonce) {
-    const auto one = std::find_if(pings_.begin(), pings_.end(), [&](const Ping& p) { return p.nonce == nonce; });
-    if (one == pings_.end() || !handle_) return;
     const auto now = Clock::now();
+    const std::optional<Clock::duration> round_trip = pings_.answer(nonce, now);
+    if (!round_trip || !handle_) return;
     const TcpState tcp = tcpState(ws_.next_layer().tcp().socket().native_handle());
     backlog_ = backlog_ || tcp.backlog;
-    handle_->viewer().ponged(now - one->sent, now, backlog_ ? Pacing::Millis::max() : tcp.queue);
-    pings_.erase(pings_.begin(), one + 1);
+    handle_->viewer().ponged(*round_trip, now, backlog_ ? Pacing::Millis::max() : tcp.queue);
 }
 
 void WebSocketSession::carryOut(Effects& effects) {
@@ -301,15 +296,16 @@ void WebSocketSession::admit(const Admit& hello) {
     handle_ = std::move(handle);
     if (!handle_) {
         context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
-        spdlog::info("{} from {}: turned away, {}", hello.client, slot_->address(), why);
+        log(fmt::format("{} from {}: turned away, {}", hello.client, slot_->address(), why));
         enqueue(packError(wire::ErrorCode::full, why, 0));
         return close(kCloseTryLater, why, kRetryFull);
     }
     handle_->viewer().grant(hello.granted);
     name_ = fmt::format("viewer {}", handle_->viewer().id());
     const std::string whose = authorization_.name.empty() ? "" : fmt::format(" ({})", authorization_.name);
-    spdlog::info("{}{}: {} from {}, {}x{}, {}, {}", name_, whose, hello.client, slot_->address(), hello.granted.width,
-                 hello.granted.height, hello.granted.views == 1 ? "one eye" : "two eyes", nameOf(authorization_.role));
+    log(fmt::format("{}{}: {} from {}, {}x{}, {}, {}", name_, whose, hello.client, slot_->address(),
+                    hello.granted.width, hello.granted.height, hello.granted.views == 1 ? "one eye" : "two eyes",
+                    nameOf(authorization_.role)));
     granted_ = hello.granted;
     enqueue(welcome());
 }
@@ -349,7 +345,7 @@ void WebSocketSession::close(uint16_t code, std::string_view reason, float retry
 void WebSocketSession::leave(std::string_view why) {
     if (!handle_) return;
     const auto counts = handle_->viewer().counts();
-    spdlog::info("{}: left ({}), {} frames rendered, {} sent", name_, why, counts.rendered, counts.sent);
+    log(fmt::format("{}: left ({}), {} frames rendered, {} sent", name_, why, counts.rendered, counts.sent));
     handle_.reset();
 }
 

@@ -12,12 +12,20 @@ void addLimitOptions(OptionTable& table, ServerOptions& o) {
     g.mebibytes("--memory", o.frame.memory,
                 "that particles may take on the CPU and on the device; a scene with more is refused")
         .range(1u, 65536u);
-    g.option("--max-connections", o.net.max_connections, "open sockets").range(1, 65535).live();
+    g.option("--max-connections", o.net.max_connections, "open sockets; a few more answer health checks")
+        .range(1, 65535)
+        .live();
     g.option("--max-connections-per-address", o.net.max_connections_per_address, "open sockets of one address")
         .range(1, 65535)
         .live();
-    g.option("--max-streams", o.net.max_streams, "MJPEG streams at a time").range(0, 1000).live();
-    g.option("--max-snapshots", o.net.max_snapshots, "snapshots at a time").range(0, 1000).live();
+    g.option("--max-streams", o.net.max_streams,
+             "MJPEG streams at a time; three quarters for one address or token name")
+        .range(0, 1000)
+        .live();
+    g.option("--max-snapshots", o.net.max_snapshots,
+             "snapshots at a time; three quarters for one address or token name")
+        .range(0, 1000)
+        .live();
     g.option("--max-pixels", o.net.max_pixels, "of one picture; a larger wish is scaled down")
         .range(256, 8192 * 8192)
         .live();
@@ -32,7 +40,8 @@ void addLimitOptions(OptionTable& table, ServerOptions& o) {
         .range(1, 100)
         .live();
     g.perSecond("--accept-rate", o.net.accept_rate, "connections of one address; more are turned away").live();
-    g.milliseconds("--handshake", o.net.handshake, "a connection must say what it wants within this").live();
+    g.milliseconds("--handshake", o.net.handshake, "for a request's header, for Hello, and then for the first pose")
+        .live();
     g.milliseconds("--idle", o.net.idle, "a viewer that is silent for this long is closed").live();
     g.perSecond("--pose-rate", o.net.pose_rate, "poses of a viewer; of more the newest is shown later").live();
     g.perSecond("--input-rate", o.net.input_rate, "commands of a viewer; more are refused").live();

@@ -254,3 +254,33 @@ describe('the view alone in a frame', () => {
     assert.equal((await (await fetch(`${server.url}/viewers`)).json()).viewers.length, 0);
   });
 });
+
+describe('an <img> of the stream', () => {
+  // 64 where a picture came, 0 where the browser refused it.
+  const widthOf = async (t, { url }) => {
+    site.body = `<img src="${url}/stream.mjpg?w=64&h=36">`;
+    const context = await browser.newContext();
+    t.after(() => context.close());
+    const page = await context.newPage();
+    await page.goto(site.url, { waitUntil: 'commit' });
+    const width = await page.waitForFunction(
+      () => {
+        const image = document.querySelector('img');
+        return image && (image.naturalWidth > 0 || image.complete) && { is: image.naturalWidth };
+      },
+      null,
+      { polling: 50 },
+    );
+    return (await width.jsonValue()).is;
+  };
+
+  test('shows it in a page of an allowed origin', async (t) => {
+    assert.equal(await widthOf(t, server), 64);
+  });
+
+  test('shows nothing in a page of any other, also of the same host', async (t) => {
+    const own = await startServer();
+    t.after(() => own.stop());
+    assert.equal(await widthOf(t, own), 0);
+  });
+});

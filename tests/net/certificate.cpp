@@ -44,8 +44,8 @@ Certificate::Certificate() {
 
 Certificate::~Certificate() { std::filesystem::remove_all(folder_); }
 
-long Certificate::renew() {
-    const Key pair(EVP_EC_gen("P-256"));
+long Certificate::renew(Kind kind) {
+    const Key pair(kind == Kind::rsa ? EVP_RSA_gen(2048) : EVP_EC_gen("P-256"));
     const X509Certificate x509(X509_new());
     expect(pair && x509);
     expect(X509_set_version(x509.get(), X509_VERSION_3) == 1);
@@ -63,6 +63,7 @@ long Certificate::renew() {
     save(certificate(), [&](FILE* out) { return PEM_write_X509(out, x509.get()); });
     save(key(),
          [&](FILE* out) { return PEM_write_PrivateKey(out, pair.get(), nullptr, nullptr, 0, nullptr, nullptr); });
+    std::filesystem::permissions(key(), std::filesystem::perms(0600));
     return serial_;
 }
 

@@ -17,7 +17,8 @@ public:
     std::string certificate() const { return (folder_ / "certificate.pem").string(); }
     std::string key() const { return (folder_ / "key.pem").string(); }
     // Replaces certificate and key by new ones. Returns the new serial number.
-    long renew();
+    enum class Kind { ecdsa, rsa };
+    long renew(Kind kind = Kind::ecdsa);
 
 private:
     std::filesystem::path folder_;

@@ -169,21 +169,6 @@ TEST_F(HttpTest, AConnectionCarriesSeveralRequests) {
     EXPECT_TRUE(socket.closesWithin(3s));
 }
 
-TEST_F(HttpTest, OneAddressMayNotTakeAllConnections) {
-    options.max_connections_per_address = 3;
-    const uint16_t port = serve();
-    std::vector<std::unique_ptr<Socket>> open;
-    for (int i = 0; i < 3; ++i) {
-        open.push_back(std::make_unique<Socket>(port));
-        open.back()->send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-        EXPECT_EQ(readAnswer(*open.back()).status, 200);
-    }
-    Socket over(port);
-    EXPECT_EQ(readAnswer(over).status, 503);
-    open.pop_back();
-    EXPECT_TRUE(eventually([&] { return get(port, "/healthz").status == 200; }));
-}
-
 TEST_F(HttpTest, ASnapshotIsOneFrameOfTheAskedCamera) {
     const uint16_t port = serve();
     const auto plain = get(port, "/snapshot.jpg");
@@ -356,17 +341,17 @@ TEST_F(HttpTest, AStalledStreamDelaysNobodyAndIsCut) {
     EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
 }
 
-TEST_F(HttpTest, StreamsHaveTheirOwnLimit) {
-    options.max_streams = 2;
+// Looking at /viewers tells who is hidden, and neither addresses nor tokens.
+TEST_F(HttpTest, ViewersSayWhoIsHidden) {
     const uint16_t port = serve();
-    const std::string request = "GET /stream.mjpg HTTP/1.1\r\nHost: localhost\r\n\r\n";
-    Socket one(port), two(port);
-    one.send(request);
-    two.send(request);
-    EXPECT_NE(one.readUntil("--brume-frame").find("200 OK"), std::string::npos);
-    EXPECT_NE(two.readUntil("--brume-frame").find("200 OK"), std::string::npos);
-    EXPECT_EQ(get(port, "/stream.mjpg").status, 503);
-    EXPECT_TRUE(watch()) << "viewers still find room";
+    const auto seen = watch(), hidden = watch();
+    seen->pose(1);
+    hidden->pose(1, {0, 0, 10}, 0, 0, true);
+    ASSERT_TRUE(eventually([&] { return get(port, "/viewers").body.find("\"hidden\":true") != std::string::npos; }));
+    const std::string body = get(port, "/viewers").body;
+    EXPECT_NE(body.find("\"hidden\":false"), std::string::npos) << body;
+    EXPECT_EQ(body.find("127.0.0.1"), std::string::npos) << body;
+    EXPECT_EQ(body.find("owner"), std::string::npos) << body;
 }
 
 } // namespace

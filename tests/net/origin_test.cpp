@@ -120,6 +120,30 @@ TEST_F(OriginTest, APageOfAnAllowedSiteIsServed) {
     EXPECT_EQ(askFrom("/snapshot.jpg", "cross-site").status, 403);
 }
 
+// What a browser asks before it gives a page what is another origin's: also where no Sec-Fetch-Site is sent.
+TEST_F(OriginTest, EveryReplySaysWhoMayEmbedIt) {
+    options.accept_rate = 20; // a burst of 40
+    const uint16_t port = serve();
+    const auto policies = [&](const std::string& policy) {
+        constexpr const char* kHeader = "Cross-Origin-Resource-Policy";
+        for (const char* route : {"/", "/ws", "/healthz", "/snapshot.jpg", "/metrics", "/no-such-page"})
+            EXPECT_EQ(ask(route, "Host: localhost\r\n").header(kHeader), policy) << route;
+        EXPECT_EQ(ask("/", "Host: evil.example\r\n").header(kHeader), policy);
+        EXPECT_EQ(ask("/ws", "Host: localhost\r\n" + std::string(kUpgrade)).header(kHeader), policy);
+        Socket stream(port);
+        stream.send("GET /stream.mjpg HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        EXPECT_NE(stream.readUntil("\r\n\r\n").find(kHeader + (": " + policy)), std::string::npos);
+    };
+    policies("same-origin");
+    options.allowed_origins = {"https://a.example"};
+    server->setOptions(options);
+    policies("cross-origin");
+    HttpAnswer answer;
+    for (int i = 0; i < 60 && answer.status != 429; ++i) answer = ask("/healthz", "Host: localhost\r\n");
+    EXPECT_EQ(answer.status, 429);
+    EXPECT_EQ(answer.header("Cross-Origin-Resource-Policy"), "cross-origin");
+}
+
 TEST_F(OriginTest, ThePageRunsItsOwnFilesOnlyAndInFramesOfItsOwn) {
     serve();
     const HttpAnswer page = ask("/", "Host: localhost\r\n");

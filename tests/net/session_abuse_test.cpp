@@ -160,6 +160,78 @@ TEST_F(SessionTest, ASlowHandshakeIsCut) {
     EXPECT_EQ(mute.closeCode(), 1008);
 }
 
+// A hello alone holds a place, so it is not enough.
+TEST_F(SessionTest, AHelloWithoutAPoseIsCutAndAHiddenViewerIsNot) {
+    options.handshake = 400ms;
+    serve();
+    const auto mute = watch(), hidden = watch();
+    hidden->pose(1, {0, 0, 10}, 0, 0, true);
+    const auto goodbye = mute->next<wire::Goodbye>(3s);
+    ASSERT_TRUE(goodbye);
+    EXPECT_EQ(goodbye->parsed->as<wire::Goodbye>()->reason()->str(),
+              "no Pose came within 0.4 s of Hello: send one, hidden where nothing is to be drawn");
+    EXPECT_EQ(mute->closeCode(), 1008);
+    EXPECT_TRUE(eventually([&] { return audience->size() == 1; }));
+    hidden->pose(2);
+    EXPECT_TRUE(frameOf(*hidden, 2));
+}
+
+// What no message is made of: the flood ends with one line, and nobody else feels it.
+void floodEnds(WsClient& good, WsClient& bad, const std::string& frame) {
+    std::string flood;
+    for (int i = 0; i < 1000; ++i) flood += frame;
+    const std::jthread sender([&] {
+        for (int i = 0; i < 200 && bad.socket.send(flood); ++i) {
+        }
+    });
+    const auto goodbye = bad.next<wire::Goodbye>(10s);
+    ASSERT_TRUE(goodbye && goodbye->parsed) << "200,000 frames went through";
+    EXPECT_EQ(goodbye->parsed->as<wire::Goodbye>()->reason()->str(), "too many WebSocket pings or fragments");
+    good.pose(1);
+    EXPECT_TRUE(frameOf(good, 1));
+}
+
+const std::string kMask = "abcd"; // of frames without content: any
+
+TEST_F(SessionTest, AFloodOfPingsIsClosed) {
+    options.message_rate = 500;
+    serve();
+    const auto good = watch(), bad = watch();
+    floodEnds(*good, *bad, "\x89\x80" + kMask);
+}
+
+TEST_F(SessionTest, AFloodOfPongsIsClosed) {
+    options.message_rate = 500;
+    serve();
+    const auto good = watch(), bad = watch();
+    floodEnds(*good, *bad, "\x8a\x80" + kMask);
+}
+
+TEST_F(SessionTest, AFloodOfEmptyFragmentsIsClosed) {
+    options.message_rate = 500;
+    serve();
+    const auto good = watch(), bad = watch();
+    bad->socket.send(std::string("\x02\x80", 2) + kMask);
+    floodEnds(*good, *bad, std::string("\x00\x80", 2) + kMask);
+}
+
+TEST_F(SessionTest, FragmentsAndPingsAtAHumanRateAreServed) {
+    serve();
+    const auto client = watch();
+    const wire::Packed ping = wire::pack([](auto& b) { return wire::CreatePing(b, 7, 1); });
+    const auto bytes = wire::bytesOf(ping);
+    for (int round = 0; round < 300; ++round) {
+        std::string frames;
+        for (size_t i = 0; i < bytes.size(); ++i) { // a byte each, a ping in their midst
+            frames += char((i == 0 ? 2 : 0) | (i + 1 == bytes.size() ? 0x80 : 0));
+            frames += std::string("\x81\0\0\0\0", 5) + char(bytes[i]);
+            if (i == 3) frames += "\x89\x80" + kMask;
+        }
+        ASSERT_TRUE(client->socket.send(frames)) << round;
+        ASSERT_TRUE(client->next<wire::Pong>()) << round;
+    }
+}
+
 TEST_F(SessionTest, VanishingViewersFreeTheirPlaces) {
     max_viewers = 2;
     serve();

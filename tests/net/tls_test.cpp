@@ -29,13 +29,14 @@ struct TlsTest : ServerTest {
         long serial = 0;
     };
     // The whole answer to a request over a connection of its own, the server's certificate verified.
-    Answer ask(const std::string& path, int newest = 0) const {
+    Answer ask(const std::string& path, int newest = 0, const char* suites = nullptr) const {
         asio::io_context io;
         ssl::context context(ssl::context::tls_client);
         context.load_verify_file(certificate.certificate());
         context.set_verify_mode(ssl::verify_peer);
         context.set_verify_callback(ssl::host_name_verification("127.0.0.1"));
         if (newest != 0) SSL_CTX_set_max_proto_version(context.native_handle(), newest);
+        if (suites) SSL_CTX_set_cipher_list(context.native_handle(), suites);
         ssl::stream<asio::ip::tcp::socket> stream(io, context);
         Answer answer;
         boost::system::error_code error;
@@ -79,6 +80,17 @@ TEST_F(TlsTest, OlderVersionsAreRefusedAndCounted) {
     EXPECT_NE(ask("/healthz", TLS1_1_VERSION).fault, "");
     EXPECT_TRUE(eventually([&] { return failures() == 1; }));
     EXPECT_TRUE(ask("/healthz").text.ends_with("ok\n"));
+}
+
+// Whatever the key: with one of RSA a client could ask for suites without forward secrecy.
+TEST_F(TlsTest, EverySuiteHasForwardSecrecy) {
+    certificate.renew(Certificate::Kind::rsa);
+    serve();
+    for (const char* suite : {"AES128-GCM-SHA256", "AES256-SHA256", "AES256-SHA", "ECDHE-RSA-AES256-SHA"})
+        EXPECT_NE(ask("/healthz", TLS1_2_VERSION, suite).fault, "") << suite;
+    for (const char* suite : {"ECDHE-RSA-AES128-GCM-SHA256", "ECDHE-RSA-CHACHA20-POLY1305"})
+        EXPECT_EQ(ask("/healthz", TLS1_2_VERSION, suite).version, "TLSv1.2") << suite;
+    EXPECT_EQ(ask("/healthz").version, "TLSv1.3");
 }
 
 // One that speaks HTTP, one noise, ones that say nothing or half of a hello: each is gone in time, and nobody waits for
@@ -131,6 +143,9 @@ TEST_F(TlsTest, ABadCertificateEndsTheStartInOneLine) {
     const std::string mismatch = fault(certificate.certificate(), other.key());
     EXPECT_NE(mismatch.find("--tls-key"), std::string::npos);
     EXPECT_EQ(mismatch.find('\n'), std::string::npos);
+    std::filesystem::permissions(certificate.key(), std::filesystem::perms(0604));
+    EXPECT_NE(fault(certificate.certificate(), certificate.key()).find("others may read or change it"),
+              std::string::npos);
 }
 
 } // namespace

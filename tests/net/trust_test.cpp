@@ -166,6 +166,21 @@ TEST_F(TrustTest, AnotherKeyEndsTheOldTokensAndNotTheOpenSessions) {
     EXPECT_TRUE(frameOf(*inside, 1));
 }
 
+// Strangers hold every place: an operator's request still gets through, one that never ends does not.
+TEST_F(TrustTest, AGoodTokenGetsThroughWhenAllConnectionsAreTaken) {
+    options.max_connections = 2;
+    const uint16_t port = serve();
+    const Socket one(port), two(port);
+    const std::string chief = bearer(token(Role::operator_));
+    EXPECT_EQ(get(port, "/viewers", chief).status, 200);
+    EXPECT_EQ(get(port, "/viewers", chief).header("Connection"), "close");
+    EXPECT_EQ(get(port, "/snapshot.jpg?w=64&h=36", bearer(token(Role::viewer))).status, 200);
+    EXPECT_EQ(get(port, "/stream.mjpg", chief).status, 503);
+    EXPECT_EQ(get(port, "/ws", chief).status, 503);
+    EXPECT_EQ(get(port, "/viewers").status, 401);
+    EXPECT_EQ(get(port, "/").status, 503);
+}
+
 TEST_F(TrustTest, AnAddressThatComesTooOftenIsTurnedAway) {
     options.accept_rate = 5; // a burst of 10
     const uint16_t port = serve();

@@ -24,6 +24,30 @@ TEST(Connections, RoomIsCountedForAllAndForEachAddress) {
     EXPECT_TRUE(connections.take("a3", "a")) << "a slot is free again";
 }
 
+TEST(Connections, SomeAreKeptForWhoComesWhenAllAreTaken) {
+    Connections connections({.total = 2, .per_address = 1, .reserve = 3, .reserve_per_address = 2});
+    Slot a = connections.take("a", "a"), again = connections.take("a", "a"), b = connections.take("b", "b");
+    ASSERT_TRUE(a && again && b);
+    EXPECT_FALSE(a->reserved());
+    EXPECT_TRUE(again->reserved()) << "all of its address are taken";
+    EXPECT_FALSE(b->reserved()) << "the reserve takes no place from the others";
+    Slot third = connections.take("a", "a");
+    EXPECT_FALSE(connections.take("a", "a")) << "one address, of the reserve";
+    Slot c = connections.take("c", "c");
+    ASSERT_TRUE(third && c);
+    EXPECT_TRUE(c->reserved()) << "all are taken";
+    EXPECT_FALSE(connections.take("d", "d")) << "the reserve, too";
+    b.reset();
+    Slot d = connections.take("d", "d");
+    EXPECT_TRUE(d && !d->reserved());
+    d.reset();
+    c.reset();
+    EXPECT_TRUE(connections.take("a", "a") == nullptr) << "it still has two of the reserve";
+    again.reset();
+    again = connections.take("a", "a");
+    EXPECT_TRUE(again && again->reserved());
+}
+
 TEST(Connections, OneAddressThatComesTooOftenKeepsNobodyElseOut) {
     Connections connections({.total = 1000, .per_address = 1000, .accept_rate = 0.001, .burst_s = 5000});
     for (int i = 0; i < 5; ++i) EXPECT_TRUE(connections.take("a", "a"));

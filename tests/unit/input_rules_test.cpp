@@ -323,6 +323,7 @@ TEST_F(SessionRulesTest, AViewerLooksAndWhoTriesForbiddenThingsForEverIsClosed) 
 TEST_F(SessionRulesTest, ASessionEndsWithItsToken) {
     rules.emplace(options, facts, now, Authorization{wire::Role::viewer, now + 60s, {}});
     watch();
+    only<SetPose>(pose({}));
     EXPECT_TRUE(tick(60s - 1ms).empty());
     const Effects effects = tick(1ms);
     EXPECT_EQ(only<Close>(effects).code, kClosePolicy);

@@ -18,6 +18,39 @@ TEST_F(SessionRulesTest, AGoodHelloIsAdmitted) {
     EXPECT_EQ(admit.granted.quality, 90);
 }
 
+TEST_F(SessionRulesTest, APoseFollowsHelloInTime) {
+    watch();
+    EXPECT_TRUE(tick(options.handshake - 1ms).empty());
+    EXPECT_EQ(only<Close>(tick(1ms)).code, kClosePolicy);
+}
+
+TEST_F(SessionRulesTest, OnlyAGoodPoseCountsAndAHiddenOneDoes) {
+    watch();
+    onlyError(pose({.fov_y = kNan}));
+    only<SetPose>(pose({.seq = 2, .hidden = true}));
+    EXPECT_TRUE(tick(10 * options.handshake).empty());
+    rules.emplace(options, facts, now);
+    watch();
+    onlyError(pose({.fov_y = kNan}));
+    EXPECT_EQ(only<Close>(tick(options.handshake)).code, kClosePolicy);
+}
+
+TEST_F(SessionRulesTest, PingsAndFragmentsCountAsMessages) {
+    watch();
+    Effects out;
+    const auto burst = uint64_t(options.message_rate * options.burst_s);
+    rules->onMereFrames(burst, now, out);
+    EXPECT_TRUE(out.empty());
+    EXPECT_GT(rules->pause(now), 0ns) << "the next message is read later";
+    now += 3600s;
+    EXPECT_EQ(rules->pause(now), 0ns);
+    rules->onMereFrames(2 * burst - 1, now, out);
+    EXPECT_TRUE(out.empty());
+    EXPECT_GE(rules->pause(now), std::chrono::duration<double>(options.burst_s)) << "owed";
+    rules->onMereFrames(1, now, out);
+    EXPECT_EQ(only<Close>(out).code, kClosePolicy);
+}
+
 TEST_F(SessionRulesTest, QualityZeroIsTheServers) {
     EXPECT_EQ(only<Admit>(hello(64, 64, 1, 0)).granted.quality, options.default_quality);
 }
@@ -75,6 +108,7 @@ TEST_F(SessionRulesTest, AHelloMustComeInTime) {
     EXPECT_TRUE(hello().empty()) << "nothing follows a close";
     SetUp();
     watch();
+    only<SetPose>(pose({}));
     EXPECT_TRUE(tick(options.handshake + 1s).empty());
 }
 

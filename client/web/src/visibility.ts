@@ -31,5 +31,6 @@ export function watchSight(surface: HTMLElement, ending: AbortSignal, changed: (
     tell();
   });
   observer.observe(surface);
+  tell(); // a page that opens hidden gets no event: without this the server would never hear of it
   ending.addEventListener('abort', () => observer.disconnect());
 }

@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
-import { Visibility } from '../src/visibility';
+import { Visibility, watchSight } from '../src/visibility';
 
 describe('a page that is not seen', () => {
   let told: boolean[] = [];
@@ -42,4 +42,20 @@ describe('a page that is not seen', () => {
     vi.advanceTimersByTime(5000);
     expect(told).toEqual([true]);
   });
+});
+
+// Such a page gets no event and no animation frame, and the server closes a viewer that never sends a pose.
+test('a page that opens hidden is told of at once', () => {
+  vi.stubGlobal('document', Object.assign(new EventTarget(), { hidden: true }));
+  vi.stubGlobal(
+    'IntersectionObserver',
+    class {
+      observe(): void {}
+      disconnect(): void {}
+    },
+  );
+  const told: boolean[] = [];
+  watchSight({} as HTMLElement, new AbortController().signal, (seen) => told.push(seen));
+  expect(told).toEqual([false]);
+  vi.unstubAllGlobals();
 });
