@@ -3,16 +3,14 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <iostream>
-#include <new>
 
 #include <spdlog/spdlog.h>
 
 #include "protocol/net/address.h"
 #include "server/ahead.h"
+#include "server/last_line.h"
 #include "server/net/server.h"
 #include "server/operate/log.h"
 #include "server/operate/recorder.h"
@@ -56,27 +54,6 @@ std::unique_ptr<Recorder> recorderOf(const ServerOptions& options, const Scene& 
     return std::make_unique<Recorder>(
         Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames},
         recordingHead(file, scene, sceneOverrides(options)), scene, device);
-}
-
-constexpr const char* kOutOfMemory =
-    "out of memory; use smaller pictures (--max-pixels), fewer viewers or fewer particles, or allow more";
-
-// Ends the process with one line, also where no memory is left: for what is thrown on a thread that catches nothing.
-[[noreturn]] void endInOneLine() {
-    const auto end = [](const char* why) {
-        std::fprintf(stderr, "brume-server: %s\n", why);
-        std::_Exit(1);
-    };
-    try {
-        if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
-    } catch (const std::bad_alloc&) {
-        end(kOutOfMemory);
-    } catch (const std::exception& e) {
-        end(e.what());
-    } catch (...) { // the next line says all that is known
-    }
-    end("ended by an error of an unknown kind");
-    std::_Exit(1);
 }
 
 // /readyz fails, all else goes on until the time is over or the frame loop fails. Another signal to end is obeyed at
@@ -199,7 +176,7 @@ int main(int argc, char** argv) {
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
 
-    std::set_terminate(endInOneLine);
+    endInOneLine();
     try {
         const ServerOptions& options = *parsed.options;
         if (options.ahead == "only") stepBehind();
@@ -214,11 +191,8 @@ int main(int argc, char** argv) {
                      options.height}},
                    std::cout);
         return 0;
-    } catch (const std::bad_alloc&) {
-        std::cerr << "brume-server: " << kOutOfMemory << std::endl;
-        return 1;
     } catch (const std::exception& e) {
-        std::cerr << "brume-server: " << e.what() << std::endl;
+        std::cerr << "brume-server: " << lastLine(e) << std::endl;
         return 1;
     }
 }
