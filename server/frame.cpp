@@ -54,15 +54,17 @@ double pixelsOf(std::span<const PlanView> views) {
 void checkPictures(std::span<const EyeRequest> eyes, bool full, uint64_t target, uint64_t planes) {
     for (const EyeRequest& eye : eyes)
         if (Targets::kBytesOfPixel * eye.width * eye.height > target)
-            throw gpu::Error(fmt::format("a picture of {} x {} takes more than half of --picture-memory: ask for smaller "
-                                         "ones or allow more",
-                                         eye.width, eye.height));
+            throw gpu::Error(
+                fmt::format("a picture of {} x {} takes more than half of --picture-memory: ask for smaller "
+                            "ones or allow more",
+                            eye.width, eye.height));
     uint64_t bytes = 0;
     for (const EyeRequest& eye : eyes) bytes += PlaneLayout{eye.width, eye.height, full}.bytes();
     if (bytes > planes)
-        throw gpu::Error(fmt::format("pictures of {} MiB together, --picture-memory and the device allow {} MiB: ask for "
-                                     "smaller ones or allow more",
-                                     bytes >> 20, planes >> 20));
+        throw gpu::Error(
+            fmt::format("pictures of {} MiB together, --picture-memory and the device allow {} MiB: ask for "
+                        "smaller ones or allow more",
+                        bytes >> 20, planes >> 20));
 }
 
 // The most particles that can be alive. Throws SceneError when so many do not fit the memory that there is for them.
@@ -77,8 +79,8 @@ uint32_t bounded(const Scene& scene, const Simulation& simulation, uint64_t memo
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
                      const Options& options)
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
-      costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory), frame_ms_(options.frame_ms),
-      most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
+      costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory),
+      frame_ms_(options.frame_ms), most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
       renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
       planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
       workers_(options.encode_threads) {

@@ -180,8 +180,9 @@ void checkRange(const Pipeline& pipeline, const Resource& given, const Pipeline:
                               : e.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? limits.maxUniformBufferRange
                                                                             : VK_WHOLE_SIZE;
     if (given.buffer.range > most)
-        throw Error(pipeline.name + ": " + typeName(e.type) + " '" + e.name + "' of " + std::to_string(given.buffer.range) +
-                    " bytes, the device allows " + std::to_string(most) + "; use fewer particles or smaller pictures");
+        throw Error(pipeline.name + ": " + typeName(e.type) + " '" + e.name + "' of " +
+                    std::to_string(given.buffer.range) + " bytes, the device allows " + std::to_string(most) +
+                    "; use fewer particles or smaller pictures");
 }
 
 } // namespace

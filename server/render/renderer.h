@@ -63,7 +63,8 @@ public:
     }
     // Bytes of the CPU's memory that lists of particles take here.
     uint64_t particleBytes() const { return upload_.cpuBytes(); }
-    // Bytes on the device whose number depends on the pictures' sizes, without the methods' fields and a submission's own.
+    // Bytes on the device whose number depends on the pictures' sizes, without the methods' fields and a submission's
+    // own.
     uint64_t pictureBytes() const {
         return targets_.bytes() + coarse_targets_.bytes() + planes_.size() + compose_.pictureBytes();
     }

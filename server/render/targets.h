@@ -37,7 +37,7 @@ private:
     void make(VkExtent2D size);
 
     const gpu::Device& device_;
-    gpu::Allocation memory_; // outlives the images
+    gpu::Allocation memory_;          // outlives the images
     std::list<RenderTarget> targets_; // the newest first
     const RenderTarget* used_ = nullptr;
 };

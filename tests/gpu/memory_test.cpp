@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "server/gpu/pipeline_cache.h"
+#include "server/render/room.h"
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/quadrature.h"
 
@@ -106,6 +107,25 @@ TEST_F(MemoryTest, ALoopOverAFewSettingsCompilesNothingAgain) {
     EXPECT_GT(after_first, 5u);
     EXPECT_EQ(device().pipelines().size(), after_first);
     EXPECT_LE(residentBytes(), resident + (32 << 20));
+}
+
+TEST(Room, MemoryGoesBackAfterAMinuteWithLessThanHalfOfIt) {
+    using std::chrono::seconds;
+    Room room;
+    const Room::time_point start{seconds(1000)};
+    EXPECT_FALSE(room.spare(start)); // nothing was used
+    room.use(100, start);
+    room.use(49, start + seconds(30));
+    EXPECT_FALSE(room.spare(start + seconds(59)));
+    room.use(50, start + seconds(59)); // half of it: needed
+    EXPECT_FALSE(room.spare(start + seconds(118)));
+    EXPECT_TRUE(room.spare(start + seconds(119)));
+    EXPECT_FALSE(room.spare(start + seconds(500))); // once
+    room.use(49, start + seconds(500));
+    for (int later = 501; later < 1000; ++later) { // a steady need keeps its memory
+        room.use(49, start + seconds(later));
+        EXPECT_FALSE(room.spare(start + seconds(later)));
+    }
 }
 
 // Stands for a pipeline.

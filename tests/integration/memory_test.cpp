@@ -16,24 +16,30 @@ Pose fromFront() { return lookAt({0, 2, 26}, {0, 0, 0}, 0.8f); }
 
 // A server that may use `mebibytes` of address space.
 std::unique_ptr<Process> limited(unsigned mebibytes, const std::vector<std::string>& arguments) {
-    std::vector<std::string> command{"-c",         "ulimit -v $0; exec \"$@\"", std::to_string(mebibytes << 10),
-                                     BRUME_SERVER, "--scene",                   "props",
-                                     "--ahead",    "off",                       "--port",
+    std::vector<std::string> command{"-c",
+                                     "ulimit -v $0; exec \"$@\"",
+                                     std::to_string(mebibytes << 10),
+                                     BRUME_SERVER,
+                                     "--scene",
+                                     "props",
+                                     "--ahead",
+                                     "off",
+                                     "--port",
                                      "0"};
     command.insert(command.end(), arguments.begin(), arguments.end());
     return startProgram("/bin/sh", command);
 }
 
-// Viewers with pictures of every shape, for as long as the server takes them. Returns how many got a picture.
-int besiege(uint16_t port) {
-    constexpr std::pair<uint16_t, uint16_t> kShapes[] = {{7680, 1080}, {1080, 7680}, {3840, 2160}, {2160, 3840},
-                                                         {8000, 1000}, {1000, 8000}, {64, 36}};
+// Viewers with pictures of every shape, until all have an answer or the server has ended. Returns how many got a
+// picture.
+int besiege(uint16_t port, Process& server) {
+    constexpr std::pair<uint16_t, uint16_t> kShapes[] = {{7680, 540}, {540, 7680}, {2560, 1440}, {64, 36}};
     std::vector<std::unique_ptr<Watcher>> watchers;
     try {
         for (const auto& [width, height] : kShapes) {
-            watchers.push_back(std::make_unique<Watcher>(
-                client::Endpoint{"127.0.0.1", port, "/ws"},
-                client::Wishes{.width = width, .height = height, .views = 2, .quality = 90}));
+            watchers.push_back(
+                std::make_unique<Watcher>(client::Endpoint{"127.0.0.1", port, "/ws"},
+                                          client::Wishes{.width = width, .height = height, .views = 2, .quality = 90}));
             watchers.back()->look(fromFront());
         }
         std::vector<Watcher*> all;
@@ -41,15 +47,16 @@ int besiege(uint16_t port) {
         watch(
             all,
             [&] {
-                return std::all_of(all.begin(), all.end(), [](const Watcher* watcher) {
-                    return !watcher->frames.empty() || watcher->goodbye || !watcher->errors.empty();
-                });
+                return server.exitCode(milliseconds(0)) ||
+                       std::all_of(all.begin(), all.end(), [](const Watcher* watcher) {
+                           return !watcher->frames.empty() || watcher->goodbye || !watcher->errors.empty();
+                       });
             },
             milliseconds(20'000));
     } catch (const std::runtime_error&) { // refused, or the server has ended: the caller looks
     }
-    return int(std::count_if(watchers.begin(), watchers.end(),
-                             [](const auto& watcher) { return !watcher->frames.empty(); }));
+    return int(
+        std::count_if(watchers.begin(), watchers.end(), [](const auto& watcher) { return !watcher->frames.empty(); }));
 }
 
 void expectLineOfItsOwn(const std::string& err) {
@@ -60,13 +67,13 @@ void expectLineOfItsOwn(const std::string& err) {
 // From too little to start with to enough for all: it answers, or it has ended by itself and has said why.
 TEST(MemoryTest, AServerWithLittleAddressSpaceLivesOrEndsInOneLine) {
     int ended = 0, lived = 0, served = 0;
-    for (const unsigned mebibytes : {500u, 900u, 1050u, 1200u, 1400u, 1800u, 4000u}) {
+    for (const unsigned mebibytes : {500u, 1200u, 4000u}) {
         SCOPED_TRACE(std::to_string(mebibytes) + " MiB");
         const auto server =
-            limited(mebibytes, {"--max-pixels", "8294400", "--most-frame-time", "60000", "--frame-budget", "10000"});
+            limited(mebibytes, {"--max-pixels", "4147200", "--most-frame-time", "60000", "--frame-budget", "10000"});
         if (const auto port = server->lineStarting("listening on http://127.0.0.1:")) {
             const auto number = uint16_t(std::stoi(*port));
-            served += besiege(number);
+            served += besiege(number, *server);
             if (!server->exitCode(milliseconds(0))) {
                 EXPECT_TRUE(metric(number, "brume_picture_memory_bytes"));
                 ++lived;
