@@ -43,7 +43,8 @@ void TableReader::fail(std::string_view key, const std::string& problem, const s
 std::string TableReader::shown(const toml::node& node) {
     std::string value;
     if (const auto text = node.value_exact<std::string>()) value = '"' + text->substr(0, 60) + '"';
-    if (const auto number = node.value<double>(); number && node.is_number()) value = plain(*number);
+    if (const auto* number = node.as_floating_point()) value = plain(number->get());
+    if (const auto* number = node.as_integer()) value = std::to_string(number->get());
     if (const auto flag = node.value_exact<bool>()) value = *flag ? "true" : "false";
     if (node.is_array()) value = "an array of " + std::to_string(node.as_array()->size());
     if (node.is_table()) value = "a table";
@@ -53,7 +54,8 @@ std::string TableReader::shown(const toml::node& node) {
 double TableReader::checked(std::string_view key, const toml::node& node, Limits allowed, bool whole,
                             const std::string& form) const {
     const bool right_type = whole ? node.is_integer() : node.is_number();
-    const double value = right_type ? *node.value<double>() : 0;
+    const auto* integer = node.as_integer(); // of 64 bits: one that is no double has no value<double>()
+    const double value = !right_type ? 0 : integer ? static_cast<double>(integer->get()) : *node.value<double>();
     if (!right_type || !allowed.holds(value)) fail(key, shown(node), form + ' ' + bounds(allowed));
     return value;
 }

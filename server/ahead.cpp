@@ -39,7 +39,7 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
         const PlanView view{own.pose, height * 16 / 9, height};
         draw(view, planned, false);
         draw(view, finer(planned), true);
-        drawAt(view, 0, finer(planner.once(simulation, view).settings), true); // snapshots
+        drawAt(view, 0, planner.once(simulation, view).settings, true); // snapshots
     }
     std::optional<RenderSettings> coarser = planned;
     for (uint32_t step = 0, rate = planned.rate; step < kMostSteps && (coarser = relaxed(*coarser, step)); ++step)

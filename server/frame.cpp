@@ -104,7 +104,7 @@ void FrameLoop::warmUp() {
         }
     };
     draw(planner_->settings(simulation_, {&own, 1}, false, Clock::now()), false);
-    draw(finer(planner_->once(simulation_, own).settings), true);
+    draw(planner_->once(simulation_, own).settings, true);
 }
 
 FrameLoop::~FrameLoop() { stop(); }
@@ -279,7 +279,7 @@ bool FrameLoop::renderOneShot(Batch& batch) {
     const Candidate way = planner_->once(simulation_, batch.views.front());
     batch.finer = true;
     batch.error = float(way.error);
-    return submit(batch, finer(way.settings));
+    return submit(batch, way.settings);
 }
 
 // False when the device cannot draw the batch, or memory is short; it is dropped then.

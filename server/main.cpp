@@ -126,12 +126,12 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     if (options.net.token_key.empty() && options.open && !isLoopback(options.net.listen))
         spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
                      options.net.listen);
-    std::cout << "listening on " << address(options.net, network.port()) << std::endl;
     if (replayed)
         spdlog::info("replay of '{}', ticks {} to {}", options.replay.string(), recording->head.tick, recording->last);
     std::optional<SceneChanger> scenes;
     if (!replayed)
         scenes.emplace(options, scene, SceneChanger::Server{argc, argv, frames, audience, recorder.get(), failed});
+    std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;
     while (sigwait(&signals, &signal) == 0 && (signal == SIGHUP || signal == SIGCHLD || signal == SIGUSR1)) {

@@ -20,7 +20,7 @@ void BatchPlanner::fit(std::span<const std::shared_ptr<Viewer>> viewers, double 
     most_pixels_.clear();
     for (const std::shared_ptr<Viewer>& viewer : viewers)
         wishes_.push_back(schedule_.predict(viewer->id(), viewer->wishedPixels()));
-    const double level = fairLevel(wishes_, std::max(most_ms - schedule_.sharedMs(), 0.0));
+    const double level = fairLevel(wishes_, schedule_.forPictures(most_ms));
     for (size_t i = 0; i < viewers.size(); ++i)
         most_pixels_.push_back(wishes_[i] > level ? viewers[i]->wishedPixels() * level / wishes_[i]
                                                   : std::numeric_limits<double>::infinity());

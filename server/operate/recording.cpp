@@ -24,7 +24,7 @@ constexpr size_t kDigits = 16;
 constexpr uint64_t kEndReserve = 256; // bytes, for the last line
 // A scene's text has 1 MiB at most, and up to six characters for each in JSON. Rows of particles have kMostRowBytes in
 // a tick, and two digits for each.
-constexpr size_t kLongestLine = 16 << 20;
+constexpr size_t kLongestLine = 80 << 20;
 
 std::string magicLine() { return kMagic + std::to_string(kVersion); }
 

@@ -62,15 +62,32 @@ public:
         }
         for (const PlanScene::Shadow& shadow : scene_.shadows)
             shadow_ms_.push_back(shadowWork(scene_, shadow).ms(model));
+        allowed_.assign(views_.size(), double(scene_.wanted.error));
+    }
+
+    // Sets what every view may have, from the least error that any of these ways has in it.
+    void setAllowed(const std::vector<RenderSettings>& ways) {
+        double light = 1;
+        for (const PlanScene::Shadow& shadow : scene_.shadows)
+            if (shadow.wanted <= scene_.wanted.shadow_error)
+                light = std::min(light, lightError(shadow.resolution.error));
+        for (size_t i = 0; i < views_.size(); ++i) {
+            double least = 1;
+            for (const RenderSettings& way : ways) least = std::min(least, errorIn(views_[i], way).value_or(1));
+            const double least_of_all = std::hypot(least, light);
+            const double budget =
+                std::min(double(scene_.wanted.error), errorOf(scene_.wanted.flip, views_[i].inside()));
+            allowed_[i] = least_of_all <= budget ? budget : kNearBest * least_of_all;
+        }
     }
 
     // A candidate for each shadow map that the settings allow.
-    void add(const RenderSettings& way, std::vector<Candidate>& all) const {
+    void add(const RenderSettings& way, std::vector<Candidate>& all) {
         const Candidate bare = withoutShadow(way);
         for (size_t i = 0; i < scene_.shadows.size(); ++i)
             if (scene_.shadows[i].wanted <= scene_.wanted.shadow_error) all.push_back(with(bare, i));
     }
-    Candidate of(const RenderSettings& settings) const { return with(withoutShadow(settings), shadowOf(settings)); }
+    Candidate of(const RenderSettings& settings) { return with(withoutShadow(settings), shadowOf(settings)); }
 
     double deviation() const { return deviation_; }
     double lightErrorOf(const RenderSettings& settings) const {
@@ -101,14 +118,21 @@ private:
         if (haveOwnRates(inputs_, way) && deviation_ > 0) way.rate = rateFor(way.rate, view.deviation() / deviation_);
         return way;
     }
-    Candidate withoutShadow(const RenderSettings& way) const {
+    // Nothing: the method has no law of it.
+    std::optional<double> errorIn(const ViewWork& view, const RenderSettings& way) const {
+        const RenderSettings own = in(view, way);
+        return view.sees() ? planOf(own.method)->error(own, view) : 0;
+    }
+    // errors_ are those of the last call.
+    Candidate withoutShadow(const RenderSettings& way) {
         Candidate c{.settings = way, .shared_ms = sharedWork(scene_, way).ms(model_)};
+        errors_.clear();
         for (const ViewWork& view : views_) {
-            const RenderSettings own = in(view, way);
-            c.views_ms += view.of(own).ms(model_);
-            const std::optional<double> error = view.sees() ? planOf(own.method)->error(own, view) : 0;
+            c.views_ms += view.of(in(view, way)).ms(model_);
+            const std::optional<double> error = errorIn(view, way);
             c.predicted = c.predicted && error;
-            c.error = std::max(c.error, error.value_or(1));
+            errors_.push_back(error.value_or(1));
+            c.error = std::max(c.error, errors_.back());
         }
         return c;
     }
@@ -119,6 +143,9 @@ private:
             c.error = c.flip = 1;
         else if (c.error > 0) // 0: nothing is seen
             c.error = std::hypot(c.error, light), c.flip = flipOf(c.error, inside_);
+        for (size_t i = 0; i < errors_.size(); ++i)
+            if (errors_[i] > 0)
+                c.excess = std::max(c.excess, std::min(std::hypot(errors_[i], light), 1.0) / allowed_[i]);
         c.shared_ms += shadow_ms_[shadow];
         return c;
     }
@@ -130,6 +157,7 @@ private:
     bool inside_ = false;  // True: some eye is in the medium
     double deviation_ = 0; // Plan::reference_deviation_px
     std::vector<double> shadow_ms_;
+    std::vector<double> allowed_, errors_; // by view: what it may have; without the light's error
 };
 
 bool sameWay(const RenderSettings& a, const RenderSettings& b) {
@@ -218,6 +246,8 @@ double lightError(double estimated) { return 1.25 * estimated; }
 // e^0.7 for Y = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
 double flipOf(double error, bool inside) { return std::min((inside ? 0.65 : 0.5) * std::pow(error, 0.7), 1.0); }
 
+double errorOf(double flip, bool inside) { return std::pow(flip / (inside ? 0.65 : 0.5), 1 / 0.7); }
+
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed) {
     const MethodPlan& method = *planOf(settings.method);
     for (uint32_t tries = 0; tries < 3; ++tries) {
@@ -236,7 +266,7 @@ std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t s
 
 Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     const RenderSettings& wanted = inputs.scene.wanted;
-    const Prices prices(inputs, model);
+    Prices prices(inputs, model);
     std::vector<Candidate> all;
     Plan plan;
     std::vector<RenderSettings> ways = waysOf(inputs, wanted.method, plan.refused);
@@ -244,16 +274,14 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         std::string again;
         ways = waysOf(inputs, kAutoMethod, again);
     }
+    prices.setAllowed(ways);
     for (const RenderSettings& way : ways) prices.add(way, all);
 
     const auto holds = [&](const Candidate& c) {
         return c.error <= double(wanted.error) && c.flip <= double(wanted.flip);
     };
-    const auto by_error = [](const Candidate& a, const Candidate& b) { return a.error < b.error; };
-    const double least = std::min_element(all.begin(), all.end(), by_error)->error;
-    const auto rank = [&](const Candidate& c) -> Rank {
-        if (holds(c)) return {0, c.ms(), c.error};
-        return c.error <= kNearBest * least ? Rank{1, c.ms(), c.error} : Rank{2, c.error, c.ms()};
+    const auto rank = [](const Candidate& c) -> Rank {
+        return c.excess <= 1 ? Rank{0, c.ms(), c.error} : Rank{1, c.excess, c.ms()};
     };
     plan.views = inputs.views.size();
     plan.chosen = *std::min_element(all.begin(), all.end(),
@@ -262,8 +290,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         const auto used = std::find_if(all.begin(), all.end(),
                                        [&](const Candidate& c) { return sameWay(c.settings, *inputs.before); });
         const bool stays = used != all.end() && used->ms() <= kDearer * plan.chosen.ms() &&
-                           used->error <= kWorse * std::max(plan.chosen.error, double(wanted.error)) &&
-                           used->flip <= kWorse * std::max(plan.chosen.flip, double(wanted.flip));
+                           used->excess <= kWorse * std::max(plan.chosen.excess, 1.0);
         if (stays) {
             plan.kept = !sameWay(used->settings, plan.chosen.settings);
             plan.chosen = *used;
@@ -274,7 +301,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     while (plan.relaxed < inputs.relaxed) {
         const auto next = relaxed(plan.chosen.settings, plan.relaxed, [&](const RenderSettings& way) {
             const Candidate c = prices.of(way);
-            return (c.predicted ? c.error : prices.lightErrorOf(way)) <= kMostRelaxed * double(wanted.error);
+            return (c.predicted ? c.excess : prices.lightErrorOf(way) / double(wanted.error)) <= kMostRelaxed;
         });
         if (!next) break;
         plan.less_relaxed_ms = plan.chosen.ms();

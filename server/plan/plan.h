@@ -37,9 +37,12 @@ struct Candidate {
     double error = 0;        // relative RMSE of the worst view; 1, that of a black picture, if it is not predicted
     double flip = 0;         // mean FLIP that belongs to the error; 1 if that is not predicted
     bool predicted = true;   // False: the method has no law of its error
-    double shared_ms = 0;    // per tick
-    double views_ms = 0;     // of all views together
-    std::string why_not;     // reason, one line; empty: this is the plan
+    // The largest error of a view as a part of what that view may have: the budgets, or 1.1 times the least error that
+    // any way has in it. So a view in which nothing holds the budgets does not make others coarse.
+    double excess = 0;
+    double shared_ms = 0; // per tick
+    double views_ms = 0;  // of all views together
+    std::string why_not;  // reason, one line; empty: this is the plan
 
     double ms() const { return shared_ms + views_ms; }
 };
@@ -83,6 +86,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model);
 double lightError(double estimated);
 // Mean FLIP of pictures with this relative RMSE. `inside`: true if the eye is in the medium.
 double flipOf(double error, bool inside);
+double errorOf(double flip, bool inside); // its inverse
 
 // The next coarser settings under overload. `step`, from 0, selects a kind in turn: along rays, across rays, shadow
 // map. A kind that cannot become coarser, or whose settings are not `allowed`, is passed over. Nothing if no kind is

@@ -39,8 +39,9 @@ struct Command {
     CommandBody body;
 };
 
-inline constexpr uint32_t kMostImpulses = 64;     // in a tick: each is a pass over all particles
-inline constexpr size_t kMostRowBytes = 4u << 20; // of SetParticles in a tick
+inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles
+// Of SetParticles in a tick: a million rows with albedos, which a sender may push as fast as its link allows.
+inline constexpr size_t kMostRowBytes = 32u << 20;
 
 // Many writers, one reader, which drains it once a tick. It refuses what the next tick cannot take, so that the
 // writer can answer its viewer: nothing is dropped silently.

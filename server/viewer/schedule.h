@@ -2,6 +2,7 @@
 // It has no clock: callers pass the time.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -74,10 +75,11 @@ public:
     double predict(uint32_t viewer, double pixels) const;
     // The same for the pictures that the viewer last asked for; 0 for an unknown viewer.
     double predict(uint32_t viewer) const;
-    // Smoothed device time (ms) of the work that a batch's viewers share.
-    double sharedMs() const { return shared_ms_; }
+    // Device time (ms) for viewers' own pictures in a batch of `most_ms`: what is left besides the work that they
+    // share, and half of it at least, since smaller pictures do not make that work less.
+    double forPictures(double most_ms) const { return std::max(most_ms - shared_ms_, most_ms / 2); }
     // Viewers for whom a batch has time within `most_ms` if each has pictures of `pixels`; nothing known: infinite.
-    double roomFor(double pixels, double most_ms) const { return (most_ms - shared_ms_) / (pixels * ms_per_pixel_); }
+    double roomFor(double pixels, double most_ms) const { return forPictures(most_ms) / (pixels * ms_per_pixel_); }
     // Viewers that asked for pictures in the second before the last choose(), and have not left.
     uint32_t active() const { return active_; }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
 #include "server/methods/rays/ray_plan.h"
 #include "server/plan/planner.h"
@@ -254,6 +255,27 @@ TEST(Plan, ViewersDoNotPayForOthersPixels) {
 }
 
 // Nobody waits for another one's shader.
+// In a field of view of 170 degrees nothing holds the budget. That viewer gets what is near the best for it, and the
+// others get what they would have without it.
+TEST(Plan, AViewInWhichNothingHoldsDoesNotMakeOthersCoarse) {
+    PlanInputs inputs = inputsOf(cube());
+    const PlanView usual = inputs.views.front();
+    PlanView wide = usual;
+    wide.pose.fov_y = 2.97f;
+    wide.width = 160, wide.height = 90;
+    inputs.views = {wide};
+    ASSERT_FALSE(makePlan(inputs, builtInCosts()).within) << "or it shows nothing";
+    inputs.views = {usual, wide};
+    const Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_FALSE(plan.within);
+    PlanInputs alone = inputs;
+    alone.views = {usual};
+    alone.scene.wanted = plan.chosen.settings;
+    alone.scene.wanted.rate = rateFor(plan.chosen.settings.rate,
+                                      projectedDeviation(inputs.scene.extent, usual) / plan.reference_deviation_px);
+    EXPECT_LE(makePlan(alone, builtInCosts()).chosen.error, double(inputs.scene.wanted.error));
+}
+
 TEST(Plan, ViewersBesideObjectsHaveOneRateUntilShadersAreCompiled) {
     PlanInputs inputs = inputsOf(cube(5000, 3));
     inputs.scene.wanted.method = "slabs";

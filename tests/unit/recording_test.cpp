@@ -253,7 +253,7 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreNamed) {
                   std::string::npos)
             << readError();
     }
-    put(std::string(17 << 20, 'x'));
+    put(std::string(81 << 20, 'x'));
     EXPECT_NE(readError().find("damaged"), std::string::npos);
 }
 

@@ -78,6 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[medium]\nscale = [1, 2, 3]", 2, "medium.scale", "an array of 3", "[lowest, highest]"},
         Wrong{"[medium]\nscale = 0", 2, "medium.scale", "0 is not", "from 0.001"},
         Wrong{"[medium]\nseed = -1", 2, "medium.seed", "-1 is not", "from 0"},
+        Wrong{"[medium]\nseed = 9223372036854775807", 2, "medium.seed", "9223372036854775807 is not", "from 0"},
         Wrong{"[medium]\nlayout = \"ball\"", 2, "medium.layout", "\"ball\"",
               "\"cube\", \"tubes\", \"cumulus\", \"emitter\", \"file\""},
         Wrong{"[medium]\nlayout = \"file\"", 2, "medium.layout", "without a file", "a PLY"},

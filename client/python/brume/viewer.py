@@ -20,7 +20,7 @@ class State:
     viewers: int
     particles: int
     paused: bool
-    error: float  # relative RMSE of the pictures, predicted; None from a server that does not say
+    error: float  # relative RMSE of the pictures, predicted; 1: not; None: the server does not say
     method: str  # what is rendered with now, in a few words
     settings: dict = field(repr=False)  # every live setting by its path
     box: tuple  # two corners of a box that holds the medium, m; None from an older server

@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""What one viewer gets before, during and after others do what harms: docs/results/data/fairness.md. Front door: ./dev fairness.
+
+The viewer watches a scene that moves. Then the others come, each a process of its own, go on for some seconds, and go.
+"""
+import argparse
+import multiprocessing
+import pathlib
+import random
+import sys
+import time
+import urllib.error
+import urllib.request
+
+from programs import Failed, Server, machine, tell, write
+
+SIZE = (640, 360)
+SETTLE = 4.0  # s after the others came, before it counts
+
+
+def watch(url, begin, seconds):
+    """Times (s) of the viewer's frames from `begin` on."""
+    import brume
+    times = []
+    with brume.connect(url, size=SIZE) as view:
+        while time.monotonic() < begin + seconds:
+            view.frame()
+            times.append(time.monotonic() - begin)
+    return [one for one in times if one >= 0]
+
+
+def watched(url, seconds):
+    """(frames a second, ms: 95th percentile of the time between two frames)."""
+    with multiprocessing.Pool(1) as pool:
+        times = pool.apply(watch, (url, time.monotonic() + 1, seconds))
+    gaps = sorted(1000 * (b - a) for a, b in zip(times, times[1:]))
+    return len(times) / seconds, gaps[int(0.95 * len(gaps))] if gaps else float('inf')
+
+
+# ---- what the others do; each runs until it is killed ----
+
+def steady(url, size=SIZE):
+    import brume
+    with brume.connect(url, size=size) as view:
+        for frame in view.frames():
+            pass
+
+
+def giant(url):
+    steady(url, (1920, 1080))
+
+
+def churn(url):
+    import brume
+    while True:
+        with brume.connect(url, size=SIZE, reconnect=0) as view:
+            view.frame()
+
+
+def snapshots(url):
+    rng = random.Random()
+    while True:
+        try:
+            with urllib.request.urlopen(f'{url}/snapshot.jpg?position={rng.uniform(-20, 20):.3f},6,24', timeout=60) as answer:
+                answer.read()
+        except urllib.error.HTTPError:
+            time.sleep(0.01)
+
+
+def stream(url):
+    with urllib.request.urlopen(f'{url}/stream.mjpg?w=1920&h=1080', timeout=60) as answer:
+        while answer.read(1 << 16):
+            pass
+
+
+def sizes(url):
+    import brume
+    rng = random.Random()
+    with brume.connect(url, size=SIZE) as view:
+        while True:
+            view.look(size=rng.choice([(320, 180), (480, 270), (640, 360), (960, 540), (540, 960)]))
+            view.frame()
+
+
+def jumper(url):
+    import brume
+    with brume.connect(url, size=SIZE) as view:
+        while True:
+            for z in (26, 2):
+                view.look(position=(0, 3, z), target=(0.5, 3, 0))
+                end = time.monotonic() + 0.5
+                while time.monotonic() < end:
+                    view.frame()
+
+
+def hello_only(url):
+    import brume
+    views = []
+    while True:
+        try:
+            views.append(brume.connect(url, size=(1920, 1080), reconnect=0))
+        except (brume.BrumeError, TimeoutError):
+            time.sleep(0.2)
+
+
+# Name, who, how many of them, and the parts of the device that they may have beside the viewer's one: snapshots of one
+# address have one together, and who only says hello has none.
+CASES = [
+    ('four who stay', [(steady, 4)], 4),
+    ('four who leave after each frame and come again', [(churn, 4)], 4),
+    ('four loops of snapshots', [(snapshots, 4)], 1),
+    ('four streams of 1920x1080', [(stream, 4)], 4),
+    ('four that change their size', [(sizes, 4)], 4),
+    ('two that jump into the medium and out', [(jumper, 2)], 2),
+    ('hellos alone', [(hello_only, 1)], 0),
+    ('four pictures of 1920x1080', [(giant, 4)], 4),
+    ('two who churn, two loops of snapshots, two of 1920x1080', [(churn, 2), (snapshots, 2), (giant, 2)], 5),
+]
+
+
+def resident(pid):
+    status = dict(line.split(':', 1) for line in pathlib.Path(f'/proc/{pid}/status').read_text().splitlines())
+    return int(status['VmRSS'].split()[0]) / 1024
+
+
+def measure(name, others, parts, options):
+    server = Server(options.programs, ['--scene', options.scene, *options.start.split()])
+    try:
+        url = f'http://127.0.0.1:{server.port}'
+        watched(url, SETTLE)  # shaders are compiled
+        before, gap_before = watched(url, options.seconds)
+        memory = resident(server.pid)
+        started = [multiprocessing.Process(target=what, args=(url,), daemon=True) for what, count in others for _ in range(count)]
+        for one in started:
+            one.start()
+        time.sleep(SETTLE)
+        during, gap_during = watched(url, options.seconds)
+        most = resident(server.pid)
+        for one in started:
+            one.kill()
+        for one in started:
+            one.join()
+        time.sleep(2)
+        after, gap_after = watched(url, options.seconds)
+        share = during / (before / (1 + parts))
+        tell(f'{name}: {before:.1f} -> {during:.1f} -> {after:.1f} frames/s, {share:.2f} of its share')
+        return (f'| {name} | {before:.1f} | {during:.1f} | {after:.1f} | {share:.2f} | {gap_before:.0f} | {gap_during:.0f} | '
+                f'{gap_after:.0f} | {memory:.0f} | {most:.0f} |')
+    finally:
+        server.stop()
+
+
+def main():
+    about = argparse.ArgumentParser(description=__doc__)
+    about.add_argument('--programs', type=pathlib.Path, default=pathlib.Path('build/release/bin'))
+    about.add_argument('--out', type=pathlib.Path, help='the page; without it the rows go to the terminal')
+    about.add_argument('--scene', default='plume')
+    about.add_argument('--start', default='--ahead off', help='more arguments of the server')
+    about.add_argument('--seconds', type=float, default=10, help='of each measurement')
+    about.add_argument('--only', help='cases whose name has this in it')
+    options = about.parse_args()
+    sys.path.insert(0, str(options.programs.resolve().parent / 'python'))
+    began = machine()
+    rows = [measure(*case, options) for case in CASES if not options.only or options.only in case[0]]
+    text = '\n'.join([
+        '# Who takes what is another\'s', '',
+        'One viewer of 640x360 watches a scene that moves; then others come, go on, and go. Made by `./dev fairness`.', '',
+        f'Scene `{options.scene}`; {began}. Everything runs on this machine: the others\' programs take their part of',
+        'its cores, too. *Share*: frames during, over what the viewer had before, divided by the parts that the device is',
+        'shared in (one for each that watches, one for all snapshots of an address). At least 0.8 is promised.', '',
+        '| the others | before, 1/s | during | after | share | gap p95 before, ms | during | after | MiB before | during |',
+        '|---|---|---|---|---|---|---|---|---|---|', *rows, ''])
+    if options.out:
+        write(options.out, text)
+    else:
+        print(text)
+
+
+if __name__ == '__main__':
+    multiprocessing.set_start_method('spawn')
+    try:
+        main()
+    except Failed as failed:
+        sys.exit(f'fairness: {failed}')
