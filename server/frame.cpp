@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <new>
 #include <stop_token>
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "server/encode/picture_encoder.h"
+#include "server/gpu/pipeline_cache.h"
 #include "server/loop/scene_report.h"
 #include "server/plan/memory.h"
 #include "server/sim/point_cloud.h"
@@ -47,6 +50,23 @@ double pixelsOf(std::span<const PlanView> views) {
     return std::max(pixels, 1.0);
 }
 
+// Throws gpu::Error when these pictures need more than `target` bytes for the largest, or `planes` for all.
+void checkPictures(std::span<const EyeRequest> eyes, bool full, uint64_t target, uint64_t planes) {
+    for (const EyeRequest& eye : eyes)
+        if (Targets::kBytesOfPixel * eye.width * eye.height > target)
+            throw gpu::Error(
+                fmt::format("a picture of {} x {} takes more than half of --picture-memory: ask for smaller "
+                            "ones or allow more",
+                            eye.width, eye.height));
+    uint64_t bytes = 0;
+    for (const EyeRequest& eye : eyes) bytes += PlaneLayout{eye.width, eye.height, full}.bytes();
+    if (bytes > planes)
+        throw gpu::Error(
+            fmt::format("pictures of {} MiB together, --picture-memory and the device allow {} MiB: ask for "
+                        "smaller ones or allow more",
+                        bytes >> 20, planes >> 20));
+}
+
 // The most particles that can be alive. Throws SceneError when so many do not fit the memory that there is for them.
 uint32_t bounded(const Scene& scene, const Simulation& simulation, uint64_t memory) {
     const std::string wrong = memoryRefusal(simulation.capacity(), memory, simulation.besides());
@@ -59,8 +79,8 @@ uint32_t bounded(const Scene& scene, const Simulation& simulation, uint64_t memo
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
                      const Options& options)
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
-      costs_(options.costs), memory_(options.memory), frame_ms_(options.frame_ms),
-      most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
+      costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory),
+      frame_ms_(options.frame_ms), most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
       renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
       planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
@@ -134,6 +154,7 @@ void FrameLoop::run() {
 
         if (!on_device_) takeScene();
         const Clock::time_point now = Clock::now();
+        if (!on_device_) giveBack(now);
         if (auto beginning = ticks_->beginning()) begin(*std::move(beginning));
         const bool sought = ticks_->seeks();
         while (ticks_->take(now, commands_)) {
@@ -228,7 +249,7 @@ bool FrameLoop::render(Batch& batch) {
                                           .most_ms = most_frame_ms_,
                                           .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
                                           .still_ratio = before.still_ms / before.chosen.ms(),
-                                          .bytes = Renderer::mostPictureBytes(device_)},
+                                          .bytes = mostPlaneBytes()},
                                          batch.taken, batch);
     viewers_.clear();
     if (!any) return false;
@@ -261,17 +282,46 @@ bool FrameLoop::renderOneShot(Batch& batch) {
     return submit(batch, way.settings);
 }
 
-// False when the device cannot draw the batch, which is dropped then.
+// False when the device cannot draw the batch, or memory is short; it is dropped then.
 bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
     try {
+        checkPictures(batch.eyes, batch.still_pictures, picture_memory_ / 2, mostPlaneBytes());
         renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, batch.still_pictures);
     } catch (const gpu::DeviceLost&) {
         throw;
     } catch (const gpu::Error& error) {
         drop(batch, error.what());
         return false;
+    } catch (const std::bad_alloc&) {
+        drop(batch, "out of memory; use smaller pictures, fewer viewers or fewer particles");
+        return false;
     }
+    room_.use(Renderer::pictureBytes(batch.eyes, batch.still_pictures), batch.taken);
     return true;
+}
+
+// Of one batch: all batches have planes of their own, and the device has those of one more.
+uint64_t FrameLoop::mostPlaneBytes() const {
+    return std::min(Renderer::mostPictureBytes(device_), picture_memory_ / 2 / (batches_.size() + 1));
+}
+
+// Frees the memory of pictures when they have been smaller, or none, for a minute. Nothing is on the device.
+void FrameLoop::giveBack(Clock::time_point now) {
+    if (room_.spare(now)) {
+        renderer_->giveBack();
+        for (const auto& batch : batches_) batch->spare = true;
+    }
+    for (const auto& batch : batches_)
+        if (batch->spare && batch->pending.load() == 0) {
+            batch->submission.giveBack();
+            batch->spare = false;
+        }
+}
+
+uint64_t FrameLoop::pictureBytes() const {
+    uint64_t bytes = renderer_->pictureBytes();
+    for (const auto& batch : batches_) bytes += batch->submission.pictureBytes();
+    return bytes;
 }
 
 // A batch that cannot be drawn: its viewers get other frames later, but for the one with the largest pictures, who is
@@ -389,6 +439,7 @@ void FrameLoop::report(Clock::time_point now) {
     }
     report->passes = ledger_.passes();
     report->memory = {device_.memoryInUse(), device_.peakMemory(), simulation_.bytes() + renderer_->particleBytes()};
+    metrics_.kept(pictureBytes(), device_.pipelines().size());
     audience_.publish(report);
 }
 

@@ -19,6 +19,7 @@
 #include "server/metrics/metrics.h"
 #include "server/plan/planner.h"
 #include "server/render/renderer.h"
+#include "server/render/room.h"
 #include "server/viewer/audience.h"
 #include "server/viewer/refinement.h"
 
@@ -69,6 +70,7 @@ private:
         bool finer = false;
         float error = 0;                  // predicted relative RMSE of its pictures, at most
         std::atomic<uint32_t> pending{0}; // jobs not encoded yet
+        bool spare = false;               // True: its pictures' memory is to be freed as soon as nobody reads them
     };
 
     void warmUp();
@@ -80,6 +82,9 @@ private:
     bool render(Batch& batch);
     bool renderOneShot(Batch& batch);
     bool submit(Batch& batch, const RenderSettings& settings);
+    uint64_t mostPlaneBytes() const;
+    void giveBack(Clock::time_point now);
+    uint64_t pictureBytes() const;
     void drop(Batch& batch, const char* why);
     void encode(Batch& batch);
     void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) noexcept;
@@ -92,7 +97,7 @@ private:
     Scene scene_;
     const std::function<void(const Simulation&, std::span<const Command>)> ticked_;
     const CostModel costs_;
-    const uint64_t memory_; // FrameOptions::memory
+    const uint64_t memory_, picture_memory_; // of FrameOptions
     std::atomic<double> frame_ms_;
     const double most_frame_ms_;
     std::atomic<bool> compiled_{true};
@@ -108,6 +113,7 @@ private:
     std::vector<std::shared_ptr<Viewer>> viewers_;
     BatchPlanner batch_planner_;
     DeviceLedger ledger_;
+    Room room_; // of the pictures' buffers
     Refinement refinement_;
     Clock::time_point load_told_{}, reported_{};
     double most_full_ms_ = 0;    // largest predicted time of a batch with all due viewers, since load_told_

@@ -19,7 +19,9 @@ struct FrameOptions {
     double most_frame_ms = 500;      // that a frame of all viewers may take: larger pictures are made smaller
     double refine_moving = 0.5;      // part of frame_ms for finer pictures while cameras rest and the medium moves
     uint64_t memory = 1024ull << 20; // most bytes of particles, on the CPU and on the device together
-    uint64_t first_tick = 0;         // of the state before the first tick
+    // Most bytes of picture buffers: half of it for the targets, half for the planes of all batches.
+    uint64_t picture_memory = 1024ull << 20;
+    uint64_t first_tick = 0; // of the state before the first tick
     CostModel costs = builtInCosts();
     // Called on the loop's thread before the first tick, and after every tick with the commands that it took.
     std::function<void(const Simulation&, std::span<const Command>)> ticked;

@@ -10,6 +10,7 @@
 
 #include "protocol/net/address.h"
 #include "server/ahead.h"
+#include "server/last_line.h"
 #include "server/net/server.h"
 #include "server/operate/log.h"
 #include "server/operate/recorder.h"
@@ -175,6 +176,7 @@ int main(int argc, char** argv) {
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
 
+    endInOneLine();
     try {
         const ServerOptions& options = *parsed.options;
         if (options.ahead == "only") stepBehind();
@@ -190,7 +192,7 @@ int main(int argc, char** argv) {
                    std::cout);
         return 0;
     } catch (const std::exception& e) {
-        std::cerr << "brume-server: " << e.what() << std::endl;
+        std::cerr << "brume-server: " << lastLine(e) << std::endl;
         return 1;
     }
 }

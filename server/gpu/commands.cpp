@@ -212,6 +212,7 @@ void everythingBefore(VkCommandBuffer cmd) {
 void toGeneral(VkCommandBuffer cmd, const Image& image) {
     VkImageMemoryBarrier2 change{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     change.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    change.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT; // of an image whose memory this one takes over
     change.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     change.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
     change.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;

@@ -8,6 +8,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/gpu/pipeline_cache.h"
+
 namespace brume::gpu {
 namespace {
 
@@ -154,7 +156,7 @@ void check(VkResult result, const char* what) {
     throw Error(text);
 }
 
-Device::Device(const DeviceOptions& options) {
+Device::Device(const DeviceOptions& options) : pipelines_(std::make_unique<PipelineCache>()) {
     try { // a constructor that throws runs no destructor
 
         createInstance(options);
@@ -171,6 +173,7 @@ Device::~Device() { destroy(); }
 void Device::destroy() {
     if (device_) {
         vkDeviceWaitIdle(device_);
+        pipelines_.reset();
         vkDestroyDevice(device_, nullptr);
     }
     if (messenger_) {
@@ -324,6 +327,7 @@ std::string Device::driver() const {
 }
 
 void Device::countMemory(int64_t bytes) const {
+    if (bytes > 0) ++allocations_;
     const uint64_t now = memory_in_use_.fetch_add(uint64_t(bytes)) + uint64_t(bytes);
     uint64_t peak = peak_memory_.load();
     while (now > peak && !peak_memory_.compare_exchange_weak(peak, now)) {

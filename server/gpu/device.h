@@ -31,6 +31,8 @@ struct DeviceOptions {
     bool statistics = false;  // count the fragments of every pass if the device can; for measurements
 };
 
+class PipelineCache;
+
 class Device {
 public:
     explicit Device(const DeviceOptions& options);
@@ -53,7 +55,10 @@ public:
     // Bytes of device memory in use by this program, and the most so far.
     uint64_t memoryInUse() const { return memory_in_use_.load(); }
     uint64_t peakMemory() const { return peak_memory_.load(); }
+    uint64_t allocations() const { return allocations_.load(); } // so far
     void countMemory(int64_t bytes) const;
+    // Compiled pipelines; programs make them and share them.
+    PipelineCache& pipelines() const { return *pipelines_; }
 
     // Index of a memory type in `type_bits` that has the properties `wanted`, and `preferred` too if possible. Throws
     // Error if there is none.
@@ -91,7 +96,8 @@ private:
     uint32_t subgroup_size_ = 1;
     bool labels_ = false;
     bool counts_fragments_ = false;
-    mutable std::atomic<uint64_t> memory_in_use_{0}, peak_memory_{0};
+    std::unique_ptr<PipelineCache> pipelines_;
+    mutable std::atomic<uint64_t> memory_in_use_{0}, peak_memory_{0}, allocations_{0};
     std::atomic<uint32_t> validation_messages_{0};
 };
 

@@ -6,6 +6,7 @@
 #include <spirv_cross_c.h>
 
 #include "server/gpu/commands.h"
+#include "server/gpu/pipeline_cache.h"
 
 namespace brume::gpu {
 namespace {
@@ -72,39 +73,32 @@ Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampl
             {sampler.handle(), image.view(), VK_IMAGE_LAYOUT_GENERAL}};
 }
 
-Program::Program(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants,
-                 VkPipelineBindPoint bind_point)
-    : device_(&device), bind_point_(bind_point), name_(shaders.front().name) {
+Pipeline::Pipeline(const Device& owner, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants)
+    : device(owner), name(shaders.front().name) {
     std::vector<uint32_t> known;
     for (const ShaderCode& shader : shaders) reflect(shader, known);
     for (const SpecConstant& c : constants)
         if (std::find(known.begin(), known.end(), c.id) == known.end())
-            throw Error(name_ + ": no shader has a specialization constant with the id " + std::to_string(c.id) +
+            throw Error(name + ": no shader has a specialization constant with the id " + std::to_string(c.id) +
                         " (shaders/shared/constants.h)");
-    createLayout();
+    try { // a constructor that throws runs no destructor
+        createLayout();
+    } catch (...) {
+        destroy();
+        throw;
+    }
 }
 
-Program::~Program() {
-    if (!device_) return;
-    vkDestroyPipeline(device_->handle(), pipeline_, nullptr);
-    vkDestroyPipelineLayout(device_->handle(), layout_, nullptr);
-    vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
+Pipeline::~Pipeline() { destroy(); }
+
+void Pipeline::destroy() {
+    vkDestroyPipeline(device.handle(), handle, nullptr);
+    vkDestroyPipelineLayout(device.handle(), layout, nullptr);
+    vkDestroyDescriptorSetLayout(device.handle(), set_layout, nullptr);
 }
 
-void Program::swap(Program& other) noexcept {
-    std::swap(device_, other.device_);
-    std::swap(bind_point_, other.bind_point_);
-    std::swap(set_layout_, other.set_layout_);
-    std::swap(layout_, other.layout_);
-    std::swap(pipeline_, other.pipeline_);
-    std::swap(stages_, other.stages_);
-    std::swap(push_bytes_, other.push_bytes_);
-    std::swap(expected_, other.expected_);
-    std::swap(name_, other.name_);
-}
-
-void Program::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids) {
-    stages_ |= shader.stage;
+void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids) {
+    stages |= shader.stage;
     spvc_context context = nullptr;
     if (spvc_context_create(&context) != SPVC_SUCCESS) throw Error("SPIRV-Cross cannot start");
     struct Guard {
@@ -138,9 +132,9 @@ void Program::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_
         for (size_t i = 0; i < count; ++i) {
             const uint32_t binding = spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding);
             const auto known =
-                std::find_if(expected_.begin(), expected_.end(), [&](const auto& e) { return e.binding == binding; });
-            if (known == expected_.end())
-                expected_.push_back({binding, type, list[i].name});
+                std::find_if(expected.begin(), expected.end(), [&](const auto& e) { return e.binding == binding; });
+            if (known == expected.end())
+                expected.push_back({binding, type, list[i].name});
             else if (known->type != type)
                 throw Error(std::string(shader.name) + ": binding " + std::to_string(binding) +
                             " is used as two kinds");
@@ -151,53 +145,59 @@ void Program::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_
         size_t bytes = 0;
         need(spvc_compiler_get_declared_struct_size(
             compiler, spvc_compiler_get_type_handle(compiler, list[i].base_type_id), &bytes));
-        if (push_bytes_ && push_bytes_ != bytes)
+        if (push_bytes && push_bytes != bytes)
             throw Error(std::string(shader.name) + ": stages disagree on the push constants");
-        push_bytes_ = uint32_t(bytes);
+        push_bytes = uint32_t(bytes);
     }
     const spvc_specialization_constant* constants = nullptr;
     need(spvc_compiler_get_specialization_constants(compiler, &constants, &count));
     for (size_t i = 0; i < count; ++i) constant_ids.push_back(constants[i].constant_id);
-    if (expected_.size() > kMaxBindings) throw Error(std::string(shader.name) + ": too many bindings");
+    if (expected.size() > kMaxBindings) throw Error(std::string(shader.name) + ": too many bindings");
 }
 
-void Program::createLayout() {
+void Pipeline::createLayout() {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (const Expected& e : expected_) bindings.push_back({e.binding, e.type, 1, stages_, nullptr});
+    for (const Expected& e : expected) bindings.push_back({e.binding, e.type, 1, stages, nullptr});
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = uint32_t(bindings.size());
     set.pBindings = bindings.data();
-    check(vkCreateDescriptorSetLayout(device_->handle(), &set, nullptr, &set_layout_), name_.c_str());
+    check(vkCreateDescriptorSetLayout(device.handle(), &set, nullptr, &set_layout), name.c_str());
 
-    const VkPushConstantRange range{stages_, 0, push_bytes_};
+    const VkPushConstantRange range{stages, 0, push_bytes};
     VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     info.setLayoutCount = 1;
-    info.pSetLayouts = &set_layout_;
-    info.pushConstantRangeCount = push_bytes_ ? 1 : 0;
+    info.pSetLayouts = &set_layout;
+    info.pushConstantRangeCount = push_bytes ? 1 : 0;
     info.pPushConstantRanges = &range;
-    check(vkCreatePipelineLayout(device_->handle(), &info, nullptr, &layout_), name_.c_str());
+    check(vkCreatePipelineLayout(device.handle(), &info, nullptr, &layout), name.c_str());
 }
 
-void Program::checkRange(const Resource& given, const Expected& e) const {
-    const VkPhysicalDeviceLimits& limits = device_->properties().limits;
+namespace {
+
+void checkRange(const Pipeline& pipeline, const Resource& given, const Pipeline::Expected& e) {
+    const VkPhysicalDeviceLimits& limits = pipeline.device.properties().limits;
     const VkDeviceSize most = e.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER   ? limits.maxStorageBufferRange
                               : e.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? limits.maxUniformBufferRange
                                                                             : VK_WHOLE_SIZE;
     if (given.buffer.range > most)
-        throw Error(name_ + ": " + typeName(e.type) + " '" + e.name + "' of " + std::to_string(given.buffer.range) +
-                    " bytes, the device allows " + std::to_string(most) + "; use fewer particles or smaller pictures");
+        throw Error(pipeline.name + ": " + typeName(e.type) + " '" + e.name + "' of " +
+                    std::to_string(given.buffer.range) + " bytes, the device allows " + std::to_string(most) +
+                    "; use fewer particles or smaller pictures");
 }
 
+} // namespace
+
 void Program::bind(Commands& commands, std::span<const Resource> resources, std::span<const std::byte> push) const {
+    const Pipeline& p = *pipeline_;
     std::array<VkWriteDescriptorSet, kMaxBindings> writes;
     uint32_t count = 0;
-    for (const Expected& e : expected_) {
+    for (const Pipeline::Expected& e : p.expected) {
         const auto given =
             std::find_if(resources.begin(), resources.end(), [&](const auto& r) { return r.binding == e.binding; });
         if (given == resources.end() || given->type != e.type)
-            throw Error(name_ + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" +
+            throw Error(p.name + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" +
                         e.name + "'");
-        checkRange(*given, e);
+        checkRange(p, *given, e);
         VkWriteDescriptorSet& write = writes[count++];
         write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstBinding = e.binding;
@@ -206,37 +206,61 @@ void Program::bind(Commands& commands, std::span<const Resource> resources, std:
         write.pBufferInfo = &given->buffer;
         write.pImageInfo = &given->image;
     }
-    if (push.size() != push_bytes_)
-        throw Error(name_ + ": push constants of " + std::to_string(push.size()) + " bytes, the shader has " +
-                    std::to_string(push_bytes_));
-    const VkDescriptorSet set = commands.descriptorSet(set_layout_);
+    if (push.size() != p.push_bytes)
+        throw Error(p.name + ": push constants of " + std::to_string(push.size()) + " bytes, the shader has " +
+                    std::to_string(p.push_bytes));
+    const VkDescriptorSet set = commands.descriptorSet(p.set_layout);
     for (uint32_t i = 0; i < count; ++i) writes[i].dstSet = set;
-    vkUpdateDescriptorSets(device_->handle(), count, writes.data(), 0, nullptr);
+    vkUpdateDescriptorSets(p.device.handle(), count, writes.data(), 0, nullptr);
     const VkCommandBuffer cmd = commands.handle();
-    vkCmdBindPipeline(cmd, bind_point_, pipeline_);
-    vkCmdBindDescriptorSets(cmd, bind_point_, layout_, 0, 1, &set, 0, nullptr);
-    if (push_bytes_) vkCmdPushConstants(cmd, layout_, stages_, 0, push_bytes_, push.data());
+    vkCmdBindPipeline(cmd, p.bind_point, p.handle);
+    vkCmdBindDescriptorSets(cmd, p.bind_point, p.layout, 0, 1, &set, 0, nullptr);
+    if (p.push_bytes) vkCmdPushConstants(cmd, p.layout, p.stages, 0, p.push_bytes, push.data());
 }
 
-ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader,
-                               std::initializer_list<SpecConstant> constants)
-    : Program(device, std::span(&shader, 1), std::span(constants.begin(), constants.size()),
-              VK_PIPELINE_BIND_POINT_COMPUTE) {
+namespace {
+
+PipelineCache::Key keyOf(std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants) {
+    PipelineCache::Key key;
+    for (const ShaderCode& shader : shaders) {
+        key.push_back(uint64_t(shader.stage));
+        key.push_back(reinterpret_cast<uintptr_t>(shader.words.data())); // of the program's constants: never freed
+        key.push_back(shader.words.size());
+    }
+    for (const SpecConstant& c : constants) key.push_back(uint64_t{c.id} << 32 | c.value);
+    return key;
+}
+
+// The pipeline that the device has for this key, or the one that `make` compiles.
+template <class Make>
+std::shared_ptr<const Pipeline> cached(const Device& device, PipelineCache::Key key, Make make) {
+    std::shared_ptr<const Pipeline> pipeline = device.pipelines().find(key);
+    if (pipeline) return pipeline;
+    pipeline = make();
+    device.pipelines().keep(std::move(key), pipeline);
+    return pipeline;
+}
+
+std::shared_ptr<const Pipeline> compile(const Device& device, const ShaderCode& shader,
+                                        std::span<const SpecConstant> constants) {
+    const auto made = std::make_shared<Pipeline>(device, std::span(&shader, 1), constants);
     const ShaderModule module(device.handle(), shader);
-    const Specialization special(std::span(constants.begin(), constants.size()));
+    const Specialization special(constants);
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
     info.stage.stage = shader.stage;
     info.stage.module = module.handle;
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &special.info;
-    info.layout = layout_;
-    check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), shader.name);
+    info.layout = made->layout;
+    check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &made->handle), shader.name);
+    return made;
 }
 
-GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCode> shaders, const GraphicsInfo& what,
-                                 std::span<const SpecConstant> constants)
-    : Program(device, shaders, constants, VK_PIPELINE_BIND_POINT_GRAPHICS) {
+std::shared_ptr<const Pipeline> compile(const Device& device, std::span<const ShaderCode> shaders,
+                                        const GraphicsInfo& what, std::span<const SpecConstant> constants) {
+    const auto made = std::make_shared<Pipeline>(device, shaders, constants);
+    made->bind_point = VK_PIPELINE_BIND_POINT_GRAPHICS;
     const Specialization special(constants);
     std::vector<std::unique_ptr<ShaderModule>> modules;
     std::vector<VkPipelineShaderStageCreateInfo> stages;
@@ -285,7 +309,7 @@ GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCod
     info.pNext = &rendering;
     info.stageCount = uint32_t(stages.size());
     info.pStages = stages.data();
-    const bool mesh = (stages_ & VK_SHADER_STAGE_MESH_BIT_EXT) != 0;
+    const bool mesh = (made->stages & VK_SHADER_STAGE_MESH_BIT_EXT) != 0;
     info.pVertexInputState = mesh ? nullptr : &vertices;
     info.pInputAssemblyState = mesh ? nullptr : &assembly;
     info.pViewportState = &viewport;
@@ -293,9 +317,28 @@ GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCod
     info.pMultisampleState = &samples;
     info.pColorBlendState = &blend;
     info.pDynamicState = &dynamic;
-    info.layout = layout_;
-    check(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_),
+    info.layout = made->layout;
+    check(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &made->handle),
           shaders.front().name);
+    return made;
 }
+
+} // namespace
+
+ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader,
+                               std::initializer_list<SpecConstant> constants)
+    : Program(cached(device, keyOf({&shader, 1}, constants), [&] { return compile(device, shader, constants); })) {}
+
+GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCode> shaders, const GraphicsInfo& what,
+                                 std::span<const SpecConstant> constants)
+    : Program(cached(
+          device,
+          [&] {
+              PipelineCache::Key key = keyOf(shaders, constants);
+              key.push_back(uint64_t(what.topology) << 32 | uint64_t(what.blend));
+              key.insert(key.end(), what.formats.begin(), what.formats.end());
+              return key;
+          }(),
+          [&] { return compile(device, shaders, what, constants); })) {}
 
 } // namespace brume::gpu

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,16 +42,13 @@ Resource uniformBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offs
 Resource storageImage(uint32_t binding, const Image& image);
 Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampler);
 
-// A pipeline with its layout and the resources that its shaders expect. Images are always in VK_IMAGE_LAYOUT_GENERAL.
+struct Pipeline;
+
+// A pipeline to be bound. Programs of the same shaders and constants share one, also with those that are gone
+// (pipeline_cache.h). Images are always in VK_IMAGE_LAYOUT_GENERAL.
 class Program {
 public:
     Program() = default;
-    ~Program();
-    Program(Program&& other) noexcept { swap(other); }
-    Program& operator=(Program&& other) noexcept {
-        swap(other);
-        return *this;
-    }
 
     // Binds pipeline, descriptors and push constants. Throws Error if a resource that the shaders use is missing, has
     // another type, or is larger than the device can bind. Throws Error if the push constants have another size.
@@ -62,33 +60,13 @@ public:
     void bind(Commands& commands, std::initializer_list<Resource> resources) const {
         bind(commands, std::span(resources.begin(), resources.size()), {});
     }
-    explicit operator bool() const { return pipeline_ != VK_NULL_HANDLE; }
+    explicit operator bool() const { return pipeline_ != nullptr; }
 
 protected:
-    // Throws Error if the id of one of `constants` is in none of the shaders.
-    Program(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants,
-            VkPipelineBindPoint bind_point);
-    void swap(Program& other) noexcept;
-
-    struct Expected {
-        uint32_t binding;
-        VkDescriptorType type;
-        std::string name;
-    };
-    const Device* device_ = nullptr;
-    VkPipelineBindPoint bind_point_ = VK_PIPELINE_BIND_POINT_COMPUTE;
-    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
-    VkPipeline pipeline_ = VK_NULL_HANDLE;
-    VkShaderStageFlags stages_ = 0;
-    uint32_t push_bytes_ = 0;
-    std::vector<Expected> expected_;
-    std::string name_;
+    explicit Program(std::shared_ptr<const Pipeline> pipeline) : pipeline_(std::move(pipeline)) {}
 
 private:
-    void reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids);
-    void createLayout();
-    void checkRange(const Resource& given, const Expected& expected) const;
+    std::shared_ptr<const Pipeline> pipeline_; // also in the device's PipelineCache
 };
 
 class ComputeProgram : public Program {

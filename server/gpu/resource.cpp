@@ -1,5 +1,6 @@
 #include "server/gpu/resource.h"
 
+#include <algorithm>
 #include <string>
 
 namespace brume::gpu {
@@ -27,6 +28,19 @@ VkMemoryPropertyFlags preferredFlags(Memory memory) {
         return VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     }
     return 0;
+}
+
+VkImageCreateInfo createInfo(const ImageInfo& what) {
+    VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+    info.imageType = VK_IMAGE_TYPE_2D;
+    info.format = what.format;
+    info.extent = {what.extent.width, what.extent.height, 1};
+    info.mipLevels = 1;
+    info.arrayLayers = std::max(what.layers, 1u);
+    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.tiling = VK_IMAGE_TILING_OPTIMAL;
+    info.usage = what.usage;
+    return info;
 }
 
 } // namespace
@@ -104,38 +118,54 @@ void Buffer::flush() const {
     check(vkFlushMappedMemoryRanges(device_, 1, &range), "vkFlushMappedMemoryRanges");
 }
 
-Image::Image(const Device& device, const ImageInfo& image_info, const char* name)
-    : device_(device.handle()), info_(image_info) {
-    const uint32_t layers = info_.layers ? info_.layers : 1;
-    VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
-    info.imageType = VK_IMAGE_TYPE_2D;
-    info.format = info_.format;
-    info.extent = {info_.extent.width, info_.extent.height, 1};
-    info.mipLevels = 1;
-    info.arrayLayers = layers;
-    info.samples = VK_SAMPLE_COUNT_1_BIT;
-    info.tiling = VK_IMAGE_TILING_OPTIMAL;
-    info.usage = info_.usage;
-    check(vkCreateImage(device_, &info, nullptr, &image_), name);
-    device.nameObject(VK_OBJECT_TYPE_IMAGE, uint64_t(image_), name);
-    VkMemoryRequirements needs;
-    vkGetImageMemoryRequirements(device_, image_, &needs);
+Image::Image(const Device& device, const ImageInfo& info, const char* name) : device_(device.handle()), info_(info) {
+    const VkImageCreateInfo create = createInfo(info_);
+    check(vkCreateImage(device_, &create, nullptr, &image_), name);
     try {
-        memory_ = Allocation(device, needs, Memory::device, name);
-        check(vkBindImageMemory(device_, image_, memory_.handle(), 0), name);
-        VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-        view.image = image_;
-        view.viewType = info_.layers ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
-        view.format = info_.format;
-        view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers};
-        check(vkCreateImageView(device_, &view, nullptr, &view_), name);
+        memory_ = Allocation(device, needs(device, info_), Memory::device, name);
+        bind(device, memory_.handle(), 0, name);
     } catch (...) {
-        vkDestroyImage(device_, image_, nullptr);
+        destroy();
         throw;
     }
 }
 
-Image::~Image() {
+Image::Image(const Device& device, const ImageInfo& info, const Allocation& memory, VkDeviceSize offset,
+             const char* name)
+    : device_(device.handle()), info_(info) {
+    const VkImageCreateInfo create = createInfo(info_);
+    check(vkCreateImage(device_, &create, nullptr, &image_), name);
+    try {
+        bind(device, memory.handle(), offset, name);
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+VkMemoryRequirements Image::needs(const Device& device, const ImageInfo& info) {
+    const VkImageCreateInfo create = createInfo(info);
+    VkDeviceImageMemoryRequirements image{VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS};
+    image.pCreateInfo = &create;
+    VkMemoryRequirements2 needs{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
+    vkGetDeviceImageMemoryRequirements(device.handle(), &image, &needs);
+    return needs.memoryRequirements;
+}
+
+void Image::bind(const Device& device, VkDeviceMemory memory, VkDeviceSize offset, const char* name) {
+    device.nameObject(VK_OBJECT_TYPE_IMAGE, uint64_t(image_), name);
+    check(vkBindImageMemory(device_, image_, memory, offset), name);
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image_;
+    view.viewType = info_.layers ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+    view.format = info_.format;
+    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, std::max(info_.layers, 1u)};
+    check(vkCreateImageView(device_, &view, nullptr, &view_), name);
+}
+
+Image::~Image() { destroy(); }
+
+void Image::destroy() {
     if (!device_) return;
     vkDestroyImageView(device_, view_, nullptr);
     vkDestroyImage(device_, image_, nullptr);

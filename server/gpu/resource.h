@@ -26,6 +26,8 @@ public:
         return *this;
     }
     VkDeviceMemory handle() const { return handle_; }
+    VkDeviceSize bytes() const { return bytes_; }
+    explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
 
 private:
     void swap(Allocation& other) noexcept {
@@ -92,6 +94,10 @@ class Image {
 public:
     Image() = default;
     Image(const Device& device, const ImageInfo& info, const char* name);
+    // In `memory` from byte `offset`, as needs() says; `memory` outlives it. Images that overlap lose their content
+    // when another is used, and toGeneral() comes first.
+    Image(const Device& device, const ImageInfo& info, const Allocation& memory, VkDeviceSize offset, const char* name);
+    static VkMemoryRequirements needs(const Device& device, const ImageInfo& info);
     ~Image();
     Image(Image&& other) noexcept { swap(other); }
     Image& operator=(Image&& other) noexcept {
@@ -108,6 +114,8 @@ public:
 
 private:
     void swap(Image& other) noexcept;
+    void bind(const Device& device, VkDeviceMemory memory, VkDeviceSize offset, const char* name);
+    void destroy();
 
     VkDevice device_ = VK_NULL_HANDLE;
     VkImage image_ = VK_NULL_HANDLE;

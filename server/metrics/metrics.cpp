@@ -193,6 +193,13 @@ struct Metrics::Families {
             .Register(registry);
     pm::Counter& shared_passes = device.Add({{"part", "shared"}});
     pm::Counter& view_passes = device.Add({{"part", "view"}});
+    pm::Gauge& pictures_kept = pm::BuildGauge()
+                                   .Name("brume_picture_memory_bytes")
+                                   .Help("Device memory of targets and planes of pictures.")
+                                   .Register(registry)
+                                   .Add({});
+    pm::Gauge& pipelines =
+        pm::BuildGauge().Name("brume_pipelines").Help("Compiled pipelines that are kept.").Register(registry).Add({});
     pm::Counter& bytes = pm::BuildCounter()
                              .Name("brume_frame_bytes_total")
                              .Help("Bytes of frames handed to sockets.")
@@ -231,6 +238,11 @@ Metrics::~Metrics() = default;
 void Metrics::ticked(float work_ms) { families_->tick.Observe(work_ms * 1e-3); }
 
 void Metrics::budget(double used) { families_->budget_used.Set(used); }
+
+void Metrics::kept(uint64_t picture_bytes, size_t pipelines) {
+    families_->pictures_kept.Set(double(picture_bytes));
+    families_->pipelines.Set(double(pipelines));
+}
 
 void Metrics::drawn(double shared_ms, double views_ms, bool finer) {
     if (finer) families_->finer.Increment();

@@ -19,8 +19,9 @@ public:
     // The device is done with a batch: times of the passes that all views share, and of those of each view. `finer`:
     // true for a batch with less error, because cameras rest.
     void drawn(double shared_ms, double views_ms, bool finer = false);
-    void budget(double used);                 // time of a frame of all viewers over the frame budget
-    void encoded(uint32_t pictures);          // viewers with the same camera share one
+    void budget(double used);                            // time of a frame of all viewers over the frame budget
+    void kept(uint64_t picture_bytes, size_t pipelines); // on the device: picture buffers, compiled pipelines
+    void encoded(uint32_t pictures);                     // viewers with the same camera share one
     void rendered(const EncodedFrame& frame); // a frame is encoded; times its wait, render, encode and gpu stages
     void failed();                            // a due frame was abandoned
 

@@ -12,6 +12,9 @@ void addLimitOptions(OptionTable& table, ServerOptions& o) {
     g.mebibytes("--memory", o.frame.memory,
                 "that particles may take on the CPU and on the device; a scene with more is refused")
         .range(1u, 65536u);
+    g.mebibytes("--picture-memory", o.frame.picture_memory,
+                "that picture buffers may take; viewers whose pictures need more are refused")
+        .range(16u, 65536u);
     g.option("--max-connections", o.net.max_connections, "open sockets; a few more answer health checks")
         .range(1, 65535)
         .live();

@@ -20,6 +20,8 @@ public:
     // True: planes hold R, G, B of every pixel from now on; false: Y, Cb, Cr (picture.h).
     void fullColour(bool full) { full_ = full; }
 
+    uint64_t pictureBytes() const { return shaded_.size(); }
+    void giveBack() { shaded_ = {}; }
     // Makes room for the groups' shaded nodes. Precondition: nothing of this is on the device.
     void prepare(std::span<const ViewGroup> groups);
     // Writes the planes of a group's views. The medium is in the group's field, or with what is behind it in the

@@ -21,12 +21,17 @@ std::span<const PictureView> Submission::pictures() {
     return pictures_;
 }
 
+void Submission::giveBack() {
+    pictures_.clear();
+    planes_ = {};
+}
+
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(opaqueObjects(scene)), features_(compiledFor(scene, besides)),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device),
       particle_light_(device, capacity), surfaces_(device, scene), depth_order_(device, capacity),
       compose_(device, features_), cells_(device), linear_(device, VK_FILTER_LINEAR),
-      nearest_(device, VK_FILTER_NEAREST) {
+      nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {
     objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                   gpu::Memory::upload, "objects");
@@ -52,9 +57,9 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks);
 
+    targets_.fit(drawsCoarsely() ? eyes : drawn_);
+    if (drawsCoarsely()) coarse_targets_.fit(drawn_);
     const VkCommandBuffer cmd = s.commands.begin();
-    fitTarget(device_, cmd, target_, drawsCoarsely() ? eyes : drawn_);
-    if (drawsCoarsely()) fitTarget(device_, cmd, coarse_target_, drawn_);
     upload_.record(s.commands, s.particles_);
     recordLight(s, needs);
 
@@ -66,6 +71,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     if (has_medium) method.recordTick(s.commands, shared_, *inputs_.front().medium);
     const EyeInputs* before = nullptr;
     for (const ViewGroup& group : groups) {
+        targets_.use(cmd, *group.any->target);
         if (needsSurfaces(group, before)) surfaces_.record(s.commands, *group.any);
         if (has_medium && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
         if (has_medium) method.recordGroup(s.commands, group);
@@ -75,6 +81,23 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     recordReadBack(s);
     s.commands.submit();
     upload_.submitted();
+}
+
+uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full) {
+    uint64_t planes = 0, target = 0;
+    for (const EyeRequest& eye : eyes) {
+        planes += PlaneLayout{eye.width, eye.height, full}.bytes();
+        target = std::max(target, Targets::kBytesOfPixel * eye.width * eye.height);
+    }
+    return planes + target;
+}
+
+void Renderer::giveBack() {
+    methods_.clear();
+    planes_ = {};
+    compose_.giveBack();
+    targets_.giveBack();
+    coarse_targets_.giveBack();
 }
 
 // The method compiled for these settings. The two methods used last are kept: switching between two costs nothing, and
@@ -180,7 +203,8 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
         EyeInputs& in = inputs_.emplace_back();
         in = {.shared = &shared_,
               .medium = &upload_.of(i),
-              .target = &target_,
+              .target = &targets_.of(drawsCoarsely() ? VkExtent2D{eyes[i].width, eyes[i].height}
+                                                     : VkExtent2D{drawn_[i].width, drawn_[i].height}),
               .view = i,
               .size = {drawn_[i].width, drawn_[i].height},
               .step = step_,
@@ -200,7 +224,7 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
     if (!drawsCoarsely()) return;
     coarse_inputs_ = inputs_;
     for (uint32_t i = 0; i < eyes.size(); ++i) {
-        coarse_inputs_[i].target = &coarse_target_;
+        coarse_inputs_[i].target = &coarse_targets_.of({drawn_[i].width, drawn_[i].height});
         inputs_[i].size = {eyes[i].width, eyes[i].height};
         inputs_[i].step = 1;
         inputs_[i].eye = blocks.pictureEye(i);
@@ -224,6 +248,7 @@ bool Renderer::needsSurfaces(const ViewGroup& group, const EyeInputs* before) co
 // Draws the medium at every step-th pixel, and interpolates it to all pixels whose cell no edge crosses.
 void Renderer::recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye) {
     const EyeInputs& coarse = coarse_inputs_[eye.view];
+    coarse_targets_.use(commands.handle(), *coarse.target);
     surfaces_.record(commands, coarse);
     cells_.clear(commands, coarse);
     method.recordGroup(commands, drawnAlone(coarse));
@@ -240,9 +265,9 @@ void Renderer::recordReadBack(Submission& s) {
 }
 
 std::vector<glm::vec4> Renderer::readRadiance() {
-    if (step_ == 1 || features_.opaque) return readTarget(device_, target_, last_size_);
+    if (step_ == 1 || features_.opaque) return readTarget(device_, targets_.of(last_size_), last_size_);
     const VkExtent2D drawn{drawn_.back().width, drawn_.back().height};
-    return interpolated(readTarget(device_, target_, drawn), drawn.width, last_size_, step_);
+    return interpolated(readTarget(device_, targets_.of(drawn), drawn), drawn.width, last_size_, step_);
 }
 
 } // namespace brume

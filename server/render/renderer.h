@@ -29,6 +29,9 @@ public:
 
     // The pictures, one per eye in the order asked for. Precondition: commands.wait() was true.
     std::span<const PictureView> pictures();
+    uint64_t pictureBytes() const { return planes_.size(); }
+    // Frees the memory of the pictures. Precondition: nobody reads them, and it is not on the device.
+    void giveBack();
 
     gpu::Commands commands;
 
@@ -60,6 +63,15 @@ public:
     }
     // Bytes of the CPU's memory that lists of particles take here.
     uint64_t particleBytes() const { return upload_.cpuBytes(); }
+    // Bytes on the device whose number depends on the pictures' sizes, without the methods' fields and a submission's
+    // own.
+    uint64_t pictureBytes() const {
+        return targets_.bytes() + coarse_targets_.bytes() + planes_.size() + compose_.pictureBytes();
+    }
+    // Bytes of that which pictures of `eyes` need. `full` as for submit().
+    static uint64_t pictureBytes(std::span<const EyeRequest> eyes, bool full);
+    // Frees the memory of pictures and of methods; pipelines stay. Precondition: nothing is on the device.
+    void giveBack();
     // Methods that are kept on the device, with their programs and buffers.
     size_t methodsKept() const { return methods_.size(); }
 
@@ -101,7 +113,7 @@ private:
     DrawnCells cells_;
     gpu::Sampler linear_, nearest_;
     gpu::Buffer objects_buffer_, planes_;
-    RenderTarget target_, coarse_target_;
+    Targets targets_, coarse_targets_;
 
     // A method, and the settings that it was compiled for.
     struct Made {

@@ -11,21 +11,87 @@ glm::vec4 cubic(float t) {
             (t + 1) * t * (t - 1) / 6};
 }
 
+constexpr size_t kKept = 64; // targets, before those of a submission are made
+constexpr VkImageUsageFlags kUsage =
+    VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+constexpr VkImageUsageFlags kCopied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+
+gpu::ImageInfo radianceInfo(VkExtent2D size) { return {kRadianceFormat, size, kUsage | kCopied}; }
+gpu::ImageInfo depthInfo(VkExtent2D size) { return {VK_FORMAT_R32_SFLOAT, size, kUsage}; }
+
+// Where the images of one target lie in its memory: radiance at the start, view depth behind it.
+struct Place {
+    VkMemoryRequirements bytes; // of both
+    VkDeviceSize depth;         // offset of the view depth
+};
+
+Place placeOf(const gpu::Device& device, VkExtent2D size) {
+    const VkMemoryRequirements radiance = gpu::Image::needs(device, radianceInfo(size)),
+                               depth = gpu::Image::needs(device, depthInfo(size));
+    const VkDeviceSize at = (radiance.size + depth.alignment - 1) / depth.alignment * depth.alignment;
+    return {{at + depth.size, std::max(radiance.alignment, depth.alignment),
+             radiance.memoryTypeBits & depth.memoryTypeBits},
+            at};
+}
+
+bool holds(const RenderTarget& target, VkExtent2D size) {
+    const VkExtent2D has = target.radiance.extent();
+    return has.width >= size.width && has.height >= size.height;
+}
+
 } // namespace
 
-void fitTarget(const gpu::Device& device, VkCommandBuffer cmd, RenderTarget& target, std::span<const EyeRequest> eyes) {
-    VkExtent2D extent = target.radiance ? target.radiance.extent() : VkExtent2D{1, 1};
+const RenderTarget* Targets::find(VkExtent2D size) const {
+    for (const RenderTarget& target : targets_)
+        if (holds(target, size)) return &target;
+    return nullptr;
+}
+
+const RenderTarget& Targets::of(VkExtent2D size) const {
+    const RenderTarget* target = find(size);
+    if (!target) throw gpu::Error("no target holds this picture");
+    return *target;
+}
+
+void Targets::fit(std::span<const EyeRequest> eyes) {
+    VkMemoryRequirements most{};
+    for (const EyeRequest& eye : eyes) {
+        if (find({eye.width, eye.height})) continue;
+        const VkMemoryRequirements needs = placeOf(device_, {eye.width, eye.height}).bytes;
+        if (needs.size > most.size) most = needs;
+    }
+    if (most.size > memory_.bytes()) {
+        giveBack(); // first: the old and the new together are more than there may be
+        memory_ = gpu::Allocation(device_, most, gpu::Memory::device, "target");
+    }
+    while (targets_.size() > kKept) { // the oldest first; those of `eyes` are made again
+        if (&targets_.back() == used_) used_ = nullptr;
+        targets_.pop_back();
+    }
     for (const EyeRequest& eye : eyes)
-        extent = {std::max(extent.width, eye.width), std::max(extent.height, eye.height)};
-    const VkExtent2D has = target.radiance ? target.radiance.extent() : VkExtent2D{};
-    if (extent.width == has.width && extent.height == has.height) return;
-    const VkImageUsageFlags usage =
-        VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-    const VkImageUsageFlags copied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-    target.radiance = gpu::Image(device, {kRadianceFormat, extent, usage | copied}, "radiance");
-    target.view_depth = gpu::Image(device, {VK_FORMAT_R32_SFLOAT, extent, usage}, "view depth");
+        if (!find({eye.width, eye.height})) make({eye.width, eye.height});
+}
+
+void Targets::make(VkExtent2D size) {
+    const Place place = placeOf(device_, size);
+    RenderTarget target;
+    target.radiance = gpu::Image(device_, radianceInfo(size), memory_, 0, "radiance");
+    target.view_depth = gpu::Image(device_, depthInfo(size), memory_, place.depth, "view depth");
+    targets_.push_front(std::move(target));
+}
+
+void Targets::use(VkCommandBuffer cmd, const RenderTarget& target) {
+    if (&target == used_) return;
+    gpu::everythingBefore(cmd);
     gpu::toGeneral(cmd, target.radiance);
     gpu::toGeneral(cmd, target.view_depth);
+    used_ = &target;
+}
+
+void Targets::giveBack() {
+    used_ = nullptr;
+    targets_.clear();
+    memory_ = {};
 }
 
 std::vector<glm::vec4> readTarget(const gpu::Device& device, const RenderTarget& target, VkExtent2D size) {

@@ -1,7 +1,7 @@
-// The images that eyes are drawn into one after the other: made as large as the largest, and read back for
-// measurements.
+// The images that eyes are drawn into one after the other, and reading them back for measurements.
 #pragma once
 
+#include <list>
 #include <span>
 #include <vector>
 
@@ -15,9 +15,32 @@ namespace brume {
 // changes nothing, and ten thousand of those are T = 0.14.
 inline constexpr VkFormat kRadianceFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
-// Makes the target hold the largest of `eyes`; what it held is lost when it grows. Precondition: the device does not
-// use it.
-void fitTarget(const gpu::Device& device, VkCommandBuffer cmd, RenderTarget& target, std::span<const EyeRequest> eyes);
+// Targets of several sizes in the same memory, as much as the largest picture needs: a wide picture and a high one take
+// no more than either. One of them has content at a time.
+class Targets {
+public:
+    explicit Targets(const gpu::Device& device) : device_(device) {}
+
+    // Makes a target for each of `eyes`, and keeps some of other sizes. Precondition: the device uses none of them.
+    void fit(std::span<const EyeRequest> eyes);
+    // A target of at least this size. Precondition: fit() had an eye that large. Valid until the next fit().
+    const RenderTarget& of(VkExtent2D size) const;
+    // The target that is drawn into next. What it held is lost if another one was used since.
+    void use(VkCommandBuffer cmd, const RenderTarget& target);
+    // Frees all. Precondition as for fit().
+    void giveBack();
+    uint64_t bytes() const { return memory_.bytes(); }
+    static constexpr uint64_t kBytesOfPixel = 20; // four floats of radiance, one of view depth
+
+private:
+    const RenderTarget* find(VkExtent2D size) const;
+    void make(VkExtent2D size);
+
+    const gpu::Device& device_;
+    gpu::Allocation memory_;          // outlives the images
+    std::list<RenderTarget> targets_; // the newest first
+    const RenderTarget* used_ = nullptr;
+};
 
 // The first `size` pixels of the target's radiance, row by row. Waits for the device: slow, for tests and measurements.
 std::vector<glm::vec4> readTarget(const gpu::Device& device, const RenderTarget& target, VkExtent2D size);

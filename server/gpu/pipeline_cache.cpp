@@ -1,0 +1,29 @@
+#include "server/gpu/pipeline_cache.h"
+
+#include <algorithm>
+
+namespace brume::gpu {
+
+std::shared_ptr<const Pipeline> PipelineCache::find(const Key& key) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.key == key; });
+    if (found == kept_.end()) return nullptr;
+    kept_.splice(kept_.begin(), kept_, found);
+    return kept_.front().pipeline;
+}
+
+void PipelineCache::keep(Key key, std::shared_ptr<const Pipeline> pipeline) {
+    const std::scoped_lock lock(mutex_);
+    kept_.push_front({std::move(key), std::move(pipeline)});
+    for (auto last = kept_.end(); kept_.size() > kMost && last != kept_.begin();) {
+        --last;
+        if (last->pipeline.use_count() == 1) last = kept_.erase(last);
+    }
+}
+
+size_t PipelineCache::size() const {
+    const std::scoped_lock lock(mutex_);
+    return kept_.size();
+}
+
+} // namespace brume::gpu

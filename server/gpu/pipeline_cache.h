@@ -1,0 +1,67 @@
+// Pipelines by what they were compiled from. Some that no program uses any more are kept, since a CPU driver takes
+// up to seconds to compile one.
+#pragma once
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/gpu/program.h"
+
+namespace brume::gpu {
+
+// A pipeline with its layout, and the resources that its shaders expect.
+struct Pipeline {
+    struct Expected {
+        uint32_t binding;
+        VkDescriptorType type;
+        std::string name;
+    };
+
+    // Reads the SPIR-V and makes the layouts. Throws Error if the id of one of `constants` is in none of the shaders.
+    Pipeline(const Device& device, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants);
+    ~Pipeline();
+    Pipeline(const Pipeline&) = delete;
+    Pipeline& operator=(const Pipeline&) = delete;
+
+    const Device& device;
+    const std::string name;
+    VkPipelineBindPoint bind_point = VK_PIPELINE_BIND_POINT_COMPUTE;
+    VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkPipeline handle = VK_NULL_HANDLE;
+    VkShaderStageFlags stages = 0;
+    uint32_t push_bytes = 0;
+    std::vector<Expected> expected;
+
+private:
+    void reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids);
+    void createLayout();
+    void destroy();
+};
+
+// Thread-safe.
+class PipelineCache {
+public:
+    static constexpr size_t kMost = 96; // pipelines; more only while programs use them
+    using Key = std::vector<uint64_t>;
+
+    // The pipeline of this key, or null.
+    std::shared_ptr<const Pipeline> find(const Key& key);
+    // Keeps it, and forgets those used longest ago that no program uses, so that kMost are left.
+    void keep(Key key, std::shared_ptr<const Pipeline> pipeline);
+    size_t size() const;
+
+private:
+    struct Kept {
+        Key key;
+        std::shared_ptr<const Pipeline> pipeline;
+    };
+    mutable std::mutex mutex_;
+    std::list<Kept> kept_; // the one that was asked for last is first
+};
+
+} // namespace brume::gpu

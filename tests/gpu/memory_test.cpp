@@ -1,0 +1,146 @@
+// What pictures and settings leave behind in memory: of the device, and of the process with the driver in it.
+#include <fstream>
+
+#include <unistd.h>
+
+#include "server/gpu/pipeline_cache.h"
+#include "server/render/room.h"
+#include "tests/gpu/fixture.h"
+#include "tests/gpu/quadrature.h"
+
+namespace brume::test {
+namespace {
+
+uint64_t residentBytes() {
+    uint64_t all = 0, resident = 0;
+    std::ifstream("/proc/self/statm") >> all >> resident;
+    return resident * uint64_t(::sysconf(_SC_PAGESIZE));
+}
+
+EyeRequest eyeOf(uint32_t width, uint32_t height) {
+    return {lookAt({0, 2, 26}, {0, 0, 0}, 0.8f), width, height, false, 8};
+}
+
+class MemoryTest : public GpuTest {
+protected:
+    void draw(std::span<const EyeRequest> eyes) {
+        renderer_.submit(submission_, simulation_, eyes, &settings_);
+        waitFor(submission_.commands);
+    }
+    static Scene rasterised(const char* file) {
+        Scene scene = loadScene(file);
+        scene.render.method = "sphere";
+        return scene;
+    }
+
+    const Scene scene_ = rasterised("server/scenes/cloud.toml");
+    const Simulation simulation_{scene_};
+    RenderSettings settings_ = scene_.render;
+    Renderer renderer_{device(), scene_, simulation_.capacity()};
+    Submission submission_{device(), "memory"};
+};
+
+// A viewer that asks for a wide picture and then for a high one takes what one of them needs.
+TEST_F(MemoryTest, AWidePictureAndAHighOneTakeTheMemoryOfOne) {
+    const EyeRequest wide = eyeOf(1920, 64), high = eyeOf(64, 1920);
+    draw({&wide, 1});
+    const uint64_t of_wide = device().memoryInUse();
+    draw({&high, 1});
+    EXPECT_LE(device().memoryInUse(), of_wide + (64 << 10));
+    const EyeRequest both[] = {wide, high, wide};
+    draw(both);
+    EXPECT_LE(device().memoryInUse(), of_wide + 3 * 2 * 1920 * 64 * 3); // the planes of two more
+}
+
+// Targets share memory, and a picture is the same whatever was drawn there before it.
+TEST_F(MemoryTest, PicturesOfManyShapesInOneSubmissionAreThoseOfEachAlone) {
+    const EyeRequest eyes[] = {eyeOf(160, 32), eyeOf(32, 160), eyeOf(96, 64), eyeOf(160, 32)};
+    std::vector<std::vector<uint8_t>> alone;
+    const auto bytesOf = [](const PictureView& view) {
+        return std::vector<uint8_t>(view.bytes, view.bytes + view.layout.bytes());
+    };
+    for (const EyeRequest& eye : eyes) {
+        draw({&eye, 1});
+        alone.push_back(bytesOf(submission_.pictures().front()));
+    }
+    draw(eyes);
+    for (size_t i = 0; i < std::size(eyes); ++i) EXPECT_EQ(bytesOf(submission_.pictures()[i]), alone[i]) << i;
+}
+
+TEST_F(MemoryTest, WhatPicturesTookIsGivenBack) {
+    const EyeRequest small = eyeOf(64, 36), large = eyeOf(960, 540);
+    draw({&small, 1});
+    renderer_.giveBack();
+    submission_.giveBack();
+    const uint64_t before = device().memoryInUse();
+    draw({&large, 1});
+    EXPECT_GE(renderer_.pictureBytes(), Renderer::pictureBytes({&large, 1}, false));
+    EXPECT_GT(device().memoryInUse(), before + 960 * 540 * 20);
+    renderer_.giveBack();
+    submission_.giveBack();
+    EXPECT_EQ(renderer_.pictureBytes(), 0u);
+    EXPECT_LE(device().memoryInUse(), before);
+    draw({&small, 1}); // goes on
+    EXPECT_GT(renderer_.pictureBytes(), 0u);
+}
+
+// The same pictures again and again: nothing is allocated.
+TEST_F(MemoryTest, PicturesOfTheSameSizesAllocateNothing) {
+    const EyeRequest eyes[] = {eyeOf(160, 32), eyeOf(32, 160), eyeOf(96, 64)};
+    draw(eyes);
+    const uint64_t before = device().allocations();
+    for (int i = 0; i < 5; ++i) draw(eyes);
+    EXPECT_EQ(device().allocations(), before);
+}
+
+// Methods that were dropped leave their pipelines: to use one again compiles nothing, and what is kept is bounded.
+TEST_F(MemoryTest, ALoopOverAFewSettingsCompilesNothingAgain) {
+    const EyeRequest eye = eyeOf(32, 18);
+    size_t after_first = 0;
+    uint64_t resident = 0;
+    for (int i = 0; i < 60; ++i) {
+        settings_.method = methodNames()[size_t(i) % methodNames().size()];
+        settings_.isv.quadrature = i / 5 % 2 ? "simpson" : "analytic";
+        draw({&eye, 1});
+        if (i == 9) after_first = device().pipelines().size(), resident = residentBytes();
+    }
+    EXPECT_GT(after_first, 5u);
+    EXPECT_EQ(device().pipelines().size(), after_first);
+    EXPECT_LE(residentBytes(), resident + (32 << 20));
+}
+
+TEST(Room, MemoryGoesBackAfterAMinuteWithLessThanHalfOfIt) {
+    using std::chrono::seconds;
+    Room room;
+    const Room::time_point start{seconds(1000)};
+    EXPECT_FALSE(room.spare(start)); // nothing was used
+    room.use(100, start);
+    room.use(49, start + seconds(30));
+    EXPECT_FALSE(room.spare(start + seconds(59)));
+    room.use(50, start + seconds(59)); // half of it: needed
+    EXPECT_FALSE(room.spare(start + seconds(118)));
+    EXPECT_TRUE(room.spare(start + seconds(119)));
+    EXPECT_FALSE(room.spare(start + seconds(500))); // once
+    room.use(49, start + seconds(500));
+    for (int later = 501; later < 1000; ++later) { // a steady need keeps its memory
+        room.use(49, start + seconds(later));
+        EXPECT_FALSE(room.spare(start + seconds(later)));
+    }
+}
+
+// Stands for a pipeline.
+std::shared_ptr<const gpu::Pipeline> nothing() { return {std::make_shared<int>(0), nullptr}; }
+
+TEST(PipelineCache, WhatNoProgramUsesIsBoundedAndTheOldestGoesFirst) {
+    gpu::PipelineCache cache;
+    const auto used = nothing();
+    cache.keep({0}, used);
+    for (uint64_t i = 1; i < 3 * gpu::PipelineCache::kMost; ++i) cache.keep({i}, nothing());
+    EXPECT_EQ(cache.size(), gpu::PipelineCache::kMost);
+    EXPECT_EQ(cache.find({0}).get(), used.get());
+    EXPECT_EQ(cache.find({1}).use_count(), 0);
+    EXPECT_GT(cache.find({3 * gpu::PipelineCache::kMost - 1}).use_count(), 0);
+}
+
+} // namespace
+} // namespace brume::test
