@@ -60,7 +60,8 @@ name = "mine"
 layout = "file"
 file = "mine.ply"
 scale = 1.5        # m, of points without a size
-extinction = 10    # 1/m, of points without sigma_t
+extinction = 1
+multiplier = 1     # extinction · multiplier: 1/m, of points without sigma_t
 
 [[light]]
 to_light = [0.8, 0.55, 0.15]
