@@ -144,6 +144,8 @@ std::string readBytes(const std::filesystem::path& file) {
     std::error_code error;
     const bool regular = std::filesystem::is_regular_file(file, error);
     const uint64_t size = regular ? std::filesystem::file_size(file, error) : 0;
+    if (!std::filesystem::exists(file, error) && !error)
+        throw SceneError(file.string() + ": PLY: no such file; a relative medium.file counts from the scene's folder");
     std::ifstream in(file, std::ios::binary);
     if (!regular || error || !in)
         throw SceneError(file.string() + ": PLY: cannot be read; expected a point cloud file");

@@ -77,7 +77,11 @@ void Reader::failLine() const {
 std::string_view Reader::headerLine() {
     if (++line_ > kMostLines) fail("the header has more than 512 lines; is end_header missing?");
     const size_t end = text_.find('\n', at_);
-    if (end == std::string_view::npos) fail("the file ends inside its header; expected end_header");
+    if (end == std::string_view::npos) {
+        const bool no_lines = at_ == 0 && text_.starts_with("ply") && text_.find('\r') == std::string_view::npos;
+        fail(std::string("the file ends inside its header; expected end_header") +
+             (no_lines ? "; sent with curl -d? It takes out line ends: use --data-binary" : ""));
+    }
     if (end - at_ > kLongestLine) fail("a header line is longer than 1024 bytes; allowed: the header of a PLY file");
     std::string_view line = text_.substr(at_, end - at_);
     at_ = end + 1;

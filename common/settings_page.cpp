@@ -54,6 +54,29 @@ at 1, extinctions at 10000 per metre.
 At its start, and for `--explain`, the server says in one line what it found: box, sizes, extinctions, colours, and the
 properties that it ignored. It warns if the scene's camera sees no point, and says where to put it.
 
+A whole scene with such a file beside it:
+
+```toml
+name = "mine"
+
+[medium]
+layout = "file"
+file = "mine.ply"
+scale = 1.5        # m, of points without a size
+extinction = 1
+multiplier = 1     # extinction · multiplier: 1/m, of points without sigma_t
+
+[[light]]
+to_light = [0.8, 0.55, 0.15]
+irradiance = [16, 15, 14]
+
+[camera]
+position = [0, 6, 26]
+target = [0, 0, 0]
+```
+
+Files in centimetres: divide places and sizes by 100 first, and multiply `sigma_t` by 100.
+
 ## A sequence of point clouds
 
 With `medium.layout = "sequence"` the files of a simulation are played. `medium.file` names them, with a # for each

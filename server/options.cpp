@@ -7,7 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/nearest.h"
 #include "common/settings_page.h"
+#include "common/text.h"
 #include "server/operate/config_file.h"
 #include "server/options/groups.h"
 #include "server/plan/plan.h"
@@ -61,6 +63,18 @@ const char* mistakeIn(const ServerOptions& o) {
     return "";
 }
 
+// What is wrong with the first option on the command line that there is none of; nothing if all that was too much are
+// plain words.
+std::optional<std::string> strangerIn(const CLI::App& app) {
+    const std::vector<std::string> left = app.remaining();
+    const auto found = std::find_if(left.begin(), left.end(), [](const auto& word) { return word.starts_with("-"); });
+    if (found == left.end()) return {};
+    const std::string name = found->substr(0, found->find('='));
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options({})) names.push_back("--" + option->get_single_name());
+    return oneLine(name) + ": no such option" + didYouMean(name, names);
+}
+
 // The command line ends here, well if that was printed.
 ParsedOptions printed(const std::string& text) {
     std::cout << text << std::flush;
@@ -107,6 +121,8 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     } catch (const CLI::Success& e) {
         showEnvironment(app);
         return {std::nullopt, app.exit(e), {}, {}};
+    } catch (const CLI::ExtrasError& e) {
+        return {std::nullopt, 2, strangerIn(app).value_or(e.what()), {}};
     } catch (const CLI::ParseError& e) {
         std::string complaint = file->sourceOf(e.what()) + e.what();
         std::replace(complaint.begin(), complaint.end(), '\n', ' ');

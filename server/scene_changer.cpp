@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostClouds = 16; // uploaded ones that are kept
+constexpr size_t kMostClouds = 16;            // uploaded ones that are kept
+constexpr const char* kIncoming = "incoming"; // folder of those that are not known to be good
 
 std::string askedFor(const ServerOptions& options) {
     return fmt::format("{}\n{}", options.scene, fmt::join(sceneOverrides(options), "\n"));
@@ -42,6 +43,13 @@ void writeFile(const fs::path& file, const std::string& bytes) {
     std::ofstream out(file, std::ios::binary | std::ios::trunc);
     out << bytes << std::flush;
     if (!out) throw SceneError(file.string() + ": cannot be written; --cloud-dir names another folder");
+}
+
+// A complaint about an upload names it as its sender does, without the folders that it is kept in here.
+std::string withoutFolders(std::string complaint, const fs::path& kept) {
+    for (const std::string& folder : {(kept / kIncoming / "").string(), (kept / "").string()})
+        for (size_t at = 0; (at = complaint.find(folder, at)) != complaint.npos;) complaint.erase(at, folder.size());
+    return complaint;
 }
 
 std::string why(const std::exception_ptr& exception) {
@@ -106,7 +114,7 @@ std::string SceneChanger::change(const SceneRequest& request) {
     } catch (const std::exception&) {
         const std::string reason = why(std::current_exception());
         spdlog::error("the scene stays: {}", reason);
-        return reason;
+        return request.points.empty() ? reason : withoutFolders(reason, options_.cloud_dir);
     }
 }
 
@@ -116,7 +124,7 @@ void SceneChanger::showCloud(const SceneRequest& request) {
     const std::vector<std::string> own = sceneNames(options_.scene_dir);
     if (std::find(own.begin(), own.end(), request.name) != own.end())
         throw SceneError("there is a scene '" + request.name + "' already: give another with ?name=");
-    const fs::path folder = options_.cloud_dir, incoming = folder / "incoming" / (request.name + ".ply"),
+    const fs::path folder = options_.cloud_dir, incoming = folder / kIncoming / (request.name + ".ply"),
                    file = folder / (request.name + ".toml");
     std::error_code error;
     fs::create_directories(incoming.parent_path(), error);

@@ -13,7 +13,7 @@ constexpr size_t kMostTokenBytes = 512; // server/net/token.h
 
 [[noreturn]] void refuse(std::string_view url, const std::string& why) {
     throw std::invalid_argument("bad url '" + std::string(url) + "': " + why +
-                                "; write ws://host:port or wss://host:port");
+                                "; write ws://host:port, wss://host:port or the page's address");
 }
 
 uint16_t parsePort(std::string_view url, std::string_view text) {
@@ -55,6 +55,17 @@ Endpoint parse(std::string_view url, uint16_t default_port) {
     return endpoint;
 }
 
+bool isPage(std::string_view url) { return url.starts_with("http"); }
+
+// The URL of a socket or of the page beside it; without a port 80 or 443.
+Endpoint parseLikeBrowser(std::string_view url) {
+    std::string socket(url.substr(0, url.find_first_of("?#")));
+    if (isPage(url)) socket.replace(0, 4, "ws");
+    Endpoint endpoint = parse(socket, socket.starts_with("wss:") ? 443 : 80);
+    if (isPage(url)) endpoint.path.replace(endpoint.path.rfind('/') + 1, std::string::npos, "ws");
+    return endpoint;
+}
+
 } // namespace
 
 std::string Endpoint::url() const {
@@ -62,16 +73,11 @@ std::string Endpoint::url() const {
     return (tls ? "wss://" : "ws://") + (ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port) + path;
 }
 
-Endpoint parseUrl(std::string_view url) { return parse(url, Endpoint{}.port); }
+Endpoint parseUrl(std::string_view url) { return isPage(url) ? parseLikeBrowser(url) : parse(url, Endpoint{}.port); }
 
 std::optional<Endpoint> parseGoTo(std::string_view url) {
-    std::string socket(url.substr(0, url.find_first_of("?#")));
-    const bool page = socket.starts_with("http");
-    if (page) socket.replace(0, 4, "ws");
     try {
-        Endpoint endpoint = parse(socket, socket.starts_with("wss:") ? 443 : 80);
-        if (page) endpoint.path.replace(endpoint.path.rfind('/') + 1, std::string::npos, "ws");
-        return endpoint;
+        return parseLikeBrowser(url);
     } catch (const std::invalid_argument&) {
         return {};
     }

@@ -19,8 +19,8 @@ struct Endpoint {
     std::string url() const; // ws://host:port/path or wss://..., without the token
 };
 
-// Reads "ws://host", "ws://host:port" or "ws://[address]:port/path", or the same with wss. Throws
-// std::invalid_argument: one line that says what is allowed.
+// Reads "ws://host", "ws://host:port" or "ws://[address]:port/path", or the same with wss; or the page
+// beside the socket as parseGoTo() does. Throws std::invalid_argument: one line that says what is allowed.
 Endpoint parseUrl(std::string_view url);
 
 // The server that a goodbye's `go_to` names: the URL of its socket (ws, wss), or of the page beside the socket (http,

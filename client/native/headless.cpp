@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -71,6 +72,7 @@ private:
     void welcome(const Granted& granted) {
         statistics_.welcome(granted);
         next_ping_us_ = 0;
+        awaited_pose_.reset();
         if (granted.scene == std::exchange(scene_, granted.scene) && start_us_ > 0)
             return; // the same scene again: the camera goes on
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
@@ -78,13 +80,22 @@ private:
         start_us_ = nowUs();
     }
 
+    // True: the camera goes from frame to frame in even steps of one round, not with the clock.
+    bool stepwise() const { return options_.pause && options_.frames > 0 && options_.path == PathKind::orbit; }
+
+    double pathSeconds(uint64_t now) const {
+        if (!stepwise()) return static_cast<double>(now - start_us_) * 1e-6;
+        return kOrbitSeconds * static_cast<double>(statistics_.frames()) / static_cast<double>(options_.frames);
+    }
+
     // Poses, pushes and pings that are due.
     void talk(Session& session, uint64_t now) {
         if (options_.pause && !std::exchange(paused_, true)) session.sendPaused(true);
         if (now >= next_pose_us_) {
-            Pose pose = camera_.at(static_cast<double>(now - start_us_) * 1e-6);
+            Pose pose = camera_.at(pathSeconds(now));
             if (options_.wishes.views == 2) pose.eye_separation = kEyeSeparation;
-            session.sendPose(pose);
+            const std::optional<uint32_t> sent = session.sendPose(pose);
+            if (!awaited_pose_) awaited_pose_ = sent;
             next_pose_us_ = now + kPoseEveryUs;
         }
         if (now >= next_ping_us_) {
@@ -108,6 +119,11 @@ private:
         const uint64_t presented = nowUs();
         session.acknowledge(frame.id());
         link_.heard(presented);
+        if (stepwise()) {
+            if (!awaited_pose_ || frame.pose_seq() < *awaited_pose_) return statistics_.dropped();
+            awaited_pose_.reset();
+            next_pose_us_ = 0;
+        }
         statistics_.roundTrip(session.roundTripMs());
         if (first_us_ == 0) first_us_ = presented;
         statistics_.frame(recordOf(message, static_cast<float>(presented - decode_start) * 1e-3f, presented));
@@ -126,6 +142,7 @@ private:
     uint64_t start_us_ = 0, first_us_ = 0; // welcome to the present scene, first frame
     bool paused_ = false;                  // true: Options::pause was carried out
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0;
+    std::optional<uint32_t> awaited_pose_; // number of the first pose at the present step; none: not sent yet
     size_t impulses_sent_ = 0;
 };
 

@@ -83,7 +83,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     CLI::App app("Shows one viewer's picture of a brume server's shared cloud, in a window or without one.",
                  "brume-client");
     app.set_version_flag("--version", "brume-client " BRUME_VERSION);
-    app.add_option("--url", url, "The server: ws://host:port, or wss://host:port for TLS")->capture_default_str();
+    app.add_option("--url", url,
+                   "The server: ws://host:port, or wss://host:port for TLS; or its page, http://host:port")
+        ->capture_default_str();
     app.add_option("--token-file", token_file, "File with the token that lets in; without it BRUME_TOKEN");
     app.add_option("--ca", ca, "PEM file of who vouches for a wss:// server, instead of whom the system trusts");
     app.add_option("--size", size, "Pixels of one eye: WIDTHxHEIGHT")->capture_default_str();
@@ -92,7 +94,10 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         ->check(CLI::Range(0, 100));
     app.add_option("--camera", camera,
                    "Where to stand and where to look: x,y,z,tx,ty,tz in metres; the server's own if not given");
-    app.add_option("--path", path, "How the camera moves by itself: still, orbit or fly")->capture_default_str();
+    app.add_option(
+           "--path", path,
+           "How the camera moves by itself: still, orbit or fly; orbit with --pause and --frames N: N even steps")
+        ->capture_default_str();
     app.add_option("--impulse", impulses,
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
     app.add_flag("--pause", options.pause, "Pause the scene, for everybody, before the first picture");

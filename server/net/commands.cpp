@@ -8,12 +8,23 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/nearest.h"
 #include "common/scene_limits.h"
 #include "server/net/access.h"
 #include "server/net/convert.h"
 
 namespace brume::net {
 namespace {
+
+// Why a setting cannot be changed: in one line, without the sender's text unless it is a setting's name.
+std::string whyNotLive(std::string_view path) {
+    for (const SceneSetting& setting : sceneSettings())
+        if (setting.path == path) return fmt::format("{} changes only with a restart", path);
+    std::vector<std::string> names;
+    for (const SceneSetting* setting : liveSettings()) names.emplace_back(setting->path);
+    const std::string near = didYouMean(path, names);
+    return "no such live setting" + (near.empty() ? "; docs/scenes.md has those that there are" : near);
+}
 
 // Reads fields one after another and keeps the first refusal.
 class Reader {
@@ -44,9 +55,7 @@ public:
     }
     void change(Set& set, const wire::Change& c) {
         const SceneSetting* setting = liveSetting(c.path()->string_view());
-        if (!setting)
-            return refuse(wire::ErrorCode::unknown_name,
-                          "no such live setting; docs/scenes.md has those that there are");
+        if (!setting) return refuse(wire::ErrorCode::unknown_name, whyNotLive(c.path()->string_view()));
         SettingValue value = defaultOf(*setting);
         if (std::visit([&](auto& to) { return read(c, to); }, value))
             add(set, {setting->path, std::move(value)});

@@ -26,4 +26,9 @@ private:
     std::filesystem::path root_;
 };
 
+// True for a path that the server answers itself, other than by a file of the page.
+bool isAddress(std::string_view path);
+// 404, with the list of those paths.
+Reply noSuchPage();
+
 } // namespace brume::net

@@ -65,7 +65,7 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
         } else if (name == "views") {
             if (value != "1") return refuse("1: a JPEG shows one eye; both come over the WebSocket");
         } else if (name != "token") { // `token` is read by the access check (access.h)
-            return fmt::format("no setting called {}; there is w h quality fps fov position target format",
+            return fmt::format("no parameter called {}; there is w h quality fps fov position target format",
                                oneLine(name.substr(0, 32)));
         }
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "server/net/origin.h"
+#include "server/net/pages.h"
 
 namespace brume::net {
 
@@ -37,7 +38,13 @@ std::optional<Reply> unfit(const boost::system::error_code& error, const Request
     const std::string_view path = target.substr(0, target.find('?'));
     const bool posted = request.method() == http::verb::post, points = path == "/cloud";
     const bool changes = path == "/pause" || path == "/resume" || path == "/seek" || path == "/scene" || points;
-    if (changes ? !posted : request.method() != http::verb::get && request.method() != http::verb::head) {
+    const bool read = request.method() == http::verb::get || request.method() == http::verb::head;
+    if (!read && !isAddress(path)) {
+        Reply reply = noSuchPage();
+        reply.close = true;
+        return reply;
+    }
+    if (changes ? !posted : !read) {
         Reply reply = refuse(405, changes ? "only POST is served here" : "only GET and HEAD are served here");
         reply.headers = {{"Allow", changes ? "POST" : "GET, HEAD"}};
         return reply;

@@ -14,7 +14,8 @@ constexpr uint64_t kHashEvery = 60; // ticks: a replay that goes astray is notic
 
 Recorder::Recorder(const Options& options, const RecordingHead& head, const Scene& scene, const gpu::Device& device)
     : options_(options), scene_(scene), device_(device),
-      out_(std::make_unique<RecordingWriter>(options.file, head, options.most_bytes)) {
+      out_(std::make_unique<RecordingWriter>(options.file, head, options.most_bytes)), begun_(head.tick),
+      file_(options.file) {
     spdlog::info("recording to '{}', {} MiB at most", options.file.string(), options.most_bytes >> 20);
 }
 
@@ -34,7 +35,10 @@ void Recorder::ticked(const Simulation& simulation, std::span<const Command> com
         spdlog::warn("the recording is full and ends at tick {}", before.tick);
         last_ = before; // the state of this tick cannot be had without its commands
         end("full");
-    } else if (picture) {
+        return;
+    }
+    commands_ += commands.size();
+    if (picture) {
         spdlog::info("tick {} frame {}", record.tick, hexOf(*record.frame));
     }
 }
@@ -51,6 +55,7 @@ void Recorder::goOn(const RecordingHead& head, const Scene& scene, const Simulat
         RecordingHead begun = head;
         begun.tick = simulation.tick();
         out_ = std::make_unique<RecordingWriter>(file, begun, options_.most_bytes);
+        begun_ = begun.tick, commands_ = 0, file_ = file;
         spdlog::info("recording goes on in '{}'", file.string());
     } catch (const RecordingError& error) {
         spdlog::error("the recording does not go on: {}", error.what());
@@ -77,6 +82,7 @@ void Recorder::end(const char* why) {
         write(last_);
     }
     out_.reset();
+    spdlog::info("recorded {} ticks, {} commands to '{}'", last_.tick - begun_, commands_, file_.string());
 }
 
 } // namespace brume

@@ -39,7 +39,9 @@ private:
     const gpu::Device& device_;
     std::unique_ptr<RecordingWriter> out_; // null once the recording has ended
     std::unique_ptr<OwnFrames> pictures_;
-    RecordedTick last_; // its commands are left out
+    RecordedTick last_;                 // its commands are left out
+    uint64_t begun_ = 0, commands_ = 0; // first tick and number of commands of the present file
+    std::filesystem::path file_;        // the present one
 };
 
 } // namespace brume

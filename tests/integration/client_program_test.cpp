@@ -1,9 +1,11 @@
 // brume-client itself, from its command line to its files.
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -109,8 +111,15 @@ TEST_F(ClientProgram, PausedItSeesOneState) {
     ASSERT_EQ(client->exitCode(), 0) << client->err();
     const Json pictures = stats()["pictures"];
     ASSERT_EQ(pictures.size(), 6u);
-    EXPECT_EQ(pictures[1]["state_hash"], pictures[5]["state_hash"]);
-    EXPECT_NE(pictures[1]["pose"], pictures[5]["pose"]);
+    const auto sideOf = [](const Json& picture, int axis) { return picture["pose"]["position"][axis].get<double>(); };
+    const double radius = std::hypot(sideOf(pictures[0], 0), sideOf(pictures[0], 2));
+    const double start = std::atan2(sideOf(pictures[0], 0), sideOf(pictures[0], 2));
+    for (size_t i = 0; i < pictures.size(); ++i) {
+        const double angle = start + double(i) * std::numbers::pi / 3; // sixths of a round, however long each took
+        EXPECT_EQ(pictures[i]["state_hash"], pictures[0]["state_hash"]) << i;
+        EXPECT_NEAR(sideOf(pictures[i], 0), radius * std::sin(angle), 1e-3) << i;
+        EXPECT_NEAR(sideOf(pictures[i], 2), radius * std::cos(angle), 1e-3) << i;
+    }
 }
 
 TEST_F(ClientProgram, StereoWritesBothEyes) {
@@ -274,7 +283,7 @@ TEST_F(ClientProgram, AServerThatComesBackAndWantsATokenEndsIt) {
 
 TEST_F(ClientProgram, EveryBadStartEndsInOneLine) {
     expectOneLine(*startClient({"--headless", "--url", "ws://127.0.0.1:1"}), "cannot connect");
-    expectOneLine(*startClient({"--headless", "--url", "http://127.0.0.1"}), "bad url");
+    expectOneLine(*startClient({"--headless", "--url", "ftp://127.0.0.1"}), "bad url");
     expectOneLine(*startClient({"--headless", "--url", url() + "/nothing"}), "HTTP 404");
     expectOneLine(*startClient({"--headless", "--url", url(), "--frames", "1", "--out", "/dev/null/frames"}),
                   "/dev/null/frames");

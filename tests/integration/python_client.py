@@ -186,7 +186,8 @@ class Needs(unittest.TestCase):
     def test_a_missing_module_and_an_old_one_are_named(self):
         for name in ('websockets', 'flatbuffers'):
             self.assertRegex(self.complaint(f'sys.modules[{name!r}] = None'),
-                             f'needs the module {name}, version .* python3-{name}.: it is missing')
+                             f'needs the module {name}, version .*, in {re.escape(sys.executable)}: it is missing. .*'
+                             f'python3-{name} is for /usr/bin/python3; .* -m pip install {name}')
             old = f'm = types.ModuleType({name!r}); m.__version__ = "1.12"; sys.modules[{name!r}] = m'
             self.assertRegex(self.complaint(old), f'needs the module {name}, .*: here is 1.12')
 

@@ -113,6 +113,8 @@ TEST_F(Record, ARecordingIsBoundedAndTheServerGoesOn) {
     EXPECT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= frames + 3; }));
     server.process().signal(SIGTERM);
     EXPECT_EQ(server.process().exitCode(), 0);
+    EXPECT_TRUE(std::regex_search(server.process().err(), std::regex("recorded [0-9]+ ticks, [0-9]{3,} commands to '")))
+        << server.process().err();
     EXPECT_LE(std::filesystem::file_size(file), 1u << 20);
     EXPECT_GE(std::filesystem::file_size(file), 1u << 18);
     const auto replay = startServer({"--replay", file.string()});

@@ -77,7 +77,7 @@ TEST_F(Scenes, WhatCannotBeShownLeavesTheOldSceneAndSaysWhy) {
     EXPECT_EQ(get(server.port(), "/scene?name=tubes").status, 405);
     const HttpReply comma = post(server.port(), "/cloud?name=mine", points("0,5"));
     EXPECT_EQ(comma.status, 422);
-    EXPECT_NE(comma.body.find("mine.ply:10: "), comma.body.npos) << comma.body;
+    EXPECT_EQ(comma.body.find("mine.ply:10: "), 0u) << comma.body;
     EXPECT_NE(comma.body.find("is its comma a decimal point?"), comma.body.npos) << comma.body;
     const HttpReply taken = post(server.port(), "/cloud?name=plume", points());
     EXPECT_NE(taken.body.find("?name="), taken.body.npos) << taken.body;

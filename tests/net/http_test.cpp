@@ -146,6 +146,7 @@ TEST_F(HttpTest, WrongRequestsAreToldSoInOneLine) {
     EXPECT_EQ(answerTo("GET http://elsewhere/ HTTP/1.1\r\nHost: elsewhere\r\n\r\n"), 400);
     EXPECT_EQ(answerTo("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc"), 405);
     EXPECT_EQ(answerTo("DELETE / HTTP/1.1\r\nHost: localhost\r\n\r\n"), 405);
+    EXPECT_EQ(answerTo("POST /puase HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"), 404);
     EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\nabc"), 413);
     EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"), 413);
     EXPECT_EQ(answerTo("GET /" + std::string(3000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n\r\n"), 414);

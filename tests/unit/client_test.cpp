@@ -42,8 +42,12 @@ TEST(Endpoint, UrlsOfEveryShape) {
     EXPECT_EQ(parseUrl("wss://cloud.example:443").url(), "wss://cloud.example:443/ws");
     EXPECT_TRUE(parseUrl("wss://[::1]/").tls);
     EXPECT_FALSE(parseUrl("ws://cloud").tls);
-    for (const char* bad : {"", "cloud", "http://cloud", "wss:/cloud", "ws://", "ws://:80", "ws://a:0", "ws://a:65536",
-                            "ws://a:8x", "ws://a:", "ws://[::1", "ws://[::1]80", "ws://a b", "ws://a\n"})
+    EXPECT_EQ(parseUrl("http://127.0.0.1:8080").url(), "ws://127.0.0.1:8080/ws");
+    EXPECT_EQ(parseUrl("https://cloud.example:81/show/?eyes=side").url(), "wss://cloud.example:81/show/ws");
+    EXPECT_EQ(parseUrl("http://cloud.example/").url(), "ws://cloud.example:80/ws");
+    for (const char* bad :
+         {"", "cloud", "ftp://cloud", "http:/cloud", "http://a:0", "wss:/cloud", "ws://", "ws://:80", "ws://a:0",
+          "ws://a:65536", "ws://a:8x", "ws://a:", "ws://[::1", "ws://[::1]80", "ws://a b", "ws://a\n"})
         EXPECT_THROW(parseUrl(bad), std::invalid_argument) << bad;
 }
 

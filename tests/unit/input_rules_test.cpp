@@ -113,8 +113,16 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
         EXPECT_EQ(only<SendError>(effects).input_seq, seq);
         return onlyError(effects);
     };
+    const auto whyRefused = [&](const char* path) {
+        const auto effects = answer([&](auto& b) { return Changes{wire::CreateChangeDirect(b, path, 1)}; });
+        return only<SendError>(effects).message;
+    };
     EXPECT_EQ(refused("medium.cuont", 1, nullptr, nullptr), ErrorCode::unknown_name);
     EXPECT_EQ(refused("medium.count", 1, nullptr, nullptr), ErrorCode::unknown_name) << "not live";
+    EXPECT_EQ(whyRefused("medium.count"), "medium.count changes only with a restart");
+    EXPECT_EQ(whyRefused("render.expsoure"), "no such live setting; did you mean render.exposure?");
+    EXPECT_EQ(whyRefused("exposure"), "no such live setting; did you mean render.exposure?");
+    EXPECT_EQ(whyRefused("weather"), "no such live setting; docs/scenes.md has those that there are");
     EXPECT_EQ(refused("render.method", {}, nullptr, "tetra"), ErrorCode::unknown_name);
     EXPECT_EQ(refused("medium.falloff", {}, nullptr, nullptr), ErrorCode::out_of_range) << "no value";
     EXPECT_EQ(refused("medium.falloff", 0, nullptr, nullptr), ErrorCode::out_of_range);

@@ -133,6 +133,7 @@ TEST(Ply, BrokenFilesSayWhatIsExpected) {
         {"", "ends inside its header"},
         {"plY\n", "first line is not \"ply\""},
         {std::string(100, 'x'), "ends inside its header"},
+        {"plyformat ascii 1.0element vertex 1", "sent with curl -d? It takes out line ends: use --data-binary"},
         {"ply\n" + std::string(2000, 'x') + "\n", "longer than 1024"},
         {kAscii, "expected end_header"},
         {"ply\nformat binary_big_endian 1.0\n" + vertex1, "big-endian files are not read"},

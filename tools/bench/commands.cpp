@@ -69,6 +69,12 @@ void writeText(const std::filesystem::path& file, const std::string& text) {
     std::cout << file.string() << '\n';
 }
 
+// "PNG" or "JPEG" for a file of that name; empty for others.
+std::string formatNamed(const std::filesystem::path& file) {
+    const std::filesystem::path kind = file.extension();
+    return kind == ".png" ? "PNG" : kind == ".jpg" || kind == ".jpeg" ? "JPEG" : "";
+}
+
 CostModel costsOf(const Context& context, const gpu::Device& device) {
     std::string complaint;
     CostModel model = loadCosts(costFile(context.costs, device.name(), device.driver()), complaint);
@@ -93,7 +99,13 @@ void render(const Context& context, RenderOptions o) {
 }
 
 int comparePictures(const CompareOptions& o) {
+    for (const std::string& file : {o.picture, o.reference})
+        if (const std::string kind = formatNamed(file); !kind.empty())
+            throw std::runtime_error(fmt::format("{} is a {}; compare takes the EXR of render", file, kind));
     const RadianceImage value = readExr(o.picture), reference = readExr(o.reference);
+    if (!value.edges.empty() && reference.edges.empty())
+        throw std::runtime_error(fmt::format("the reference comes second: {} has edges marked (channel E), {} has none",
+                                             o.picture, o.reference));
     if (value.width != reference.width || value.height != reference.height)
         throw std::runtime_error(fmt::format("the pictures differ in size: {} is {}x{}, {} is {}x{}", o.picture,
                                              value.width, value.height, o.reference, reference.width,

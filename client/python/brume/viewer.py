@@ -227,7 +227,8 @@ class Viewer:
         """Shows particles of a simulation elsewhere, in a scene with medium.layout = "live": these and no others.
         Particle n is the same in every call. Lists or arrays; scales and extinctions may be one number for all.
 
-        positions: n x 3, m, counted from the scene's origin. scales: m. extinctions: 1/m at the particle's centre.
+        positions: n x 3, m, counted from the scene's origin. scales: m; a particle's standard deviation is
+        0.1 · scale · medium.falloff. extinctions: 1/m at the particle's centre.
         albedos: n x 3; without them the scene's. seconds: the particles move to their new values in this time; with
         the time between two calls, ten calls a second look smooth. The server takes 120 messages a second, each of
         3000 particles, or 2000 with albedos.
