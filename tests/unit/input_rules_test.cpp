@@ -115,7 +115,7 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
     };
     const auto whyRefused = [&](const char* path) {
         const auto effects = answer([&](auto& b) { return Changes{wire::CreateChangeDirect(b, path, 1)}; });
-        return only<SendError>(effects).message;
+        return only<SendError>(effects).text;
     };
     EXPECT_EQ(refused("medium.cuont", 1, nullptr, nullptr), ErrorCode::unknown_name);
     EXPECT_EQ(refused("medium.count", 1, nullptr, nullptr), ErrorCode::unknown_name) << "not live";
