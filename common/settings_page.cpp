@@ -32,7 +32,7 @@ little-endian. Of its element `vertex`, up to 1000000 rows, these properties are
 | `x`, `y`, `z` | within 50 km of `origin` | m | Place; `medium.centre` moves all points |
 | `scale` | 0.001 to 1000 | m | As `medium.scale`; the standard deviation is 0.1 · scale · falloff |
 | `radius` | 0.001 to 1000 | m | Without `scale`: the standard deviation is radius / √5 |
-| `sigma_t` | 0 to 10000 | 1/m | Extinction at the particle's centre, instead of extinction · multiplier |
+| `sigma_t` | 0 to 10000 | 1/m | Extinction at the particle's centre, instead of extinction · multiplier · 1e-4 |
 | `opacity` | float 0 to 1, uchar 0 to 255 |  | Without `sigma_t`: the optical depth through the centre is -ln(1 - opacity) |
 | `red`, `green`, `blue`, or `diffuse_red` ... | float 0 to 1, uchar 0 to 255 |  | Albedo, instead of `medium.albedo`; linear: no sRGB curve is applied |
 
@@ -44,7 +44,7 @@ splatting hold logarithms and logits instead (`scale_0`, `opacity`): convert the
 Points without a size take `medium.scale`. If the scene does not give it, the spacing of the points decides: the
 standard deviation is half the median distance to the 8th neighbour. A point with a number out of range is left out.
 
-Points without `sigma_t` or `opacity` take medium.extinction · multiplier. If the scene does not give the extinction
+Points without `sigma_t` or `opacity` take extinction · multiplier · 1e-4. If the scene does not give the extinction
 either, it is chosen for a mean optical depth of 3. A scene that gives no `[camera]` has one that sees all points.
 
 `medium.extinction` and `medium.albedo` are factors of values that came with the points, relative to the scene's start.

@@ -22,8 +22,9 @@ void BatchPlanner::fit(std::span<const std::shared_ptr<Viewer>> viewers, double 
         wishes_.push_back(schedule_.predict(viewer->id(), viewer->wishedPixels()));
     const double level = fairLevel(wishes_, schedule_.forPictures(most_ms));
     for (size_t i = 0; i < viewers.size(); ++i)
-        most_pixels_.push_back(wishes_[i] > level ? viewers[i]->wishedPixels() * level / wishes_[i]
-                                                  : std::numeric_limits<double>::infinity());
+        most_pixels_.push_back(wishes_[i] > level
+                                   ? std::max(viewers[i]->wishedPixels() * level / wishes_[i], kLeastPixels)
+                                   : std::numeric_limits<double>::infinity());
 }
 
 void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still,

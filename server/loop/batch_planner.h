@@ -36,6 +36,9 @@ struct BatchContents {
     float full_batch_ratio = 1; // predicted time of a batch with all due viewers / of this batch; at least 1
 };
 
+// Pixels of a picture for which a newcomer must find time, and below which no wish is made smaller.
+inline constexpr double kLeastPixels = 160 * 90;
+
 class BatchPlanner {
 public:
     struct Limits {

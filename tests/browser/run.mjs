@@ -234,7 +234,7 @@ describe('one server', () => {
     await shows(new RegExp(`^auto: ${way.source}`));
     assert.ok(await plan.isVisible());
     await method.selectOption('sphere');
-    await shows(/^sphere, [\d.]+ %/);
+    await shows(/^sphere, error not predicted/); // it has no law of its error
     await method.selectOption(asked);
     await page.leave();
   });

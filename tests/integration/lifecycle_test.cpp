@@ -149,7 +149,8 @@ TEST(Lifecycle, APointCloudIsToldOfAtTheStartAndForExplain) {
     const std::string ply = path.string() + ".ply", scene = path.string() + ".toml";
     std::ofstream(ply) << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
                           "property float z\nproperty float nx\nend_header\n2000 0 0 1\n2001 0 0 1\n";
-    std::ofstream(scene) << "[medium]\nlayout = 'file'\nfile = '" << path.filename().string() << ".ply'\n";
+    std::ofstream(scene) << "[medium]\nlayout = 'file'\nfile = '" << path.filename().string()
+                         << ".ply'\n[camera]\nposition = [0, 2, 26]\n";
     const auto expectTold = [&](const std::string& err) {
         for (const std::string& what :
              {"point cloud '" + ply + "': 2 points in [2000, 0, 0] to [2001, 0, 0] m; scale ",

@@ -204,6 +204,7 @@ class Conformance(unittest.TestCase):
 
     def test_a_silent_peer_is_pinged_and_one_that_answers_stays(self):
         peer = self.peer()
+        peer.raw(Opcode.BINARY, POSE)  # without one it would be told goodbye
         self.assertIsNotNone(peer.wait(lambda f: f.opcode == Opcode.PING))
         end = time.monotonic() + 6  # beyond --idle; `websockets` answers the pings
         while time.monotonic() < end:

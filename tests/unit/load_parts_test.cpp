@@ -76,7 +76,7 @@ TEST(LoadOptions, BadOnesEndInOneLine) {
                                                {"--seconds", "nan"},
                                                {"--paths", "orbit,walk"},
                                                {"--width", "8"},
-                                               {"--server", "http://127.0.0.1"},
+                                               {"--server", "ftp://127.0.0.1"},
                                                {"--server", "ws://192.0.2.1"},
                                                {"--server", "ws://example.com"},
                                                {"--server", "ws://[::2]"},

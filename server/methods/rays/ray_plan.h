@@ -20,8 +20,8 @@ inline constexpr uint32_t kRayMargin = 3;
 constexpr uint32_t raysBeyond(uint32_t margin) { return 2 * margin + 1; }
 
 // Errors that these approximations leave (relative RMSE), as measured against the double-precision reference:
-// docs/results/data/plan.md. The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes and
-// props from outside and from within, each cause by itself.
+// docs/results/data/plan.md. The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes
+// and props from outside and from within, each cause by itself.
 //
 // Of rays `spacing` projected standard deviations apart: a cubic B-spline errs by the fourth derivative, which of
 // Gaussians grows on with every order; between spacings of a half and two that is the power 4.5.

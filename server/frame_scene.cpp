@@ -1,0 +1,120 @@
+// The scene that the frame loop shows: the first one, and those that replace it while it runs.
+#include <algorithm>
+#include <condition_variable>
+#include <stop_token>
+#include <thread>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "server/frame.h"
+#include "server/plan/memory.h"
+#include "server/sim/point_cloud.h"
+
+namespace brume {
+namespace {
+
+constexpr auto kLongStart = std::chrono::seconds(1);
+
+// Logs its text unless it is gone before that time is over.
+class Notice {
+public:
+    Notice(Clock::duration after, const char* text)
+        : thread_([this, after, text](const std::stop_token& over) {
+              std::unique_lock lock(mutex_);
+              if (!woken_.wait_for(lock, over, after, [&] { return over.stop_requested(); })) spdlog::info(text);
+          }) {}
+
+private:
+    std::mutex mutex_;
+    std::condition_variable_any woken_;
+    std::jthread thread_; // the last member: it uses the others
+};
+
+// The most particles that can be alive. Throws SceneError when so many do not fit the memory that there is for them.
+uint32_t bounded(const Scene& scene, const Simulation& simulation, uint64_t memory) {
+    const std::string wrong = memoryRefusal(simulation.capacity(), memory, simulation.besides());
+    if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);
+    return simulation.capacity();
+}
+
+} // namespace
+
+FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
+                     const Options& options)
+    : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
+      costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory),
+      frame_ms_(options.frame_ms), most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
+      renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
+      planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
+      workers_(options.encode_threads) {
+    simulation_.countFrom(options.first_tick);
+    tellOfPointCloud(scene_, simulation_);
+    for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
+    warmUp();
+    report(Clock::now()); // viewers who come before the first tick are told the scene's own settings
+}
+
+// Drivers compile shaders when they are first used: for a viewer's picture, and for a picture at rest, which snapshots
+// are. What may be needed later: ahead.h.
+void FrameLoop::warmUp() {
+    const Notice notice(kLongStart, "compiling shaders: a driver does so once, and then has them in its cache");
+    const PlanView own = ownView(scene_);
+    const EyeRequest eye{own.pose, own.width, own.height};
+    Submission& submission = batches_.front()->submission;
+    const auto draw = [&](const RenderSettings& settings, bool still) {
+        renderer_->submit(submission, simulation_, {&eye, 1}, &settings, still);
+        while (!submission.commands.wait(1'000'000'000)) {
+        }
+    };
+    draw(planner_->settings(simulation_, {&own, 1}, false, Clock::now()), false);
+    draw(planner_->once(simulation_, own).settings, true);
+}
+
+// Goes on from another state of the same scene.
+void FrameLoop::begin(Simulation simulation) {
+    simulation_ = std::move(simulation);
+    ++scene_version_;
+    changed_ = replan_ = true;
+    if (ticked_) ticked_(simulation_, {});
+}
+
+std::future<void> FrameLoop::show(NextScene next) {
+    const std::scoped_lock lock(mutex_);
+    next_.emplace(std::move(next));
+    shown_ = {};
+    return shown_.get_future();
+}
+
+// Shows the scene that waits, if there is one. Nothing of the old one is on the device.
+void FrameLoop::takeScene() {
+    std::optional<NextScene> next;
+    std::promise<void> shown;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!next_) return;
+        next = std::exchange(next_, std::nullopt);
+        shown = std::exchange(shown_, {});
+    }
+    renderer_.reset(); // makes room for the other
+    try {
+        renderer_.emplace(device_, next->scene, bounded(next->scene, next->simulation, memory_));
+    } catch (const gpu::DeviceLost&) {
+        throw;
+    } catch (const std::runtime_error&) {
+        renderer_.emplace(device_, scene_, simulation_.capacity());
+        return shown.set_exception(std::current_exception());
+    }
+    next->simulation.countFrom(simulation_.tick() + 1); // a tick has one state
+    scene_ = std::move(next->scene);
+    simulation_ = std::move(next->simulation);
+    planner_.emplace(scene_, costs_, frame_ms_);
+    ++scene_version_;
+    replan_ = true;
+    if (next->on_show) next->on_show(simulation_);
+    audience_.setScene(sceneFacts(scene_, std::move(next->others)));
+    report(Clock::now());
+    shown.set_value();
+}
+
+} // namespace brume
