@@ -41,10 +41,11 @@ std::optional<Role> roleFor(std::string_view path) {
 // The status line and the headers, without Content-Length and the empty line at the end.
 std::string headOf(const Reply& reply, std::string_view connection, const NetOptions& options) {
     const beast::string_view reason = http::obsolete_reason(http::status(reply.status));
-    std::string head = fmt::format("HTTP/1.1 {} {}\r\nServer: brume/{}\r\nConnection: {}\r\nContent-Type: {}\r\n"
-                                   "X-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: {}\r\n",
-                                   reply.status, std::string_view(reason.data(), reason.size()), BRUME_VERSION,
-                                   connection, reply.content_type, resourcePolicy(options));
+    std::string head =
+        fmt::format("HTTP/1.1 {} {}\r\nServer: brume/{}\r\nConnection: {}\r\nContent-Type: {}\r\n"
+                    "X-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: {}\r\n",
+                    reply.status, std::string_view(reason.data(), reason.size()), BRUME_VERSION, connection,
+                    reply.content_type, reply.for_all ? "cross-origin" : resourcePolicy(options));
     for (const auto& [name, value] : reply.headers) head += fmt::format("{}: {}\r\n", name, value);
     return head;
 }
@@ -175,6 +176,7 @@ Reply HttpConnection::health(std::string_view path) const {
         reply = lineReply(503, "not ready: no frame can be rendered yet");
     else
         reply = lineReply(200, "ready");
+    reply.for_all = path == "/healthz" || path == "/readyz"; // a page asks another server if it is there
     reply.headers = {{"Cache-Control", "no-store"}};
     return reply;
 }

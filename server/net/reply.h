@@ -12,6 +12,7 @@ struct Reply {
     std::string content_type = "text/plain; charset=utf-8";
     std::string body;
     std::vector<std::pair<std::string, std::string>> headers; // besides content type and length
+    bool for_all = false;                                     // true: pages of every site may have it
     bool close = false;                                       // true: the connection ends after the reply
 };
 

@@ -126,8 +126,10 @@ TEST_F(OriginTest, EveryReplySaysWhoMayEmbedIt) {
     const uint16_t port = serve();
     const auto policies = [&](const std::string& policy) {
         constexpr const char* kHeader = "Cross-Origin-Resource-Policy";
-        for (const char* route : {"/", "/ws", "/healthz", "/snapshot.jpg", "/metrics", "/no-such-page"})
+        for (const char* route : {"/", "/ws", "/snapshot.jpg", "/metrics", "/no-such-page"})
             EXPECT_EQ(ask(route, "Host: localhost\r\n").header(kHeader), policy) << route;
+        for (const char* route : {"/healthz", "/readyz"}) // a page asks another server if it is there
+            EXPECT_EQ(ask(route, "Host: localhost\r\n").header(kHeader), "cross-origin") << route;
         EXPECT_EQ(ask("/", "Host: evil.example\r\n").header(kHeader), policy);
         EXPECT_EQ(ask("/ws", "Host: localhost\r\n" + std::string(kUpgrade)).header(kHeader), policy);
         Socket stream(port);

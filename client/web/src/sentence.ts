@@ -1,5 +1,6 @@
-// A server's line with a capital letter and a full stop.
+// A server's line with a full stop, and with a capital letter unless it begins with the name of a file or an option.
 export function sentence(text: string): string {
-  const first = text.charAt(0).toUpperCase() + text.slice(1);
+  const isName = /^(-|\S*[./]\S)/.test(text);
+  const first = isName ? text : text.charAt(0).toUpperCase() + text.slice(1);
   return /[.!?…]$/.test(first) ? first : `${first}.`;
 }

@@ -1,7 +1,15 @@
 import { describe, expect, test } from 'vitest';
 import type { Setting } from '../src/protocol';
 import { cloudName } from '../src/scenes';
+import { sentence } from '../src/sentence';
 import { changesBack, valuesOf } from '../src/shared-settings';
+
+test('a line of the server is a sentence, and names keep their letters', () => {
+  expect(sentence('every place is taken')).toBe('Every place is taken.');
+  expect(sentence('other.ply:10: not a number')).toBe('other.ply:10: not a number.');
+  expect(sentence('/tmp/a.ply: no such file.')).toBe('/tmp/a.ply: no such file.');
+  expect(sentence('--port: taken')).toBe('--port: taken.');
+});
 
 test('a file gets a name that the server takes', () => {
   expect(cloudName('mine.ply')).toBe('mine');
