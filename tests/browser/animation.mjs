@@ -20,7 +20,7 @@ const PUSHES = [
 const leave = [];
 const never = { after: (end) => leave.push(end) }; // for openPage, which expects a test
 const folder = await mkdtemp(join(tmpdir(), 'brume-animation-'));
-const server = await startServer('--scene', 'cumulus');
+const server = await startServer('--scene', 'cloud');
 const browser = await startBrowser();
 try {
   const pages = [];

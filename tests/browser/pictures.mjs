@@ -1,7 +1,7 @@
 // The README's pictures, made by the programs: node tests/browser/pictures.mjs [FOLDER, docs/pictures]
 import { mkdir, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { connected, drag, openPage, pausedIs, settled, startBrowser, until } from './pages.mjs';
+import { connected, openPage, pausedIs, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
 const folder = process.argv[2] ?? 'docs/pictures';
@@ -48,16 +48,6 @@ try {
   await page.waitForTimeout(4000); // rates of the overlay settle
   await screenshot(page, 'page');
   await page.close();
-
-  const viewport = { width: 600, height: 400 };
-  for (const name of ['viewer-1', 'viewer-2']) {
-    const viewer = await openPage(never, browser, server.url, { viewport });
-    await connected(viewer);
-    if (name === 'viewer-2') await drag(viewer, [0.8, 0.5], [0.3, 0.45]);
-    await viewer.waitForTimeout(3000);
-    await settled(viewer);
-    await screenshot(viewer, name);
-  }
 } finally {
   for (const end of leave) await end();
   await browser.close();

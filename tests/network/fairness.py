@@ -16,6 +16,7 @@ from programs import Failed, Server, machine, tell, write
 
 SIZE = (640, 360)
 SETTLE = 4.0  # s after the others came, before it counts
+REST = 2.0  # s after they went
 
 
 def watch(url, begin, seconds):
@@ -29,19 +30,24 @@ def watch(url, begin, seconds):
     return [one for one in times if one >= 0]
 
 
-def watched(url, seconds):
-    """(frames a second, ms: 95th percentile of the time between two frames)."""
-    with multiprocessing.Pool(1) as pool:
-        times = pool.apply(watch, (url, time.monotonic() + 1, seconds))
-    gaps = sorted(1000 * (b - a) for a, b in zip(times, times[1:]))
-    return len(times) / seconds, gaps[int(0.95 * len(gaps))] if gaps else float('inf')
+def rate_and_gap(times, begin, seconds):
+    """(frames a second, ms: 95th percentile of the time between two frames) of that window."""
+    inside = [one for one in times if begin <= one < begin + seconds]
+    gaps = sorted(1000 * (b - a) for a, b in zip(inside, inside[1:]))
+    return len(inside) / seconds, gaps[int(0.95 * len(gaps))] if gaps else float('inf')
 
 
 # ---- what the others do; each runs until it is killed ----
 
+def elsewhere():
+    """A camera that nobody else has: pictures of one camera are drawn once for all who have it."""
+    return {'position': (random.uniform(-9, 9), random.uniform(5, 9), 24), 'target': (0, 5, 0)}
+
+
 def steady(url, size=SIZE):
     import brume
     with brume.connect(url, size=size) as view:
+        view.look(**elsewhere())
         for frame in view.frames():
             pass
 
@@ -54,6 +60,7 @@ def churn(url):
     import brume
     while True:
         with brume.connect(url, size=SIZE, reconnect=0) as view:
+            view.look(**elsewhere())
             view.frame()
 
 
@@ -78,7 +85,7 @@ def sizes(url):
     rng = random.Random()
     with brume.connect(url, size=SIZE) as view:
         while True:
-            view.look(size=rng.choice([(320, 180), (480, 270), (640, 360), (960, 540), (540, 960)]))
+            view.look(size=rng.choice([(320, 180), (480, 270), (640, 360), (960, 540), (540, 960)]), **elsewhere())
             view.frame()
 
 
@@ -127,21 +134,22 @@ def measure(name, others, parts, options):
     server = Server(options.programs, ['--scene', options.scene, *options.start.split()])
     try:
         url = f'http://127.0.0.1:{server.port}'
-        watched(url, SETTLE)  # shaders are compiled
-        before, gap_before = watched(url, options.seconds)
-        memory = resident(server.pid)
-        started = [multiprocessing.Process(target=what, args=(url,), daemon=True) for what, count in others for _ in range(count)]
-        for one in started:
-            one.start()
-        time.sleep(SETTLE)
-        during, gap_during = watched(url, options.seconds)
-        most = resident(server.pid)
-        for one in started:
-            one.kill()
-        for one in started:
-            one.join()
-        time.sleep(2)
-        after, gap_after = watched(url, options.seconds)
+        window, begin = options.seconds, time.monotonic() + 2 + SETTLE  # shaders are compiled before it counts
+        with multiprocessing.Pool(1) as pool:
+            watching = pool.apply_async(watch, (url, begin, 3 * window + SETTLE + REST))
+            time.sleep(begin + window - time.monotonic())
+            memory = resident(server.pid)
+            started = [multiprocessing.Process(target=what, args=(url,), daemon=True) for what, count in others for _ in range(count)]
+            for one in started:
+                one.start()
+            time.sleep(begin + 2 * window + SETTLE - time.monotonic())
+            most = resident(server.pid)
+            for one in started:
+                one.kill()
+            times = watching.get()
+        before, gap_before = rate_and_gap(times, 0, window)
+        during, gap_during = rate_and_gap(times, window + SETTLE, window)
+        after, gap_after = rate_and_gap(times, 2 * window + SETTLE + REST, window)
         share = during / (before / (1 + parts))
         tell(f'{name}: {before:.1f} -> {during:.1f} -> {after:.1f} frames/s, {share:.2f} of its share')
         return (f'| {name} | {before:.1f} | {during:.1f} | {after:.1f} | {share:.2f} | {gap_before:.0f} | {gap_during:.0f} | '
