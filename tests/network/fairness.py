@@ -173,9 +173,10 @@ def main():
     text = '\n'.join([
         '# Who takes what is another\'s', '',
         'One viewer of 640x360 watches a scene that moves; then others come, go on, and go. Made by `./dev fairness`.', '',
-        f'Scene `{options.scene}`; {began}. Everything runs on this machine: the others\' programs take their part of',
-        'its cores, too. *Share*: frames during, over what the viewer had before, divided by the parts that the device is',
-        'shared in (one for each that watches, one for all snapshots of an address). At least 0.8 is promised.', '',
+        f'Scene `{options.scene}`; {began}. Everything runs on this machine:',
+        'the others\' programs take their part of its cores, too. *Share*: frames during, over what the viewer had before,',
+        'divided by the parts that the device is shared in: one for each that watches, one for all snapshots of an',
+        'address. The four streams have one camera, so they are drawn once. At least 0.8 is promised.', '',
         '| the others | before, 1/s | during | after | share | gap p95 before, ms | during | after | MiB before | during |',
         '|---|---|---|---|---|---|---|---|---|---|', *rows, ''])
     if options.out:
