@@ -20,7 +20,7 @@ struct PointCloud {
     std::vector<float> sigma_t;       // 1/m, extinction at a particle's centre
     std::vector<float> opacity;       // 0 ... 1, part of the light that a particle stops on a ray through its centre
     std::vector<glm::vec3> albedo;    // linear, in [0, 1]
-    std::vector<int64_t> id;          // of a simulation's particle; only where asked for
+    std::vector<int64_t> id;          // each point's property `id`; empty unless loadPly() is asked for it
     std::vector<std::string> ignored; // names of the points' properties that are not read
     size_t dropped = 0;               // number of points left out, since a number is not finite or out of range
     std::string first_dropped;        // why the first of them was left out: "line 9: x is nan; allowed: ..."

@@ -40,22 +40,23 @@ struct Medium {
     glm::vec3 centre{0};  // m, of the layout; with layouts file, sequence and live what points are moved by
     float extent = 10;    // m, side of the cube, length of a tube, width of the cumulus
     Range scale{6, 6};    // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
-    bool extinction_by_depth =
-        false; // of a file: the scene gives no extinction; points without one get what a cloud needs
-    bool scale_by_spacing = false; // of files: points without sizes have one that follows from their spacing
-    float falloff = 1.6f;          // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
-    float extinction = 15;         // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
-    Range multiplier{5, 10};       // per particle, uniform
-    glm::vec3 albedo{0.9f};        // rho, in [0, 1]
-    float anisotropy = 0;          // a in [0, 1]: p = (1-a)/4pi + a HG(g)
-    float asymmetry = 0;           // g in (-1, 1)
+    // True: the scene gives no extinction, and points of a file without one get that of a mean optical depth of 3.
+    bool extinction_by_depth = false;
+    // True: the scene gives no scale, and points of files without sizes have one that follows from their spacing.
+    bool scale_by_spacing = false;
+    float falloff = 1.6f;    // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
+    float extinction = 15;   // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
+    Range multiplier{5, 10}; // per particle, uniform
+    glm::vec3 albedo{0.9f};  // rho, in [0, 1]
+    float anisotropy = 0;    // a in [0, 1]: p = (1-a)/4pi + a HG(g)
+    float asymmetry = 0;     // g in (-1, 1)
     uint64_t seed = 1;
     Emitter emitter; // layout emitter only
     // Layouts file and sequence only, resolved against the scene's folder. Of a sequence its name has a run of #, each
     // a digit.
     std::filesystem::path file;
-    float rate = 24;  // layout sequence: 1/s, the numbers of files that pass
-    bool loop = true; // layout sequence. True: after the last file comes the first; false: the last one stays
+    float rate = 24;  // 1/s, how many numbers of files pass; layout sequence only
+    bool loop = true; // True: after the last file comes the first; false: the last one stays. Layout sequence only
 };
 
 struct SimulationSettings {

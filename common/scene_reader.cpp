@@ -54,7 +54,8 @@ std::string TableReader::shown(const toml::node& node) {
 double TableReader::checked(std::string_view key, const toml::node& node, Limits allowed, bool whole,
                             const std::string& form) const {
     const bool right_type = whole ? node.is_integer() : node.is_number();
-    const auto* integer = node.as_integer(); // of 64 bits: one that is no double has no value<double>()
+    // A whole number of 64 bits that no double holds has no value<double>().
+    const auto* integer = node.as_integer();
     const double value = !right_type ? 0 : integer ? static_cast<double>(integer->get()) : *node.value<double>();
     if (!right_type || !allowed.holds(value)) fail(key, shown(node), form + ' ' + bounds(allowed));
     return value;

@@ -47,7 +47,7 @@ public:
     // A scene that was loaded to be shown instead of the present one.
     struct NextScene {
         Scene scene;
-        Simulation simulation;                          // of the scene, not stepped
+        Simulation simulation;                          // made of `scene`, not stepped
         std::vector<std::string> others;                // SceneFacts::others
         std::function<void(const Simulation&)> on_show; // called on the loop's thread before the scene's first tick
     };
@@ -97,7 +97,7 @@ private:
     Scene scene_;
     const std::function<void(const Simulation&, std::span<const Command>)> ticked_;
     const CostModel costs_;
-    const uint64_t memory_, picture_memory_; // of FrameOptions
+    const uint64_t memory_, picture_memory_; // bytes: FrameOptions::memory, picture_memory
     std::atomic<double> frame_ms_;
     const double most_frame_ms_;
     std::atomic<bool> compiled_{true};
@@ -113,7 +113,7 @@ private:
     std::vector<std::shared_ptr<Viewer>> viewers_;
     BatchPlanner batch_planner_;
     DeviceLedger ledger_;
-    Room room_; // of the pictures' buffers
+    Room room_; // what the pictures' buffers needed lately
     Refinement refinement_;
     Clock::time_point load_told_{}, reported_{};
     double most_full_ms_ = 0;    // largest predicted time of a batch with all due viewers, since load_told_
@@ -128,7 +128,7 @@ private:
     std::condition_variable wake_;
     bool stopping_ = false;
     std::optional<NextScene> next_;
-    std::promise<void> shown_; // of next_
+    std::promise<void> shown_; // answers who gave next_
     std::exception_ptr failure_;
     std::thread thread_;
 };

@@ -64,7 +64,7 @@ std::string why(const std::exception_ptr& exception) {
 
 struct SceneChanger::Files {
     fs::path scene;
-    std::string text; // of the scene
+    std::string text; // the scene file's
     std::vector<std::string> overrides;
     std::pair<uintmax_t, fs::file_time_type> points{}; // size of the point clouds, time of the newest
 
@@ -137,7 +137,8 @@ void SceneChanger::showCloud(const SceneRequest& request) {
         }
     } remover{incoming};
 
-    Scene scene = sceneOf("[medium]\nlayout = \"file\"\nfile = \"incoming/" + request.name + ".ply\"\n", file, {});
+    Scene scene = sceneOf(
+        "[medium]\nlayout = \"file\"\nfile = \"" + std::string(kIncoming) + "/" + request.name + ".ply\"\n", file, {});
     placeCamera(scene);
     fs::rename(incoming, folder / (request.name + ".ply"));
     scene.medium.file = folder / (request.name + ".ply");

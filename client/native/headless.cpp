@@ -73,8 +73,8 @@ private:
         statistics_.welcome(granted);
         next_ping_us_ = 0;
         awaited_pose_.reset();
-        if (granted.scene == std::exchange(scene_, granted.scene) && start_us_ > 0)
-            return; // the same scene again: the camera goes on
+        // A welcome to the same scene, after a lost connection: the camera goes on.
+        if (granted.scene == std::exchange(scene_, granted.scene) && start_us_ > 0) return;
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
         camera_.fov_y = granted.fov_y;
         start_us_ = nowUs();

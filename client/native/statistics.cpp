@@ -102,7 +102,8 @@ std::optional<float> percentile(std::vector<float> values, double fraction) {
 
 void Statistics::welcome(const Granted& granted) {
     granted_ = granted;
-    if (!key_.empty() && granted.resume == key_) return; // of the same connection: another scene is shown
+    // A second welcome on one connection tells of another scene.
+    if (!key_.empty() && granted.resume == key_) return;
     key_ = granted.resume;
     ++welcomes_;
     if (granted.resumed) ++resumed_;

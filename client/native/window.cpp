@@ -132,8 +132,8 @@ private:
     void welcome(const Granted& granted) {
         statistics_.welcome(granted);
         next_ping_us_ = 0;
-        if (granted.scene == std::exchange(scene_, granted.scene) && gestures_)
-            return; // the same scene again: the camera stays where the user left it
+        // A welcome to the same scene, after a lost connection: the camera stays where the user left it.
+        if (granted.scene == std::exchange(scene_, granted.scene) && gestures_) return;
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
         camera_.fov_y = granted.fov_y;
         gestures_.emplace(camera_, options_.wishes.views);

@@ -16,7 +16,7 @@ struct PointCloudFacts {
     std::vector<std::string> ignored;         // names of properties that are not read
     size_t kept = 0, dropped = 0;             // points that are read, and those that are left out
     std::string first_dropped;                // why the first of them is
-    std::string sequence, gaps;               // of a sequence: what it is; a warning of missing files, or empty
+    std::string sequence, gaps;               // a sequence in words; a warning of missing files, or empty
 };
 
 // One entry per particle. sigma_t and albedo come from files only and are empty otherwise.
@@ -26,9 +26,9 @@ struct Placement {
     std::vector<float> multiplier;        // times the medium's extinction
     std::vector<float> sigma_t;           // 1/m, replaces multiplier * extinction
     std::vector<glm::vec3> albedo;        // replaces the medium's
-    std::vector<int64_t> id;              // of a sequence's file whose points have ids
+    std::vector<int64_t> id;              // each point's id, where a sequence's file has them
     bool own_scale = false;               // True: sizes came with the points
-    std::optional<PointCloudFacts> cloud; // of files alone
+    std::optional<PointCloudFacts> cloud; // facts about points of a file; nothing for other layouts
 };
 
 // Places the particles of a medium. The result depends on the medium only, not on compiler or machine. Throws

@@ -61,6 +61,17 @@ protected:
         EXPECT_TRUE(out.write({10, simulation.stateHash(), {}, {}, "stopped"}));
     }
 
+    // record() with another value of tick 4's setting, under the same hashes.
+    void recordOtherwise() const {
+        record();
+        RecordingReader in(file);
+        std::vector<RecordedTick> all;
+        while (auto tick = in.next()) all.push_back(*tick);
+        std::get<Set>(all[1].commands[1].body).changes.at(0).value = std::nextafter(0.1f, 1.0f);
+        RecordingWriter out(file, head());
+        for (const RecordedTick& tick : all) EXPECT_TRUE(out.write(tick));
+    }
+
     std::string readError() const {
         try {
             RecordingReader in(file);
@@ -258,15 +269,7 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreNamed) {
 }
 
 TEST_F(RecordingTest, AReplayNamesTheFirstTickThatDiffers) {
-    {
-        record();
-        RecordingReader in(file);
-        std::vector<RecordedTick> all;
-        while (auto tick = in.next()) all.push_back(*tick);
-        std::get<Set>(all[1].commands[1].body).changes.at(0).value = std::nextafter(0.1f, 1.0f);
-        RecordingWriter out(file, head());
-        for (const RecordedTick& tick : all) EXPECT_TRUE(out.write(tick));
-    }
+    recordOtherwise();
     const std::string said = replayed();
     EXPECT_NE(said.find("the first difference is at tick 4: state "), said.npos) << said;
     EXPECT_NE(said.find("tick 0 was as recorded"), said.npos) << said;
@@ -342,15 +345,7 @@ TEST_F(RecordingTest, ALookGoesSixtyTicksASecondPausesAndSeeks) {
 }
 
 TEST_F(RecordingTest, ALookTellsOfADifferenceAndOfTheEndOnce) {
-    {
-        record();
-        RecordingReader in(file);
-        std::vector<RecordedTick> all;
-        while (auto tick = in.next()) all.push_back(*tick);
-        std::get<Set>(all[1].commands[1].body).changes.at(0).value = std::nextafter(0.1f, 1.0f);
-        RecordingWriter out(file, head());
-        for (const RecordedTick& tick : all) EXPECT_TRUE(out.write(tick));
-    }
+    recordOtherwise();
     const test::LogCapture log;
     Looking look(file);
     for (const uint64_t tick : {10, 0, 10}) {
