@@ -52,7 +52,7 @@ try {
   const sides = [0, 1].flatMap((i) => ['-framerate', rate, '-i', join(folder, `${i}-%03d.png`)]);
   const smaller = `scale=${WIDTH}:-2:flags=area`;
   const together = `[0:v]${smaller},pad=iw+8:ih:0:0:white[a];[1:v]${smaller}[b];[a][b]hstack`;
-  const webp = ['-c:v', 'libwebp_anim', '-loop', '0', '-quality', '95', '-compression_level', '6'];
+  const webp = ['-c:v', 'libwebp_anim', '-loop', '0', '-quality', '100', '-compression_level', '6'];
   execFileSync('ffmpeg', ['-y', '-loglevel', 'error', ...sides, '-filter_complex', together, ...webp, file]);
   console.log(`${file}: ${count} frames`);
 } finally {
