@@ -120,7 +120,6 @@ void FrameLoop::tick() {
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
     planner_->setFrameBudget(frame_ms_);
-    planner_->setCompiled(compiled_);
     if (ticked_) ticked_(simulation_, commands_);
 }
 
@@ -136,11 +135,14 @@ bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
     const Plan& before = planner_->plan();
+    if (const uint64_t version = ways_.version(); version != held_with_) held_with_ = version, held_.clear();
     const bool any = batch_planner_.plan(viewers_, scene_version_,
                                          {.budget_ms = frame_ms_,
                                           .most_ms = most_frame_ms_,
                                           .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
                                           .still_ratio = before.still_ms / before.chosen.ms(),
+                                          .still = planner_->drawable(finer(before.chosen.settings), true),
+                                          .held = held_,
                                           .bytes = mostPlaneBytes()},
                                          batch.taken, batch);
     viewers_.clear();
@@ -157,18 +159,28 @@ bool FrameLoop::render(Batch& batch) {
     const bool rests = plan.relaxed == 0 && batch_planner_.camerasRest(batch.taken);
     const double dearer = plan.still_ms / plan.chosen.ms();
     batch.finer =
-        batch.still_pictures || refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken);
+        batch.still_pictures || (refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken) &&
+                                 planner_->drawable(finer(planned), false));
     const RenderSettings settings = batch.finer ? finer(planned) : planned;
     batch.error = float(plan.chosen.error);
-    for (EyeRequest& eye : batch.eyes) eye.rate = planner_->rateOf({eye.pose, eye.width, eye.height}, settings);
+    for (EyeRequest& eye : batch.eyes)
+        eye.rate = planner_->rateOf({eye.pose, eye.width, eye.height}, settings, batch.still_pictures);
     if (!submit(batch, settings)) return false;
     planner_->refresh(simulation_, batch.views, batch.taken);
     return true;
 }
 
-// Neither the plan of the viewers nor their times take part in it, nor are they changed by it.
+// Neither the plan of the viewers nor their times take part in it, nor are they changed by it. It waits for its
+// shaders, and nobody else does: another way would give another picture.
 bool FrameLoop::renderOneShot(Batch& batch) {
     const Candidate way = planner_->once(simulation_, batch.views.front());
+    if (!planner_->drawable(way.settings, true)) {
+        for (const BatchJob& job : batch.jobs) {
+            job.viewer->abandon(job.due.frame_id);
+            held_.push_back(job.viewer->id());
+        }
+        return false;
+    }
     batch.finer = true;
     batch.error = float(way.error);
     return submit(batch, way.settings);
@@ -176,6 +188,7 @@ bool FrameLoop::renderOneShot(Batch& batch) {
 
 // False when the device cannot draw the batch, or memory is short; it is dropped then.
 bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
+    batch.settings = settings;
     try {
         checkPictures(batch.eyes, batch.still_pictures, picture_memory_ / 2, mostPlaneBytes());
         renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, batch.still_pictures);
@@ -244,6 +257,7 @@ void FrameLoop::encode(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
     const float took = Millis(batch.done - batch.taken).count();
+    keepCompiled(batch);
     if (!batch.one_shot) planner_->took(double(took * batch.full_batch_ratio), batch.done);
     const DeviceLedger::Times times = ledger_.book(batch.submission.commands.readTimes(), batch);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
@@ -260,6 +274,15 @@ void FrameLoop::encode(Batch& batch) {
                 deliver(batch, job.pictures, views, jpeg);
                 batch.pending.fetch_sub(1);
             });
+    }
+}
+
+// What was drawn is compiled.
+void FrameLoop::keepCompiled(const Batch& batch) {
+    WayShaders way = shadersOf(batch.settings, batch.still_pictures);
+    for (const EyeRequest& eye : batch.eyes) {
+        way.rate = eye.rate ? eye.rate : batch.settings.rate;
+        ways_.add(way);
     }
 }
 

@@ -42,8 +42,8 @@ public:
     void stop();
     // Sets Options::frame_ms from the next tick on. Thread-safe.
     void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
-    // True once the background shader compiler has finished: PlanInputs::compiled. Thread-safe.
-    void setCompiled(bool compiled) { compiled_ = compiled; }
+    // The ways whose shaders are compiled; at first all count as such.
+    CompiledWays& compiledWays() { return ways_; }
     // A scene that was loaded to be shown instead of the present one.
     struct NextScene {
         Scene scene;
@@ -69,6 +69,7 @@ private:
         // True: drawn with finer() settings. For still pictures, and for others if there is time.
         bool finer = false;
         float error = 0;                  // predicted relative RMSE of its pictures, at most
+        RenderSettings settings;          // of its pictures
         std::atomic<uint32_t> pending{0}; // jobs not encoded yet
         bool spare = false;               // True: its pictures' memory is to be freed as soon as nobody reads them
     };
@@ -81,6 +82,7 @@ private:
     Batch* freeBatch();
     bool render(Batch& batch);
     bool renderOneShot(Batch& batch);
+    void keepCompiled(const Batch& batch);
     bool submit(Batch& batch, const RenderSettings& settings);
     uint64_t mostPlaneBytes() const;
     void giveBack(Clock::time_point now);
@@ -100,7 +102,7 @@ private:
     const uint64_t memory_, picture_memory_; // bytes: FrameOptions::memory, picture_memory
     std::atomic<double> frame_ms_;
     const double most_frame_ms_;
-    std::atomic<bool> compiled_{true};
+    CompiledWays ways_;
     Simulation simulation_;
     std::optional<Renderer> renderer_; // made anew after a submission failed
     std::optional<Planner> planner_;
@@ -112,6 +114,8 @@ private:
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     BatchPlanner batch_planner_;
+    std::vector<uint32_t> held_;      // viewers whose one-shot pictures wait for shaders
+    uint64_t held_with_ = 0;          // CompiledWays::version() when they were looked at
     DeviceLedger ledger_;
     Room room_; // what the pictures' buffers needed lately
     Refinement refinement_;

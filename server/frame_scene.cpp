@@ -46,7 +46,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory),
       frame_ms_(options.frame_ms), most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
       renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
-      planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
+      planner_(std::in_place, scene_, options.costs, options.frame_ms, &ways_), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
     simulation_.countFrom(options.first_tick);
     tellOfPointCloud(scene_, simulation_);
@@ -66,6 +66,7 @@ void FrameLoop::warmUp() {
         renderer_->submit(submission, simulation_, {&eye, 1}, &settings, still);
         while (!submission.commands.wait(1'000'000'000)) {
         }
+        ways_.add(shadersOf(settings, still));
     };
     draw(planner_->settings(simulation_, {&own, 1}, false, Clock::now()), false);
     draw(planner_->once(simulation_, own).settings, true);
@@ -108,7 +109,8 @@ void FrameLoop::takeScene() {
     next->simulation.countFrom(simulation_.tick() + 1); // a tick has one state
     scene_ = std::move(next->scene);
     simulation_ = std::move(next->simulation);
-    planner_.emplace(scene_, costs_, frame_ms_);
+    ways_.clear();
+    planner_.emplace(scene_, costs_, frame_ms_, &ways_);
     ++scene_version_;
     replan_ = true;
     if (next->on_show) next->on_show(simulation_);

@@ -41,10 +41,15 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
 // it.
 constexpr double kMostDeviation = double(std::end(kRates)[-1]) / double(kRaysPerDeviation);
 
-// True: views have their own rates, since nobody asked for one and no shaders have to be compiled for long.
+// True: views have their own rates, since nobody asked for one.
 bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings) {
-    return planOf(settings.method)->hasRays() && inputs.scene.wanted.rate == 0 &&
-           (inputs.compiled || !inputs.scene.features.opaque);
+    return planOf(settings.method)->hasRays() && inputs.scene.wanted.rate == 0;
+}
+
+bool sameWay(const RenderSettings& a, const RenderSettings& b) {
+    const MethodSettings &own_of_a = a, &own_of_b = b;
+    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.shadow_error == b.shadow_error &&
+           own_of_a == own_of_b;
 }
 
 // Costs and errors; what several ways have in common is counted once.
@@ -81,6 +86,20 @@ public:
         }
     }
 
+    // From now on views get compiled rates.
+    void setCompiledOnly() { compiled_only_ = true; }
+
+    // Appends those of the settings' views that are not compiled, whatever setCompiledOnly() says.
+    void addMissing(const RenderSettings& way, std::vector<RenderSettings>& missing) const {
+        if (!inputs_.compiled) return;
+        const auto add = [&](const RenderSettings& one) {
+            const auto same = [&](const RenderSettings& other) { return sameWay(one, other); };
+            if (!inputs_.compiled(one) && std::ranges::none_of(missing, same)) missing.push_back(one);
+        };
+        for (const ViewWork& view : views_) add(withOwnRate(view, way));
+        if (views_.empty()) add(way);
+    }
+
     // A candidate for each shadow map that the settings allow.
     void add(const RenderSettings& way, std::vector<Candidate>& all) {
         const Candidate bare = withoutShadow(way);
@@ -113,10 +132,15 @@ private:
         return size_t(std::find_if(scene_.shadows.begin(), std::prev(scene_.shadows.end()), same) -
                       scene_.shadows.begin());
     }
-    // The way with the view's own rate.
-    RenderSettings in(const ViewWork& view, RenderSettings way) const {
+    RenderSettings withOwnRate(const ViewWork& view, RenderSettings way) const {
         if (haveOwnRates(inputs_, way) && deviation_ > 0) way.rate = rateFor(way.rate, view.deviation() / deviation_);
         return way;
+    }
+    // The way as it is drawn in that view.
+    RenderSettings in(const ViewWork& view, const RenderSettings& way) const {
+        RenderSettings own = withOwnRate(view, way);
+        if (compiled_only_ && haveOwnRates(inputs_, way)) own.rate = nearestCompiledRate(own, inputs_.compiled);
+        return own;
     }
     // Nothing: the method has no law of it.
     std::optional<double> errorIn(const ViewWork& view, const RenderSettings& way) const {
@@ -155,16 +179,11 @@ private:
     const CostModel& model_;
     std::vector<ViewWork> views_;
     bool inside_ = false;  // True: some eye is in the medium
+    bool compiled_only_ = false;
     double deviation_ = 0; // Plan::reference_deviation_px
     std::vector<double> shadow_ms_;
     std::vector<double> allowed_, errors_; // by view: what it may have; without the light's error
 };
-
-bool sameWay(const RenderSettings& a, const RenderSettings& b) {
-    const MethodSettings &own_of_a = a, &own_of_b = b;
-    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.shadow_error == b.shadow_error &&
-           own_of_a == own_of_b;
-}
 
 // Smaller is better: whether it is outside the budgets, and then what counts there.
 using Rank = std::tuple<int, double, double>;
@@ -274,8 +293,12 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         std::string again;
         ways = waysOf(inputs, kAutoMethod, again);
     }
-    prices.setAllowed(ways);
-    for (const RenderSettings& way : ways) prices.add(way, all);
+    const auto price = [&] {
+        all.clear();
+        prices.setAllowed(ways);
+        for (const RenderSettings& way : ways) prices.add(way, all);
+    };
+    price();
 
     const auto holds = [&](const Candidate& c) {
         return c.error <= double(wanted.error) && c.flip <= double(wanted.flip);
@@ -284,8 +307,18 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         return c.excess <= 1 ? Rank{0, c.ms(), c.error} : Rank{1, c.excess, c.ms()};
     };
     plan.views = inputs.views.size();
-    plan.chosen = *std::min_element(all.begin(), all.end(),
-                                    [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
+    const auto less = [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); };
+    plan.chosen = *std::ranges::min_element(all, less);
+    prices.addMissing(plan.chosen.settings, plan.wanted);
+    if (!plan.wanted.empty()) {
+        std::vector<RenderSettings> compiled;
+        std::ranges::copy_if(ways, std::back_inserter(compiled), inputs.compiled);
+        if (!compiled.empty()) ways = std::move(compiled);
+        prices.setCompiledOnly();
+        price();
+        plan.chosen = *std::ranges::min_element(all, less);
+    }
+    prices.setCompiledOnly();
     if (inputs.before) {
         const auto used = std::find_if(all.begin(), all.end(),
                                        [&](const Candidate& c) { return sameWay(c.settings, *inputs.before); });
@@ -300,6 +333,10 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     plan.limit = limitOf(all, plan.chosen, wanted);
     while (plan.relaxed < inputs.relaxed) {
         const auto next = relaxed(plan.chosen.settings, plan.relaxed, [&](const RenderSettings& way) {
+            if (inputs.compiled && !inputs.compiled(way)) {
+                prices.addMissing(way, plan.wanted);
+                return false;
+            }
             const Candidate c = prices.of(way);
             return (c.predicted ? c.excess : prices.lightErrorOf(way) / double(wanted.error)) <= kMostRelaxed;
         });
@@ -314,6 +351,16 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     plan.passes = prices.passes(plan.chosen.settings);
     plan.others = othersOf(all, plan.chosen, wanted, rank);
     return plan;
+}
+
+uint32_t nearestCompiledRate(RenderSettings way, const std::function<bool(const RenderSettings&)>& compiled) {
+    const uint32_t wanted = way.rate;
+    if (!compiled || wanted == 0) return wanted;
+    for (way.rate = wanted; way.rate > 0; --way.rate)
+        if (compiled(way)) return way.rate;
+    for (way.rate = wanted + 1; way.rate <= std::end(kRates)[-1]; ++way.rate)
+        if (compiled(way)) return way.rate;
+    return wanted;
 }
 
 RenderSettings finer(const RenderSettings& settings) { return planOf(settings.method)->finer(settings); }

@@ -14,11 +14,17 @@ namespace brume {
 namespace {
 
 constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000};
+// A view is far from another if the medium is so many times as large in its picture, or the eye entered or left it.
+constexpr double kFar = 2;
 constexpr size_t kSample = 256; // particles: an estimate of the work to about a tenth
 
 bool sameSizes(std::span<const PlanView> a, std::span<const PlanView> b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                       [](const PlanView& x, const PlanView& y) { return x.width == y.width && x.height == y.height; });
+}
+
+bool isInside(const MediumExtent& extent, glm::vec3 eye) {
+    return glm::all(glm::lessThanEqual(extent.lo, eye)) && glm::all(glm::lessThanEqual(eye, extent.hi));
 }
 
 // Mean over the medium's optical mass of the extinction there: at every particle of the sample, of all of them.
@@ -74,20 +80,34 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     return out;
 }
 
-Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms)
-    : scene_(scene), model_(std::move(model)), overload_(frame_budget_ms) {
+Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms, CompiledWays* ways)
+    : scene_(scene), model_(std::move(model)), ways_(ways), overload_(frame_budget_ms) {
     inputs_.methods = allMethods();
+    if (ways) inputs_.compiled = [ways](const RenderSettings& way) { return ways->has(way, false); };
 }
 
 const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
                                         Time now) {
     const bool look = changed || looked_ == Time{};
-    if (look || !sameSizes(views, inputs_.views)) renew(simulation, views, look, now);
+    if (look || !sameSizes(views, inputs_.views) || someoneJumped(views)) renew(simulation, views, look, now);
     return plan_.chosen.settings;
 }
 
 void Planner::refresh(const Simulation& simulation, std::span<const PlanView> views, Time now) {
     if (now - planned_ >= kPlanEvery) renew(simulation, views, now - looked_ >= kLookEvery, now);
+}
+
+// True if one of the views is like none of those that the plan was made for.
+bool Planner::someoneJumped(std::span<const PlanView> views) const {
+    const MediumExtent& extent = inputs_.scene.extent;
+    const auto sameDistance = [&](const PlanView& a, const PlanView& b) {
+        if (isInside(extent, a.pose.position) != isInside(extent, b.pose.position)) return false;
+        const double now = projectedDeviation(extent, a), then = projectedDeviation(extent, b);
+        return now <= kFar * then && then <= kFar * now;
+    };
+    return std::ranges::any_of(views, [&](const PlanView& view) {
+        return std::ranges::none_of(inputs_.views, [&](const PlanView& old) { return sameDistance(view, old); });
+    });
 }
 
 void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at) {
@@ -106,6 +126,8 @@ void Planner::make() {
     inputs_.relaxed = overload_.level();
     plan_ = makePlan(inputs_, model_);
     inputs_.before = plan_.base;
+    if (ways_)
+        for (const RenderSettings& way : plan_.wanted) ways_->want(way, false);
     const RenderSettings& now = plan_.chosen.settings;
     if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
         spdlog::debug("plan: {}", summary(plan_));
@@ -119,9 +141,20 @@ Candidate Planner::once(const Simulation& simulation, const PlanView& view) cons
     return makePlan(alone, model_).chosen;
 }
 
-uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings) const {
+uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings, bool still) const {
     const double reference = plan_.reference_deviation_px;
-    return reference > 0 ? rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / reference) : 0;
+    if (reference <= 0) return 0;
+    RenderSettings own = settings;
+    own.rate = rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / reference);
+    if (!ways_ || ways_->has(own, still)) return own.rate;
+    ways_->want(own, still);
+    return nearestCompiledRate(own, [&](const RenderSettings& way) { return ways_->has(way, still); });
+}
+
+bool Planner::drawable(const RenderSettings& settings, bool still) const {
+    if (!ways_ || ways_->has(settings, still)) return true;
+    ways_->want(settings, still);
+    return false;
 }
 
 void Planner::took(double ms, Time now) {
