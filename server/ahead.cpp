@@ -12,8 +12,8 @@
 
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
-#include "server/render/renderer.h"
 #include "server/sim/sequence_files.h"
+#include "server/warm_up.h"
 
 namespace brume {
 namespace {
@@ -26,47 +26,27 @@ constexpr uint32_t kMostSteps = 12;                            // of overload
 class Compiling {
 public:
     Compiling(const Scene& scene, const gpu::Device& device, const Simulation& simulation, std::ostream& out)
-        : renderer_(device, scene, simulation.capacity()), submission_(device, "ahead"), simulation_(simulation),
-          own_(ownView(scene)), inside_(own_), coarse_(!featuresOf(scene, scene.medium).opaque), out_(out) {
-        const PlanScene planned = planScene(scene, simulation);
-        inside_.pose.position = 0.5f * (planned.extent.lo + planned.extent.hi);
-    }
+        : renderer_(device, scene, simulation.capacity()), submission_(device, "ahead"),
+          pictures_(renderer_, submission_, scene, simulation), out_(out) {}
     ~Compiling() { tell(); }
 
-    const PlanView& inside() const { return inside_; }
-
-    // With all shaders that cameras choose from.
     void compile(const RenderSettings& settings, bool still) {
         const WayShaders way = shadersOf(settings, still);
         if (!done_.insert(way).second) return;
-        draw(own_, settings, still);
+        pictures_.drawForEveryCamera(settings, still);
         tell(); // the driver has had time to write what it compiled before
-        draw(inside_, settings, still);
-        if (coarse_ && settings.shading == kAuto && planOf(settings.method)->hasRays()) {
-            RenderSettings shaded = settings;
-            for (shaded.shading = 1; shaded.shading <= std::min(settings.rate, 8u); shaded.shading *= 2)
-                draw(own_, shaded, still);
-        }
         drawn_ = way;
     }
+    const PlanView& inside() const { return pictures_.inside(); }
 
 private:
-    void draw(const PlanView& view, const RenderSettings& settings, bool still) {
-        const EyeRequest eye{view.pose, view.width, view.height};
-        renderer_.submit(submission_, simulation_, {&eye, 1}, &settings, still);
-        while (!submission_.commands.wait(1'000'000'000)) {
-        }
-    }
     void tell() {
         if (const auto way = std::exchange(drawn_, std::nullopt)) out_ << kCompiled << text(*way) << std::endl;
     }
 
     Renderer renderer_;
     Submission submission_;
-    const Simulation& simulation_;
-    const PlanView own_;
-    PlanView inside_; // from the middle of the medium
-    const bool coarse_; // True: not every pixel is shaded
+    WarmUp pictures_;
     std::ostream& out_;
     std::set<WayShaders> done_;
     std::optional<WayShaders> drawn_; // not told yet

@@ -16,7 +16,11 @@ namespace {
 
 constexpr auto kReportEvery = std::chrono::seconds(1);
 constexpr auto kLoadEvery = std::chrono::milliseconds(100);
+constexpr auto kLookAtHeld = std::chrono::seconds(1);         // for those who have waited long enough
 constexpr auto kLongestLook = std::chrono::milliseconds(100); // at ticks, before other things are seen to
+
+// That a snapshot waits for its shaders. Then it is drawn another way.
+constexpr auto kLongestHold = std::chrono::seconds(10);
 
 using Millis = std::chrono::duration<float, std::milli>;
 
@@ -135,7 +139,10 @@ bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
     const Plan& before = planner_->plan();
-    if (const uint64_t version = ways_.version(); version != held_with_) held_with_ = version, held_.clear();
+    if (const uint64_t version = ways_.version(); version != held_with_ || batch.taken - held_since_ > kLookAtHeld) {
+        held_with_ = version, held_since_ = batch.taken;
+        held_.clear();
+    }
     const bool any = batch_planner_.plan(viewers_, scene_version_,
                                          {.budget_ms = frame_ms_,
                                           .most_ms = most_frame_ms_,
@@ -158,9 +165,9 @@ bool FrameLoop::render(Batch& batch) {
     const Plan& plan = planner_->plan();
     const bool rests = plan.relaxed == 0 && batch_planner_.camerasRest(batch.taken);
     const double dearer = plan.still_ms / plan.chosen.ms();
-    batch.finer =
-        batch.still_pictures || (refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken) &&
-                                 planner_->drawable(finer(planned), false));
+    batch.finer = batch.still_pictures ||
+                  (refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken) &&
+                   planner_->drawable(finer(planned), false));
     const RenderSettings settings = batch.finer ? finer(planned) : planned;
     batch.error = float(plan.chosen.error);
     for (EyeRequest& eye : batch.eyes)
@@ -171,10 +178,11 @@ bool FrameLoop::render(Batch& batch) {
 }
 
 // Neither the plan of the viewers nor their times take part in it, nor are they changed by it. It waits for its
-// shaders, and nobody else does: another way would give another picture.
+// shaders, since another way would give another picture; nobody else waits.
 bool FrameLoop::renderOneShot(Batch& batch) {
-    const Candidate way = planner_->once(simulation_, batch.views.front());
-    if (!planner_->drawable(way.settings, true)) {
+    const bool late = batch.taken - batch.jobs.front().due.request.received > kLongestHold;
+    const Candidate way = planner_->once(simulation_, batch.views.front(), late);
+    if (!late && !planner_->drawable(way.settings, true)) {
         for (const BatchJob& job : batch.jobs) {
             job.viewer->abandon(job.due.frame_id);
             held_.push_back(job.viewer->id());
@@ -188,7 +196,6 @@ bool FrameLoop::renderOneShot(Batch& batch) {
 
 // False when the device cannot draw the batch, or memory is short; it is dropped then.
 bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
-    batch.settings = settings;
     try {
         checkPictures(batch.eyes, batch.still_pictures, picture_memory_ / 2, mostPlaneBytes());
         renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, batch.still_pictures);
@@ -257,7 +264,6 @@ void FrameLoop::encode(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
     const float took = Millis(batch.done - batch.taken).count();
-    keepCompiled(batch);
     if (!batch.one_shot) planner_->took(double(took * batch.full_batch_ratio), batch.done);
     const DeviceLedger::Times times = ledger_.book(batch.submission.commands.readTimes(), batch);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
@@ -274,15 +280,6 @@ void FrameLoop::encode(Batch& batch) {
                 deliver(batch, job.pictures, views, jpeg);
                 batch.pending.fetch_sub(1);
             });
-    }
-}
-
-// What was drawn is compiled.
-void FrameLoop::keepCompiled(const Batch& batch) {
-    WayShaders way = shadersOf(batch.settings, batch.still_pictures);
-    for (const EyeRequest& eye : batch.eyes) {
-        way.rate = eye.rate ? eye.rate : batch.settings.rate;
-        ways_.add(way);
     }
 }
 

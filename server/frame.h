@@ -42,7 +42,7 @@ public:
     void stop();
     // Sets Options::frame_ms from the next tick on. Thread-safe.
     void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
-    // The ways whose shaders are compiled; at first all count as such.
+    // The ways whose shaders are compiled: all, or with Options::compiled_behind those that were added.
     CompiledWays& compiledWays() { return ways_; }
     // A scene that was loaded to be shown instead of the present one.
     struct NextScene {
@@ -69,7 +69,6 @@ private:
         // True: drawn with finer() settings. For still pictures, and for others if there is time.
         bool finer = false;
         float error = 0;                  // predicted relative RMSE of its pictures, at most
-        RenderSettings settings;          // of its pictures
         std::atomic<uint32_t> pending{0}; // jobs not encoded yet
         bool spare = false;               // True: its pictures' memory is to be freed as soon as nobody reads them
     };
@@ -82,7 +81,6 @@ private:
     Batch* freeBatch();
     bool render(Batch& batch);
     bool renderOneShot(Batch& batch);
-    void keepCompiled(const Batch& batch);
     bool submit(Batch& batch, const RenderSettings& settings);
     uint64_t mostPlaneBytes() const;
     void giveBack(Clock::time_point now);
@@ -114,8 +112,9 @@ private:
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     BatchPlanner batch_planner_;
-    std::vector<uint32_t> held_;      // viewers whose one-shot pictures wait for shaders
-    uint64_t held_with_ = 0;          // CompiledWays::version() when they were looked at
+    std::vector<uint32_t> held_; // viewers whose one-shot pictures wait for shaders
+    uint64_t held_with_ = 0;     // CompiledWays::version() when they were looked at
+    Clock::time_point held_since_{};
     DeviceLedger ledger_;
     Room room_; // what the pictures' buffers needed lately
     Refinement refinement_;

@@ -98,6 +98,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     const std::unique_ptr<Recorder> recorder = replayed ? nullptr : recorderOf(options, scene, device);
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;
+    frame.compiled_behind = !replayed && options.ahead == "background" && isWorthCompiling(scene);
     if (recorder)
         frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };
     std::unique_ptr<ReplayTicks> ticks;

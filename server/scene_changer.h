@@ -61,7 +61,7 @@ private:
     const ServerOptions& options_;
     const Server server_;
     std::unique_ptr<Files> shown_;
-    std::string asked_; // the options' scene and overrides, when they were looked at last
+    std::string asked_;                // the options' scene and overrides, when they were looked at last
     std::vector<std::string> command_; // the server's, for the scene that is shown; empty: nothing is compiled behind
     // Compiles what may be needed later, and what is wanted now.
     Compiler ahead_, behind_;

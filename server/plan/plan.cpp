@@ -178,7 +178,7 @@ private:
     const PlanScene& scene_; // of inputs_
     const CostModel& model_;
     std::vector<ViewWork> views_;
-    bool inside_ = false;  // True: some eye is in the medium
+    bool inside_ = false; // True: some eye is in the medium
     bool compiled_only_ = false;
     double deviation_ = 0; // Plan::reference_deviation_px
     std::vector<double> shadow_ms_;

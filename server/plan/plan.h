@@ -65,7 +65,7 @@ struct Plan {
     std::vector<Candidate> others; // the best way of each method and rate that was not chosen
     size_t views = 1;
     std::vector<RenderSettings> wanted; // ways that would have been taken if they were compiled, with the views' rates
-    std::string refused;        // "METHOD: reason" for a method that the scene does not allow; empty: none
+    std::string refused;                // "METHOD: reason" for a method that the scene does not allow; empty: none
     bool within = true;         // True: the error budget holds; false: the cheapest of the most accurate ways was taken
     bool kept = false;          // True: PlanInputs::before was kept, though another way is a little cheaper
     Limit limit = Limit::time;  // before overload

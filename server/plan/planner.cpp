@@ -136,8 +136,9 @@ void Planner::make() {
         spdlog::warn("refused: {}; instead: {}", plan_.refused, summary(plan_));
 }
 
-Candidate Planner::once(const Simulation& simulation, const PlanView& view) const {
-    const PlanInputs alone{.scene = planScene(scene_, simulation), .views = {view}, .methods = inputs_.methods};
+Candidate Planner::once(const Simulation& simulation, const PlanView& view, bool compiled) const {
+    PlanInputs alone{.scene = planScene(scene_, simulation), .views = {view}, .methods = inputs_.methods};
+    if (compiled && ways_) alone.compiled = [this](const RenderSettings& way) { return ways_->has(way, true); };
     return makePlan(alone, model_).chosen;
 }
 

@@ -36,8 +36,8 @@ public:
 
     // The way to draw one picture within the scene's error budget, whatever the load. It depends on the scene's state,
     // the view and the costs alone, so that equal requests of one state give equal pictures.
-    // It may not be compiled: see drawable().
-    Candidate once(const Simulation& simulation, const PlanView& view) const;
+    // It may not be compiled: see drawable(). `compiled`: true for the best of those that are, if there is one.
+    Candidate once(const Simulation& simulation, const PlanView& view, bool compiled = false) const;
 
     // Pixels between rays for `view`, which may have moved since the plan was made. `settings`: those of settings(),
     // or finer ones. `still`: of a still picture. 0: use settings.rate.

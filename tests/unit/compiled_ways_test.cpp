@@ -24,8 +24,8 @@ TEST(CompiledWays, AWayIsReadAsItWasWritten) {
         ASSERT_TRUE(wayShaders(text(way)));
         EXPECT_EQ(wayShaders(text(way)), way);
     }
-    for (const char* line : {"", "slabs", "slabs 0 12", "slabs 0 12 resting", "slabs x 12 still", "none 0 12 still",
-                             "slabs 0 12 still 1"})
+    for (const char* line :
+         {"", "slabs", "slabs 0 12", "slabs 0 12 resting", "slabs x 12 still", "none 0 12 still", "slabs 0 12 still 1"})
         EXPECT_FALSE(wayShaders(line)) << line;
 }
 
