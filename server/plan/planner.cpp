@@ -13,15 +13,10 @@
 namespace brume {
 namespace {
 
-constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000};
+constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000}, kHold{2000};
 // A view is far from another if the medium is so many times as large in its picture, or the eye entered or left it.
 constexpr double kFar = 2;
 constexpr size_t kSample = 256; // particles: an estimate of the work to about a tenth
-
-bool sameSizes(std::span<const PlanView> a, std::span<const PlanView> b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const PlanView& x, const PlanView& y) { return x.width == y.width && x.height == y.height; });
-}
 
 bool isInside(const MediumExtent& extent, glm::vec3 eye) {
     return glm::all(glm::lessThanEqual(extent.lo, eye)) && glm::all(glm::lessThanEqual(eye, extent.hi));
@@ -89,20 +84,21 @@ Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms, Co
 const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
                                         Time now) {
     const bool look = changed || looked_ == Time{};
-    if (look || !sameSizes(views, inputs_.views) || someoneJumped(views)) renew(simulation, views, look, now);
+    if (look || someoneJumped(views)) renew(simulation, views, look, false, now);
     return plan_.chosen.settings;
 }
 
 void Planner::refresh(const Simulation& simulation, std::span<const PlanView> views, Time now) {
-    if (now - planned_ >= kPlanEvery) renew(simulation, views, now - looked_ >= kLookEvery, now);
+    if (now - planned_ >= kPlanEvery) renew(simulation, views, now - looked_ >= kLookEvery, true, now);
 }
 
 // True if one of the views is like none of those that the plan was made for.
 bool Planner::someoneJumped(std::span<const PlanView> views) const {
     const MediumExtent& extent = inputs_.scene.extent;
-    const auto sameDistance = [&](const PlanView& a, const PlanView& b) {
-        if (isInside(extent, a.pose.position) != isInside(extent, b.pose.position)) return false;
-        const double now = projectedDeviation(extent, a), then = projectedDeviation(extent, b);
+    const auto sameDistance = [&](const PlanView& view, const PlanView& old) {
+        if (isInside(extent, view.pose.position) != isInside(extent, old.pose.position)) return false;
+        const double now = projectedDeviation(extent, {view.pose, old.width, old.height});
+        const double then = projectedDeviation(extent, old);
         return now <= kFar * then && then <= kFar * now;
     };
     return std::ranges::any_of(views, [&](const PlanView& view) {
@@ -110,13 +106,15 @@ bool Planner::someoneJumped(std::span<const PlanView> views) const {
     });
 }
 
-void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at) {
+void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at) {
     if (look) {
         inputs_.scene = planScene(scene_, simulation);
         looked_ = at;
     }
     inputs_.views.assign(views.begin(), views.end());
     planned_ = at;
+    if (!plan_.held) held_since_ = at;
+    inputs_.hold = hold && at - held_since_ < kHold;
     make();
 }
 
@@ -126,6 +124,7 @@ void Planner::make() {
     inputs_.relaxed = overload_.level();
     plan_ = makePlan(inputs_, model_);
     inputs_.before = plan_.base;
+    inputs_.before_deviation_px = plan_.reference_deviation_px;
     if (ways_)
         for (const RenderSettings& way : plan_.wanted) ways_->want(way, false);
     const RenderSettings& now = plan_.chosen.settings;

@@ -26,12 +26,13 @@ public:
     // `ways`: those that are compiled; the plan notes there what it wants. Null: every way may be used at once.
     Planner(const Scene& scene, CostModel model, double frame_budget_ms, CompiledWays* ways = nullptr);
 
-    // The settings to render `views` with. Makes a new plan if settings changed (`changed`), if number or sizes of
-    // the views changed, or if one is far from all that the plan was made for; otherwise it costs nothing.
+    // The settings to render `views` with. Makes a new plan if settings changed (`changed`), or if a view is far from
+    // all that the plan was made for; otherwise it costs nothing.
     const RenderSettings& settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
                                    Time now);
-    // Makes a new plan for the coming frames every quarter of a second, since cameras and particles move. To be
-    // called while the device works, so that no frame waits.
+    // Makes a new plan for the coming frames every quarter of a second, since viewers, cameras and particles move. What
+    // errs too much is replaced at once, what is too dear only after two seconds in which it always was. To be called
+    // while the device works, so that no frame waits.
     void refresh(const Simulation& simulation, std::span<const PlanView> views, Time now);
 
     // The way to draw one picture within the scene's error budget, whatever the load. It depends on the scene's state,
@@ -41,7 +42,7 @@ public:
 
     // Pixels between rays for `view`, which may have moved since the plan was made. `settings`: those of settings(),
     // or finer ones. `still`: of a still picture. 0: use settings.rate.
-    uint32_t rateOf(const PlanView& view, const RenderSettings& settings, bool still) const;
+    uint32_t rateOf(const PlanView& view, const RenderSettings& settings, bool still = false) const;
 
     // True: the shaders of these settings are compiled. If not, they are wanted from now on.
     bool drawable(const RenderSettings& settings, bool still) const;
@@ -59,8 +60,8 @@ public:
     const PlanInputs& inputs() const { return inputs_; } // of the last plan
 
 private:
-    // `look`: true if the scene is measured, too.
-    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at);
+    // `look`: true if the scene is measured, too. `hold`: PlanInputs::hold, for two seconds at most.
+    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at);
     void make();
     bool someoneJumped(std::span<const PlanView> views) const;
 
@@ -74,6 +75,7 @@ private:
     uint32_t worst_ = 0; // highest overload level since accuracy was last full
     Time overloaded_since_{};
     Time planned_{}, looked_{}; // when the plan was made; when the scene was measured
+    Time held_since_{};         // since when every plan has been Plan::held
 };
 
 } // namespace brume

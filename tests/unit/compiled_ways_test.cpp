@@ -134,7 +134,10 @@ TEST(CompiledWays, ARunningServerDrawsWithWhatIsCompiledAndTakesTheRestWhenItIsT
     NothingCompiled ways;
     Planner planner(scene, builtInCosts(), 50, &ways);
     const Planner::Time start{seconds(1000)};
-    ways.add(shadersOf(planner.settings(simulation, {&kOutside, 1}, true, start), false));
+    RenderSettings dear = scene.render;
+    dear.method = "tiles";
+    ways.add(shadersOf(dear, false));
+    planner.settings(simulation, {&kOutside, 1}, true, start);
     const RenderSettings then = planner.settings(simulation, {&kInside, 1}, false, start);
     EXPECT_TRUE(ways.has(then, false));
     RenderSettings own = then;
@@ -144,7 +147,7 @@ TEST(CompiledWays, ARunningServerDrawsWithWhatIsCompiledAndTakesTheRestWhenItIsT
     const WayShaders wanted = ways.nextWanted()->shaders;
     EXPECT_FALSE(planner.drawable(finer(then), true));
     ways.add(wanted);
-    planner.refresh(simulation, {&kInside, 1}, start + seconds(1));
+    for (int s = 1; s < 6; ++s) planner.refresh(simulation, {&kInside, 1}, start + seconds(s));
     EXPECT_EQ(shadersOf(planner.plan().chosen.settings, false), wanted);
 }
 
