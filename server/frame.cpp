@@ -143,15 +143,16 @@ bool FrameLoop::render(Batch& batch) {
         held_with_ = version, held_since_ = batch.taken;
         held_.clear();
     }
-    const bool any = batch_planner_.plan(viewers_, scene_version_,
-                                         {.budget_ms = frame_ms_,
-                                          .most_ms = most_frame_ms_,
-                                          .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
-                                          .still_ratio = before.still_ms / before.chosen.ms(),
-                                          .still = planner_->drawable(finer(before.chosen.settings), true),
-                                          .held = held_,
-                                          .bytes = mostPlaneBytes()},
-                                         batch.taken, batch);
+    const bool any =
+        batch_planner_.plan(viewers_, scene_version_,
+                            {.budget_ms = frame_ms_,
+                             .most_ms = most_frame_ms_,
+                             .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
+                             .still_ratio = before.still_ms / before.chosen.ms(),
+                             .still = before.passes.empty() || planner_->drawable(finer(before.chosen.settings), true),
+                             .held = held_,
+                             .bytes = mostPlaneBytes()},
+                            batch.taken, batch);
     viewers_.clear();
     if (!any) return false;
     batch.tick = simulation_.tick();
