@@ -130,8 +130,8 @@ void Audience::remember(const std::shared_ptr<Viewer>& viewer) {
         forget(viewer->owner());
     else if (lost_.size() >= kMostLost)
         forget(std::ranges::max_element(of_owner, {}, [](const auto& one) { return one.second; })->first);
-    lost_.push_back({viewer->key(), viewer->owner(), viewer->token(), viewer->id(), viewer->pose(),
-                     now + kComesBackWithin});
+    lost_.push_back(
+        {viewer->key(), viewer->owner(), viewer->token(), viewer->id(), viewer->pose(), now + kComesBackWithin});
 }
 
 uint32_t Audience::size() const {
