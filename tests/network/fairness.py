@@ -218,7 +218,8 @@ def main():
         'divided by the parts that the device is shared in: one for each that watches, one for all snapshots of an',
         'address. The four streams have one camera, so they are drawn once. At least 0.8 is promised. *Batches*: the gap',
         'during, over the time of one batch with everybody\'s pictures as the server predicts it; at most 2 are promised.',
-        f'*Back*: memory {options.memory_rest:.0f} s later over that before, in RAM and on the device; at most 1.1 is promised.', '',
+        *([f'*Back*: memory {options.memory_rest:.0f} s after that, over the memory before, in RAM and on the device; at most 1.1 is '
+           'promised.'] if options.memory_rest else []), '',
         '| the others | before, 1/s | during | after | share | gap p95 before, ms | during | after | batches | MiB before | during '
         '| back |',
         '|---|---|---|---|---|---|---|---|---|---|---|---|', *rows, ''])
