@@ -11,6 +11,7 @@ namespace {
 constexpr uint32_t kMostEyes = 64; // of a submission; viewers beyond that are first in the next one
 constexpr auto kRestsFor = std::chrono::milliseconds(150);
 constexpr size_t kMostSeats = 256;
+constexpr auto kRecent = std::chrono::seconds(1);
 
 } // namespace
 
@@ -78,6 +79,21 @@ void BatchPlanner::findOneShots(std::span<const std::shared_ptr<Viewer>> viewers
     }
 }
 
+// `watched`: how many of the requests are of viewers. Precondition: present_ is up to date.
+void BatchPlanner::keepRecent(size_t watched, Clock::time_point now) {
+    for (size_t i = 0; i < watched; ++i) {
+        const uint32_t viewer = draw_requests_[i].viewer;
+        const auto at = std::ranges::find(recent_, viewer, &Recent::viewer);
+        if (at == recent_.end())
+            recent_.push_back({viewer, now, requests_[i]});
+        else
+            *at = {viewer, now, requests_[i]};
+    }
+    std::erase_if(recent_, [&](const Recent& one) {
+        return now - one.at > kRecent || !std::ranges::binary_search(present_, one.viewer);
+    });
+}
+
 bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
                         Clock::time_point now, BatchContents& out) {
     out.jobs.clear();
@@ -101,6 +117,7 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     for (const auto& [owner, seat] : seats_) present_.push_back(seat);
     std::ranges::sort(present_);
     schedule_.stay(present_);
+    keepRecent(watched, now);
     const double dearer = out.still_pictures ? limits.still_ratio : 1;
     for (const uint32_t number :
          schedule_.choose(draw_requests_, {limits.budget_ms, dearer, kMostEyes, limits.bytes}, now, kTick)) {
@@ -112,10 +129,13 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     due_.clear();
     requests_.resize(watched);
     if (out.one_shot) return !out.jobs.empty();
-    for (size_t i = 0; i < watched; ++i)
-        for (int eye = 0; draw_requests_[i].like == i && eye < requests_[i].views; ++eye)
-            out.views.push_back(
-                {eyePose(requests_[i].pose, eye, requests_[i].views), requests_[i].width, requests_[i].height});
+    for (auto one = recent_.begin(); one != recent_.end(); ++one) {
+        const PoseRequest& request = one->request;
+        if (std::any_of(recent_.begin(), one, [&](const Recent& o) { return samePictures(o.request, request); }))
+            continue;
+        for (int eye = 0; eye < request.views; ++eye)
+            out.views.push_back({eyePose(request.pose, eye, request.views), request.width, request.height});
+    }
     out.full_batch_ratio = schedule_.chosenMs() > 0 ? float(schedule_.fullBatchMs() / schedule_.chosenMs()) : 1;
     return !out.jobs.empty();
 }

@@ -28,7 +28,8 @@ struct BatchJob {
 struct BatchContents {
     std::vector<BatchJob> jobs;
     std::vector<EyeRequest> eyes; // of the jobs that draw, each once
-    std::vector<PlanView> views;  // every distinct picture that is due, in this batch or not: what the plan is made for
+    // Every distinct picture that was due in the last second, in this batch or not: what the plan is made for.
+    std::vector<PlanView> views;
     // True: redraws views that have not changed for 150 ms, with less error and full colour.
     bool still_pictures = false;
     bool one_shot = false;      // True: one picture of PoseRequest::one_shot; it says nothing about the viewers' load
@@ -82,6 +83,7 @@ private:
                      Clock::time_point now, BatchContents& out);
     void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, Clock::time_point now);
     uint32_t seatOf(const std::string& owner);
+    void keepRecent(size_t watched, Clock::time_point now);
     void add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due, BatchContents& out) const;
 
     Schedule schedule_;
@@ -92,6 +94,13 @@ private:
     std::vector<std::shared_ptr<Viewer>> due_; // viewers of the requests in the next two lists
     std::vector<PoseRequest> requests_;
     std::vector<Schedule::DrawRequest> draw_requests_;
+    // The newest request of each viewer for whom one was due in the last second.
+    struct Recent {
+        uint32_t viewer;
+        Clock::time_point at;
+        PoseRequest request;
+    };
+    std::vector<Recent> recent_;
 };
 
 } // namespace brume

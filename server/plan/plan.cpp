@@ -6,6 +6,7 @@
 #include <iterator>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -45,6 +46,12 @@ constexpr double kMostDeviation = double(std::end(kRates)[-1]) / double(kRaysPer
 bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings) {
     return planOf(settings.method)->hasRays() && inputs.scene.wanted.rate == 0 &&
            (inputs.compiled || !inputs.scene.features.opaque);
+}
+
+bool sameWay(const RenderSettings& a, const RenderSettings& b) {
+    const MethodSettings &own_of_a = a, &own_of_b = b;
+    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.shadow_error == b.shadow_error &&
+           own_of_a == own_of_b;
 }
 
 // Costs and errors; what several ways have in common is counted once.
@@ -89,6 +96,26 @@ public:
     }
     Candidate of(const RenderSettings& settings) { return with(withoutShadow(settings), shadowOf(settings)); }
 
+    // The way in use, if it is still one of `all`, with each view's rate as it is.
+    std::optional<Candidate> before(const std::vector<Candidate>& all) {
+        if (!inputs_.before) return {};
+        const RenderSettings& before = *inputs_.before;
+        const bool own_rates = inputs_.before_deviation_px > 0 && deviation_ > 0 && haveOwnRates(inputs_, before);
+        const auto same = std::ranges::find_if(all, [&](const Candidate& c) {
+            RenderSettings way = c.settings;
+            if (own_rates) way.rate = before.rate;
+            return sameWay(way, before);
+        });
+        if (same == all.end() || !own_rates) return same == all.end() ? std::nullopt : std::optional(*same);
+        const double anew = std::exchange(deviation_, inputs_.before_deviation_px);
+        const Candidate used = of(before);
+        deviation_ = anew;
+        return used;
+    }
+    // From now on rates are those of the view that PlanInputs::before was made for.
+    void keepReference() {
+        if (inputs_.before_deviation_px > 0 && deviation_ > 0) deviation_ = inputs_.before_deviation_px;
+    }
     double deviation() const { return deviation_; }
     double lightErrorOf(const RenderSettings& settings) const {
         return lightError(scene_.shadows[shadowOf(settings)].resolution.error);
@@ -159,12 +186,6 @@ private:
     std::vector<double> shadow_ms_;
     std::vector<double> allowed_, errors_; // by view: what it may have; without the light's error
 };
-
-bool sameWay(const RenderSettings& a, const RenderSettings& b) {
-    const MethodSettings &own_of_a = a, &own_of_b = b;
-    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.shadow_error == b.shadow_error &&
-           own_of_a == own_of_b;
-}
 
 // Smaller is better: whether it is outside the budgets, and then what counts there.
 using Rank = std::tuple<int, double, double>;
@@ -286,14 +307,14 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     plan.views = inputs.views.size();
     plan.chosen = *std::min_element(all.begin(), all.end(),
                                     [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
-    if (inputs.before) {
-        const auto used = std::find_if(all.begin(), all.end(),
-                                       [&](const Candidate& c) { return sameWay(c.settings, *inputs.before); });
-        const bool stays = used != all.end() && used->ms() <= kDearer * plan.chosen.ms() &&
-                           used->excess <= kWorse * std::max(plan.chosen.excess, 1.0);
-        if (stays) {
-            plan.kept = !sameWay(used->settings, plan.chosen.settings);
+    if (const auto used = prices.before(all)) {
+        const bool fine_enough = used->excess <= kWorse * std::max(plan.chosen.excess, 1.0);
+        const bool dear = used->ms() > kDearer * plan.chosen.ms();
+        if (fine_enough && (!dear || inputs.hold)) {
+            plan.kept = used->ms() > plan.chosen.ms();
+            plan.held = dear;
             plan.chosen = *used;
+            prices.keepReference();
         }
     }
     plan.base = plan.chosen.settings;

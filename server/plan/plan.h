@@ -26,6 +26,8 @@ struct PlanInputs {
     std::vector<const MethodPlan*> methods; // methods to choose from, usually allMethods()
     uint32_t relaxed = 0;                   // overload level: how often relaxed() is applied
     std::optional<RenderSettings> before;   // the present Plan::base: kept unless another way is clearly better
+    double before_deviation_px = 0;         // the present Plan::reference_deviation_px
+    bool hold = false; // True: `before` is kept also where another way is much cheaper, if its error is small enough
     // True: shaders for all rates are compiled. A CPU driver takes seconds to compile one that draws edges of
     // objects. Until all are compiled, the views of a scene with objects share one rate.
     bool compiled = true;
@@ -67,7 +69,8 @@ struct Plan {
     size_t views = 1;
     std::string refused;        // "METHOD: reason" for a method that the scene does not allow; empty: none
     bool within = true;         // True: the error budget holds; false: the cheapest of the most accurate ways was taken
-    bool kept = false;          // True: PlanInputs::before was kept, though another way is a little cheaper
+    bool kept = false;          // True: PlanInputs::before was kept, though another way is cheaper
+    bool held = false;          // True: it would not have been without PlanInputs::hold
     Limit limit = Limit::time;  // before overload
     RenderSettings base;        // the settings before overload
     uint32_t relaxed = 0;       // overload steps taken, of those asked for; they end at ten times the error budget

@@ -13,13 +13,8 @@
 namespace brume {
 namespace {
 
-constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000};
+constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000}, kHold{2000};
 constexpr size_t kSample = 256; // particles: an estimate of the work to about a tenth
-
-bool sameSizes(std::span<const PlanView> a, std::span<const PlanView> b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const PlanView& x, const PlanView& y) { return x.width == y.width && x.height == y.height; });
-}
 
 // Mean over the medium's optical mass of the extinction there: at every particle of the sample, of all of them.
 double meanExtinction(const PlanScene& scene) {
@@ -81,22 +76,23 @@ Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms)
 
 const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
                                         Time now) {
-    const bool look = changed || looked_ == Time{};
-    if (look || !sameSizes(views, inputs_.views)) renew(simulation, views, look, now);
+    if (changed || looked_ == Time{}) renew(simulation, views, true, false, now);
     return plan_.chosen.settings;
 }
 
 void Planner::refresh(const Simulation& simulation, std::span<const PlanView> views, Time now) {
-    if (now - planned_ >= kPlanEvery) renew(simulation, views, now - looked_ >= kLookEvery, now);
+    if (now - planned_ >= kPlanEvery) renew(simulation, views, now - looked_ >= kLookEvery, true, now);
 }
 
-void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at) {
+void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at) {
     if (look) {
         inputs_.scene = planScene(scene_, simulation);
         looked_ = at;
     }
     inputs_.views.assign(views.begin(), views.end());
     planned_ = at;
+    if (!plan_.held) held_since_ = at;
+    inputs_.hold = hold && at - held_since_ < kHold;
     make();
 }
 
@@ -106,6 +102,7 @@ void Planner::make() {
     inputs_.relaxed = overload_.level();
     plan_ = makePlan(inputs_, model_);
     inputs_.before = plan_.base;
+    inputs_.before_deviation_px = plan_.reference_deviation_px;
     const RenderSettings& now = plan_.chosen.settings;
     if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
         spdlog::debug("plan: {}", summary(plan_));

@@ -24,12 +24,13 @@ public:
 
     Planner(const Scene& scene, CostModel model, double frame_budget_ms);
 
-    // The settings to render `views` with. Makes a new plan if settings changed (`changed`), or if number or sizes of
-    // the views changed; otherwise it costs nothing.
+    // The settings to render `views` with. Makes a new plan if settings changed (`changed`); otherwise it costs
+    // nothing.
     const RenderSettings& settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
                                    Time now);
-    // Makes a new plan for the coming frames every quarter of a second, since cameras and particles move. To be
-    // called while the device works, so that no frame waits.
+    // Makes a new plan for the coming frames every quarter of a second, since viewers, cameras and particles move. What
+    // errs too much is replaced at once, what is too dear only after two seconds in which it always was. To be called
+    // while the device works, so that no frame waits.
     void refresh(const Simulation& simulation, std::span<const PlanView> views, Time now);
 
     // The way to draw one picture within the scene's error budget, whatever the load. It depends on the scene's state,
@@ -55,8 +56,8 @@ public:
     const PlanInputs& inputs() const { return inputs_; } // of the last plan
 
 private:
-    // `look`: true if the scene is measured, too.
-    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, Time at);
+    // `look`: true if the scene is measured, too. `hold`: PlanInputs::hold, for two seconds at most.
+    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at);
     void make();
 
     const Scene& scene_;
@@ -68,6 +69,7 @@ private:
     uint32_t worst_ = 0; // highest overload level since accuracy was last full
     Time overloaded_since_{};
     Time planned_{}, looked_{}; // when the plan was made; when the scene was measured
+    Time held_since_{};         // since when every plan has been Plan::held
 };
 
 } // namespace brume

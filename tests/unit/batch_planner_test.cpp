@@ -63,6 +63,31 @@ TEST(BatchPlanner, ViewersOfTheSamePictureShareIt) {
     }
 }
 
+// The plan is made for all who watched lately, also for those who are not due at this tick: it does not swing.
+TEST(BatchPlanner, ThePlanIsMadeForAllOfTheLastSecond) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector viewers{viewerOf(1), viewerOf(2)};
+    viewers[1]->setPose(poseOf(1, 128, 72));
+    using Widths = std::vector<uint32_t>;
+    // The first one moves, the other stands still.
+    const auto at = [&](uint32_t ms) {
+        const Clock::time_point now = kStart + std::chrono::milliseconds(ms);
+        if (viewers.size() == 2) viewers[0]->setPose(poseOf(ms, 64, 36, float(ms)));
+        EXPECT_TRUE(planner.plan(viewers, 1, {.budget_ms = 50}, now, batch));
+        EXPECT_EQ(batch.jobs.size(), ms == 1 ? 2u : 1u);
+        deliver(batch, now);
+        Widths widths;
+        for (const PlanView& view : batch.views) widths.push_back(view.width);
+        return widths;
+    };
+    for (uint32_t ms = 1; ms < 1000; ms += 16) EXPECT_EQ(at(ms), (Widths{64, 128})) << ms;
+    EXPECT_EQ(at(1100), Widths{64});
+    viewers.erase(viewers.begin());
+    viewers[0]->setPose(poseOf(2, 128, 72, 1));
+    EXPECT_EQ(at(1116), Widths{128}) << "who has left counts no more";
+}
+
 // Snapshots neither hold up those who watch, nor wait for them, nor count in what the plan is made for.
 TEST(BatchPlanner, OneShotPicturesTakeTurnsWithTheViewers) {
     BatchPlanner planner;

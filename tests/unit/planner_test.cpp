@@ -1,0 +1,68 @@
+// The plan of a running scene: when it is made anew. Times are passed in.
+#include <gtest/gtest.h>
+
+#include "tests/unit/plan_scenes.h"
+
+namespace brume {
+namespace {
+
+using std::chrono::milliseconds;
+
+const Planner::Time kStart = Planner::Time{} + std::chrono::hours(1);
+
+bool samePlan(const RenderSettings& a, const RenderSettings& b) {
+    const MethodSettings &own_of_a = a, &own_of_b = b;
+    return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.shadow_error == b.shadow_error &&
+           own_of_a == own_of_b;
+}
+
+// How often the settings change in twelve seconds of sixty frames, of `ms` each. Every frame has the own view and those
+// that `add` gives.
+template <typename Add>
+int changesOf(const Scene& scene, double budget_ms, double ms, const Add& add) {
+    const Simulation simulation(scene);
+    Planner planner(scene, builtInCosts(), budget_ms);
+    RenderSettings last;
+    int changes = 0;
+    for (int frame = 0; frame < 720; ++frame) {
+        const Planner::Time now = kStart + milliseconds(frame * 1000 / 60);
+        std::vector<PlanView> views{ownView(scene)};
+        add(frame, views);
+        RenderSettings settings = planner.settings(simulation, views, false, now);
+        if (const uint32_t own = planner.rateOf(views.front(), settings); own > 0) settings.rate = own;
+        planner.refresh(simulation, views, now);
+        planner.took(ms, now + milliseconds(10));
+        changes += frame > 0 && !samePlan(settings, last);
+        last = settings;
+    }
+    return changes;
+}
+
+// Each of four has another size in each frame, and not all are there in each.
+void addChangers(int frame, std::vector<PlanView>& views) {
+    constexpr uint32_t kSizes[][2] = {{320, 180}, {480, 270}, {640, 360}, {960, 540}, {540, 960}};
+    for (uint32_t viewer = 0; viewer < 4; ++viewer) {
+        const uint32_t draw = (uint32_t(frame) * 2654435761u + viewer * 40503u) >> 8;
+        if (draw % 3 == 0) continue;
+        PlanView view = views.front();
+        view.pose.position += glm::vec3(float(viewer) * 3 - 5, 1, 0);
+        view.width = kSizes[draw % 5][0], view.height = kSizes[draw % 5][1];
+        views.push_back(view);
+    }
+}
+
+TEST(Planner, ViewersWhoChangeSizeDoNotMoveThePlan) {
+    for (const auto& [count, scale] : {std::pair(500u, 6.0f), std::pair(5000u, 2.0f), std::pair(2000u, 1.0f)}) {
+        const Scene scene = cube(count, scale);
+        EXPECT_LE(changesOf(scene, 1000, 20, addChangers), 2) << count << " of " << scale;
+    }
+}
+
+TEST(Planner, UnderOverloadItGivesUpAccuracyStepByStepWhateverSizesThereAre) {
+    const int steps = changesOf(cube(5000, 2), 10, 20, [](int, std::vector<PlanView>&) {});
+    EXPECT_GT(steps, 2);
+    EXPECT_LE(changesOf(cube(5000, 2), 10, 20, addChangers), steps + 2);
+}
+
+} // namespace
+} // namespace brume
