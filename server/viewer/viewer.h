@@ -31,7 +31,7 @@ public:
     const std::string& owner() const { return owner_; }
     // Newcomer::token.
     const std::string& token() const { return token_; }
-    void known(std::string key, std::string owner, std::string token) {
+    void known(std::string key, std::string owner, std::string token = {}) {
         key_ = std::move(key);
         owner_ = std::move(owner);
         token_ = std::move(token);
