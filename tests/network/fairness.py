@@ -217,7 +217,8 @@ def main():
         'the others\' programs take their part of its cores, too. *Share*: frames during, over what the viewer had before,',
         'divided by the parts that the device is shared in: one for each that watches, one for all snapshots of an',
         'address. The four streams have one camera, so they are drawn once. At least 0.8 is promised. *Batches*: the gap',
-        'during, over the time of one batch with everybody\'s pictures as the server predicts it; at most 2 are promised.',
+        'during, over the time of one batch with everybody\'s pictures as the server predicts it, without snapshots, which are',
+        'drawn between batches; at most 2 are promised.',
         *([f'*Back*: memory {options.memory_rest:.0f} s after that, over the memory before, in RAM and on the device; at most 1.1 is '
            'promised.'] if options.memory_rest else []), '',
         '| the others | before, 1/s | during | after | share | gap p95 before, ms | during | after | batches | MiB before | during '
