@@ -33,7 +33,7 @@ double pixelsOf(std::span<const PlanView> views) {
 // Throws gpu::Error when these pictures need more than `target` bytes for the largest, or `planes` for all.
 void checkPictures(std::span<const EyeRequest> eyes, bool full, uint64_t target, uint64_t planes) {
     for (const EyeRequest& eye : eyes)
-        if (Targets::kBytesOfPixel * eye.width * eye.height > target)
+        if (Renderer::kMostBytesOfPixel * eye.width * eye.height > target)
             throw gpu::Error(
                 fmt::format("a picture of {} x {} takes more than half of --picture-memory: ask for smaller "
                             "ones or allow more",
@@ -222,6 +222,7 @@ uint64_t FrameLoop::mostPlaneBytes() const {
 void FrameLoop::giveBack(Clock::time_point now) {
     if (room_.spare(now)) {
         renderer_->giveBack();
+        workers_.giveBack();
         for (const auto& batch : batches_) batch->spare = true;
     }
     for (const auto& batch : batches_)
@@ -232,7 +233,7 @@ void FrameLoop::giveBack(Clock::time_point now) {
 }
 
 uint64_t FrameLoop::pictureBytes() const {
-    uint64_t bytes = renderer_->pictureBytes();
+    uint64_t bytes = renderer_->pictureBytes() + workers_.bytes();
     for (const auto& batch : batches_) bytes += batch->submission.pictureBytes();
     return bytes;
 }

@@ -52,8 +52,8 @@ public:
         std::function<void(const Simulation&)> on_show; // called on the loop's thread before the scene's first tick
     };
     // Shows another scene from the next tick on; ticks count on, commands and viewers stay. The future is ready once it
-    // is shown, or has the exception for which the old scene stays: SceneError, gpu::Error. A scene that waits is
-    // replaced by a later one. Thread-safe.
+    // is shown, or has the exception for which the old scene stays: SceneError, gpu::Error, std::bad_alloc or what
+    // on_show threw. A scene that waits is replaced by a later one. Thread-safe.
     std::future<void> show(NextScene next);
     // The exception that ended the loop; null if there was none.
     std::exception_ptr failure() const { return failure_; }

@@ -99,23 +99,28 @@ void FrameLoop::takeScene() {
         shown = std::exchange(shown_, {});
     }
     renderer_.reset(); // makes room for the other
+    std::shared_ptr<const SceneFacts> facts;
     try {
         renderer_.emplace(device_, next->scene, bounded(next->scene, next->simulation, memory_));
+        facts = sceneFacts(next->scene, std::move(next->others));
+        next->simulation.countFrom(simulation_.tick() + 1); // a tick has one state
+        if (next->on_show) next->on_show(next->simulation);
     } catch (const gpu::DeviceLost&) {
         throw;
-    } catch (const std::runtime_error&) {
+    } catch (const std::exception&) { // also std::bad_alloc: the old scene is shown again
+        const std::exception_ptr reason = std::current_exception();
+        renderer_.reset();
+        next.reset(); // its particles' memory may be what the old scene lacks
         renderer_.emplace(device_, scene_, simulation_.capacity());
-        return shown.set_exception(std::current_exception());
+        return shown.set_exception(reason);
     }
-    next->simulation.countFrom(simulation_.tick() + 1); // a tick has one state
     scene_ = std::move(next->scene);
     simulation_ = std::move(next->simulation);
     ways_.clear();
     planner_.emplace(scene_, costs_, frame_ms_, &ways_);
     ++scene_version_;
     replan_ = true;
-    if (next->on_show) next->on_show(simulation_);
-    audience_.setScene(sceneFacts(scene_, std::move(next->others)));
+    audience_.setScene(std::move(facts));
     report(Clock::now());
     shown.set_value();
 }

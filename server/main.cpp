@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include "protocol/net/address.h"
@@ -156,9 +157,17 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     if (frames.failure()) std::rethrow_exception(frames.failure());
 }
 
+// Memory that pictures needed for a moment goes back to the system. By default glibc keeps more for each thread, the
+// larger the blocks are that were freed.
+void keepLittleMemory() {
+    mallopt(M_MMAP_THRESHOLD, 1 << 20); // bytes: a larger block goes back when it is freed
+    mallopt(M_TRIM_THRESHOLD, 2 << 20); // bytes that are free at the end of a thread's heap, at most
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
+    keepLittleMemory();
     ParsedOptions parsed = parseServerOptions(argc, argv);
     if (!parsed.options) {
         if (!parsed.complaint.empty())

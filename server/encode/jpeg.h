@@ -18,6 +18,13 @@ public:
 
     // `quality`: 1 ... 100. Throws std::runtime_error if libjpeg-turbo refuses (a picture without pixels).
     std::vector<uint8_t> encode(const PictureView& picture, int quality);
+    // Bytes of scratch memory: about what the largest picture so far takes.
+    uint64_t bytes() const { return scratch_.capacity() + rgb_.capacity(); }
+    // Frees the scratch memory.
+    void giveBack() {
+        std::vector<uint8_t>().swap(scratch_);
+        std::vector<uint8_t>().swap(rgb_);
+    }
 
 private:
     void* handle_;

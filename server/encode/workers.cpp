@@ -28,11 +28,27 @@ void EncodeWorkers::give(Job job) {
     wake_.notify_one();
 }
 
+void EncodeWorkers::giveBack() {
+    {
+        const std::scoped_lock lock(mutex_);
+        ++asked_;
+    }
+    wake_.notify_all();
+}
+
 void EncodeWorkers::work() {
     JpegEncoder encoder;
+    uint64_t counted = 0, done = 0; // bytes of this thread in bytes_; asked_ when memory was given back last
+    const auto count = [&] { bytes_ += encoder.bytes() - std::exchange(counted, encoder.bytes()); };
     std::unique_lock lock(mutex_);
     for (;;) {
-        wake_.wait(lock, [&] { return stopping_ || !jobs_.empty(); });
+        wake_.wait(lock, [&] { return stopping_ || !jobs_.empty() || done != asked_; });
+        if (done != asked_) {
+            done = asked_;
+            encoder.giveBack();
+            count();
+            continue;
+        }
         if (jobs_.empty()) return;
         const Job job = std::move(jobs_.front());
         jobs_.pop_front();
@@ -42,6 +58,7 @@ void EncodeWorkers::work() {
         } catch (const std::exception& e) {
             spdlog::error("a picture is lost: {}", e.what());
         }
+        count();
         lock.lock();
     }
 }

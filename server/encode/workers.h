@@ -1,7 +1,9 @@
 // EncodeWorkers: threads that encode pictures. Jobs start in the order in which they were given.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -21,6 +23,10 @@ public:
     ~EncodeWorkers();
 
     void give(Job job);
+    // Every thread frees its scratch memory before its next job.
+    void giveBack();
+    // Of scratch memory, all threads together.
+    uint64_t bytes() const { return bytes_; }
 
 private:
     void work();
@@ -29,6 +35,8 @@ private:
     std::condition_variable wake_;
     std::deque<Job> jobs_; // bounded: no more than frames in flight
     bool stopping_ = false;
+    uint64_t asked_ = 0; // calls of giveBack()
+    std::atomic<uint64_t> bytes_{0};
     std::vector<std::jthread> threads_;
 };
 

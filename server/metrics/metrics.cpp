@@ -195,7 +195,7 @@ struct Metrics::Families {
     pm::Counter& view_passes = device.Add({{"part", "view"}});
     pm::Gauge& pictures_kept = pm::BuildGauge()
                                    .Name("brume_picture_memory_bytes")
-                                   .Help("Device memory of targets and planes of pictures.")
+                                   .Help("Targets and planes of pictures on the device, scratch of the encoders.")
                                    .Register(registry)
                                    .Add({});
     pm::Gauge& pipelines =

@@ -71,6 +71,19 @@ private:
     asio::awaitable<bool> sendLater(const HttpRequest& request, std::string_view route, std::string line);
     asio::awaitable<error_code> write(Parts parts);
     asio::awaitable<FramePtr> nextFrame(ViewerHandle& handle, Clock::duration patience);
+    // Looks for the end of the connection for as long as it lives.
+    class PeerWatch {
+    public:
+        explicit PeerWatch(HttpConnection& connection);
+        ~PeerWatch();
+        PeerWatch(const PeerWatch&) = delete;
+        PeerWatch& operator=(const PeerWatch&) = delete;
+
+    private:
+        HttpConnection& connection_;
+        const std::shared_ptr<bool> over_ = std::make_shared<bool>(false);
+    };
+    asio::awaitable<void> watchPeer(std::shared_ptr<const bool> over);
     asio::awaitable<void> linger();
     Reply health(std::string_view path) const;
 
@@ -78,8 +91,9 @@ private:
     std::unique_ptr<ConnectionSlot> slot_; // null once the connection is a WebSocket
     ByteStream stream_;
     boost::beast::flat_buffer buffer_;
-    std::shared_ptr<Event> event_; // notified when a frame is ready, and when the server stops
+    std::shared_ptr<Event> event_; // notified when a frame is ready, the peer has gone, and when the server stops
     bool idle_ = false;            // true: the connection waits for a request or a TLS handshake
+    bool gone_ = false;            // true: the peer has closed the connection while it waited for pictures
     bool unread_ = false;          // true: a body follows that nobody has read, so that no other request can
 };
 

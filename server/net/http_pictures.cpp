@@ -2,6 +2,7 @@
 
 #include "server/net/http_connection.h"
 #include "server/net/picture_reply.h"
+#include "server/net/tcp_state.h"
 
 namespace brume::net {
 namespace {
@@ -9,8 +10,9 @@ namespace {
 namespace http = boost::beast::http;
 
 constexpr char kBoundary[] = "brume-frame";
-constexpr auto kRepeatAfter = std::chrono::seconds(1); // of a stream: players take a longer pause for its end
-constexpr uint8_t kSnapshotQuality = 90;               // JPEG, as of every picture at rest
+constexpr auto kRepeatAfter = std::chrono::seconds(1);      // of a stream: players take a longer pause for its end
+constexpr uint8_t kSnapshotQuality = 90;                    // JPEG, as of every picture at rest
+constexpr auto kLookAgain = std::chrono::milliseconds(100); // for the end of a connection with unread bytes
 constexpr char kNoFrame[] = "no picture came in time: shaders may be compiling, which is done once; see /readyz";
 
 // True if the client takes PNG and does not take JPEG.
@@ -69,9 +71,11 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
         if (!picture.has_quality) pose.quality = std::max(pose.quality, kSnapshotQuality);
         pose.received = Clock::now();
         handle->viewer().setPose(pose);
+        const PeerWatch watch(*this);
         frame = co_await nextFrame(*handle, context_->options.frame_wait);
         refusal = handle->viewer().refusal();
     }
+    if (gone_) co_return false;
     if (!refusal.empty()) co_return co_await send(request, "snapshot", lineReply(400, std::move(refusal)));
     if (!frame) co_return co_await sendLater(request, "snapshot", kNoFrame);
     context_->metrics.sent(frame->jpeg[0]->size(), 0);
@@ -110,7 +114,9 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     }
     picture.request.received = Clock::now();
     handle->viewer().setPose(picture.request);
+    const PeerWatch watch(*this);
     FramePtr frame = co_await nextFrame(*handle, context_->options.frame_wait);
+    if (gone_) co_return false;
     if (std::string refusal = handle->viewer().refusal(); !refusal.empty())
         co_return co_await send(request, "stream", lineReply(400, std::move(refusal)));
     if (!frame) co_return co_await sendLater(request, "stream", kNoFrame);
@@ -126,7 +132,10 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     const std::string tail = fmt::format("\r\n--{}\r\n", kBoundary);
     const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / picture.fps));
     auto due = Clock::now();
-    while (frame && !context_->stopping && Clock::now() < authorization.until.value_or(Clock::time_point::max())) {
+    const auto over = [&] {
+        return gone_ || context_->stopping || Clock::now() >= authorization.until.value_or(Clock::time_point::max());
+    };
+    while (frame && !over()) {
         const std::vector<uint8_t>& jpeg = *frame->jpeg[0];
         head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n", jpeg.size());
         for (const auto& [name, value] : headersOf(*frame, picture)) head += fmt::format("{}: {}\r\n", name, value);
@@ -138,7 +147,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         head.clear();
         // The next frame is asked for one period after this one, not at once.
         due = std::max(due + period, Clock::now());
-        while (Clock::now() < due && !context_->stopping) co_await event_->wait(due);
+        while (Clock::now() < due && !gone_ && !context_->stopping) co_await event_->wait(due);
         handle->viewer().acknowledge(frame->id);
         handle->viewer().observe(Clock::now(), false); // it gives up size and rate under load, as others do
         if (FramePtr next = co_await nextFrame(*handle, kRepeatAfter)) frame = std::move(next);
@@ -150,14 +159,43 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
     co_return false;
 }
 
-// Waits for the viewer's next frame. Null if no frame comes in time, the server refuses the viewer, or it stops.
+// Waits for the viewer's next frame. Null if no frame comes in time, the server refuses the viewer, or it stops; also
+// if the peer goes while a PeerWatch lives.
 asio::awaitable<FramePtr> HttpConnection::nextFrame(ViewerHandle& handle, Clock::duration patience) {
     const auto deadline = Clock::now() + patience;
     for (;;) {
         FramePtr frame = handle.takeFrame();
-        const bool over = context_->stopping || Clock::now() >= deadline || !handle.viewer().refusal().empty();
+        const bool over = gone_ || context_->stopping || Clock::now() >= deadline || !handle.viewer().refusal().empty();
         if (frame || over) co_return frame;
         co_await event_->wait(deadline);
+    }
+}
+
+HttpConnection::PeerWatch::PeerWatch(HttpConnection& connection) : connection_(connection) {
+    const auto watch = [self = connection.shared_from_this(), over = over_] { return self->watchPeer(over); };
+    asio::co_spawn(connection.stream_.get_executor(), watch, kLogFailure);
+}
+
+HttpConnection::PeerWatch::~PeerWatch() {
+    *over_ = true;
+    error_code ignored; // the socket may be closed
+    connection_.stream_.tcp().socket().cancel(ignored);
+}
+
+// Reads nothing: what the peer sends while it waits is its next request.
+asio::awaitable<void> HttpConnection::watchPeer(std::shared_ptr<const bool> over) {
+    auto& socket = stream_.tcp().socket();
+    asio::steady_timer pause(stream_.get_executor());
+    while (!*over) {
+        const auto [error] = co_await socket.async_wait(asio::ip::tcp::socket::wait_read, kToken);
+        if (*over) co_return;
+        if (error || peerHasGone(socket.native_handle())) {
+            gone_ = true;
+            stream_.tcp().close(); // ends a write that waits
+            co_return event_->notify();
+        }
+        pause.expires_after(kLookAgain);
+        co_await pause.async_wait(kToken);
     }
 }
 

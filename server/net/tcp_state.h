@@ -16,4 +16,7 @@ struct TcpState {
 // The state of a connected socket.
 TcpState tcpState(int socket);
 
+// True: the peer has closed or reset the connection. Bytes that it sent before may still be unread.
+bool peerHasGone(int socket);
+
 } // namespace brume::net

@@ -292,7 +292,8 @@ void WebSocketSession::admit(const Admit& hello) {
     auto [handle, why] = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(),
                                             {.owner = ownerOf(authorization_, slot_->network()),
                                              .is_operator = authorization_.role >= Role::operator_,
-                                             .key = hello.resume});
+                                             .key = hello.resume,
+                                             .token = authorization_.name});
     handle_ = std::move(handle);
     if (!handle_) {
         context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));

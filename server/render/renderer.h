@@ -68,7 +68,10 @@ public:
     uint64_t pictureBytes() const {
         return targets_.bytes() + coarse_targets_.bytes() + planes_.size() + compose_.pictureBytes();
     }
-    // Bytes of that which pictures of `eyes` need. `full` as for submit().
+    // Bytes of a pixel of the largest picture, besides its planes: its target, a coarse target with a quarter of the
+    // pixels, and a shaded node of eight bytes for a quarter of them.
+    static constexpr uint64_t kMostBytesOfPixel = Targets::kBytesOfPixel * 5 / 4 + 8 / 4;
+    // Bytes of pictureBytes() that pictures of `eyes` need at least, however they are drawn. `full` as for submit().
     static uint64_t pictureBytes(std::span<const EyeRequest> eyes, bool full);
     // Frees the memory of pictures and of methods; pipelines stay. Precondition: nothing is on the device.
     void giveBack();

@@ -1,9 +1,14 @@
 #include "server/viewer/audience.h"
 
 #include <algorithm>
-#include <random>
+#include <array>
+#include <map>
+#include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <openssl/crypto.h>
+#include <openssl/rand.h>
 
 namespace brume {
 namespace {
@@ -11,12 +16,16 @@ namespace {
 constexpr size_t kMostLost = 1024, kMostOfOne = 64; // viewers whose connection broke: of all, of one owner
 constexpr std::chrono::seconds kComesBackWithin{60};
 
-// A secret key: 128 random bits in hexadecimal.
+// A secret key: 128 random bits in hexadecimal, of a generator made for secrets.
 std::string newKey() {
-    std::random_device random;
-    std::string key;
-    for (int i = 0; i < 4; ++i) key += fmt::format("{:08x}", random());
-    return key;
+    std::array<unsigned char, 16> bits;
+    if (RAND_bytes(bits.data(), int(bits.size())) != 1) throw std::runtime_error("there are no random bytes for a key");
+    return fmt::format("{:02x}", fmt::join(bits, ""));
+}
+
+// True if they are equal. The time that it takes says nothing of where they differ.
+bool sameKey(const std::string& a, const std::string& b) {
+    return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
 } // namespace
@@ -79,13 +88,12 @@ Audience::Admission Audience::join(std::function<void()> notify, const Newcomer&
     PacingOptions pacing;
     pacing.most_frames = window;
     pacing.least_frames = std::min(pacing.least_frames, window);
-    const auto known = newcomer.key.empty() ? lost_.end() : lost_.find(newcomer.key);
-    const bool back =
-        known != lost_.end() && known->second.owner == newcomer.owner && known->second.until > Clock::now();
-    auto viewer = std::make_shared<Viewer>(back ? known->second.id : next_id_++, pacing, std::move(notify));
-    viewer->known(newKey(), newcomer.owner);
+    const auto known = lostOf(newcomer);
+    const bool back = known != lost_.end();
+    auto viewer = std::make_shared<Viewer>(back ? known->id : next_id_++, pacing, std::move(notify));
+    viewer->known(newKey(), newcomer.owner, newcomer.token);
     if (back) {
-        viewer->resume(known->second.pose);
+        viewer->resume(known->pose);
         lost_.erase(known); // a key can be used once
     }
     viewers_.push_back(viewer);
@@ -102,22 +110,28 @@ void Audience::leave(const std::shared_ptr<Viewer>& viewer, bool lost) {
     viewer->close(); // without the lock: close() waits for the viewer's notify, which may call this class
 }
 
-// Keeps what a lost viewer resumes with. Where too many are kept, of one owner or of all, the oldest goes.
+// The viewer that may be resumed with this key and this token; the end if there is none. Looks at all of them.
+std::vector<Audience::Lost>::iterator Audience::lostOf(const Newcomer& newcomer) {
+    auto found = lost_.end();
+    for (auto one = lost_.begin(); one != lost_.end(); ++one)
+        if (sameKey(one->key, newcomer.key) && one->token == newcomer.token && one->until > Clock::now()) found = one;
+    return found;
+}
+
+// Keeps what a lost viewer resumes with. Where one owner has too many, its oldest goes. Where there are too many of
+// all, the oldest of the owner with the most goes: one who loses thousands pushes out its own.
 void Audience::remember(const std::shared_ptr<Viewer>& viewer) {
     const auto now = Clock::now();
-    std::erase_if(lost_, [&](const auto& one) { return one.second.until <= now; });
-    const auto oldest = [&](auto&& counts) {
-        auto found = lost_.end();
-        for (auto one = lost_.begin(); one != lost_.end(); ++one)
-            if (counts(one->second) && (found == lost_.end() || one->second.until < found->second.until)) found = one;
-        return found;
-    };
-    const auto same_owner = [&](const Lost& one) { return one.owner == viewer->owner(); };
-    if (size_t(std::ranges::count_if(lost_, [&](const auto& one) { return same_owner(one.second); })) >= kMostOfOne)
-        lost_.erase(oldest(same_owner));
+    std::erase_if(lost_, [&](const Lost& one) { return one.until <= now; });
+    std::map<std::string, size_t> of_owner;
+    for (const Lost& one : lost_) ++of_owner[one.owner];
+    const auto forget = [&](const std::string& owner) { lost_.erase(std::ranges::find(lost_, owner, &Lost::owner)); };
+    if (of_owner[viewer->owner()] >= kMostOfOne)
+        forget(viewer->owner());
     else if (lost_.size() >= kMostLost)
-        lost_.erase(oldest([](const Lost&) { return true; }));
-    lost_[viewer->key()] = {viewer->id(), viewer->owner(), viewer->pose(), now + kComesBackWithin};
+        forget(std::ranges::max_element(of_owner, {}, [](const auto& one) { return one.second; })->first);
+    lost_.push_back(
+        {viewer->key(), viewer->owner(), viewer->token(), viewer->id(), viewer->pose(), now + kComesBackWithin});
 }
 
 uint32_t Audience::size() const {

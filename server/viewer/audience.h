@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -67,6 +66,7 @@ struct Newcomer {
     bool is_operator = false;   // True: may take the place that is kept for operators
     uint32_t max_in_flight = 0; // a smaller window than the server's; 0: the server's
     std::string key;            // of a viewer whose connection was lost; empty: somebody new
+    std::string token;          // the name in its token; empty: it has none
 };
 
 class Audience {
@@ -84,7 +84,8 @@ public:
     uint32_t maxInFlight() const { return max_in_flight_; }
 
     // Admits a viewer, or says in one line why not. A viewer whose connection was lost less than a minute ago gets its
-    // id and its pose back, if the owner is the same.
+    // id and its pose back, if the name in its token is the same. Its address may be another. What it holds from then
+    // on counts for its present owner.
     struct Admission {
         std::shared_ptr<Viewer> viewer; // null: refused
         const char* refusal = "";
@@ -131,12 +132,13 @@ private:
     std::vector<std::shared_ptr<Viewer>> viewers_;
     uint32_t next_id_ = 1;
     struct Lost {
+        std::string key, owner, token;
         uint32_t id;
-        std::string owner;
         std::optional<PoseRequest> pose;
         Clock::time_point until;
     };
-    std::map<std::string, Lost> lost_; // viewers whose connection broke, by key
+    std::vector<Lost> lost_; // viewers whose connection broke, the oldest first
+    std::vector<Lost>::iterator lostOf(const Newcomer& newcomer);
     std::shared_ptr<const SceneFacts> scene_;
     std::shared_ptr<const SceneReport> report_;
     uint64_t revision_ = 0;

@@ -29,9 +29,12 @@ public:
     bool resumed() const { return resumed_; }
     // Newcomer::owner.
     const std::string& owner() const { return owner_; }
-    void known(std::string key, std::string owner) {
+    // Newcomer::token.
+    const std::string& token() const { return token_; }
+    void known(std::string key, std::string owner, std::string token = {}) {
         key_ = std::move(key);
         owner_ = std::move(owner);
+        token_ = std::move(token);
     }
     // Continues with the pose of a broken connection. The next setPose() counts, however old its number is.
     void resume(const std::optional<PoseRequest>& pose);
@@ -117,7 +120,7 @@ private:
     mutable std::mutex mutex_;
     std::mutex notify_mutex_;
     std::function<void()> notify_;
-    std::string key_, owner_;
+    std::string key_, owner_, token_;
     bool resumed_ = false, any_pose_ = false; // any_pose_: true if the next pose counts, however old its number is
     std::optional<PoseRequest> pose_;
     FramePtr frame_;

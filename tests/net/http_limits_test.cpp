@@ -114,5 +114,59 @@ TEST_F(HttpLimitsTest, OneAddressHasThreeQuartersOfTheSnapshots) {
     EXPECT_EQ(readAnswer(first).status, 200);
 }
 
+// Where a stream or a snapshot waits, its client closes or resets the connection; some have sent more before.
+const std::vector<std::pair<std::string, bool>> kEnds = {
+    {"", false}, {"", true}, {"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n", false}};
+
+TEST_F(HttpLimitsTest, ASnapshotWhoseClientHasGoneIsNotDrawn) {
+    options.frame_wait = 60s;
+    options.max_snapshots = 1;
+    const uint16_t port = serve();
+    pauseRenderer();
+    for (const auto& [more, reset] : kEnds) {
+        SCOPED_TRACE(more + (reset ? " reset" : " closed"));
+        {
+            Socket one(port);
+            one.send("GET /snapshot.jpg HTTP/1.1\r\nHost: localhost\r\n\r\n" + more);
+            ASSERT_TRUE(eventually([&] { return audience->size() == 1; }));
+            if (reset) one.reset();
+        }
+        EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
+    }
+    EXPECT_EQ(renderer->made, 0u);
+    renderer->paused = false;
+    EXPECT_EQ(get(port, "/snapshot.jpg").status, 200) << "the place is free";
+    EXPECT_EQ(renderer->made, 1u);
+}
+
+TEST_F(HttpLimitsTest, ASlowStreamWhoseClientHasGoneGivesItsPlaceBackAtOnce) {
+    options.max_streams = 1;
+    const uint16_t port = serve();
+    for (const auto& [more, reset] : kEnds) {
+        SCOPED_TRACE(more + (reset ? " reset" : " closed"));
+        {
+            Socket one(port);
+            one.send("GET /stream.mjpg?fps=0.1 HTTP/1.1\r\nHost: localhost\r\n\r\n" + more);
+            const std::string first = one.readUntil("--brume-frame") + one.readUntil("--brume-frame");
+            ASSERT_NE(first.find(" 200 "), std::string::npos) << first;
+            if (reset) one.reset();
+        }
+        EXPECT_TRUE(eventually([&] { return audience->size() == 0; })) << "its next frame is due in ten seconds";
+    }
+}
+
+// What a client sends while it waits for a picture is its next request.
+TEST_F(HttpLimitsTest, WhatComesBehindASnapshotIsAnsweredAfterIt) {
+    options.frame_wait = 10s;
+    const uint16_t port = serve();
+    pauseRenderer();
+    Socket one(port);
+    one.send("GET /snapshot.jpg HTTP/1.1\r\nHost: localhost\r\n\r\nGET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    ASSERT_TRUE(eventually([&] { return audience->size() == 1; }));
+    one.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    renderer->paused = false;
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(readAnswer(one).status, 200) << i;
+}
+
 } // namespace
 } // namespace brume::test

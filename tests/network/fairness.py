@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """What one viewer gets before, during and after others do what harms: docs/results/data/fairness.md. Front door: ./dev fairness.
 
-The viewer watches a scene that moves. Then the others come, each a process of its own, go on for some seconds, and go.
+The viewer watches a scene that moves. The others come once so that all shaders are compiled, and go. Then it counts: they come,
+each a process of its own, go on for some seconds, and go.
 """
 import argparse
+import contextlib
 import multiprocessing
 import pathlib
 import random
+import statistics
 import sys
 import time
 import urllib.error
@@ -17,6 +20,8 @@ from programs import Failed, Server, machine, tell, write
 SIZE = (640, 360)
 SETTLE = 4.0  # s after the others came, before it counts
 REST = 2.0  # s after they went
+MEMORY_REST = 60.0  # s: the server gives back what a minute did not need
+LOOK = 0.25  # s between two looks at the time that a batch takes
 
 
 def watch(url, begin, seconds):
@@ -125,35 +130,66 @@ CASES = [
 ]
 
 
-def resident(pid):
-    status = dict(line.split(':', 1) for line in pathlib.Path(f'/proc/{pid}/status').read_text().splitlines())
-    return int(status['VmRSS'].split()[0]) / 1024
+def memory(server):
+    """MiB: (in RAM, on the device)."""
+    status = dict(line.split(':', 1) for line in pathlib.Path(f'/proc/{server.pid}/status').read_text().splitlines())
+    return int(status['VmRSS'].split()[0]) / 1024, server.metrics()['brume_device_memory_bytes'] / 2**20
+
+
+@contextlib.contextmanager
+def running(others, url):
+    started = [multiprocessing.Process(target=what, args=(url,), daemon=True) for what, count in others for _ in range(count)]
+    try:
+        for one in started:
+            one.start()
+        yield
+    finally:
+        for one in started:
+            one.kill()
+            one.join()
+
+
+def until(moment):
+    time.sleep(max(moment - time.monotonic(), 0))
+
+
+def batch_ms(server, end, budget):
+    """Median over the time until `end` of what a batch with everybody's pictures takes, ms, as the server predicts it."""
+    seen = []
+    while time.monotonic() < end:
+        seen.append(server.metrics()['brume_frame_budget_used_ratio'] * budget)
+        time.sleep(LOOK)
+    return statistics.median([one for one in seen if one > 0] or [float('inf')])
 
 
 def measure(name, others, parts, options):
-    server = Server(options.programs, ['--scene', options.scene, *options.start.split()])
+    arguments = ['--scene', options.scene, *options.start.split(), '--frame-budget', f'{options.frame_budget:g}']
+    server = Server(options.programs, arguments)
     try:
-        url = f'http://127.0.0.1:{server.port}'
-        window, begin = options.seconds, time.monotonic() + 2 + SETTLE  # shaders are compiled before it counts
+        url, window, rest = f'http://127.0.0.1:{server.port}', options.seconds, options.memory_rest
+        begin = time.monotonic() + 2 + 2 * SETTLE + REST + rest  # s
         with multiprocessing.Pool(1) as pool:
-            watching = pool.apply_async(watch, (url, begin, 3 * window + SETTLE + REST))
-            time.sleep(begin + window - time.monotonic())
-            memory = resident(server.pid)
-            started = [multiprocessing.Process(target=what, args=(url,), daemon=True) for what, count in others for _ in range(count)]
-            for one in started:
-                one.start()
-            time.sleep(begin + 2 * window + SETTLE - time.monotonic())
-            most = resident(server.pid)
-            for one in started:
-                one.kill()
+            watching = pool.apply_async(watch, (url, begin, 3 * window + SETTLE + REST + rest))
+            time.sleep(2)
+            with running(others, url):
+                time.sleep(SETTLE)
+            until(begin + window)
+            before = memory(server)
+            with running(others, url):
+                until(begin + window + SETTLE)
+                batch = batch_ms(server, begin + 2 * window + SETTLE, options.frame_budget)
+                most = memory(server)
+            until(begin + 3 * window + SETTLE + REST + rest - 1)  # the viewer still watches
+            after = memory(server)
             times = watching.get()
-        before, gap_before = rate_and_gap(times, 0, window)
-        during, gap_during = rate_and_gap(times, window + SETTLE, window)
-        after, gap_after = rate_and_gap(times, 2 * window + SETTLE + REST, window)
-        share = during / (before / (1 + parts))
-        tell(f'{name}: {before:.1f} -> {during:.1f} -> {after:.1f} frames/s, {share:.2f} of its share')
-        return (f'| {name} | {before:.1f} | {during:.1f} | {after:.1f} | {share:.2f} | {gap_before:.0f} | {gap_during:.0f} | '
-                f'{gap_after:.0f} | {memory:.0f} | {most:.0f} |')
+        rates, gaps = zip(*(rate_and_gap(times, start, window) for start in (0, window + SETTLE, 2 * window + SETTLE + REST)))
+        share, bound = rates[1] / (rates[0] / (1 + parts)), gaps[1] / batch
+        back = [f'{a / b:.2f}' if rest else '' for a, b in zip(after, before)]
+        tell(f'{name}: {rates[0]:.1f} -> {rates[1]:.1f} -> {rates[2]:.1f} frames/s, {share:.2f} of its share, p95 of the gap '
+             f'{bound:.1f} batches of {batch:.0f} ms' + (f', memory {back[0]} and {back[1]} of before' if rest else ''))
+        cells = [name, *(f'{one:.1f}' for one in rates), f'{share:.2f}', *(f'{one:.0f}' for one in gaps), f'{bound:.1f}',
+                 f'{before[0]:.0f}', f'{most[0]:.0f}', ' / '.join(back) if rest else '-']
+        return f"| {' | '.join(cells)} |"
     finally:
         server.stop()
 
@@ -165,8 +201,12 @@ def main():
     about.add_argument('--scene', default='plume')
     about.add_argument('--start', default='--ahead off', help='more arguments of the server')
     about.add_argument('--seconds', type=float, default=10, help='of each measurement')
+    about.add_argument('--frame-budget', type=float, default=50, help='ms, of the server')
+    about.add_argument('--memory-rest', type=float, help='s until memory is compared, 0: it is not; 60 where all cases are run')
     about.add_argument('--only', help='cases whose name has this in it')
     options = about.parse_args()
+    if options.memory_rest is None:
+        options.memory_rest = 0 if options.only else MEMORY_REST
     sys.path.insert(0, str(options.programs.resolve().parent / 'python'))
     began = machine()
     rows = [measure(*case, options) for case in CASES if not options.only or options.only in case[0]]
@@ -176,9 +216,14 @@ def main():
         f'Scene `{options.scene}`; {began}. Everything runs on this machine:',
         'the others\' programs take their part of its cores, too. *Share*: frames during, over what the viewer had before,',
         'divided by the parts that the device is shared in: one for each that watches, one for all snapshots of an',
-        'address. The four streams have one camera, so they are drawn once. At least 0.8 is promised.', '',
-        '| the others | before, 1/s | during | after | share | gap p95 before, ms | during | after | MiB before | during |',
-        '|---|---|---|---|---|---|---|---|---|---|', *rows, ''])
+        'address. The four streams have one camera, so they are drawn once. At least 0.8 is promised. *Batches*: the gap',
+        'during, over the time of one batch with everybody\'s pictures as the server predicts it, without snapshots, which are',
+        'drawn between batches; at most 2 are promised.',
+        *([f'*Back*: memory {options.memory_rest:.0f} s after that, over the memory before, in RAM and on the device; at most 1.1 is '
+           'promised.'] if options.memory_rest else []), '',
+        '| the others | before, 1/s | during | after | share | gap p95 before, ms | during | after | batches | MiB before | during '
+        '| back |',
+        '|---|---|---|---|---|---|---|---|---|---|---|---|', *rows, ''])
     if options.out:
         write(options.out, text)
     else:

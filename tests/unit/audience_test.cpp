@@ -1,4 +1,7 @@
 // The audience: who may join, what leaving does, and when its revision grows.
+#include <array>
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "server/viewer/audience.h"
@@ -72,17 +75,55 @@ TEST(Audience, TheLastPlaceIsForOperators) {
     EXPECT_TRUE(audience.join(nullptr, {.owner = "token operator", .is_operator = true}).viewer);
 }
 
-TEST(Audience, OnlyTheSameOwnerResumes) {
-    Audience audience({}, sceneFacts({}), 4, 2);
-    const auto lost = audience.join(nullptr, {.owner = "token ann"}).viewer;
+TEST(Audience, OnlyTheSameTokenNameResumes) {
+    Audience audience({}, sceneFacts({}), 8, 2);
+    const auto lost = audience.join(nullptr, {.owner = "token ann", .token = "ann"}).viewer;
     lost->setPose(firstPose());
     audience.leave(lost, true);
-    const auto thief = audience.join(nullptr, {.owner = "token ben", .key = lost->key()}).viewer;
-    EXPECT_FALSE(thief->resumed());
-    EXPECT_NE(thief->id(), lost->id());
-    const auto back = audience.join(nullptr, {.owner = "token ann", .key = lost->key()}).viewer;
+    const Newcomer thieves[] = {{.owner = "token ben", .key = lost->key(), .token = "ben"},
+                                {.owner = "address 1", .key = lost->key()},
+                                {.owner = "token ann", .key = lost->key() + "0", .token = "ann"},
+                                {.owner = "token ann", .key = lost->key().substr(1), .token = "ann"},
+                                {.owner = "token ann", .token = "ann"}};
+    for (const Newcomer& one : thieves) {
+        const auto thief = audience.join(nullptr, one).viewer;
+        EXPECT_FALSE(thief->resumed()) << one.owner << ' ' << one.key;
+        EXPECT_NE(thief->id(), lost->id());
+    }
+    const auto back = audience.join(nullptr, {.owner = "token ann", .key = lost->key(), .token = "ann"}).viewer;
     EXPECT_TRUE(back->resumed());
     EXPECT_EQ(back->id(), lost->id());
+}
+
+// A phone that goes from one network to another. Its place is then one of the network in which it is.
+TEST(Audience, WithoutATokenAViewerResumesFromAnotherAddressAndCountsThere) {
+    Audience audience({}, sceneFacts({}), 8, 2);
+    audience.setMaxViewers(8, 1);
+    const auto lost = audience.join(nullptr, {.owner = "address 1"}).viewer;
+    audience.leave(lost, true);
+    const auto back = audience.join(nullptr, {.owner = "address 2", .key = lost->key()}).viewer;
+    EXPECT_TRUE(back->resumed());
+    EXPECT_EQ(back->id(), lost->id());
+    EXPECT_EQ(back->owner(), "address 2");
+    EXPECT_FALSE(audience.join(nullptr, {.owner = "address 2"}).viewer);
+    EXPECT_TRUE(audience.join(nullptr, {.owner = "address 1"}).viewer);
+    EXPECT_FALSE(audience.join(nullptr, {.owner = "address 3", .key = lost->key()}).viewer->resumed()) << "once";
+}
+
+TEST(Audience, KeysAre128BitsAndNeverTheSame) {
+    Audience audience({}, sceneFacts({}), 4, 2);
+    std::set<std::string> keys;
+    std::array<int, 16> digits{};
+    for (int i = 0; i < 1000; ++i) {
+        const auto viewer = audience.join(nullptr).viewer;
+        EXPECT_EQ(viewer->key().size(), 32u);
+        for (const char digit : viewer->key()) ++digits[std::string("0123456789abcdef").find(digit)];
+        keys.insert(viewer->key());
+        audience.leave(viewer);
+    }
+    EXPECT_EQ(keys.size(), 1000u);
+    // Each of 16 digits comes 2000 times on average, with a standard deviation of 43: six of them are 260.
+    for (const int count : digits) EXPECT_NEAR(count, 2000, 260);
 }
 
 TEST(Audience, AThousandLostConnectionsDoNotKeepOthersFromResuming) {
@@ -91,6 +132,15 @@ TEST(Audience, AThousandLostConnectionsDoNotKeepOthersFromResuming) {
     audience.leave(lost, true);
     for (int i = 0; i < 3000; ++i) audience.leave(audience.join(nullptr, {.owner = "address 6"}).viewer, true);
     EXPECT_TRUE(audience.join(nullptr, {.owner = "token ann", .key = lost->key()}).viewer->resumed());
+}
+
+TEST(Audience, NeitherDoThoseOfManyAddresses) {
+    Audience audience({}, sceneFacts({}), 4, 2);
+    const auto lost = audience.join(nullptr, {.owner = "address 1"}).viewer;
+    audience.leave(lost, true);
+    for (int i = 0; i < 3000; ++i)
+        audience.leave(audience.join(nullptr, {.owner = "address 6." + std::to_string(i % 40)}).viewer, true);
+    EXPECT_TRUE(audience.join(nullptr, {.owner = "address 1", .key = lost->key()}).viewer->resumed());
 }
 
 // A pose that is resumed has the size that the new hello asked for.

@@ -1,6 +1,8 @@
 // Encoding without a device: what threads do with jobs, and which format a picture gets.
+#include <chrono>
 #include <future>
 #include <new>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -19,6 +21,30 @@ TEST(EncodeWorkers, AJobThatThrowsIsLostAndTheNextOneRuns) {
     std::future<int> answer = next.get_future();
     ASSERT_EQ(answer.wait_for(std::chrono::seconds(30)), std::future_status::ready);
     EXPECT_EQ(answer.get(), 7);
+}
+
+// The scratch memory of a picture that was large goes back, and the next picture is the same.
+TEST(EncodeWorkers, ScratchMemoryIsCountedAndGivenBack) {
+    const PlaneLayout layout{1920, 1080, true};
+    const std::vector<uint8_t> planes(layout.bytes(), 100);
+    const PictureView picture{layout, planes.data()};
+    EncodeWorkers workers(2);
+    const auto encoded = [&] {
+        std::promise<std::vector<uint8_t>> done;
+        workers.give([&](JpegEncoder& jpeg) { done.set_value(jpeg.encode(picture, 80)); });
+        return done.get_future().get();
+    };
+    const auto becomes = [&](auto&& holds) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+        while (!holds() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+        return holds();
+    };
+    EXPECT_EQ(workers.bytes(), 0u);
+    const auto before = encoded();
+    EXPECT_TRUE(becomes([&] { return workers.bytes() >= 2 * 3 * 1920 * 1080; })) << workers.bytes();
+    for (int i = 0; i < 3; ++i) workers.giveBack();
+    EXPECT_TRUE(becomes([&] { return workers.bytes() == 0; })) << workers.bytes();
+    EXPECT_EQ(encoded(), before);
 }
 
 class PictureEncoder : public testing::Test {
