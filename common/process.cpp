@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -41,7 +42,9 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 
 } // namespace
 
-Process::Process(const std::vector<std::string>& command, const std::vector<std::string>& environment) {
+Process::Process(const std::vector<std::string>& command, const std::vector<std::string>& environment,
+                 std::function<void()> on_output)
+    : on_output_(std::move(on_output)) {
     std::vector<std::string> arguments = command, variables = environmentWith(environment);
     const std::vector<char*> argv = pointers(arguments), envp = pointers(variables);
     std::array<int, 2> out{}, err{};
@@ -84,6 +87,7 @@ void Process::read(int out, int err) {
                 pipes[i].fd = -1; // poll passes over it
             }
             changed_.notify_all();
+            if (size > 0 && on_output_) on_output_();
         }
     }
     const std::scoped_lock lock(mutex_);

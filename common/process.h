@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -20,9 +21,10 @@ public:
     // Default deadline: longer than anything takes, also on a busy machine with sanitizers.
     static constexpr milliseconds kPatience{30'000};
 
-    // `environment`: NAME=value sets a variable, NAME alone removes it. Throws std::system_error if the program
-    // cannot be started.
-    explicit Process(const std::vector<std::string>& command, const std::vector<std::string>& environment = {});
+    // `environment`: NAME=value sets a variable, NAME alone removes it. `on_output` is called on another thread when
+    // the program has written something. Throws std::system_error if the program cannot be started.
+    explicit Process(const std::vector<std::string>& command, const std::vector<std::string>& environment = {},
+                     std::function<void()> on_output = {});
     ~Process(); // sends SIGKILL if it still runs
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
@@ -43,6 +45,7 @@ public:
 private:
     void read(int out, int err);
 
+    const std::function<void()> on_output_;
     pid_t pid_ = -1;
     std::optional<int> exit_code_;
     mutable std::mutex mutex_;

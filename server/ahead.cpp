@@ -1,64 +1,113 @@
 #include "server/ahead.h"
 
+#include <optional>
+#include <ostream>
+#include <set>
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "server/render/renderer.h"
+#include "server/medium/band_limit.h"
+#include "server/methods/plans.h"
 #include "server/sim/sequence_files.h"
+#include "server/warm_up.h"
 
 namespace brume {
 namespace {
 
 constexpr uint32_t kMostParticles = 100'000;                   // those of a second process take as much memory again
-constexpr uint32_t kHeights[] = {90, 180, 270, 360, 540, 720}; // pixels; widths in 16:9
+constexpr uint32_t kHeights[] = {360, 180, 720, 90, 270, 540}; // pixels; widths in 16:9
 constexpr uint32_t kMostSteps = 12;                            // of overload
+
+// Compiles ways one by one, each once.
+class Compiling {
+public:
+    Compiling(const Scene& scene, const gpu::Device& device, const Simulation& simulation, std::ostream& out)
+        : renderer_(device, scene, simulation.capacity()), submission_(device, "ahead"),
+          pictures_(renderer_, submission_, scene, simulation), out_(out) {}
+    ~Compiling() { tell(); }
+
+    void compile(const RenderSettings& settings, bool still) {
+        const WayShaders way = shadersOf(settings, still);
+        if (!done_.insert(way).second) return;
+        pictures_.drawForEveryCamera(settings, still);
+        tell(); // the driver has had time to write what it compiled before
+        drawn_ = way;
+    }
+    const PlanView& inside() const { return pictures_.inside(); }
+
+private:
+    void tell() {
+        if (const auto way = std::exchange(drawn_, std::nullopt)) out_ << kCompiled << text(*way) << std::endl;
+    }
+
+    Renderer renderer_;
+    Submission submission_;
+    WarmUp pictures_;
+    std::ostream& out_;
+    std::set<WayShaders> done_;
+    std::optional<WayShaders> drawn_; // not told yet
+};
 
 } // namespace
 
-void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms) {
+void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms,
+                  std::ostream& out) {
     const Simulation simulation(standIn(scene));
-    Renderer renderer(device, scene, simulation.capacity());
-    Submission submission(device, "ahead");
+    Compiling compiling(scene, device, simulation, out);
     Planner planner(scene, costs, frame_budget_ms);
     const PlanView own = ownView(scene);
     const RenderSettings planned = planner.settings(simulation, {&own, 1}, true, Planner::Time::clock::now());
-    const auto drawAt = [&](const PlanView& view, uint32_t rate, const RenderSettings& settings, bool rests) {
-        const EyeRequest eye{view.pose, view.width, view.height, false, rate};
-        renderer.submit(submission, simulation, {&eye, 1}, &settings, rests);
-        while (!submission.commands.wait(1'000'000'000)) {
-        }
+    const auto compile = [&](const RenderSettings& settings) { // for eyes that move and that rest
+        compiling.compile(settings, false);
+        compiling.compile(settings, true);
+        compiling.compile(finer(settings), true);
     };
-    const auto draw = [&](const PlanView& view, const RenderSettings& settings, bool rests) {
-        drawAt(view, planner.rateOf(view, settings), settings, rests);
-    };
-    // Viewers near and far, with large and small pictures, that move and that rest.
+    compile(planned);
+    compiling.compile(finer(planned), false); // while cameras rest and the medium moves
+    if (scene.render.rate != kAuto) return;
+    // Viewers near and far, with large and small pictures, together and alone.
+    compile(planner.once(simulation, compiling.inside()).settings);
     for (const uint32_t height : kHeights) {
         const PlanView view{own.pose, height * 16 / 9, height};
-        draw(view, planned, false);
-        draw(view, finer(planned), true);
-        drawAt(view, 0, planner.once(simulation, view).settings, true); // snapshots
+        RenderSettings together = planned;
+        if (const uint32_t rate = planner.rateOf(view, planned, false)) together.rate = rate;
+        compile(together);
+        compile(planner.once(simulation, view).settings);
     }
     std::optional<RenderSettings> coarser = planned;
-    for (uint32_t step = 0, rate = planned.rate; step < kMostSteps && (coarser = relaxed(*coarser, step)); ++step)
-        if (coarser->rate != std::exchange(rate, coarser->rate)) {
-            draw(own, *coarser, false);
-            draw(own, finer(*coarser), true); // of eyes near the medium, to which that is fine enough
-        }
+    for (uint32_t step = 0; step < kMostSteps && (coarser = relaxed(*coarser, step)); ++step) compile(*coarser);
+    RenderSettings other = planned;
+    if (planOf(planned.method)->hasRays())
+        for (const uint32_t rate : kRates) other.rate = rate, compile(other);
 }
 
-std::unique_ptr<Process> startAhead(const Scene& scene, std::vector<std::string> command) {
-    if (Simulation(standIn(scene)).capacity() > kMostParticles) return nullptr;
+bool isWorthCompiling(const Scene& scene) { return Simulation(standIn(scene)).capacity() <= kMostParticles; }
+
+std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<const std::string> overrides,
+                                    std::function<void()> on_line) {
     command[0] = "/proc/self/exe";
     command.insert(command.end(), {"--ahead", "only", "--log-file", "", "--log-level", "error"});
+    for (const std::string& setting : overrides) command.insert(command.end(), {"--set", setting});
     try {
-        return std::make_unique<Process>(command);
+        return std::make_unique<Process>(command, std::vector<std::string>(), std::move(on_line));
     } catch (const std::system_error& error) {
         spdlog::debug("shaders are not compiled ahead: {}", error.what());
         return nullptr;
     }
+}
+
+std::vector<std::string> wayOverrides(const RenderSettings& way) {
+    std::vector<std::string> all{"render.method=" + way.method, "render.isv.quadrature=" + way.isv.quadrature,
+                                 fmt::format("render.isv.steps={}", way.isv.steps),
+                                 "render.tiles.quadrature=" + way.tiles.quadrature};
+    if (way.rate != kAuto) all.push_back(fmt::format("render.rate={}", way.rate));
+    if (way.slabs != kAuto) all.push_back(fmt::format("render.slabs={}", way.slabs));
+    if (way.grid.spacing != kAuto) all.push_back(fmt::format("render.grid.spacing={}", way.grid.spacing));
+    return all;
 }
 
 void stepBehind() { [[maybe_unused]] const int niceness = ::nice(19); }

@@ -2,7 +2,12 @@
 // A CPU driver takes up to seconds for it, and all viewers would wait.
 #pragma once
 
+#include <functional>
+#include <iosfwd>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/process.h"
 #include "server/gpu/device.h"
@@ -10,13 +15,24 @@
 
 namespace brume {
 
-// Draws pictures with the settings that more viewers or overload would lead to; nobody sees them. The driver caches
-// the compiled shaders on disk for all processes of this user. Throws SceneError, gpu::Error.
-void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms);
+// A line on a way that is compiled begins so; then comes text(WayShaders).
+inline constexpr std::string_view kCompiled = "compiled ";
 
-// Starts compileAhead() in a child process of lowest priority. `command`: the server's, for this scene. The process
-// ends with the returned object. Null if it may need more memory than it is worth, or if no process can be started.
-std::unique_ptr<Process> startAhead(const Scene& scene, std::vector<std::string> command);
+// Draws pictures with the settings that other cameras, more viewers or overload would lead to; nobody sees them. The
+// driver caches the compiled shaders on disk for all processes of this user. Writes a line on each way to `out`.
+// Throws SceneError, gpu::Error.
+void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms,
+                  std::ostream& out);
+
+// False: a second process with the scene may need more memory than it is worth.
+bool isWorthCompiling(const Scene& scene);
+// Starts compileAhead() in a child process of lowest priority. `command`: the server's, for this scene. `overrides`: as
+// for --set. `on_line` is called on another thread when it has compiled something. The process ends with the returned
+// object. Null if no process can be started.
+std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<const std::string> overrides,
+                                    std::function<void()> on_line);
+// The scene's settings for which compileAhead() compiles this way and little else.
+std::vector<std::string> wayOverrides(const RenderSettings& way);
 // Lowers the priority (nice 19). The child process calls it first.
 void stepBehind();
 

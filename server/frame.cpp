@@ -16,7 +16,11 @@ namespace {
 
 constexpr auto kReportEvery = std::chrono::seconds(1);
 constexpr auto kLoadEvery = std::chrono::milliseconds(100);
+constexpr auto kLookAtHeld = std::chrono::seconds(1);         // for those who have waited long enough
 constexpr auto kLongestLook = std::chrono::milliseconds(100); // at ticks, before other things are seen to
+
+// That a snapshot waits for its shaders. Then it is drawn another way.
+constexpr auto kLongestHold = std::chrono::seconds(10);
 
 using Millis = std::chrono::duration<float, std::milli>;
 
@@ -120,7 +124,6 @@ void FrameLoop::tick() {
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
     planner_->setFrameBudget(frame_ms_);
-    planner_->setCompiled(compiled_);
     if (ticked_) ticked_(simulation_, commands_);
 }
 
@@ -136,13 +139,20 @@ bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
     const Plan& before = planner_->plan();
-    const bool any = batch_planner_.plan(viewers_, scene_version_,
-                                         {.budget_ms = frame_ms_,
-                                          .most_ms = most_frame_ms_,
-                                          .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
-                                          .still_ratio = before.still_ms / before.chosen.ms(),
-                                          .bytes = mostPlaneBytes()},
-                                         batch.taken, batch);
+    if (const uint64_t version = ways_.version(); version != held_with_ || batch.taken - held_since_ > kLookAtHeld) {
+        held_with_ = version, held_since_ = batch.taken;
+        held_.clear();
+    }
+    const bool any =
+        batch_planner_.plan(viewers_, scene_version_,
+                            {.budget_ms = frame_ms_,
+                             .most_ms = most_frame_ms_,
+                             .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
+                             .still_ratio = before.still_ms / before.chosen.ms(),
+                             .still = before.passes.empty() || planner_->drawable(finer(before.chosen.settings), true),
+                             .held = held_,
+                             .bytes = mostPlaneBytes()},
+                            batch.taken, batch);
     viewers_.clear();
     if (!any) return false;
     batch.tick = simulation_.tick();
@@ -156,19 +166,30 @@ bool FrameLoop::render(Batch& batch) {
     const Plan& plan = planner_->plan();
     const bool rests = plan.relaxed == 0 && batch_planner_.camerasRest(batch.taken);
     const double dearer = plan.still_ms / plan.chosen.ms();
-    batch.finer =
-        batch.still_pictures || refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken);
+    batch.finer = batch.still_pictures ||
+                  (refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken) &&
+                   planner_->drawable(finer(planned), false));
     const RenderSettings settings = batch.finer ? finer(planned) : planned;
     batch.error = float(plan.chosen.error);
-    for (EyeRequest& eye : batch.eyes) eye.rate = planner_->rateOf({eye.pose, eye.width, eye.height}, settings);
+    for (EyeRequest& eye : batch.eyes)
+        eye.rate = planner_->rateOf({eye.pose, eye.width, eye.height}, settings, batch.still_pictures);
     if (!submit(batch, settings)) return false;
     planner_->refresh(simulation_, batch.views, batch.taken);
     return true;
 }
 
-// Neither the plan of the viewers nor their times take part in it, nor are they changed by it.
+// Neither the plan of the viewers nor their times take part in it, nor are they changed by it. It waits for its
+// shaders, since another way would give another picture; nobody else waits.
 bool FrameLoop::renderOneShot(Batch& batch) {
-    const Candidate way = planner_->once(simulation_, batch.views.front());
+    const bool late = batch.taken - batch.jobs.front().due.request.received > kLongestHold;
+    const Candidate way = planner_->once(simulation_, batch.views.front(), late);
+    if (!late && !planner_->drawable(way.settings, true)) {
+        for (const BatchJob& job : batch.jobs) {
+            job.viewer->abandon(job.due.frame_id);
+            held_.push_back(job.viewer->id());
+        }
+        return false;
+    }
     batch.finer = true;
     batch.error = float(way.error);
     return submit(batch, way.settings);

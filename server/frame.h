@@ -42,8 +42,8 @@ public:
     void stop();
     // Sets Options::frame_ms from the next tick on. Thread-safe.
     void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
-    // True once the background shader compiler has finished: PlanInputs::compiled. Thread-safe.
-    void setCompiled(bool compiled) { compiled_ = compiled; }
+    // The ways whose shaders are compiled: all, or with Options::compiled_behind those that were added.
+    CompiledWays& compiledWays() { return ways_; }
     // A scene that was loaded to be shown instead of the present one.
     struct NextScene {
         Scene scene;
@@ -100,7 +100,7 @@ private:
     const uint64_t memory_, picture_memory_; // bytes: FrameOptions::memory, picture_memory
     std::atomic<double> frame_ms_;
     const double most_frame_ms_;
-    std::atomic<bool> compiled_{true};
+    CompiledWays ways_;
     Simulation simulation_;
     std::optional<Renderer> renderer_; // made anew after a submission failed
     std::optional<Planner> planner_;
@@ -112,6 +112,9 @@ private:
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
     BatchPlanner batch_planner_;
+    std::vector<uint32_t> held_; // viewers whose one-shot pictures wait for shaders
+    uint64_t held_with_ = 0;     // CompiledWays::version() when they were looked at
+    Clock::time_point held_since_{};
     DeviceLedger ledger_;
     Room room_; // what the pictures' buffers needed lately
     Refinement refinement_;

@@ -10,6 +10,7 @@
 #include "server/frame.h"
 #include "server/plan/memory.h"
 #include "server/sim/point_cloud.h"
+#include "server/warm_up.h"
 
 namespace brume {
 namespace {
@@ -46,8 +47,9 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory),
       frame_ms_(options.frame_ms), most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
       renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
-      planner_(std::in_place, scene_, options.costs, options.frame_ms), refinement_(options.refine_moving),
+      planner_(std::in_place, scene_, options.costs, options.frame_ms, &ways_), refinement_(options.refine_moving),
       workers_(options.encode_threads) {
+    ways_.setAll(!options.compiled_behind);
     simulation_.countFrom(options.first_tick);
     tellOfPointCloud(scene_, simulation_);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
@@ -55,20 +57,20 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
     report(Clock::now()); // viewers who come before the first tick are told the scene's own settings
 }
 
-// Drivers compile shaders when they are first used: for a viewer's picture, and for a picture at rest, which snapshots
-// are. What may be needed later: ahead.h.
+// Drivers compile shaders when they are first used: for viewers' pictures, wherever their cameras are, and for a
+// picture at rest, which snapshots are. What may be needed later: ahead.h.
 void FrameLoop::warmUp() {
     const Notice notice(kLongStart, "compiling shaders: a driver does so once, and then has them in its cache");
-    const PlanView own = ownView(scene_);
-    const EyeRequest eye{own.pose, own.width, own.height};
-    Submission& submission = batches_.front()->submission;
-    const auto draw = [&](const RenderSettings& settings, bool still) {
-        renderer_->submit(submission, simulation_, {&eye, 1}, &settings, still);
-        while (!submission.commands.wait(1'000'000'000)) {
-        }
-    };
-    draw(planner_->settings(simulation_, {&own, 1}, false, Clock::now()), false);
-    draw(planner_->once(simulation_, own).settings, true);
+    WarmUp pictures(*renderer_, batches_.front()->submission, scene_, simulation_);
+    const PlanView& own = pictures.own();
+    const RenderSettings planned = planner_->settings(simulation_, {&own, 1}, false, Clock::now());
+    if (ways_.has(planned, false)) {
+        pictures.draw(planned, false);
+    } else { // cameras that go anywhere are drawn this way until others are compiled
+        pictures.drawForEveryCamera(planned, false);
+        ways_.add(shadersOf(planned, false));
+    }
+    pictures.draw(planner_->once(simulation_, own).settings, true);
 }
 
 // Goes on from another state of the same scene.
@@ -114,7 +116,8 @@ void FrameLoop::takeScene() {
     }
     scene_ = std::move(next->scene);
     simulation_ = std::move(next->simulation);
-    planner_.emplace(scene_, costs_, frame_ms_);
+    ways_.clear();
+    planner_.emplace(scene_, costs_, frame_ms_, &ways_);
     ++scene_version_;
     replan_ = true;
     audience_.setScene(std::move(facts));

@@ -88,7 +88,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         std::cout << explained(scene, costs);
         return;
     }
-    if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms);
+    if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms, std::cout);
     ServerFacts facts{device.name(), {kAutoMethod}};
     for (const std::string& method : methodNames()) facts.methods.push_back(method);
     Audience audience(facts, sceneFacts(scene, replayed ? std::vector<std::string>() : otherScenes(options)),
@@ -99,6 +99,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     const std::unique_ptr<Recorder> recorder = replayed ? nullptr : recorderOf(options, scene, device);
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;
+    frame.compiled_behind = !replayed && options.ahead == "background" && isWorthCompiling(scene);
     if (recorder)
         frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };
     std::unique_ptr<ReplayTicks> ticks;
@@ -139,8 +140,8 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         if (signal == SIGHUP && !scenes) spdlog::warn("no reload: this is a replay");
         if (!scenes) continue;
         if (signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, *scenes, network});
-        if (signal == SIGCHLD) scenes->childEnded();
         if (signal == SIGUSR1) scenes->serveRequests();
+        if (signal == SIGCHLD || signal == SIGUSR1) scenes->compileBehind();
     }
     drain(network, audience, options.drain, signals, failed);
     spdlog::info("stopping");

@@ -19,6 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+void wakeMain() { ::kill(::getpid(), SIGUSR1); }
+
 constexpr size_t kMostClouds = 16;            // uploaded ones that are kept
 constexpr const char* kIncoming = "incoming"; // folder of those that are not known to be good
 
@@ -86,11 +88,15 @@ SceneChanger::SceneChanger(const ServerOptions& options, const Scene& scene, con
     : options_(options), server_(server),
       shown_(std::make_unique<Files>(filesOf(findScene(options.scene, options.scene_dir), sceneOverrides(options)))),
       asked_(askedFor(options)) {
+    server.frames.compiledWays().serve(wakeMain);
     compileAhead(scene, *shown_);
-    server.audience.sceneRequests().serve([] { ::kill(::getpid(), SIGUSR1); });
+    server.audience.sceneRequests().serve(wakeMain);
 }
 
-SceneChanger::~SceneChanger() { server_.audience.sceneRequests().serve(nullptr); }
+SceneChanger::~SceneChanger() {
+    server_.frames.compiledWays().serve(nullptr);
+    server_.audience.sceneRequests().serve(nullptr);
+}
 
 void SceneChanger::serveRequests() {
     while (const auto request = server_.audience.sceneRequests().take()) request->answer(change(*request));
@@ -173,19 +179,13 @@ void SceneChanger::show(Scene scene, const Files& files) {
     Simulation simulation(scene, options_.frame.memory);
     tellOfPointCloud(scene, simulation);
     const RecordingHead head = recordingHead(files.scene, scene, files.overrides);
-    server_.frames.setCompiled(false);
     std::future<void> shown =
         server_.frames.show({scene, std::move(simulation), otherScenes(options_), [&, this](const Simulation& of) {
                                  if (server_.recorder) server_.recorder->goOn(head, scene, of);
                              }});
     while (shown.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready)
         if (server_.ended) throw std::runtime_error("the server stops");
-    try {
-        shown.get();
-    } catch (...) {
-        server_.frames.setCompiled(!ahead_);
-        throw;
-    }
+    shown.get();
     *shown_ = files;
     spdlog::info("scene '{}' is shown", scene.name);
     compileAhead(scene, files);
@@ -208,19 +208,43 @@ SceneChanger::Files SceneChanger::filesOf(fs::path file, std::vector<std::string
 
 // Only the options' own scene is known to a second process by its arguments; others are given in addition.
 void SceneChanger::compileAhead(const Scene& scene, const Files& files) {
-    ahead_.reset();
-    if (options_.ahead == "background") {
-        std::vector<std::string> command(server_.argv, server_.argv + server_.argc);
-        command.insert(command.end(), {"--scene", files.scene.string()});
-        ahead_ = startAhead(scene, std::move(command));
+    ahead_ = {}, behind_ = {};
+    command_.clear();
+    if (options_.ahead == "background" && isWorthCompiling(scene)) {
+        command_.assign(server_.argv, server_.argv + server_.argc);
+        command_.insert(command_.end(), {"--scene", files.scene.string()});
+        ahead_.process = startAhead(command_, {}, wakeMain);
+        if (!ahead_.process) command_.clear();
     }
-    server_.frames.setCompiled(!ahead_);
+    server_.frames.compiledWays().setAll(command_.empty());
 }
 
-void SceneChanger::childEnded() {
-    if (!ahead_ || !ahead_->exitCode(std::chrono::milliseconds(0))) return;
-    ahead_.reset();
-    server_.frames.setCompiled(true);
+void SceneChanger::compileBehind() {
+    hear(ahead_);
+    if (hear(behind_)) return;
+    CompiledWays& ways = server_.frames.compiledWays();
+    while (const auto wanted = command_.empty() ? std::nullopt : ways.nextWanted()) {
+        behind_ = {startAhead(command_, wayOverrides(wanted->settings), wakeMain), 0, wanted->shaders};
+        if (behind_.process) return;
+        ways.add(wanted->shaders); // compiled where it is drawn
+    }
+}
+
+// Notes what it has compiled. True: it goes on. What it was started for counts as compiled at its end, however that
+// came: nobody waits for ever.
+bool SceneChanger::hear(Compiler& compiler) {
+    if (!compiler.process) return false;
+    const bool ended = compiler.process->exitCode(std::chrono::milliseconds(0)).has_value();
+    const std::string out = compiler.process->out();
+    for (size_t end; (end = out.find('\n', compiler.heard)) != out.npos; compiler.heard = end + 1) {
+        const std::string line = out.substr(compiler.heard, end - compiler.heard);
+        if (const auto way = line.starts_with(kCompiled) ? wayShaders(line.substr(kCompiled.size())) : std::nullopt)
+            server_.frames.compiledWays().add(*way);
+    }
+    if (!ended) return true;
+    if (compiler.wanted) server_.frames.compiledWays().add(*compiler.wanted);
+    compiler = {};
+    return false;
 }
 
 } // namespace brume

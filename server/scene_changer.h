@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/process.h"
@@ -38,11 +39,16 @@ public:
     // Shows the options' scene again where it was changed: another name or overrides, or else another text or other
     // points in the files that are shown. Otherwise nothing happens. Logs what it did, in one line.
     void reload();
-    // To be called when a child process has ended: shaders may be compiled.
-    void childEnded();
+    // Hears what child processes have compiled, and starts one for what is wanted. To be called on SIGCHLD and SIGUSR1.
+    void compileBehind();
 
 private:
     struct Files; // the files of a scene, as they were when it was loaded
+    struct Compiler {
+        std::unique_ptr<Process> process;
+        size_t heard = 0;                 // bytes of its output
+        std::optional<WayShaders> wanted; // what it was started for
+    };
 
     std::string change(const SceneRequest& request);
     void showCloud(const SceneRequest& request);
@@ -50,12 +56,15 @@ private:
     void show(Scene scene, const Files& files);
     Files filesOf(std::filesystem::path file, std::vector<std::string> overrides) const;
     void compileAhead(const Scene& scene, const Files& files);
+    bool hear(Compiler& compiler);
 
     const ServerOptions& options_;
     const Server server_;
     std::unique_ptr<Files> shown_;
-    std::string asked_; // the options' scene and overrides, when they were looked at last
-    std::unique_ptr<Process> ahead_;
+    std::string asked_;                // the options' scene and overrides, when they were looked at last
+    std::vector<std::string> command_; // the server's, for the scene that is shown; empty: nothing is compiled behind
+    // Compiles what may be needed later, and what is wanted now.
+    Compiler ahead_, behind_;
 };
 
 } // namespace brume

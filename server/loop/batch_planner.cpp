@@ -58,12 +58,12 @@ uint32_t BatchPlanner::seatOf(const std::string& owner) {
 }
 
 // Of every owner the one that has waited longest.
-void BatchPlanner::findOneShots(std::span<const std::shared_ptr<Viewer>> viewers) {
+void BatchPlanner::findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> held) {
     const size_t first = requests_.size();
     if (seats_.size() > kMostSeats) seats_.clear();
     for (const std::shared_ptr<Viewer>& viewer : viewers) {
         const auto request = viewer->pollOneShot();
-        if (!request) continue;
+        if (!request || std::ranges::find(held, viewer->id()) != held.end()) continue;
         const uint32_t seat = seatOf(viewer->owner());
         size_t at = first;
         while (at < requests_.size() && draw_requests_[at].viewer != seat) ++at;
@@ -104,12 +104,12 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     schedule_.expect(limits.ms_per_pixel);
     fit(viewers, limits.most_ms);
     findDue(viewers, scene, false, now);
-    if (draw_requests_.empty()) { // no viewer's picture has changed
+    if (draw_requests_.empty() && limits.still) { // no viewer's picture has changed
         out.still_pictures = true;
         findDue(viewers, scene, true, now);
     }
     const size_t watched = requests_.size();
-    findOneShots(viewers);
+    findOneShots(viewers, limits.held);
     if (draw_requests_.empty()) return false;
 
     present_.clear();

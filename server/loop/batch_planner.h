@@ -47,6 +47,8 @@ public:
         double most_ms = std::numeric_limits<double>::infinity(); // that one with the pictures of all viewers may take
         double ms_per_pixel = 0;                                  // predicted, until pictures were measured
         double still_ratio = 1; // predicted time of a still picture / of the same while it moves
+        bool still = true;      // False: still pictures wait
+        std::span<const uint32_t> held{}; // ids of viewers whose one-shot pictures wait
         uint64_t bytes = ~0ull; // of a batch's pictures; a viewer that exceeds them alone is drawn alone
     };
     // Takes the due viewers that the budget allows. `scene`: a version of all that is seen. When nothing has changed
@@ -78,7 +80,7 @@ private:
     static constexpr uint32_t kFirstSeat = 1u << 31; // viewers' ids count up from 1
 
     void fit(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms);
-    void findOneShots(std::span<const std::shared_ptr<Viewer>> viewers);
+    void findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> held);
     void takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers, const PoseRequest& request, uint64_t scene,
                      Clock::time_point now, BatchContents& out);
     void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, Clock::time_point now);

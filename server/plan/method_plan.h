@@ -27,6 +27,8 @@ public:
     virtual std::string refusal(const RenderSettings& /*settings*/) const { return {}; }
     // A number that differs between settings for which its shaders are compiled differently.
     virtual uint32_t variant(const RenderSettings& /*settings*/) const { return 0; }
+    // The same, with the shaders that one made method chooses from. Those that differ by settings.rate have one number.
+    virtual uint32_t shaders(const RenderSettings& settings) const { return variant(settings); }
     // The settings in a few words, for people.
     virtual std::string text(const RenderSettings& /*settings*/) const { return name(); }
     // Bytes of device memory per particle, in addition to what all methods share.

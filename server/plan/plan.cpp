@@ -42,10 +42,9 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
 // it.
 constexpr double kMostDeviation = double(std::end(kRates)[-1]) / double(kRaysPerDeviation);
 
-// True: views have their own rates, since nobody asked for one and no shaders have to be compiled for long.
+// True: views have their own rates, since nobody asked for one.
 bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings) {
-    return planOf(settings.method)->hasRays() && inputs.scene.wanted.rate == 0 &&
-           (inputs.compiled || !inputs.scene.features.opaque);
+    return planOf(settings.method)->hasRays() && inputs.scene.wanted.rate == 0;
 }
 
 bool sameWay(const RenderSettings& a, const RenderSettings& b) {
@@ -86,6 +85,20 @@ public:
                 std::min(double(scene_.wanted.error), errorOf(scene_.wanted.flip, views_[i].inside()));
             allowed_[i] = least_of_all <= budget ? budget : kNearBest * least_of_all;
         }
+    }
+
+    // From now on views get compiled rates.
+    void setCompiledOnly() { compiled_only_ = true; }
+
+    // Appends those of the settings' views that are not compiled, whatever setCompiledOnly() says.
+    void addMissing(const RenderSettings& way, std::vector<RenderSettings>& missing) const {
+        if (!inputs_.compiled) return;
+        const auto add = [&](const RenderSettings& one) {
+            const auto same = [&](const RenderSettings& other) { return sameWay(one, other); };
+            if (!inputs_.compiled(one) && std::ranges::none_of(missing, same)) missing.push_back(one);
+        };
+        for (const ViewWork& view : views_) add(withOwnRate(view, way));
+        if (views_.empty()) add(way);
     }
 
     // A candidate for each shadow map that the settings allow.
@@ -140,10 +153,15 @@ private:
         return size_t(std::find_if(scene_.shadows.begin(), std::prev(scene_.shadows.end()), same) -
                       scene_.shadows.begin());
     }
-    // The way with the view's own rate.
-    RenderSettings in(const ViewWork& view, RenderSettings way) const {
+    RenderSettings withOwnRate(const ViewWork& view, RenderSettings way) const {
         if (haveOwnRates(inputs_, way) && deviation_ > 0) way.rate = rateFor(way.rate, view.deviation() / deviation_);
         return way;
+    }
+    // The way as it is drawn in that view.
+    RenderSettings in(const ViewWork& view, const RenderSettings& way) const {
+        RenderSettings own = withOwnRate(view, way);
+        if (compiled_only_ && haveOwnRates(inputs_, way)) own.rate = nearestCompiledRate(own, inputs_.compiled);
+        return own;
     }
     // Nothing: the method has no law of it.
     std::optional<double> errorIn(const ViewWork& view, const RenderSettings& way) const {
@@ -181,7 +199,8 @@ private:
     const PlanScene& scene_; // of inputs_
     const CostModel& model_;
     std::vector<ViewWork> views_;
-    bool inside_ = false;  // True: some eye is in the medium
+    bool inside_ = false; // True: some eye is in the medium
+    bool compiled_only_ = false;
     double deviation_ = 0; // Plan::reference_deviation_px
     std::vector<double> shadow_ms_;
     std::vector<double> allowed_, errors_; // by view: what it may have; without the light's error
@@ -295,8 +314,12 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         std::string again;
         ways = waysOf(inputs, kAutoMethod, again);
     }
-    prices.setAllowed(ways);
-    for (const RenderSettings& way : ways) prices.add(way, all);
+    const auto price = [&] {
+        all.clear();
+        prices.setAllowed(ways);
+        for (const RenderSettings& way : ways) prices.add(way, all);
+    };
+    price();
 
     const auto holds = [&](const Candidate& c) {
         return c.error <= double(wanted.error) && c.flip <= double(wanted.flip);
@@ -305,8 +328,18 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         return c.excess <= 1 ? Rank{0, c.ms(), c.error} : Rank{1, c.excess, c.ms()};
     };
     plan.views = inputs.views.size();
-    plan.chosen = *std::min_element(all.begin(), all.end(),
-                                    [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
+    const auto less = [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); };
+    plan.chosen = *std::ranges::min_element(all, less);
+    prices.addMissing(plan.chosen.settings, plan.wanted);
+    if (!plan.wanted.empty()) {
+        std::vector<RenderSettings> compiled;
+        std::ranges::copy_if(ways, std::back_inserter(compiled), inputs.compiled);
+        if (!compiled.empty()) ways = std::move(compiled);
+        prices.setCompiledOnly();
+        price();
+        plan.chosen = *std::ranges::min_element(all, less);
+    }
+    prices.setCompiledOnly();
     if (const auto used = prices.before(all)) {
         const bool fine_enough = used->excess <= kWorse * std::max(plan.chosen.excess, 1.0);
         const bool dear = used->ms() > kDearer * plan.chosen.ms();
@@ -321,6 +354,10 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     plan.limit = limitOf(all, plan.chosen, wanted);
     while (plan.relaxed < inputs.relaxed) {
         const auto next = relaxed(plan.chosen.settings, plan.relaxed, [&](const RenderSettings& way) {
+            if (inputs.compiled && !inputs.compiled(way)) {
+                prices.addMissing(way, plan.wanted);
+                return false;
+            }
             const Candidate c = prices.of(way);
             return (c.predicted ? c.excess : prices.lightErrorOf(way) / double(wanted.error)) <= kMostRelaxed;
         });
@@ -335,6 +372,16 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     plan.passes = prices.passes(plan.chosen.settings);
     plan.others = othersOf(all, plan.chosen, wanted, rank);
     return plan;
+}
+
+uint32_t nearestCompiledRate(RenderSettings way, const std::function<bool(const RenderSettings&)>& compiled) {
+    const uint32_t wanted = way.rate;
+    if (!compiled || wanted == 0) return wanted;
+    for (way.rate = wanted; way.rate > 0; --way.rate)
+        if (compiled(way)) return way.rate;
+    for (way.rate = wanted + 1; way.rate <= std::end(kRates)[-1]; ++way.rate)
+        if (compiled(way)) return way.rate;
+    return wanted;
 }
 
 RenderSettings finer(const RenderSettings& settings) { return planOf(settings.method)->finer(settings); }

@@ -28,9 +28,8 @@ struct PlanInputs {
     std::optional<RenderSettings> before;   // the present Plan::base: kept unless another way is clearly better
     double before_deviation_px = 0;         // the present Plan::reference_deviation_px
     bool hold = false; // True: `before` is kept also where another way is much cheaper, if its error is small enough
-    // True: shaders for all rates are compiled. A CPU driver takes seconds to compile one that draws edges of
-    // objects. Until all are compiled, the views of a scene with objects share one rate.
-    bool compiled = true;
+    // True: the shaders of these settings are compiled. As long as one way is, others are not chosen. Null: all are.
+    std::function<bool(const RenderSettings&)> compiled;
 };
 
 // One way to render, with its predicted cost and error.
@@ -67,7 +66,8 @@ struct Plan {
     std::vector<PassCost> passes;  // of the frame
     std::vector<Candidate> others; // the best way of each method and rate that was not chosen
     size_t views = 1;
-    std::string refused;        // "METHOD: reason" for a method that the scene does not allow; empty: none
+    std::vector<RenderSettings> wanted; // ways that would have been taken if they were compiled, with the views' rates
+    std::string refused;                // "METHOD: reason" for a method that the scene does not allow; empty: none
     bool within = true;         // True: the error budget holds; false: the cheapest of the most accurate ways was taken
     bool kept = false;          // True: PlanInputs::before was kept, though another way is cheaper
     bool held = false;          // True: it would not have been without PlanInputs::hold
@@ -104,6 +104,9 @@ std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel&
 std::string summary(const Plan& plan);
 // Settings in a few words, for people.
 std::string wayText(const RenderSettings& settings);
+
+// The rate nearest to the way's own that is compiled, finer ones first; the way's own if none is.
+uint32_t nearestCompiledRate(RenderSettings way, const std::function<bool(const RenderSettings&)>& compiled);
 
 // Settings with a fraction of the error, for still pictures: MethodPlan::finer().
 RenderSettings finer(const RenderSettings& settings);

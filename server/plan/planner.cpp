@@ -14,7 +14,13 @@ namespace brume {
 namespace {
 
 constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000}, kHold{2000};
+// A view is far from another if the medium is so many times as large in its picture, or the eye entered or left it.
+constexpr double kFar = 2;
 constexpr size_t kSample = 256; // particles: an estimate of the work to about a tenth
+
+bool isInside(const MediumExtent& extent, glm::vec3 eye) {
+    return glm::all(glm::lessThanEqual(extent.lo, eye)) && glm::all(glm::lessThanEqual(eye, extent.hi));
+}
 
 // Mean over the medium's optical mass of the extinction there: at every particle of the sample, of all of them.
 double meanExtinction(const PlanScene& scene) {
@@ -69,19 +75,35 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     return out;
 }
 
-Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms)
-    : scene_(scene), model_(std::move(model)), overload_(frame_budget_ms) {
+Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms, CompiledWays* ways)
+    : scene_(scene), model_(std::move(model)), ways_(ways), overload_(frame_budget_ms) {
     inputs_.methods = allMethods();
+    if (ways) inputs_.compiled = [ways](const RenderSettings& way) { return ways->has(way, false); };
 }
 
 const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
                                         Time now) {
-    if (changed || looked_ == Time{}) renew(simulation, views, true, false, now);
+    const bool look = changed || looked_ == Time{};
+    if (look || someoneJumped(views)) renew(simulation, views, look, false, now);
     return plan_.chosen.settings;
 }
 
 void Planner::refresh(const Simulation& simulation, std::span<const PlanView> views, Time now) {
     if (now - planned_ >= kPlanEvery) renew(simulation, views, now - looked_ >= kLookEvery, true, now);
+}
+
+// True if one of the views is like none of those that the plan was made for.
+bool Planner::someoneJumped(std::span<const PlanView> views) const {
+    const MediumExtent& extent = inputs_.scene.extent;
+    const auto sameDistance = [&](const PlanView& view, const PlanView& old) {
+        if (isInside(extent, view.pose.position) != isInside(extent, old.pose.position)) return false;
+        const double now = projectedDeviation(extent, {view.pose, old.width, old.height});
+        const double then = projectedDeviation(extent, old);
+        return now <= kFar * then && then <= kFar * now;
+    };
+    return std::ranges::any_of(views, [&](const PlanView& view) {
+        return std::ranges::none_of(inputs_.views, [&](const PlanView& old) { return sameDistance(view, old); });
+    });
 }
 
 void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at) {
@@ -103,6 +125,8 @@ void Planner::make() {
     plan_ = makePlan(inputs_, model_);
     inputs_.before = plan_.base;
     inputs_.before_deviation_px = plan_.reference_deviation_px;
+    if (ways_)
+        for (const RenderSettings& way : plan_.wanted) ways_->want(way, false);
     const RenderSettings& now = plan_.chosen.settings;
     if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
         spdlog::debug("plan: {}", summary(plan_));
@@ -111,14 +135,26 @@ void Planner::make() {
         spdlog::warn("refused: {}; instead: {}", plan_.refused, summary(plan_));
 }
 
-Candidate Planner::once(const Simulation& simulation, const PlanView& view) const {
-    const PlanInputs alone{.scene = planScene(scene_, simulation), .views = {view}, .methods = inputs_.methods};
+Candidate Planner::once(const Simulation& simulation, const PlanView& view, bool compiled) const {
+    PlanInputs alone{.scene = planScene(scene_, simulation), .views = {view}, .methods = inputs_.methods};
+    if (compiled && ways_) alone.compiled = [this](const RenderSettings& way) { return ways_->has(way, true); };
     return makePlan(alone, model_).chosen;
 }
 
-uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings) const {
+uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings, bool still) const {
     const double reference = plan_.reference_deviation_px;
-    return reference > 0 ? rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / reference) : 0;
+    if (reference <= 0) return 0;
+    RenderSettings own = settings;
+    own.rate = rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / reference);
+    if (!ways_ || ways_->has(own, still)) return own.rate;
+    ways_->want(own, still);
+    return nearestCompiledRate(own, [&](const RenderSettings& way) { return ways_->has(way, still); });
+}
+
+bool Planner::drawable(const RenderSettings& settings, bool still) const {
+    if (!ways_ || ways_->has(settings, still)) return true;
+    ways_->want(settings, still);
+    return false;
 }
 
 void Planner::took(double ms, Time now) {

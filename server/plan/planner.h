@@ -5,6 +5,7 @@
 #include <chrono>
 #include <span>
 
+#include "server/plan/compiled_ways.h"
 #include "server/plan/overload.h"
 #include "server/plan/plan.h"
 #include "server/sim/simulation.h"
@@ -22,10 +23,11 @@ class Planner {
 public:
     using Time = std::chrono::steady_clock::time_point;
 
-    Planner(const Scene& scene, CostModel model, double frame_budget_ms);
+    // `ways`: those that are compiled; the plan notes there what it wants. Null: every way may be used at once.
+    Planner(const Scene& scene, CostModel model, double frame_budget_ms, CompiledWays* ways = nullptr);
 
-    // The settings to render `views` with. Makes a new plan if settings changed (`changed`); otherwise it costs
-    // nothing.
+    // The settings to render `views` with. Makes a new plan if settings changed (`changed`), or if a view is far from
+    // all that the plan was made for; otherwise it costs nothing.
     const RenderSettings& settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
                                    Time now);
     // Makes a new plan for the coming frames every quarter of a second, since viewers, cameras and particles move. What
@@ -35,18 +37,20 @@ public:
 
     // The way to draw one picture within the scene's error budget, whatever the load. It depends on the scene's state,
     // the view and the costs alone, so that equal requests of one state give equal pictures.
-    Candidate once(const Simulation& simulation, const PlanView& view) const;
+    // It may not be compiled: see drawable(). `compiled`: true for the best of those that are, if there is one.
+    Candidate once(const Simulation& simulation, const PlanView& view, bool compiled = false) const;
 
     // Pixels between rays for `view`, which may have moved since the plan was made. `settings`: those of settings(),
-    // or finer ones. 0: use settings.rate.
-    uint32_t rateOf(const PlanView& view, const RenderSettings& settings) const;
+    // or finer ones. `still`: of a still picture. 0: use settings.rate.
+    uint32_t rateOf(const PlanView& view, const RenderSettings& settings, bool still = false) const;
+
+    // True: the shaders of these settings are compiled. If not, they are wanted from now on.
+    bool drawable(const RenderSettings& settings, bool still) const;
 
     // A frame with these settings took so long. Logs when accuracy begins to be given up, when none is left to give
     // up, and when it is back.
     void took(double ms, Time now);
     void setFrameBudget(double ms) { overload_.setBudget(ms); }
-    // Sets PlanInputs::compiled from the next plan on.
-    void setCompiled(bool compiled) { inputs_.compiled = compiled; }
 
     // True: frames took too long with no accuracy left to give up, and have not been short enough since.
     bool exhausted() const { return exhausted_; }
@@ -59,9 +63,11 @@ private:
     // `look`: true if the scene is measured, too. `hold`: PlanInputs::hold, for two seconds at most.
     void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at);
     void make();
+    bool someoneJumped(std::span<const PlanView> views) const;
 
     const Scene& scene_;
     CostModel model_;
+    CompiledWays* ways_;
     Overload overload_;
     PlanInputs inputs_;
     Plan plan_;

@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "server/frame.h"
+#include "server/gpu/pipeline_cache.h"
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/quadrature.h"
 
@@ -23,10 +24,13 @@ public:
                       .viewer),
           width_(width), height_(height) {}
 
-    void look(uint32_t seq, float x) {
+    void look(uint32_t seq, float x) { lookFrom(seq, {x, 2, 26}); }
+    // `once`: true for a snapshot.
+    void lookFrom(uint32_t seq, glm::vec3 position, bool once = false) {
         PoseRequest request;
         request.seq = seq;
-        request.pose = lookAt({x, 2, 26}, {0, 0, 0}, 0.8f);
+        request.pose = lookAt(position, {0.5f, 0, 0}, 0.8f);
+        request.one_shot = once;
         request.width = width_;
         request.height = height_;
         request.received = Clock::now();
@@ -186,6 +190,50 @@ TEST_F(FrameLoopTest, ASceneForWhichMemoryEndsLeavesTheOldOne) {
     FrameLoop::NextScene next = nextScene("server/scenes/props.toml");
     next.on_show = [](const Simulation&) { throw std::bad_alloc(); };
     expectOldScene<std::bad_alloc>(loop, audience_, std::move(next));
+}
+
+// A viewer's frame of its newest pose.
+FramePtr frameOf(Looker& looker, uint32_t seq) {
+    FramePtr frame = looker.next();
+    while (frame && frame->request.seq < seq) frame = looker.next();
+    return frame;
+}
+
+// A device of its own has no pipelines of other tests: those that it gets are those that somebody has to wait for.
+TEST_F(FrameLoopTest, NoCameraMakesOthersWaitForAShader) {
+    const gpu::Device fresh{gpu::DeviceOptions{}};
+    FrameLoop::Options options;
+    options.compiled_behind = true;
+    FrameLoop loop(scene_, fresh, audience_, metrics_, options);
+    CompiledWays& ways = loop.compiledWays();
+    std::atomic<int> wanted{0};
+    ways.serve([&] { ++wanted; });
+    loop.start([&] { failed_ = true; });
+    Looker steady(audience_, 640, 360), jumper(audience_, 640, 360), snapshot(audience_, 320, 180);
+    uint32_t seq = 1;
+    const size_t pipelines = fresh.pipelines().size();
+    for (const glm::vec3 place : {glm::vec3(0, 2, 26), {0, 3, 2}, {0, 2, 60}, {0.5, 3, 4.9}, {0, 2, 400}}) {
+        ++seq;
+        steady.look(seq, float(seq));
+        jumper.lookFrom(seq, place);
+        ASSERT_TRUE(frameOf(jumper, seq));
+        ASSERT_TRUE(frameOf(steady, seq));
+        EXPECT_EQ(fresh.pipelines().size(), pipelines) << place.z;
+    }
+    EXPECT_GT(wanted, 0);
+    // A snapshot waits for its shaders, and is drawn when they are there.
+    snapshot.lookFrom(1, {0, 3, 2}, true);
+    for (int i = 0; i < 10; ++i) {
+        ++seq;
+        steady.look(seq, float(seq));
+        ASSERT_TRUE(frameOf(steady, seq));
+    }
+    EXPECT_EQ(fresh.pipelines().size(), pipelines);
+    while (const auto next = ways.nextWanted()) ways.add(next->shaders);
+    ASSERT_TRUE(snapshot.next());
+    EXPECT_GT(fresh.pipelines().size(), pipelines) << "or it shows nothing";
+    loop.stop();
+    EXPECT_FALSE(failed_);
 }
 
 // A viewer may be welcomed before the first tick.

@@ -117,6 +117,35 @@ TEST(BatchPlanner, OneShotPicturesTakeTurnsWithTheViewers) {
     EXPECT_EQ(drawn, (std::vector<std::vector<uint32_t>>{{1}, {3, 4}, {1}, {2}, {1}, {1}}));
 }
 
+// Pictures whose shaders are not compiled yet: those who watch go on.
+TEST(BatchPlanner, HeldSnapshotsAndStillPicturesWaitAndNobodyElseDoes) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector viewers{viewerOf(1), viewerOf(2), viewerOf(3)};
+    viewers[0]->setPose(poseOf(1, 64, 36));
+    for (size_t i = 1; i < viewers.size(); ++i) {
+        PoseRequest once = poseOf(1, 640, 360, float(i));
+        once.one_shot = true;
+        viewers[i]->setPose(once);
+    }
+    const uint32_t held[] = {2};
+    std::vector<uint32_t> drawn;
+    for (uint64_t scene = 1; scene <= 6; ++scene) {
+        const Clock::time_point now = kStart + std::chrono::milliseconds(20 * scene);
+        if (!planner.plan(viewers, scene, {.budget_ms = 50, .held = held}, now, batch)) continue;
+        for (const BatchJob& job : batch.jobs) drawn.push_back(job.viewer->id());
+        deliver(batch, now);
+    }
+    EXPECT_EQ(std::ranges::count(drawn, 2u), 0);
+    EXPECT_EQ(std::ranges::count(drawn, 3u), 1);
+    EXPECT_EQ(std::ranges::count(drawn, 1u), 5);
+    const Clock::time_point later = kStart + std::chrono::seconds(2);
+    viewers.resize(1);
+    EXPECT_FALSE(planner.plan(viewers, 6, {.budget_ms = 50, .still = false}, later, batch));
+    ASSERT_TRUE(planner.plan(viewers, 6, {.budget_ms = 50}, later, batch));
+    EXPECT_TRUE(batch.still_pictures);
+}
+
 // Four who ask for snapshots without a pause, from one address, beside one who watches: each side has half of the time.
 TEST(BatchPlanner, OneShotPicturesOfAnOwnerShareOneSeat) {
     BatchPlanner planner;

@@ -258,22 +258,6 @@ TEST(Plan, AViewInWhichNothingHoldsDoesNotMakeOthersCoarse) {
     EXPECT_LE(makePlan(alone, builtInCosts()).chosen.error, double(inputs.scene.wanted.error));
 }
 
-TEST(Plan, ViewersBesideObjectsHaveOneRateUntilShadersAreCompiled) {
-    PlanInputs inputs = inputsOf(cube(5000, 3));
-    inputs.scene.wanted.method = "slabs";
-    PlanView small = inputs.views.front();
-    small.width /= 4, small.height /= 4;
-    inputs.views.push_back(small);
-    for (const bool objects : {false, true})
-        for (const bool compiled : {false, true}) {
-            inputs.scene.features.opaque = objects;
-            inputs.compiled = compiled;
-            const Plan plan = makePlan(inputs, builtInCosts());
-            EXPECT_EQ(plan.reference_deviation_px > 0, compiled || !objects);
-            EXPECT_TRUE(plan.within); // for the small one, too
-        }
-}
-
 // Errors of one cause by itself, measured at 640x360 against the double-precision reference, every fifth pixel. Where a
 // law is below what was measured it is by no more than this: the plan's error is then off by less than a third.
 constexpr double kBelow = 1.3;

@@ -1,0 +1,80 @@
+#include "server/plan/compiled_ways.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "server/methods/plans.h"
+
+namespace brume {
+
+WayShaders shadersOf(const RenderSettings& settings, bool still) {
+    const MethodPlan* method = planOf(settings.method);
+    return {settings.method, method ? method->shaders(settings) : 0, settings.rate, still};
+}
+
+std::string text(const WayShaders& way) {
+    return fmt::format("{} {} {} {}", way.method, way.shaders, way.rate, way.still ? "still" : "moving");
+}
+
+std::optional<WayShaders> wayShaders(std::string_view text) {
+    std::istringstream in{std::string(text)};
+    WayShaders way;
+    std::string kind, more;
+    if (!(in >> way.method >> way.shaders >> way.rate >> kind) || in >> more) return {};
+    if ((kind != "still" && kind != "moving") || !planOf(way.method)) return {};
+    way.still = kind == "still";
+    return way;
+}
+
+void CompiledWays::setAll(bool all) {
+    const std::scoped_lock lock(mutex_);
+    all_ = all;
+    ++version_;
+}
+
+void CompiledWays::clear() {
+    const std::scoped_lock lock(mutex_);
+    compiled_.clear();
+    wanted_.clear();
+}
+
+void CompiledWays::add(const WayShaders& way) {
+    const std::scoped_lock lock(mutex_);
+    if (!compiled_.insert(way).second) return;
+    std::erase_if(wanted_, [&](const Wanted& wanted) { return wanted.shaders == way; });
+    ++version_;
+}
+
+bool CompiledWays::has(const RenderSettings& settings, bool still) const {
+    const std::scoped_lock lock(mutex_);
+    return all_ || compiled_.contains(shadersOf(settings, still));
+}
+
+void CompiledWays::want(const RenderSettings& settings, bool still) {
+    const std::scoped_lock lock(mutex_);
+    const WayShaders way = shadersOf(settings, still);
+    const auto same = [&](const Wanted& wanted) { return wanted.shaders == way; };
+    if (all_ || compiled_.contains(way) || std::ranges::any_of(wanted_, same) || wanted_.size() >= kMostWanted) return;
+    wanted_.push_back({settings, way});
+    if (on_want_) on_want_();
+}
+
+void CompiledWays::serve(std::function<void()> on_want) {
+    const std::scoped_lock lock(mutex_);
+    on_want_ = std::move(on_want);
+}
+
+std::optional<CompiledWays::Wanted> CompiledWays::nextWanted() {
+    const std::scoped_lock lock(mutex_);
+    if (wanted_.empty()) return {};
+    return wanted_.front();
+}
+
+uint64_t CompiledWays::version() const {
+    const std::scoped_lock lock(mutex_);
+    return version_;
+}
+
+} // namespace brume

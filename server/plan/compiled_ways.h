@@ -1,0 +1,66 @@
+// CompiledWays: the ways to render whose shaders are compiled, and those that are wanted. A CPU driver takes up to
+// seconds to compile one, and everyone would wait. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "common/scene.h"
+
+namespace brume {
+
+// What the shaders of a picture depend on, of its settings.
+struct WayShaders {
+    std::string method;
+    uint32_t shaders = 0; // MethodPlan::shaders()
+    uint32_t rate = 0;    // pixels
+    bool still = false;   // True: of still pictures, which have full colour
+
+    auto operator<=>(const WayShaders&) const = default;
+};
+WayShaders shadersOf(const RenderSettings& settings, bool still);
+// One line: "METHOD SHADERS RATE moving", or "still"; and back. Nothing: it is no such line.
+std::string text(const WayShaders& way);
+std::optional<WayShaders> wayShaders(std::string_view text);
+
+class CompiledWays {
+public:
+    // A way that somebody would be drawn with, if it were compiled.
+    struct Wanted {
+        RenderSettings settings;
+        WayShaders shaders;
+    };
+
+    // True, as it is at first: every way may be used at once; nothing is compiled behind.
+    void setAll(bool all);
+    // Forgets all ways, for another scene.
+    void clear();
+    void add(const WayShaders& way);
+    bool has(const RenderSettings& settings, bool still) const;
+    // Notes a way that is not compiled, and tells who compiles. At most kMostWanted wait.
+    void want(const RenderSettings& settings, bool still);
+    // `on_want` is called by want(), in its thread, for every new one.
+    void serve(std::function<void()> on_want);
+    // The way that was wanted first and is not compiled yet.
+    std::optional<Wanted> nextWanted();
+    // Grows with every way that has() becomes true for.
+    uint64_t version() const;
+
+private:
+    static constexpr size_t kMostWanted = 16;
+
+    mutable std::mutex mutex_;
+    std::set<WayShaders> compiled_;
+    std::deque<Wanted> wanted_;
+    std::function<void()> on_want_;
+    uint64_t version_ = 0;
+    bool all_ = true;
+};
+
+} // namespace brume

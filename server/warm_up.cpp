@@ -1,0 +1,32 @@
+#include "server/warm_up.h"
+
+#include <algorithm>
+
+#include "server/methods/plans.h"
+
+namespace brume {
+
+WarmUp::WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, const Simulation& simulation)
+    : renderer_(renderer), submission_(submission), simulation_(simulation), own_(ownView(scene)), inside_(own_),
+      coarse_(!featuresOf(scene, scene.medium).opaque) {
+    const MediumExtent extent = planScene(scene, simulation).extent;
+    inside_.pose.position = 0.5f * (extent.lo + extent.hi);
+}
+
+void WarmUp::drawForEveryCamera(const RenderSettings& settings, bool still) {
+    draw(own_, settings, still);
+    draw(inside_, settings, still);
+    if (!coarse_ || settings.shading != kAuto || !planOf(settings.method)->hasRays()) return;
+    RenderSettings shaded = settings;
+    for (shaded.shading = 1; shaded.shading <= std::min(settings.rate, 8u); shaded.shading *= 2)
+        draw(own_, shaded, still);
+}
+
+void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still) {
+    const EyeRequest eye{view.pose, view.width, view.height};
+    renderer_.submit(submission_, simulation_, {&eye, 1}, &settings, still);
+    while (!submission_.commands.wait(1'000'000'000)) {
+    }
+}
+
+} // namespace brume

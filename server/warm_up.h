@@ -1,0 +1,33 @@
+// WarmUp: draws pictures that nobody sees, so that their shaders are compiled.
+#pragma once
+
+#include "server/plan/planner.h"
+#include "server/render/renderer.h"
+
+namespace brume {
+
+class WarmUp {
+public:
+    // All outlive this. Precondition: nothing is on the device.
+    WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, const Simulation& simulation);
+
+    // One picture of the scene's own camera. Waits for the device, as all do here.
+    void draw(const RenderSettings& settings, bool still) { draw(own_, settings, still); }
+    // With all shaders that cameras choose from: far and near ones, outside and in the medium.
+    void drawForEveryCamera(const RenderSettings& settings, bool still);
+
+    const PlanView& own() const { return own_; }
+    const PlanView& inside() const { return inside_; } // in the middle of the medium
+
+private:
+    void draw(const PlanView& view, const RenderSettings& settings, bool still);
+
+    Renderer& renderer_;
+    Submission& submission_;
+    const Simulation& simulation_;
+    const PlanView own_;
+    PlanView inside_;
+    const bool coarse_; // True: distant pixels may be shaded, and what lies between interpolated
+};
+
+} // namespace brume

@@ -1,0 +1,175 @@
+// What is not compiled is not planned as long as something else is, and is wanted; a plan is made anew for an eye that
+// is suddenly far from where it was.
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/plan_scenes.h"
+
+namespace brume {
+namespace {
+
+using std::chrono::seconds;
+
+PlanView viewFrom(glm::vec3 position) { return {lookAt(position, {0.5f, 0, 0}, 0.8f), 640, 360}; }
+const PlanView kOutside = viewFrom({0, 2, 26}), kInside = viewFrom({0, 1, 2});
+
+// As a server has them that has compiled nothing yet.
+struct NothingCompiled : CompiledWays {
+    NothingCompiled() { setAll(false); }
+};
+
+TEST(CompiledWays, AWayIsReadAsItWasWritten) {
+    for (const WayShaders& way : {WayShaders{"slabs", 0, 12, false}, WayShaders{"isv", 514, 0, true}}) {
+        ASSERT_TRUE(wayShaders(text(way)));
+        EXPECT_EQ(wayShaders(text(way)), way);
+    }
+    for (const char* line :
+         {"", "slabs", "slabs 0 12", "slabs 0 12 resting", "slabs x 12 still", "none 0 12 still", "slabs 0 12 still 1"})
+        EXPECT_FALSE(wayShaders(line)) << line;
+}
+
+TEST(CompiledWays, WaysThatHaveOtherShadersDiffer) {
+    RenderSettings one;
+    one.method = "grid", one.rate = 4, one.slabs = 32, one.grid.spacing = 0.5f;
+    RenderSettings other = one;
+    other.slabs = 64, other.shadow_error = 1e-3f, other.grid.spacing = 0.7f;
+    EXPECT_EQ(shadersOf(one, false), shadersOf(other, false)) << "the same shaders";
+    EXPECT_NE(shadersOf(one, false), shadersOf(one, true));
+    other.grid.spacing = 0.2f;
+    EXPECT_NE(shadersOf(one, false), shadersOf(other, false)) << "samples are cubic";
+    other = one, other.rate = 6;
+    EXPECT_NE(shadersOf(one, false), shadersOf(other, false));
+    other = one, other.method = "slabs";
+    EXPECT_NE(shadersOf(one, false), shadersOf(other, false));
+}
+
+TEST(CompiledWays, WhatIsWantedIsToldOnceAndNoMoreWhenItIsCompiled) {
+    NothingCompiled ways;
+    int told = 0;
+    ways.serve([&] { ++told; });
+    RenderSettings way;
+    way.method = "slabs", way.rate = 12;
+    ways.want(way, false);
+    ways.want(way, false);
+    EXPECT_EQ(told, 1);
+    ASSERT_TRUE(ways.nextWanted());
+    EXPECT_EQ(ways.nextWanted()->shaders, shadersOf(way, false));
+    EXPECT_FALSE(ways.has(way, false));
+    const uint64_t before = ways.version();
+    ways.add(shadersOf(way, false));
+    EXPECT_GT(ways.version(), before);
+    EXPECT_TRUE(ways.has(way, false));
+    EXPECT_FALSE(ways.has(way, true));
+    EXPECT_FALSE(ways.nextWanted());
+    ways.want(way, false);
+    EXPECT_EQ(told, 1);
+    for (way.rate = 1; way.rate <= 100; ++way.rate) ways.want(way, true);
+    EXPECT_LT(told, 20) << "their number is bounded";
+    ways.setAll(true);
+    EXPECT_TRUE(ways.has(way, true));
+}
+
+TEST(CompiledWays, APlanTakesTheBestCompiledWayAndNamesWhatItWouldHaveTaken) {
+    PlanInputs inputs = inputsOf(cube());
+    inputs.views = {kInside};
+    const Plan free = makePlan(inputs, builtInCosts());
+    EXPECT_TRUE(free.wanted.empty());
+    const WayShaders best = shadersOf(free.chosen.settings, false);
+    for (const std::string method : {"slabs", "grid", "tiles"}) {
+        inputs.compiled = [&](const RenderSettings& way) {
+            return way.method == method && shadersOf(way, false) != best;
+        };
+        const Plan plan = makePlan(inputs, builtInCosts());
+        EXPECT_TRUE(inputs.compiled(plan.chosen.settings)) << summary(plan);
+        ASSERT_EQ(plan.wanted.size(), 1u);
+        EXPECT_EQ(shadersOf(plan.wanted.front(), false), best);
+    }
+    inputs.compiled = [&](const RenderSettings& way) { return shadersOf(way, false) == best; };
+    const Plan same = makePlan(inputs, builtInCosts());
+    EXPECT_EQ(shadersOf(same.chosen.settings, false), best);
+    EXPECT_TRUE(same.wanted.empty());
+    inputs.compiled = [](const RenderSettings&) { return false; };
+    const Plan none = makePlan(inputs, builtInCosts());
+    EXPECT_EQ(shadersOf(none.chosen.settings, false), best) << "something has to be drawn";
+}
+
+// The way in use is no longer kept because of what another would cost: it is the only one.
+TEST(CompiledWays, OverloadAndManyViewsTakeCompiledRatesOnly) {
+    for (const uint32_t objects : {0u, 3u}) {
+        PlanInputs inputs = inputsOf(cube(5000, 3));
+        inputs.scene.wanted.method = "slabs";
+        inputs.scene.features.opaque = objects > 0;
+        PlanView small = inputs.views.front();
+        small.width /= 4, small.height /= 4;
+        inputs.views.push_back(small);
+        inputs.relaxed = 9;
+        const Plan free = makePlan(inputs, builtInCosts());
+        const std::set<uint32_t> rates{2, 4};
+        inputs.compiled = [&](const RenderSettings& way) { return rates.contains(way.rate); };
+        const Plan plan = makePlan(inputs, builtInCosts());
+        EXPECT_TRUE(rates.contains(plan.chosen.settings.rate)) << summary(plan);
+        EXPECT_GT(plan.relaxed, 0u);
+        EXPECT_FALSE(plan.wanted.empty());
+        EXPECT_NE(free.chosen.settings.rate, plan.chosen.settings.rate) << "or it shows nothing";
+    }
+}
+
+TEST(CompiledWays, TheNearestRateIsAFinerOneIfThereIs) {
+    RenderSettings way;
+    way.rate = 8;
+    const auto of = [&](std::set<uint32_t> compiled) {
+        return nearestCompiledRate(way, [=](const RenderSettings& one) { return compiled.contains(one.rate); });
+    };
+    EXPECT_EQ(of({4, 8, 12}), 8u);
+    EXPECT_EQ(of({2, 4, 12}), 4u);
+    EXPECT_EQ(of({12, 16}), 12u);
+    EXPECT_EQ(of({}), 8u);
+}
+
+// Until everything is compiled, every eye of a running server has a compiled rate, and the plan's way is compiled.
+TEST(CompiledWays, ARunningServerDrawsWithWhatIsCompiledAndTakesTheRestWhenItIsThere) {
+    const Scene scene = cube();
+    const Simulation simulation(scene);
+    NothingCompiled ways;
+    Planner planner(scene, builtInCosts(), 50, &ways);
+    const Planner::Time start{seconds(1000)};
+    RenderSettings dear = scene.render;
+    dear.method = "tiles";
+    ways.add(shadersOf(dear, false));
+    planner.settings(simulation, {&kOutside, 1}, true, start);
+    const RenderSettings then = planner.settings(simulation, {&kInside, 1}, false, start);
+    EXPECT_TRUE(ways.has(then, false));
+    RenderSettings own = then;
+    own.rate = planner.rateOf(kInside, then, false);
+    EXPECT_TRUE(ways.has(own, false));
+    ASSERT_TRUE(ways.nextWanted());
+    const WayShaders wanted = ways.nextWanted()->shaders;
+    EXPECT_FALSE(planner.drawable(finer(then), true));
+    ways.add(wanted);
+    for (int s = 1; s < 6; ++s) planner.refresh(simulation, {&kInside, 1}, start + seconds(s));
+    EXPECT_EQ(shadersOf(planner.plan().chosen.settings, false), wanted);
+}
+
+TEST(FarJump, APlanIsMadeAnewForAnEyeThatIsSuddenlyFarAway) {
+    const Scene scene = cube();
+    const Simulation simulation(scene);
+    Planner planner(scene, builtInCosts(), 50);
+    const Planner::Time start{seconds(1000)};
+    const auto madeFor = [&](std::initializer_list<PlanView> views) {
+        planner.settings(simulation, std::span(views.begin(), views.size()), false, start);
+        return planner.inputs().views.front().pose.position;
+    };
+    EXPECT_EQ(madeFor({kOutside}), kOutside.pose.position);
+    EXPECT_EQ(madeFor({kInside}), kInside.pose.position) << "into the medium";
+    EXPECT_EQ(madeFor({kOutside}), kOutside.pose.position) << "out of it";
+    const PlanView near = viewFrom({0, 2, 25}), far = viewFrom({0, 2, 80});
+    EXPECT_EQ(madeFor({near}), kOutside.pose.position) << "a step costs no plan";
+    EXPECT_EQ(madeFor({far}), far.pose.position);
+    EXPECT_EQ(madeFor({far, kInside}), far.pose.position);
+    EXPECT_EQ(madeFor({kInside, far}), far.pose.position) << "another order is no jump";
+    EXPECT_EQ(madeFor({far, far}), far.pose.position);
+}
+
+} // namespace
+} // namespace brume
