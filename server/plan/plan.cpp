@@ -120,8 +120,10 @@ public:
             return sameWay(way, before);
         });
         if (same == all.end() || !own_rates) return same == all.end() ? std::nullopt : std::optional(*same);
+        RenderSettings now = same->settings; // what the plan does not choose may have changed
+        now.rate = before.rate;
         const double anew = std::exchange(deviation_, inputs_.before_deviation_px);
-        const Candidate used = of(before);
+        const Candidate used = of(now);
         deviation_ = anew;
         return used;
     }

@@ -58,6 +58,17 @@ TEST(Planner, ViewersWhoChangeSizeDoNotMoveThePlan) {
     }
 }
 
+TEST(Planner, WhatItDoesNotChooseIsAsAskedFor) {
+    const Scene scene = cube();
+    Simulation simulation(scene);
+    Planner planner(scene, builtInCosts(), 50);
+    const PlanView view = ownView(scene);
+    const float before = planner.settings(simulation, {&view, 1}, true, kStart).exposure;
+    const Command command{1, 1, Set{{"render.exposure", 2 * before}}};
+    simulation.step({&command, 1});
+    EXPECT_EQ(planner.settings(simulation, {&view, 1}, true, kStart + milliseconds(20)).exposure, 2 * before);
+}
+
 TEST(Planner, UnderOverloadItGivesUpAccuracyStepByStepWhateverSizesThereAre) {
     const int steps = changesOf(cube(5000, 2), 10, 20, [](int, std::vector<PlanView>&) {});
     EXPECT_GT(steps, 2);
