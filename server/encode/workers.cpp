@@ -8,10 +8,17 @@
 namespace brume {
 
 EncodeWorkers::EncodeWorkers(unsigned threads) {
-    for (unsigned i = 0; i < std::max(threads, 1u); ++i) threads_.emplace_back([this] { work(); });
+    try {
+        for (unsigned i = 0; i < std::max(threads, 1u); ++i) threads_.emplace_back([this] { work(); });
+    } catch (...) { // no more threads can be started: those that run are waited for
+        stop();
+        throw;
+    }
 }
 
-EncodeWorkers::~EncodeWorkers() {
+EncodeWorkers::~EncodeWorkers() { stop(); }
+
+void EncodeWorkers::stop() {
     {
         const std::scoped_lock lock(mutex_);
         stopping_ = true;

@@ -18,6 +18,7 @@ class EncodeWorkers {
 public:
     using Job = std::function<void(JpegEncoder&)>; // a job that throws is logged, and its thread goes on
 
+    // Throws std::system_error if not all threads can be started.
     explicit EncodeWorkers(unsigned threads);
     // Finishes all jobs first.
     ~EncodeWorkers();
@@ -30,6 +31,7 @@ public:
 
 private:
     void work();
+    void stop();
 
     std::mutex mutex_;
     std::condition_variable wake_;

@@ -2,9 +2,12 @@
 #include <chrono>
 #include <future>
 #include <new>
+#include <system_error>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "server/encode/picture_encoder.h"
 #include "server/encode/workers.h"
@@ -85,6 +88,25 @@ TEST_F(PictureEncoder, ALosslessPictureThatIsTooLargeComesAsJpeg) {
 TEST_F(PictureEncoder, APictureWithoutPixelsIsRefused) {
     const PictureView none{{0, 0, false}, planes.data()};
     EXPECT_THROW(encodePictures({&none, 1}, {}, jpeg), std::runtime_error);
+}
+
+// Those that were started are stopped: nobody waits for them for ever.
+TEST(EncodeWorkersDeathTest, ThreadsThatCannotBeStartedAreAnError) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "sanitizers need more address space than there is";
+#endif
+    const auto start = [] {
+        ::alarm(20);
+        const rlimit little{512u << 20, 512u << 20}; // stacks take 8 MiB each
+        ::setrlimit(RLIMIT_AS, &little);
+        try {
+            const EncodeWorkers workers(1000);
+        } catch (const std::system_error&) {
+            std::_Exit(7);
+        }
+        std::_Exit(0);
+    };
+    EXPECT_EXIT(start(), testing::ExitedWithCode(7), "");
 }
 
 } // namespace
