@@ -173,6 +173,9 @@ bool FrameLoop::render(Batch& batch) {
     batch.error = float(plan.chosen.error);
     for (EyeRequest& eye : batch.eyes)
         eye.rate = planner_->rateOf({eye.pose, eye.width, eye.height}, settings, batch.still_pictures);
+    batch.settings = settings;
+    beginMeasuring(batch, settings);
+    tellMeasured(batch, settings.method);
     if (!submit(batch, settings)) return false;
     planner_->refresh(simulation_, batch.views, batch.taken);
     return true;
@@ -192,6 +195,7 @@ bool FrameLoop::renderOneShot(Batch& batch) {
     }
     batch.finer = true;
     batch.error = float(way.error);
+    batch.submission.probe.pixels.clear();
     return submit(batch, way.settings);
 }
 
@@ -253,6 +257,7 @@ void FrameLoop::drop(Batch& batch, const char* why) {
         metrics_.failed();
         job.viewer->abandon(job.due.frame_id);
     }
+    endMeasuring(batch, false);
     largest->viewer->refuse("the device cannot draw pictures of this size: ask for smaller ones");
     const auto slot =
         std::find_if(batches_.begin(), batches_.end(), [&](const auto& one) { return one.get() == &batch; });
@@ -265,9 +270,12 @@ void FrameLoop::drop(Batch& batch, const char* why) {
 void FrameLoop::encode(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
+    endMeasuring(batch, true);
     const float took = Millis(batch.done - batch.taken).count();
     if (!batch.one_shot) planner_->took(double(took * batch.full_batch_ratio), batch.done);
-    const DeviceLedger::Times times = ledger_.book(batch.submission.commands.readTimes(), batch);
+    const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
+    const DeviceLedger::Times times = ledger_.book(samples, batch);
+    learnCosts(batch, samples);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
     batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);
     if (batch.finer && !batch.still_pictures) refinement_.took(double(took));
@@ -310,6 +318,7 @@ void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const Pictur
             frame->encode_ms = Millis(encoded - batch.done).count();
             frame->gpu_ms = one.gpu_ms;
             frame->error = batch.error;
+            frame->measured = one.measured;
             frame->encoded = encoded;
             frame->jpeg = pictures.bytes;
             frame->png = pictures.format == PictureFormat::png;
@@ -333,6 +342,11 @@ void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const Pictur
 void FrameLoop::tellLoad(Clock::time_point now) {
     load_told_ = now;
     audience_.list(viewers_);
+    drawn_viewers_.clear();
+    for (const auto& viewer : viewers_) drawn_viewers_.push_back(viewer->id());
+    std::ranges::sort(drawn_viewers_);
+    meter_.stay(drawn_viewers_);
+    readMeter(now);
     for (const auto& viewer : viewers_)
         viewer->deviceHas({batch_planner_.predictMs(viewer->id()), most_full_ms_, frame_ms_,
                            batch_planner_.activeViewers(), planner_->exhausted()});
@@ -352,6 +366,7 @@ void FrameLoop::report(Clock::time_point now) {
         if (paused_) tellPaused(*report, *paused_, pauses_);
     }
     report->passes = ledger_.passes();
+    report->errors = errors_;
     report->memory = {device_.memoryInUse(), device_.peakMemory(), simulation_.bytes() + renderer_->particleBytes()};
     metrics_.kept(pictureBytes(), device_.pipelines().size());
     audience_.publish(report);

@@ -12,9 +12,11 @@
 #include <thread>
 
 #include "server/encode/workers.h"
+#include "server/error/error_meter.h"
 #include "server/frame_options.h"
 #include "server/loop/batch_planner.h"
 #include "server/loop/device_ledger.h"
+#include "server/loop/promise_watch.h"
 #include "server/loop/tick_source.h"
 #include "server/metrics/metrics.h"
 #include "server/plan/planner.h"
@@ -68,9 +70,11 @@ private:
         Clock::time_point taken{}, done{}; // when its poses were taken; when the device was done
         // True: drawn with finer() settings. For still pictures, and for others if there is time.
         bool finer = false;
-        float error = 0;                  // predicted relative RMSE of its pictures, at most
-        std::atomic<uint32_t> pending{0}; // jobs not encoded yet
-        bool spare = false;               // True: its pictures' memory is to be freed as soon as nobody reads them
+        float error = 0;                    // predicted relative RMSE of its pictures, at most
+        std::atomic<uint32_t> pending{0};   // jobs not encoded yet
+        bool spare = false;                 // True: its pictures' memory is to be freed as soon as nobody reads them
+        RenderSettings settings;            // that it is drawn with
+        std::unique_ptr<MeterJob> measured; // pixels that are read back with it; null: none
     };
 
     void warmUp();
@@ -86,6 +90,12 @@ private:
     void giveBack(Clock::time_point now);
     uint64_t pictureBytes() const;
     void drop(Batch& batch, const char* why);
+    void beginMeasuring(Batch& batch, const RenderSettings& settings);
+    void endMeasuring(Batch& batch, bool drawn);
+    void tellMeasured(Batch& batch, const std::string& method) const;
+    void readMeter(Clock::time_point now);
+    void learn(Clock::time_point now);
+    void learnCosts(const Batch& batch, std::span<const gpu::PassSample> samples);
     void encode(Batch& batch);
     void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) noexcept;
     void tellLoad(Clock::time_point now);
@@ -118,6 +128,15 @@ private:
     DeviceLedger ledger_;
     Room room_; // what the pictures' buffers needed lately
     Refinement refinement_;
+    ErrorMeter meter_;
+    const double first_correction_;
+    const bool learns_costs_;
+    const std::function<void(const CostModel&)> on_costs_;
+    std::shared_ptr<const Scene> shown_scene_; // equal to scene_; jobs of the meter keep it
+    Clock::time_point costs_learnt_{}, costs_told_{};
+    std::vector<uint32_t> drawn_viewers_; // of a batch: those whose pictures are drawn
+    std::vector<ViewError> errors_;       // what meter_ knew at load_told_
+    PromiseWatch promise_;
     Clock::time_point load_told_{}, reported_{};
     double most_full_ms_ = 0;    // largest predicted time of a batch with all due viewers, since load_told_
     bool replan_ = false;        // True: a command came since the last frame

@@ -17,6 +17,8 @@ struct FrameOptions {
     unsigned batches = 3;            // batches in flight: one on the device, the others with the encoders
     double frame_ms = 50;            // budget for a frame of all viewers; above it accuracy is given up
     double most_frame_ms = 500;      // that a frame of all viewers may take: larger pictures are made smaller
+    double measure_error = 0.02;     // part of one core that measures the error of pictures that are sent; 0: none
+    double first_correction = 1;     // of the laws' errors before anything is measured, for tests of wrong laws
     double refine_moving = 0.5;      // part of frame_ms for finer pictures while cameras rest and the medium moves
     uint64_t memory = 1024ull << 20; // most bytes of particles, on the CPU and on the device together
     // Most bytes of picture buffers: half of it for the targets, half for the planes of all batches.
@@ -25,6 +27,9 @@ struct FrameOptions {
     bool compiled_behind = false;
     uint64_t first_tick = 0; // of the state before the first tick
     CostModel costs = builtInCosts();
+    bool learn_costs = true; // True: the times of passes correct `costs`
+    // Called on the loop's thread with what was learnt: after some seconds, then every ten minutes.
+    std::function<void(const CostModel&)> on_costs;
     // Called on the loop's thread before the first tick, and after every tick with the commands that it took.
     std::function<void(const Simulation&, std::span<const Command>)> ticked;
 };

@@ -99,6 +99,15 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     const std::unique_ptr<Recorder> recorder = replayed ? nullptr : recorderOf(options, scene, device);
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;
+    if (frame.learn_costs && (costs.learnt || !costs.calibrated))
+        frame.on_costs = [file = costFile(options.costs, device.name(), device.driver()), &device](CostModel learnt) {
+            learnt.learnt = true;
+            try {
+                saveCosts(file, learnt, device.name(), device.driver());
+            } catch (const std::runtime_error& error) {
+                spdlog::debug("{}", error.what());
+            }
+        };
     frame.compiled_behind = !replayed && options.ahead == "background" && isWorthCompiling(scene);
     if (recorder)
         frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };

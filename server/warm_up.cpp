@@ -24,6 +24,7 @@ void WarmUp::drawForEveryCamera(const RenderSettings& settings, bool still) {
 
 void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still) {
     const EyeRequest eye{view.pose, view.width, view.height};
+    submission_.probe.pixels = {glm::uvec2(0)}; // its shader, too
     renderer_.submit(submission_, simulation_, {&eye, 1}, &settings, still);
     while (!submission_.commands.wait(1'000'000'000)) {
     }

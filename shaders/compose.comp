@@ -52,6 +52,10 @@ vec3 pixelOf(MediumRun run, inout MediumCut cut, uvec2 at, vec3 before) {
     return displayed(here.rgb);
 }
 
+// Neighbouring pixels in one cell that are computed together: the largest power of two that divides the rate, at most
+// 8.
+const uint kRun = (kRate & 7u) == 0u ? 8u : kRate & (~kRate + 1u);
+
 const uint kMostBlocks = 3;
 const uint kRunOfBlocks = kBlocks == 1 ? kRun : kRate;
 const uint kMostWords = 2 * kMostBlocks; // words of a lane's row in a plane

@@ -35,6 +35,7 @@ struct Crowd::Viewer {
     uint64_t lost_us = 0, next_try_us = 0; // end of its connection, next try to connect; 0 while frames come
     std::string key;                       // Granted::resume of the connection that was lost
     std::deque<uint64_t> unanswered;       // sending times (nowUs()) of poses that no frame has answered yet
+    float error = 0;                       // wire::Frame::measured of the last frame; 0: not known
 };
 
 Crowd::Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt)
@@ -83,6 +84,8 @@ Run Crowd::watch(double seconds) {
         if (!viewer->unanswered.empty())
             run.oldest_unanswered_ms =
                 std::max(run.oldest_unanswered_ms, double(end - viewer->unanswered.front()) * 1e-3);
+    for (const auto& viewer : viewers_)
+        if (viewer->error > 0) run.errors_measured.push_back(viewer->error);
     if (const auto frames = double(run.allFrames()); frames > 0)
         for (double StageMeans::*mean : {&StageMeans::wait, &StageMeans::render, &StageMeans::gpu, &StageMeans::encode,
                                          &StageMeans::queue, &StageMeans::decode})
@@ -172,6 +175,7 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
     viewer.session.acknowledge(frame.id());
     viewer.heard_us = shown;
     ++viewer.frames;
+    viewer.error = frame.measured();
     if (viewer.lost_us != 0 && run_) run_->returns.push_back({viewer.lost_us, shown});
     viewer.lost_us = 0;
     // The frame answers all poses up to its own, by the time in it: numbers begin anew with a connection, and the

@@ -27,6 +27,9 @@ std::string digits(double value) {
 // One decimal more than a person reads, none that was not measured. NaN becomes null.
 Json rounded(double value) { return std::isfinite(value) ? Json(std::round(value * 1e4) / 1e4) : Json(nullptr); }
 
+// As it is: errors are far below 1. NaN becomes null.
+Json exact(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
 void save(const std::filesystem::path& path, const std::string& text) {
     errno = 0;
     std::ofstream file(path, std::ios::binary);
@@ -110,6 +113,7 @@ Json jsonOf(const Run& run) {
           {"encode", rounded(s.encode)},
           {"queue", rounded(s.queue)},
           {"decode", rounded(s.decode)}}},
+        {"error_measured", {{"median", exact(run.errorMeasured(0.5))}, {"worst", exact(run.errorMeasured(1))}}},
         {"bytes_per_second", rounded(double(run.bytes) / run.seconds)},
         {"errors", run.errors},
         {"first_error", run.first_error},
@@ -133,9 +137,10 @@ Json jsonOf(const Run& run) {
 
 std::string tableHead() {
     return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | kB/s each | "
-           "server, cores | ms a frame | device, ms a frame: shared | view | batches/s | error, % | load, cores | "
+           "server, cores | ms a frame | device, ms a frame: shared | view | batches/s | error, %: predicted | measured, "
+           "median | worst | load, cores | "
            "others, cores |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 
 std::string tableLine(const Run& run) {
@@ -145,7 +150,7 @@ std::string tableLine(const Run& run) {
          {run.leastFps(), run.medianFps(), run.mostFps(), run.latencyMs(0.5), run.latencyMs(0.95), run.latencyMs(0.99),
           double(run.bytes) * 1e-3 / run.seconds / run.viewers, cost.cpu_s / run.seconds, run.cpuMsPerFrame(),
           1e3 * cost.shared_s / cost.rendered, 1e3 * cost.views_s / cost.rendered, cost.batches / run.seconds,
-          100 * cost.plan_error, run.own_cpu_s / run.seconds,
+          100 * cost.plan_error, 100 * run.errorMeasured(0.5), 100 * run.errorMeasured(1), run.own_cpu_s / run.seconds,
           (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
         line += ' ' + digits(value) + " |";
     return line + '\n';
@@ -160,8 +165,8 @@ std::string markdown(const Report& report, const Options& options) {
     for (const Run& run : report.runs) out += tableLine(run);
     out += "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or\n"
            "a later one. Shared: passes once a batch for all viewers of it; view: passes of each. Error: relative\n"
-           "RMSE that the server's plan predicts, which grows when it gives up accuracy under load. Load: this\n"
-           "program; others: what else the machine did.\n";
+           "RMSE that the server's plan predicts, which grows when it gives up accuracy under load, and that the\n"
+           "server measures of each viewer's pictures. Load: this program; others: what else the machine did.\n";
     if (const Run* const one = ofOneViewer(report)) out += beside(report, *one);
     if (!report.broken.empty()) out += "\n## Budgets that do not hold\n\n";
     for (const std::string& line : report.broken) out += "- " + line + '\n';

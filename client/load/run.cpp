@@ -21,6 +21,10 @@ double Run::mostFps() const { return double(*std::max_element(frames.begin(), fr
 
 double Run::ageMs(double fraction) const { return double(client::percentile(ages_ms, fraction).value_or(NAN)); }
 
+double Run::errorMeasured(double fraction) const {
+    return double(client::percentile(errors_measured, fraction).value_or(NAN));
+}
+
 double Run::latencyMs(double fraction) const {
     return double(client::percentile(latencies_ms, fraction).value_or(NAN));
 }

@@ -41,7 +41,8 @@ struct Run {
     std::vector<Return> returns;
     double oldest_unanswered_ms = 0; // at the end: how long the oldest pose without a frame has waited
     StageMeans stages;
-    uint64_t errors = 0; // wire::Error messages
+    std::vector<float> errors_measured; // at the end, of each viewer that is told one: relative RMSE of its pictures
+    uint64_t errors = 0;                // wire::Error messages
     std::string first_error;
     ServerCost server;
     double own_cpu_s = 0;      // processor time of this program
@@ -50,9 +51,10 @@ struct Run {
     uint64_t allFrames() const;
     double leastFps() const; // frames a second of the slowest viewer
     double medianFps() const;
-    double mostFps() const;                  // frames a second of the fastest viewer
-    double latencyMs(double fraction) const; // percentile of latencies_ms, nearest rank; NaN without a sample
-    double ageMs(double fraction) const;     // percentile of ages_ms; 1: the oldest
+    double mostFps() const;                      // frames a second of the fastest viewer
+    double latencyMs(double fraction) const;     // percentile of latencies_ms, nearest rank; NaN without a sample
+    double ageMs(double fraction) const;         // percentile of ages_ms; 1: the oldest
+    double errorMeasured(double fraction) const; // percentile of errors_measured; NaN without one
     double cpuMsPerFrame() const { return 1e3 * server.cpu_s / server.rendered; }
     double deviceMsPerFrame() const { return 1e3 * (server.shared_s + server.views_s) / server.rendered; }
 };

@@ -89,6 +89,9 @@ FrameRecord recordOf(const Received& message, float decode_ms, uint64_t presente
     record.position = {p.x(), p.y(), p.z()};
     record.orientation = glm::quat(q.w(), q.x(), q.y(), q.z());
     record.fov_y = frame.fov_y();
+    record.error = frame.measured();
+    record.error_low = frame.measured_low();
+    record.error_high = frame.measured_high();
     return record;
 }
 
@@ -146,6 +149,11 @@ std::optional<float> Statistics::recentLatencyMs(uint64_t since_us) const {
     return percentile(std::move(values), 0.5);
 }
 
+const FrameRecord* Statistics::lastMeasured() const {
+    const auto last = std::find_if(records_.rbegin(), records_.rend(), [](const auto& r) { return r.error > 0; });
+    return last == records_.rend() ? nullptr : &*last;
+}
+
 std::vector<float> Statistics::stage(std::optional<float> (*of)(const FrameRecord&)) const {
     std::vector<float> values;
     values.reserve(records_.size());
@@ -168,6 +176,10 @@ Json Statistics::json() const {
     Json pictures = Json::array();
     for (const auto& record : records_) pictures.push_back(jsonOf(record));
 
+    Json measured;
+    if (const FrameRecord* r = lastMeasured())
+        measured = {{"relative_rmse", r->error}, {"low", r->error_low}, {"high", r->error_high}};
+
     return {{"client", "brume-client " BRUME_VERSION},
             {"url", url_},
             {"server", granted_.server},
@@ -185,6 +197,7 @@ Json Statistics::json() const {
             {"inputs_sent", inputs_},
             {"round_trip_ms", orNull(round_trip_ms_)},
             {"latency_ms", std::move(latency)},
+            {"picture_error", std::move(measured)},
             {"error_count", errors_},
             {"errors", std::move(errors)},
             {"pictures", std::move(pictures)}};
@@ -202,6 +215,9 @@ std::string Statistics::summary() const {
         if (const auto p50 = percentile(values, 0.5))
             text += fmt::format(" {} {:.1f}/{:.1f}", s.name, *p50, *percentile(values, 0.95));
     }
+    if (const FrameRecord* r = lastMeasured())
+        text += fmt::format("\nerror of the pictures, measured: {:.2g} % ({:.2g} to {:.2g})", 100 * r->error,
+                            100 * r->error_low, 100 * r->error_high);
     if (errors_ > 0)
         text += fmt::format("\n{} errors from the server, the first: {} ({})", errors_,
                             wire::EnumNameErrorCode(error_records_.front().code), error_records_.front().text);

@@ -28,6 +28,7 @@ struct FrameRecord {
     glm::vec3 position{0};
     glm::quat orientation{1, 0, 0, 0};
     float fov_y = 0;
+    float error = 0, error_low = 0, error_high = 0; // wire::Frame::measured and its bounds; 0: not known
 
     // total_ms without the times of the server and the decoder: the network, both ways, and waiting in this client.
     std::optional<float> networkMs() const;
@@ -63,10 +64,11 @@ public:
 
     // All of it: the content of stats.json.
     nlohmann::json json() const;
-    // Two or three lines for a person. Precondition: frames() > 0.
+    // Two to four lines for a person. Precondition: frames() > 0.
     std::string summary() const;
 
 private:
+    const FrameRecord* lastMeasured() const; // null: no frame told its error
     std::vector<float> stage(std::optional<float> (*of)(const FrameRecord&)) const;
 
     // Ten minutes at 60 Hz. Percentiles and the list of frames cover the newest frames only, which bounds the memory.

@@ -204,6 +204,9 @@ void computeToTransfer(VkCommandBuffer cmd) {
 void transferToHost(VkCommandBuffer cmd) {
     barrier(cmd, kCopy, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
 }
+void computeToHost(VkCommandBuffer cmd) {
+    barrier(cmd, kCompute, kShaderWrite, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+}
 void everythingBefore(VkCommandBuffer cmd) {
     barrier(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
             VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);

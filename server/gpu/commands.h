@@ -72,6 +72,7 @@ void drawToCompute(VkCommandBuffer cmd);     // colour writes and shader reads -
 void transferToCompute(VkCommandBuffer cmd); // copies, fills -> compute
 void computeToTransfer(VkCommandBuffer cmd); // compute -> copies
 void transferToHost(VkCommandBuffer cmd);    // copies -> CPU reads after the submission is done
+void computeToHost(VkCommandBuffer cmd);     // storage writes -> CPU reads after the submission is done
 // All earlier commands of this queue end before later ones start. For scratch memory that is used again.
 void everythingBefore(VkCommandBuffer cmd);
 // Moves a new image to VK_IMAGE_LAYOUT_GENERAL, its only layout. Its content is lost.

@@ -134,7 +134,8 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
         if (std::any_of(recent_.begin(), one, [&](const Recent& o) { return samePictures(o.request, request); }))
             continue;
         for (int eye = 0; eye < request.views; ++eye)
-            out.views.push_back({eyePose(request.pose, eye, request.views), request.width, request.height});
+            out.views.push_back(
+                {eyePose(request.pose, eye, request.views), request.width, request.height, one->viewer});
     }
     out.full_batch_ratio = schedule_.chosenMs() > 0 ? float(schedule_.fullBatchMs() / schedule_.chosenMs()) : 1;
     return !out.jobs.empty();

@@ -22,6 +22,7 @@ struct BatchJob {
     uint32_t pictures = 0;  // number of the first job with the same pictures: that one draws and encodes them
     uint32_t first_eye = 0; // of the pictures, in Batch's eyes
     float gpu_ms = 0;       // the device's time for this viewer, measured
+    MeasuredError measured; // of this viewer's pictures by the batch's method
 };
 
 // What one submission draws.
@@ -46,10 +47,10 @@ public:
         double budget_ms = 0;                                     // that a batch may take
         double most_ms = std::numeric_limits<double>::infinity(); // that one with the pictures of all viewers may take
         double ms_per_pixel = 0;                                  // predicted, until pictures were measured
-        double still_ratio = 1; // predicted time of a still picture / of the same while it moves
-        bool still = true;      // False: still pictures wait
+        double still_ratio = 1;           // predicted time of a still picture / of the same while it moves
+        bool still = true;                // False: still pictures wait
         std::span<const uint32_t> held{}; // ids of viewers whose one-shot pictures wait
-        uint64_t bytes = ~0ull; // of a batch's pictures; a viewer that exceeds them alone is drawn alone
+        uint64_t bytes = ~0ull;           // of a batch's pictures; a viewer that exceeds them alone is drawn alone
     };
     // Takes the due viewers that the budget allows. `scene`: a version of all that is seen. When nothing has changed
     // for anybody, still pictures are taken. Pictures that are too large for `most_ms` are made smaller, the largest

@@ -29,9 +29,12 @@ std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Pla
         told.text = method->text(used);
         if (method->hasRays()) told.rate = used.rate, told.slabs = used.slabs;
     }
+    told.promised = promisedError(now.render);
     told.error = plan.chosen.error, told.ms = plan.chosen.ms(), told.relaxed = plan.relaxed;
     return report;
 }
+
+double promisedError(const RenderSettings& wanted) { return wanted.method == kAutoMethod ? double(wanted.error) : 0; }
 
 void tellPaused(SceneReport& report, bool paused, uint64_t changes) {
     const auto all = liveSettings();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <span>
 
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
@@ -154,6 +155,20 @@ pm::MetricFamily passGauges(const SceneReport& report) {
         family.metric.push_back(std::move(metric));
     }
     return family;
+}
+
+// Of the viewer whose pictures err most, of those that are measured well enough.
+void addErrors(std::span<const ViewError> errors, std::vector<pm::MetricFamily>& all) {
+    const ViewError* worst = nullptr;
+    for (const ViewError& one : errors)
+        if (one.error.known() && (!worst || one.error.rmse > worst->error.rmse)) worst = &one;
+    if (!worst) return;
+    const ErrorEstimate& e = worst->error;
+    all.push_back(gauge("brume_picture_error", "Measured relative RMSE of the worst viewer's pictures.", e.rmse));
+    all.push_back(gauge("brume_picture_error_low", "Lower bound of it, of 95 %.", e.low));
+    all.push_back(gauge("brume_picture_error_high", "Upper bound of it, of 95 %.", e.high));
+    all.push_back(gauge("brume_picture_error_predicted", "What the plan's laws predict for it.", e.law));
+    all.push_back(gauge("brume_picture_bias", "Mean relative error of it; positive is too bright.", e.bias));
 }
 
 } // namespace
@@ -309,6 +324,7 @@ std::string Metrics::text(const Audience& audience) const {
     all.push_back(gauge("brume_plan_error", "Predicted relative RMSE of the pictures.", report->plan.error));
     all.push_back(gauge("brume_plan_relaxed", "Steps of accuracy given up under overload; 0 when there is none.",
                         report->plan.relaxed));
+    addErrors(report->errors, all);
     all.push_back(gauge("brume_ready", "1 when frames can be had.", audience.ready ? 1 : 0));
     all.push_back(gauge("brume_device_busy_ratio",
                         "Part of the last ten seconds in which the device drew; 1: all of them.",

@@ -26,7 +26,7 @@ auto packPlan(Builder& b, const SceneReport& report) {
     const auto method = packText(b, plan.method), quadrature = packText(b, plan.quadrature),
                text = packText(b, plan.text);
     return wire::CreatePlan(b, method, quadrature, plan.rate, plan.slabs, float(plan.error), float(plan.ms),
-                            plan.relaxed, text);
+                            plan.relaxed, text, float(plan.promised));
 }
 
 wire::SettingKind kindOf(const SceneSetting& setting) {
@@ -152,7 +152,8 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
         return wire::CreateFrame(b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us,
                                  &position, &orientation, request.pose.fov_y, request.width, request.height,
                                  request.quality, &stages, jpeg_bytes, frusta[0], frusta[1],
-                                 frame.png ? wire::Encoding::png : wire::Encoding::jpeg);
+                                 frame.png ? wire::Encoding::png : wire::Encoding::jpeg, frame.measured.rmse,
+                                 frame.measured.low, frame.measured.high);
     });
 }
 

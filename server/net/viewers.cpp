@@ -1,6 +1,7 @@
 #include "server/net/viewers.h"
 
 #include <algorithm>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -18,7 +19,19 @@ Json stagesOf(const History& history) {
     return all;
 }
 
-Json of(const Viewer& viewer, Clock::time_point now) {
+// Measured errors of this viewer's pictures, by method.
+Json errorsOf(uint32_t viewer, std::span<const ViewError> errors) {
+    Json all = Json::object();
+    for (const ViewError& one : errors) {
+        const ErrorEstimate& e = one.error;
+        if (one.viewer != viewer || !e.known()) continue;
+        all[one.method] = {{"relative_rmse", e.rmse}, {"low", e.low},   {"high", e.high},
+                           {"predicted", e.law},      {"bias", e.bias}, {"pixels", e.pixels}};
+    }
+    return all;
+}
+
+Json of(const Viewer& viewer, std::span<const ViewError> errors, Clock::time_point now) {
     const Viewer::Link link = viewer.link();
     const Viewer::Counts counts = viewer.counts();
     const History history = viewer.history();
@@ -41,6 +54,7 @@ Json of(const Viewer& viewer, Clock::time_point now) {
     one["frames_per_second"] = history.rate(now);
     one["frames"] = {{"rendered", counts.rendered}, {"sent", counts.sent}, {"superseded", counts.superseded}};
     one["stages_ms"] = stagesOf(history);
+    one["error"] = errorsOf(viewer.id(), errors);
     return one;
 }
 
@@ -51,7 +65,8 @@ std::string viewersJson(const Audience& audience) {
     audience.list(viewers);
     Json list = Json::array();
     const auto now = Clock::now();
-    for (const auto& viewer : viewers) list.push_back(of(*viewer, now));
+    const auto report = audience.report();
+    for (const auto& viewer : viewers) list.push_back(of(*viewer, report->errors, now));
     return Json{{"viewers", std::move(list)}}.dump() + "\n";
 }
 

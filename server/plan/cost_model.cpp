@@ -46,7 +46,7 @@ size_t numberOf(const CostInfo& cost) {
 CostModel builtInCosts() {
     CostModel model;
     for (const CostInfo* cost : allCosts()) model.ns[numberOf(*cost)] = cost->built_in;
-    model.source = "built in, estimated on lavapipe; brume-bench calibrate measures this device";
+    model.source = "built in, estimated on lavapipe; a running server corrects them";
     return model;
 }
 
@@ -82,7 +82,8 @@ CostModel loadCosts(const std::filesystem::path& file, std::string& complaint) {
             return refused(std::string(cost->key) + " is no positive number");
         model.ns[numberOf(*cost)] = ns->get<double>();
     }
-    model.source = "calibrated, " + file.string();
+    model.learnt = parsed.value("learnt", false);
+    model.source = (model.learnt ? "learnt while running, " : "calibrated, ") + file.string();
     model.calibrated = true;
     return model;
 }
@@ -91,12 +92,17 @@ void saveCosts(const std::filesystem::path& file, const CostModel& model, std::s
                std::string_view driver) {
     nlohmann::ordered_json out{
         {"version", kVersion}, {"device", device}, {"driver", driver}, {"unit", "ns per unit of work"}};
+    if (model.learnt) out["learnt"] = true;
     for (const CostInfo* cost : allCosts()) out[cost->key] = model[*cost];
     std::error_code error;
     std::filesystem::create_directories(file.parent_path(), error);
-    std::ofstream stream(file);
+    const std::filesystem::path part = file.string() + ".part"; // whole or not at all
+    std::ofstream stream(part);
     stream << out.dump(1) << '\n';
     if (!stream.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+    stream.close();
+    std::filesystem::rename(part, file, error);
+    if (error) throw std::runtime_error(file.string() + ": cannot be written: " + error.message());
 }
 
 } // namespace brume

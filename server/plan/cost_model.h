@@ -1,5 +1,5 @@
-// Cost model: nanoseconds per unit of work for every pass, the constants of the plan's predictions. `brume-bench
-// calibrate` measures them on a device.
+// Cost model: nanoseconds per unit of work for every pass, the constants of the plan's predictions. A running
+// server corrects them (cost_learning.h); `brume-bench calibrate` measures them all on a device.
 #pragma once
 
 #include <array>
@@ -37,6 +37,7 @@ struct CostModel {
     std::array<double, kMostCosts> ns{}; // per unit of work; index: numberOf()
     std::string source;                  // origin of the constants, for people
     bool calibrated = false;             // True: measured on this device
+    bool learnt = false;                 // True: by a running server, not by brume-bench calibrate
 
     double operator[](const CostInfo& cost) const { return ns[numberOf(cost)]; }
 };

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/plan/corrections.h"
 #include "server/plan/method_plan.h"
 
 namespace brume {
@@ -28,6 +29,7 @@ struct PlanInputs {
     std::optional<RenderSettings> before;   // the present Plan::base: kept unless another way is clearly better
     double before_deviation_px = 0;         // the present Plan::reference_deviation_px
     bool hold = false; // True: `before` is kept also where another way is much cheaper, if its error is small enough
+    const Corrections* corrections = nullptr; // of the laws' errors, by PlanView::viewer; null: none
     // True: the shaders of these settings are compiled. As long as one way is, others are not chosen. Null: all are.
     std::function<bool(const RenderSettings&)> compiled;
 };
@@ -39,7 +41,8 @@ struct Candidate {
     double flip = 0;         // mean FLIP that belongs to the error; 1 if that is not predicted
     bool predicted = true;   // False: the method has no law of its error
     // The largest error of a view as a part of what that view may have: the budgets, or 1.1 times the least error that
-    // any way has in it. So a view in which nothing holds the budgets does not make others coarse.
+    // any way has in it. So a view in which nothing holds the budgets does not make others coarse. Infinite if the
+    // error is not predicted, or 1 where any error is allowed.
     double excess = 0;
     double shared_ms = 0; // per tick
     double views_ms = 0;  // of all views together
@@ -84,6 +87,10 @@ struct Plan {
 // Makes the plan. It keeps `wanted.method` and all settings other than 0, whatever they cost, and chooses the rest. A
 // wanted method that the scene does not allow is replaced by the best other one.
 Plan makePlan(const PlanInputs& inputs, const CostModel& model);
+
+// Relative RMSE that the laws predict for one picture with these settings, whose rate is the view's own. 0: nothing is
+// predicted, or no medium is seen.
+double predictedError(const PlanScene& scene, const RenderSettings& settings, const PlanView& view);
 
 // Relative RMSE of pictures, from the volumetric shadow map's estimate of its own error in the medium.
 double lightError(double estimated);

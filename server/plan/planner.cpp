@@ -76,8 +76,9 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
 }
 
 Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms, CompiledWays* ways)
-    : scene_(scene), model_(std::move(model)), ways_(ways), overload_(frame_budget_ms) {
+    : scene_(scene), costs_(std::move(model)), ways_(ways), overload_(frame_budget_ms) {
     inputs_.methods = allMethods();
+    inputs_.corrections = &corrections_;
     if (ways) inputs_.compiled = [ways](const RenderSettings& way) { return ways->has(way, false); };
 }
 
@@ -122,7 +123,7 @@ void Planner::make() {
     const RenderSettings then = plan_.chosen.settings;
     const bool first = plan_.passes.empty();
     inputs_.relaxed = overload_.level();
-    plan_ = makePlan(inputs_, model_);
+    plan_ = makePlan(inputs_, costs_.model());
     inputs_.before = plan_.base;
     inputs_.before_deviation_px = plan_.reference_deviation_px;
     if (ways_)
@@ -138,7 +139,7 @@ void Planner::make() {
 Candidate Planner::once(const Simulation& simulation, const PlanView& view, bool compiled) const {
     PlanInputs alone{.scene = planScene(scene_, simulation), .views = {view}, .methods = inputs_.methods};
     if (compiled && ways_) alone.compiled = [this](const RenderSettings& way) { return ways_->has(way, true); };
-    return makePlan(alone, model_).chosen;
+    return makePlan(alone, costs_.first()).chosen;
 }
 
 uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings, bool still) const {
@@ -155,6 +156,20 @@ bool Planner::drawable(const RenderSettings& settings, bool still) const {
     if (!ways_ || ways_->has(settings, still)) return true;
     ways_->want(settings, still);
     return false;
+}
+
+void Planner::passesTook(const RenderSettings& settings, std::span<const PlanView> views,
+                         std::span<const uint32_t> rates, std::span<const PassMs> passes) {
+    Work work = sharedWork(inputs_.scene, settings);
+    for (const PlanScene::Shadow& shadow : inputs_.scene.shadows)
+        if (shadow.wanted == settings.shadow_error) work += shadowWork(inputs_.scene, shadow);
+    for (size_t i = 0; i < views.size(); ++i) {
+        RenderSettings own = settings;
+        if (rates[i] > 0) own.rate = rates[i];
+        const ViewWork view(inputs_.scene, views[i]);
+        if (view.sees()) work += view.of(own);
+    }
+    costs_.learn(work, passes);
 }
 
 void Planner::took(double ms, Time now) {

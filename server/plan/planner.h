@@ -6,6 +6,7 @@
 #include <span>
 
 #include "server/plan/compiled_ways.h"
+#include "server/plan/cost_learning.h"
 #include "server/plan/overload.h"
 #include "server/plan/plan.h"
 #include "server/sim/simulation.h"
@@ -47,6 +48,19 @@ public:
     // True: the shaders of these settings are compiled. If not, they are wanted from now on.
     bool drawable(const RenderSettings& settings, bool still) const;
 
+    // brume::predictedError() in the scene of the last plan.
+    double predictedError(const RenderSettings& settings, const PlanView& view) const {
+        return brume::predictedError(inputs_.scene, settings, view);
+    }
+
+    // What measuring says of the laws, from the next plan on.
+    Corrections& corrections() { return corrections_; }
+
+    // The passes of a picture or several took these times: corrects the costs of the next plans, but not of once().
+    void passesTook(const RenderSettings& settings, std::span<const PlanView> views, std::span<const uint32_t> rates,
+                    std::span<const PassMs> passes);
+    const CostLearning& costs() const { return costs_; }
+
     // A frame with these settings took so long. Logs when accuracy begins to be given up, when none is left to give
     // up, and when it is back.
     void took(double ms, Time now);
@@ -56,7 +70,6 @@ public:
     bool exhausted() const { return exhausted_; }
 
     const Plan& plan() const { return plan_; }
-    const CostModel& model() const { return model_; }
     const PlanInputs& inputs() const { return inputs_; } // of the last plan
 
 private:
@@ -66,9 +79,10 @@ private:
     bool someoneJumped(std::span<const PlanView> views) const;
 
     const Scene& scene_;
-    CostModel model_;
+    CostLearning costs_;
     CompiledWays* ways_;
     Overload overload_;
+    Corrections corrections_;
     PlanInputs inputs_;
     Plan plan_;
     bool exhausted_ = false;

@@ -20,6 +20,7 @@ namespace brume {
 struct PlanView {
     Pose pose;
     uint32_t width = 0, height = 0; // pixels
+    uint32_t viewer = 0;            // whose picture, for Corrections; 0: nobody's
 };
 
 // The scene as the plan sees it. Its size does not grow with the particle count.

@@ -30,7 +30,7 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capac
     : device_(device), scene_(scene), objects_(opaqueObjects(scene)), features_(compiledFor(scene, besides)),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device),
       particle_light_(device, capacity), surfaces_(device, scene), depth_order_(device, capacity),
-      compose_(device, features_), cells_(device), linear_(device, VK_FILTER_LINEAR),
+      compose_(device, features_), probe_(device, features_), cells_(device), linear_(device, VK_FILTER_LINEAR),
       nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {
     objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
@@ -53,6 +53,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     drawn_.clear();
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
     fitPictures(s, eyes, full);
+    probe_.prepare(s.probe);
     upload_.take(simulation, scene_, now_, objects_, eyes, s.particles_);
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks);
@@ -76,6 +77,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
         if (has_medium && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
         if (has_medium) method.recordGroup(s.commands, group);
         compose_.record(s.commands, group);
+        if (has_medium && !s.probe.pixels.empty()) probe_.record(s.commands, group, s.probe, views_[s.probe.eye]);
         before = group.any;
     }
     recordReadBack(s);

@@ -16,6 +16,7 @@
 #include "server/render/compose.h"
 #include "server/render/drawn_cells.h"
 #include "server/render/picture.h"
+#include "server/render/probe.h"
 #include "server/render/targets.h"
 #include "server/render/tick_upload.h"
 
@@ -34,6 +35,7 @@ public:
     void giveBack();
 
     gpu::Commands commands;
+    ProbeReading probe; // pixels to read back with the next pictures; none: it costs nothing
 
 private:
     friend class Renderer;
@@ -113,6 +115,7 @@ private:
     Surfaces surfaces_;
     DepthOrder depth_order_;
     Compose compose_;
+    Probe probe_;
     DrawnCells cells_;
     gpu::Sampler linear_, nearest_;
     gpu::Buffer objects_buffer_, planes_;

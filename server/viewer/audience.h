@@ -11,6 +11,7 @@
 #include "common/scene.h"
 #include "common/settings.h"
 #include "server/sim/command.h"
+#include "server/error/error_window.h"
 #include "server/viewer/replay_control.h"
 #include "server/viewer/scene_requests.h"
 #include "server/viewer/viewer.h"
@@ -31,10 +32,12 @@ struct SceneReport {
         std::string text;             // method and settings in a few words
         uint32_t rate = 0, slabs = 0; // pixels between rays, slabs along them; 0 for a method without rays
         double error = 0;             // predicted relative RMSE
+        double promised = 0;          // relative RMSE that the pictures may have; 0: nothing is promised
         double ms = 0;                // predicted device time of a frame of all viewers
         uint32_t relaxed = 0;         // overload steps: how often accuracy was given up
     } plan;
     std::vector<PassTime> passes;
+    std::vector<ViewError> errors; // measured, by viewer and method
     struct {
         uint64_t device = 0, device_peak = 0; // bytes of resources on the device: now, and at most so far
         uint64_t particles = 0;               // bytes of CPU memory for particles

@@ -36,6 +36,11 @@ struct PoseRequest {
 // Bytes of one picture, JPEG or PNG. Viewers that ask for the same picture share them.
 using Jpeg = std::shared_ptr<const std::vector<uint8_t>>;
 
+// Relative RMSE of one viewer's pictures of the last half minute, and its bounds of 95 %. All 0: not known.
+struct MeasuredError {
+    float rmse = 0, low = 0, high = 0;
+};
+
 // The encoded pictures that answer one request. Immutable once delivered.
 struct EncodedFrame {
     uint32_t id = 0; // counts up for each viewer; 0 is no frame
@@ -44,6 +49,7 @@ struct EncodedFrame {
     bool again = false; // True: an earlier frame answered this pose, so that wait_ms tells nothing about the server
     float wait_ms = 0, render_ms = 0, encode_ms = 0, gpu_ms = 0;
     float error = 0; // predicted relative RMSE of the picture, at most
+    MeasuredError measured;
     Clock::time_point encoded{};
     std::array<Jpeg, 2> jpeg; // one for each of request.views eyes
     bool png = false;         // True: all pictures are PNG; false: JPEG

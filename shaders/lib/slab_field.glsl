@@ -9,10 +9,6 @@ vec4 through(float t) {
     return 0.5 * vec4(((2 - t) * t - 1) * t, (3 * t - 5) * t * t + 2, ((4 - 3 * t) * t + 1) * t, (t - 1) * t * t);
 }
 
-// Neighbouring pixels in one cell that are computed together: the largest power of two that divides the rate, at most
-// 8.
-const uint kRun = (kRate & 7u) == 0u ? 8u : kRate & (~kRate + 1u);
-
 // Position of a row of pixels in a cell among the nodes.
 struct FieldRun {
     uint first; // upper left node of the 4x4; at rate 1, without interpolation, the pixel's own

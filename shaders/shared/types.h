@@ -149,6 +149,14 @@ struct View {
     uint shaded;
 };
 
+// Which pixels probe.comp reads, and how they were drawn.
+struct ProbePush {
+    uint count;                        // pixels
+    uint rate;                         // pixels between the field's rays
+    uint sun_colours, ambient_colours; // FieldColours
+    uint step;                         // without a field: one pixel is drawn for step x step
+};
+
 // The medium's grid (server/methods/grid/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of
 // kSlabTile a side.
 struct MediumGrid {

@@ -11,6 +11,7 @@
 #include "tools/bench/commands.h"
 #include "tools/bench/picture_file.h"
 #include "tools/bench/truth.h"
+#include "tools/reference/pixel.h"
 #include "tools/reference/progress.h"
 
 namespace brume::bench {
@@ -69,10 +70,10 @@ TEST(MediumError, SaysWhatItCannotTell) {
 // Light that bends within a pixel is four times as far off at its corners as half-way: that is no edge.
 TEST(Edges, AreJumpsAndNotCurves) {
     const glm::vec3 centre(1);
-    EXPECT_FALSE(isEdge(centre, glm::vec3(1), glm::vec3(1)));
-    EXPECT_FALSE(isEdge(centre, glm::vec3(1.009f), glm::vec3(1.036f))) << "a curve";
-    EXPECT_TRUE(isEdge(centre, {1, 1, 1.02f}, {1, 1, 1.02f})) << "an edge across the middle, of one channel";
-    EXPECT_TRUE(isEdge(centre, glm::vec3(1), glm::vec3(0.875f))) << "an edge that cuts off one corner";
+    EXPECT_FALSE(reference::isEdge(centre, glm::vec3(1), glm::vec3(1)));
+    EXPECT_FALSE(reference::isEdge(centre, glm::vec3(1.009f), glm::vec3(1.036f))) << "a curve";
+    EXPECT_TRUE(reference::isEdge(centre, {1, 1, 1.02f}, {1, 1, 1.02f})) << "an edge across the middle, of one channel";
+    EXPECT_TRUE(reference::isEdge(centre, glm::vec3(1), glm::vec3(0.875f))) << "an edge that cuts off one corner";
 }
 
 // The jackknife says how far samples of a picture are from the whole.

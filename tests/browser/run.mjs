@@ -38,6 +38,14 @@ after(async () => {
 
 const far = (a, b) => Math.max(...a.map((x, k) => Math.abs(x - b[k])));
 
+// The statistics' line on the error.
+const errorFact = (page) =>
+  page
+    .locator('#overlay .facts div')
+    .filter({ has: page.locator('dt', { hasText: /^error$/ }) })
+    .locator('dd');
+const MEASURED = /^[\d.]+ % \([\d.]+–[\d.]+\), promised 0\.5 %$/;
+
 async function pause(page, paused) {
   await page.evaluate(() => document.activeElement?.blur());
   const now = await isPaused(page);
@@ -257,6 +265,20 @@ describe('one server', () => {
     await page.leave();
   });
 
+  test('the statistics and the panel say how wrong the pictures are, as measured', async (t) => {
+    const page = await openPage(t, browser, server.url);
+    await connected(page);
+    await page.locator('#tool-stats').click();
+    await page.locator('#tool-panel').click();
+    const fact = errorFact(page);
+    await fact.filter({ hasText: MEASURED }).waitFor();
+    const { error, low, high } = await page.evaluate(() => window.brume.lastFrame.measured);
+    assert.ok(0 < low && low < error && error < high && high < 1, `${low} ${error} ${high}`);
+    assert.ok(await fact.evaluate((value) => value.scrollWidth <= value.clientWidth), 'the line is cut off');
+    await page.locator('#measured', { hasText: /^measured [\d.]+ % \([\d.]+–[\d.]+\), promised 0\.5 %$/ }).waitFor();
+    await page.leave();
+  });
+
   test('a setting changed in one page is followed by the other’s panel', async (t) => {
     const [one, two] = [await openPage(t, browser, server.url), await openPage(t, browser, server.url)];
     await Promise.all([connected(one), connected(two)]);
@@ -277,6 +299,23 @@ describe('one server', () => {
     await one.leave();
     await two.leave();
   });
+});
+
+test('an error that is larger than promised is marked', async (t) => {
+  const server = await startServer('--set', 'render.slabs=16'); // too few for the scene's render.error
+  t.after(() => server.stop());
+  const page = await openPage(t, browser, server.url);
+  await connected(page);
+  const colour = (of) => of.evaluate((element) => getComputedStyle(element).color);
+  await page.locator('#tool-stats').click();
+  const fact = errorFact(page);
+  const usual = await colour(fact);
+  await fact.filter({ hasText: MEASURED }).waitFor();
+  await page.locator('#overlay dd.broken').waitFor();
+  assert.notEqual(await colour(fact), usual);
+  await page.locator('#tool-panel').click();
+  await page.locator('#measured.broken').waitFor();
+  await page.leave();
 });
 
 test('a page comes back by itself, where it was, when the server restarts', async (t) => {

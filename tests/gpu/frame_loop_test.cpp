@@ -275,5 +275,31 @@ TEST_F(FrameLoopTest, MethodsThatAreNoLongerUsedAreGone) {
     EXPECT_LE(most_later, most_of_first + most_of_first / 4);
 }
 
+// The laws predict a tenth of the error: what is measured mends the plan.
+TEST_F(FrameLoopTest, ALawThatIsWrongIsMendedByMeasuring) {
+    FrameLoop::Options options;
+    options.measure_error = 1;
+    options.first_correction = 0.1;
+    FrameLoop loop(scene_, device(), audience_, metrics_, options);
+    loop.start([&] { failed_ = true; });
+    Looker looker(audience_, 160, 90);
+    double worst = 0, last = 1;
+    const auto end = Clock::now() + std::chrono::seconds(60);
+    for (uint32_t seq = 1; Clock::now() < end && (worst <= 0.005 || last > 0.005); ++seq) {
+        looker.look(seq, 1e-3f * float(seq));
+        ASSERT_TRUE(looker.next());
+        for (const ViewError& one : audience_.report()->errors) {
+            if (!one.newest.known()) continue;
+            last = one.newest.rmse;
+            worst = std::max(worst, last);
+        }
+    }
+    EXPECT_GT(worst, 0.005) << "the promise was never broken";
+    EXPECT_LE(last, 0.005);
+    EXPECT_LE(audience_.report()->plan.error, 0.006) << "as corrected";
+    loop.stop();
+    EXPECT_FALSE(failed_);
+}
+
 } // namespace
 } // namespace brume::test

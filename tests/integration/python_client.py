@@ -319,6 +319,15 @@ class Alone(unittest.TestCase):
             with self.assertRaisesRegex(brume.BrumeError, 'sets its own particles'):
                 view.set_particles([(0, 0, 0)], 1, 1)
 
+    def test_frames_tell_their_measured_error(self):
+        with brume.connect(self.serve('--measure-error', '1').url, size=(160, 96), timeout=PATIENCE) as view:
+            self.assertAlmostEqual(view.state.promised, 0.005)
+            measured = next(frame.measured for frame in view.frames(10_000) if frame.measured)
+            self.assertTrue(0 < measured.low < measured.error < measured.high < 1, measured)
+        with brume.connect(self.serve('--measure-error', '0', '--method', 'slabs').url, size=(160, 96)) as view:
+            self.assertIsNone(view.frame().measured)
+            self.assertIsNone(view.state.promised)
+
     def test_a_full_server_says_so(self):
         server = self.serve('--max-viewers', '1')
         with brume.connect(server.url, size=(96, 64)):

@@ -134,7 +134,8 @@ TEST(Fairness, ADearViewerDoesNotTakeTheOthersRate) {
     EXPECT_EQ(viewers[0]["eyes"], 2);
 }
 
-// Every metric that docs/operate.md names is there once a viewer has had frames and somebody was refused.
+// Every metric that docs/operate.md names is there once a viewer has had frames whose error was measured, and somebody
+// was refused.
 TEST(Metrics, AllThatAreDocumentedAreThere) {
     std::ifstream in("docs/operate.md"); // tests run in the source folder
     const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -142,10 +143,13 @@ TEST(Metrics, AllThatAreDocumentedAreThere) {
     ASSERT_NE(end, text.npos);
     const std::string section = text.substr(begin, end - begin);
 
-    RunningServer server;
+    RunningServer server({"--measure-error", "1"});
     Watcher watcher(server.endpoint());
     watcher.look(fromFront());
-    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 5; }));
+    const auto measured = [&] { return watcher.frames.size() >= 5 && watcher.last().measured > 0; };
+    ASSERT_TRUE(watch({&watcher}, measured, milliseconds(60'000)));
+    const uint64_t tick = watcher.last().tick;
+    ASSERT_TRUE(watch({&watcher}, [&] { return watcher.state_tick > tick; })); // metrics have the report's errors
     HttpConnection other(server.port());
     other.send("GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nOrigin: https://elsewhere.example\r\nConnection: "
                "Upgrade\r\nUpgrade: websocket\r\n"

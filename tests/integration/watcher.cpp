@@ -25,6 +25,9 @@ void Watcher::poll(milliseconds timeout) {
                 {}};
             seen.quality = frame->quality();
             seen.render_ms = frame->stages()->render();
+            seen.measured = frame->measured();
+            seen.measured_low = frame->measured_low();
+            seen.measured_high = frame->measured_high();
             seen.position = {frame->position()->x(), frame->position()->y(), frame->position()->z()};
             for (uint32_t view = 0; view < frame->jpeg_bytes()->size(); ++view) {
                 const auto jpeg = message->parsed().view(view);

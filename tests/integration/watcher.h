@@ -19,8 +19,9 @@ struct Seen {
     int width = 0, height = 0;
     glm::vec3 position{0};
     int quality = 0;
-    float render_ms = 0;              // until the device was done, as the server reports
-    std::vector<client::Bytes> jpegs; // one for each view
+    float render_ms = 0;                                     // until the device was done, as the server reports
+    float measured = 0, measured_low = 0, measured_high = 0; // wire::Frame
+    std::vector<client::Bytes> jpegs;                        // one for each view
 };
 
 struct SeenError {

@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/net/fixture.h"
 
 namespace brume::test {
@@ -100,6 +102,45 @@ TEST_F(HttpTest, AMissingPageSaysHowToBuildIt) {
     const auto answer = get(serve(), "/");
     EXPECT_EQ(answer.status, 404);
     EXPECT_NE(answer.body.find("./dev"), std::string::npos);
+}
+
+TEST_F(HttpTest, MeasuredErrorsAreInMetricsAndViewersOnceTheyAreKnown) {
+    const uint16_t port = serve();
+    const auto first = watch(), second = watch();
+    for (const auto& client : {first.get(), second.get()}) {
+        client->pose(1);
+        ASSERT_TRUE(client->next<wire::Frame>());
+    }
+    pauseRenderer();
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    audience->list(viewers);
+    const uint32_t a = viewers.at(0)->id(), b = viewers.at(1)->id();
+    auto report = std::make_shared<SceneReport>(*audience->report());
+    const auto publish = [&](std::vector<ViewError> errors) {
+        report->errors = std::move(errors);
+        audience->publish(std::make_shared<const SceneReport>(*report));
+    };
+    const ErrorEstimate small{.pixels = 400, .rmse = 0.25, .low = 0.125, .high = 0.5, .bias = -0.0625, .law = 0.375},
+        large{.pixels = 500, .rmse = 0.5, .low = 0.25, .high = 0.75, .bias = 0.125, .law = 0.625},
+        few{.pixels = ErrorEstimate::kLeast - 1, .rmse = 1};
+
+    publish({{a, "slabs", few}});
+    for (const char* name : {"brume_picture_error", "brume_picture_bias"})
+        EXPECT_EQ(get(port, "/metrics").body.find(name), std::string::npos) << "of too few pixels";
+    EXPECT_EQ(nlohmann::json::parse(get(port, "/viewers").body)["viewers"][0]["error"], nlohmann::json::object());
+
+    publish({{a, "slabs", small}, {a, "grid", few}, {b, "slabs", large}});
+    const std::string text = get(port, "/metrics").body;
+    for (const char* line :
+         {"\nbrume_picture_error 0.5\n", "\nbrume_picture_error_low 0.25\n", "\nbrume_picture_error_high 0.75\n",
+          "\nbrume_picture_error_predicted 0.625\n", "\nbrume_picture_bias 0.125\n"})
+        EXPECT_NE(text.find(line), text.npos) << line << text;
+    const auto said = nlohmann::json::parse(get(port, "/viewers").body)["viewers"];
+    const auto expected = nlohmann::json::parse(
+        R"({"slabs": {"relative_rmse": 0.25, "low": 0.125, "high": 0.5, "predicted": 0.375, "bias": -0.0625,
+                      "pixels": 400}})");
+    EXPECT_EQ(said[0]["error"], expected);
+    EXPECT_EQ(said[1]["error"]["slabs"]["relative_rmse"], 0.5);
 }
 
 TEST_F(HttpTest, HealthReadinessAndMetrics) {

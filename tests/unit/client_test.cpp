@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "client/native/camera_path.h"
 #include "client/native/controls.h"
@@ -202,6 +203,21 @@ TEST(Controls, TheWheelComesNearer) {
     EXPECT_NEAR(controls.pose().position.z, 10 / 1.1f, 1e-4f);
     for (int i = 0; i < 1000; ++i) controls.wheel(1);
     EXPECT_GT(controls.pose().position.z, 0); // never through the target
+}
+
+TEST(Statistics, TellTheLastMeasuredErrorThatAFrameTold) {
+    Statistics statistics("ws://example/ws");
+    FrameRecord record;
+    record.tick = 1;
+    statistics.frame(record);
+    EXPECT_TRUE(statistics.json()["picture_error"].is_null());
+    EXPECT_EQ(statistics.summary().find("measured"), std::string::npos);
+    record.error = 0.00390625f, record.error_low = 0.001953125f, record.error_high = 0.0078125f;
+    statistics.frame(record);
+    statistics.frame({});
+    const nlohmann::json expected{{"relative_rmse", 0.00390625}, {"low", 0.001953125}, {"high", 0.0078125}};
+    EXPECT_EQ(statistics.json()["picture_error"], expected);
+    EXPECT_NE(statistics.summary().find("measured: 0.39 % (0.2 to 0.78)"), std::string::npos) << statistics.summary();
 }
 
 TEST(Percentile, NearestRank) {

@@ -163,6 +163,7 @@ TEST(LoadReport, SaysWhatWasMeasuredBesideWhatIsPublished) {
     report.runs[0].viewers = 1; // one viewer's 10 frames cost what two viewers' 50 do
     report.runs[0].frames = {10};
     report.runs[0].server.rendered = 10;
+    report.runs[1].errors_measured = {0.0078125f, 0.00390625f, 0.001953125f};
     const Options options;
     const nlohmann::json j = json(report, options);
     EXPECT_EQ(j["runs"][1]["fps"]["least"], 10);
@@ -171,6 +172,10 @@ TEST(LoadReport, SaysWhatWasMeasuredBesideWhatIsPublished) {
     EXPECT_EQ(j["runs"][1]["server"]["device_shared_ms"], 100);
     EXPECT_EQ(j["runs"][1]["bytes_per_second"], 25'000);
     EXPECT_EQ(j["broken"][0], "fps>=11 does not hold");
+    EXPECT_EQ(j["runs"][0]["error_measured"]["worst"], nullptr);
+    EXPECT_EQ(j["runs"][1]["error_measured"]["median"], 0.00390625);
+    EXPECT_EQ(j["runs"][1]["error_measured"]["worst"], 0.0078125);
+    EXPECT_NE(tableLine(report.runs[1]).find("| 0.39 | 0.78 |"), std::string::npos) << tableLine(report.runs[1]);
 
     const std::string text = markdown(report, options);
     // 100 ms a frame alone, 20 of two; San Miguel: 2.13 / (2 * 1.10) and 1.57 / (2 * 0.91).

@@ -6,12 +6,13 @@
 namespace brume::net {
 namespace {
 
-// Whichever method it is: the distance of its rays and its slabs reach the viewers.
-TEST(Outgoing, ASceneStateTellsThePlansRaysAndSlabs) {
+// Whichever method it is: the distance of its rays, its slabs and what is promised reach the viewers.
+TEST(Outgoing, ASceneStateTellsThePlansRaysSlabsAndPromise) {
     SceneReport report;
     report.plan.method = "grid";
     report.plan.rate = 6;
     report.plan.slabs = 48;
+    report.plan.promised = 0.25;
     const wire::Packed packed = packSceneState(report, 1);
     const auto parsed = wire::parse(wire::bytesOf(packed));
     ASSERT_TRUE(parsed);
@@ -19,6 +20,25 @@ TEST(Outgoing, ASceneStateTellsThePlansRaysAndSlabs) {
     EXPECT_EQ(plan->method()->str(), "grid");
     EXPECT_EQ(plan->rate(), 6u);
     EXPECT_EQ(plan->slabs(), 48u);
+    EXPECT_EQ(plan->promised(), 0.25f);
+}
+
+TEST(Outgoing, AFrameTellsItsViewersMeasuredError) {
+    EncodedFrame frame;
+    frame.jpeg[0] = std::make_shared<const std::vector<uint8_t>>(3, uint8_t{0});
+    for (const MeasuredError& said : {MeasuredError{0.004f, 0.003f, 0.006f}, MeasuredError{}}) {
+        frame.measured = said;
+        const wire::Packed header = packFrameHeader(frame, 0);
+        const auto bytes = wire::bytesOf(header);
+        std::vector<uint8_t> message(bytes.begin(), bytes.end());
+        message.insert(message.end(), 3, 0); // the picture
+        const auto parsed = wire::parse(message);
+        ASSERT_TRUE(parsed);
+        const auto* told = parsed->as<wire::Frame>();
+        EXPECT_EQ(told->measured(), said.rmse);
+        EXPECT_EQ(told->measured_low(), said.low);
+        EXPECT_EQ(told->measured_high(), said.high);
+    }
 }
 
 // A viewer can show and change every live setting without knowing any of them.

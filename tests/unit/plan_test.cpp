@@ -71,6 +71,19 @@ TEST(Plan, AnUnsatisfiableBudgetTakesTheMostAccurateWayAndSaysSo) {
     EXPECT_NE(explain(plan, inputs, builtInCosts()).find("NOT within the budget"), std::string::npos);
 }
 
+// Particles so small that the laws predict more than a black picture's error of every way: their order still counts.
+TEST(Plan, WhereNoWayShowsTheMediumTheFinestIsTakenAndNotTheCheapest) {
+    PlanInputs inputs = inputsOf(cube(50, 0.01f));
+    inputs.scene.wanted.flip = 1;
+    const Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_FALSE(plan.within);
+    EXPECT_TRUE(plan.chosen.predicted);
+    EXPECT_EQ(plan.chosen.settings.rate, 1u);
+    EXPECT_GE(plan.chosen.settings.slabs, 64u);
+    EXPECT_GT(plan.chosen.error, 0.9);
+    EXPECT_LE(plan.chosen.error, 1);
+}
+
 TEST(Plan, TheBudgetOfFlipCountsToo) {
     PlanInputs inputs = inputsOf(cube());
     inputs.scene.wanted.flip = 5e-3f; // 0.14 % of error, within what the finest maps of the light allow

@@ -26,7 +26,7 @@ Example input(const char* name, uint32_t seq, Build&& build) {
 const Frustum kLeft(1.25f, 0.75f, 1, 1.125f), kRight(0.75f, 1.25f, 1, 1.125f);
 
 Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const uint8_t> jpeg, bool frusta = false,
-              Encoding encoding = Encoding::jpeg) {
+              Encoding encoding = Encoding::jpeg, float measured = 0) {
     const Vec3 position(1.5f, -2.25f, 26);
     const Quat orientation(0, 0.6f, 0, 0.8f);
     const Stages stages(3.5f, 12.25f, 0.75f, 0.125f, 9.5f);
@@ -35,7 +35,8 @@ Example frame(const char* name, std::vector<uint32_t> lengths, std::span<const u
         [&](Builder& b) {
             return CreateFrameDirect(b, 41, 123'456'789'012, 0xfedc'ba98'7654'3210, 4'294'967'295,
                                      9'007'199'254'740'993, &position, &orientation, 0.75f, 1280, 720, 85, &stages,
-                                     &lengths, frusta ? &kLeft : nullptr, frusta ? &kRight : nullptr, encoding);
+                                     &lengths, frusta ? &kLeft : nullptr, frusta ? &kRight : nullptr, encoding,
+                                     measured, measured * 0.75f, measured * 1.5f);
         },
         jpeg);
 }
@@ -107,6 +108,11 @@ std::vector<Example> makeExamples() {
         return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0, 15, 1.5f, 0, 0, &albedo,
                                       "auto", "simpson", 2, 1, nullptr, plan);
     }));
+    all.push_back(example("scene_state_promised", [&](Builder& b) {
+        const auto plan = CreatePlanDirect(b, "slabs", "", 8, 32, 0.00390625f, 7.5f, 0, "slabs, 32 slabs", 0.0078125f);
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0, 15, 1.5f, 0, 0, &albedo,
+                                      "auto", "simpson", 2, 1, nullptr, plan);
+    }));
     all.push_back(example("welcome_settings", [&](Builder& b) {
         const std::vector choices{b.CreateString("auto"), b.CreateString("isv")};
         const std::vector settings{CreateSettingDirect(b, "medium.albedo", SettingKind::colour, nullptr,
@@ -154,6 +160,7 @@ std::vector<Example> makeExamples() {
     }));
     all.push_back(frame("frame_frusta", {7, 6}, jpeg, true));
     all.push_back(frame("frame_png", {13}, jpeg, false, Encoding::png));
+    all.push_back(frame("frame_measured", {13}, jpeg, false, Encoding::jpeg, 0.00390625f));
     all.push_back(
         example("hello_lossless", [](Builder& b) { return CreateHelloDirect(b, "x", 64, 48, 1, 0, nullptr, true); }));
     all.push_back(example(

@@ -236,6 +236,7 @@ Json of(const SceneState& m) {
                        {"error", plan->error()},         {"ms", plan->ms()},
                        {"relaxed", plan->relaxed()}};
     if (m.plan() && m.plan()->text()) out["plan"]["text"] = text(m.plan()->text());
+    if (m.plan() && m.plan()->promised() > 0) out["plan"]["promised"] = m.plan()->promised();
     if (m.settings()) out["settings"] = values(*m.settings());
     if (m.lo()) out["lo"] = vec(m.lo());
     if (m.hi()) out["hi"] = vec(m.hi());
@@ -263,6 +264,11 @@ Json of(const Frame& m) {
         {"jpeg_bytes", std::move(lengths)}};
     addFrusta(m, out);
     if (m.encoding() != Encoding::jpeg) out["encoding"] = EnumNameEncoding(m.encoding());
+    if (m.measured() > 0) { // younger than the first examples
+        out["measured"] = m.measured();
+        out["measured_low"] = m.measured_low();
+        out["measured_high"] = m.measured_high();
+    }
     return out;
 }
 

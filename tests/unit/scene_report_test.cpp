@@ -43,5 +43,17 @@ TEST(SceneReport, LiveSettingsAreToldAsCommandsSetThem) {
     EXPECT_EQ(report->settings, expected);
 }
 
+TEST(SceneReport, AnErrorIsPromisedWhereTheServerChoosesTheMethod) {
+    Scene scene;
+    scene.lights.emplace_back();
+    scene.render.error = 0.25f;
+    for (const auto& [method, promised] : {std::pair("auto", 0.25), std::pair("slabs", 0.0)}) {
+        scene.render.method = method;
+        Plan plan;
+        plan.chosen.settings.method = "slabs";
+        EXPECT_EQ(sceneReport(Simulation(scene), plan)->plan.promised, promised) << method;
+    }
+}
+
 } // namespace
 } // namespace brume

@@ -41,6 +41,7 @@ public:
         addSweep();
         addReport();
         addTables();
+        addPromise();
         addPictures();
     }
 
@@ -180,6 +181,23 @@ private:
         command->add_option("--out", native_.out, kOutHelp)->default_str("");
     }
 
+    void addPromise() {
+        PromiseQuestion& q = promise_.question;
+        CLI::App* command = addPlain("promise", kMeasurements,
+                                     "whether auto keeps its promised error on random scenes, against the reference",
+                                     [this] { keepPromise(context_, promise_); });
+        command->add_option("--scenes", q.scenes, "how many")->check(CLI::Range(1, 1'000'000));
+        command->add_option("--seed", q.seed, "of the first; the next has the next seed");
+        command->add_option("--budget", q.budget, "render.error: relative RMSE")->check(CLI::Range(1e-5, 1.0));
+        command->add_option("--pixels", q.pixels, "compared of each")->check(CLI::Range(40, 1'000'000));
+        command->add_option("--seconds", q.seconds, "of the reference of each")->check(CLI::Range(0.0, 3600.0));
+        command->add_flag("--price", q.price, "also looks for the cheapest way that holds");
+        command->add_flag("--parts", q.parts, "also measures what each part of the chosen way errs, into the rows");
+        command->add_option("--rows", promise_.rows, "JSON lines, one a scene; a run goes on where they end");
+        command->add_option("--out", promise_.out, kOutHelp)->default_str("");
+        addCosts(command);
+    }
+
     void addPictures() {
         CLI::App* command = addPlain("pictures", kDevelopment,
                                      "a fingerprint of every scene's picture by every method: the same text while no "
@@ -197,6 +215,7 @@ private:
     CompareOptions compare_;
     double calibrate_seconds_ = 15;
     SweepOptions sweep_;
+    PromiseOptions promise_;
     ReportOptions report_;
     PlanTable planned_;
     std::string plan_out_, features_out_, pictures_only_, pictures_out_;

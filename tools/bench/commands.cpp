@@ -19,6 +19,7 @@
 #include "tools/bench/native/compare.h"
 #include "tools/bench/picture_file.h"
 #include "tools/bench/pictures.h"
+#include "tools/bench/promise_page.h"
 #include "tools/bench/report.h"
 
 namespace brume::bench {
@@ -146,6 +147,30 @@ int answerWhich(const Context& context, const WhichOptions& o) {
                               model.source) +
                       whichLegend() + page);
     return all_hold ? 0 : 1;
+}
+
+void keepPromise(const Context& context, PromiseOptions o) {
+    o.question.folder = context.costs / "random-scenes";
+    const gpu::Device device(context.device);
+    const CostModel model = costsOf(context, device);
+    const std::vector<json> rows = measureRows(device, model, o.question, o.rows);
+    std::string page = fmt::format(
+        "# Does `auto` keep its promise?\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}. Costs: {}.\n\n"
+        "Random scenes, drawn from the seeds {} to {} by `auto` with `render.error` {:.3g} %. A random sample of the "
+        "medium's pixels is compared with the reference. Errors as "
+        "[`conventions.md`](../../conventions.md#errors) defines them; ± two standard errors. FLIP is left out: it "
+        "needs whole pictures. No law comes from odd seeds (judge); laws may be fitted on even ones (train).\n\n"
+        "The command writes its scenes to `random-scenes` in the folder of `--costs`. One picture again: `brume-bench "
+        "render --scene FOLDER/random-SEED.toml --size WxH --medium-alone --set render.error={:.3g}`.\n\n",
+        context.command, today(), cpu(), device.name(), device.driver(), model.source, o.question.seed,
+        o.question.seed + o.question.scenes - 1, 100 * o.question.budget, o.question.budget);
+    if (!o.out.empty()) {
+        const std::filesystem::path plot = std::filesystem::path(o.out).replace_extension(".svg");
+        writeText(plot, promisePlot(rows));
+        page += fmt::format("![measured over predicted error]({})\n\n", plot.filename().string());
+    }
+    writeText(o.out, page + promisePage(rows, o.question.budget));
+    std::cerr << "scenes: " << o.question.folder.string() << ", rows: " << o.rows.string() << '\n';
 }
 
 void sweep(const Context& context, const SweepOptions& o) {

@@ -7,6 +7,7 @@
 
 #include "server/gpu/device.h"
 #include "tools/bench/predict.h"
+#include "tools/bench/promise.h"
 #include "tools/bench/sweep.h"
 #include "tools/bench/which.h"
 
@@ -44,6 +45,12 @@ struct WhichOptions {
 };
 // Exit code: 0, or 1 if nothing holds the error in a scene.
 int answerWhich(const Context& context, const WhichOptions& options);
+
+struct PromiseOptions {
+    PromiseQuestion question; // its folder is replaced
+    std::filesystem::path rows = "build/promise.jsonl", out;
+};
+void keepPromise(const Context& context, PromiseOptions options);
 
 struct SweepOptions {
     std::vector<std::string> files;

@@ -10,8 +10,6 @@
 namespace brume::bench {
 namespace {
 
-constexpr float kSame = 0.01f; // of the larger of two radiances: below this they are the same
-
 // Pixels that show the medium and are, or are not, edges.
 std::vector<uint8_t> part(const RadianceImage& reference, bool edges) {
     std::vector<uint8_t> mask = mediumMask(reference);
@@ -97,13 +95,6 @@ nlohmann::json toJson(const MediumError& error) {
             {"pixels", e.pixels},
             {"not_finite", e.not_finite},
             {"edges", {{"relative_rmse", error.edges.relative_rmse}, {"share", error.edgeShare()}}}};
-}
-
-bool isEdge(glm::vec3 centre, glm::vec3 mean, glm::vec3 corners) {
-    const auto differs = [&](glm::vec3 other, float part) {
-        return glm::any(glm::greaterThan(glm::abs(centre - other), part * glm::max(centre, other)));
-    };
-    return differs(mean, kSame) || differs(corners, 4 * kSame);
 }
 
 DisplaySettings displayOf(const RenderSettings& settings) { return {settings.exposure, settings.tone_map == "filmic"}; }

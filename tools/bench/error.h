@@ -36,11 +36,6 @@ nlohmann::json toJson(const MediumError& error);
 // "0.28 %; edges 11 % of 4.4 % of the pixels".
 std::string inShort(const MediumError& error);
 
-// True if an edge crosses the pixel: the mean of 2x2 rays, or that of rays at its corners, is not the value at its
-// centre. Corners meet edges that pass between the others. What is curved, but has no edge, differs there four times as
-// much, which is allowed for.
-bool isEdge(glm::vec3 centre, glm::vec3 mean, glm::vec3 corners);
-
 // What the scene does to radiance before it is shown.
 DisplaySettings displayOf(const RenderSettings& settings);
 // Settings that leave the medium and its objects alone: no sky, no ambient light.

@@ -9,6 +9,7 @@
 
 #include "tools/bench/error.h"
 #include "tools/reference/medium_reference.h"
+#include "tools/reference/pixel.h"
 #include "tools/reference/progress.h"
 #include "tools/reference/rows.h"
 
@@ -108,24 +109,11 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
             const auto at = [&](double x, double y) {
                 return tracer.trace(rayThrough(camera, corner.x + x, corner.y + y));
             };
-            const reference::RayResult centre = at(0.5, 0.5);
-            image.radiance[i] = centre.total();
-            image.transmittance[i] = float(centre.transmittance);
+            const reference::PixelResult pixel = reference::pixelOf(at, !world.obstacles.empty());
+            image.radiance[i] = pixel.total;
+            image.transmittance[i] = float(pixel.transmittance);
+            image.edges[i] = pixel.edge;
             progress.done();
-            if (world.obstacles.empty()) return;
-            // Of the rays at four points a distance from the centre, in pixels; radiance and transmittance.
-            const auto meanAt = [&](double off) {
-                reference::RayResult mean{.background = glm::dvec3(0), .transmittance = 0};
-                for (const double x : {-off, off})
-                    for (const double y : {-off, off}) {
-                        const reference::RayResult ray = at(0.5 + x, 0.5 + y);
-                        mean.scattered += ray.total() / 4.0, mean.transmittance += ray.transmittance / 4;
-                    }
-                return mean;
-            };
-            const reference::RayResult mean = meanAt(0.25), corners = meanAt(0.5);
-            if (!isEdge(image.radiance[i], mean.scattered, corners.scattered)) return;
-            image.edges[i] = 1, image.radiance[i] = mean.scattered, image.transmittance[i] = float(mean.transmittance);
         };
     });
     image.width = int(end);

@@ -42,19 +42,6 @@ struct AsText {
     std::string operator()(std::monostate) const { return {}; }
 };
 
-// "render.rate=8" and so on: where `to` is not `from`.
-std::vector<std::string> changes(RenderSettings from, RenderSettings to) {
-    std::vector<std::string> set;
-    for (const SceneSetting& setting : sceneSettings()) {
-        if (!setting.path.starts_with("render.")) continue;
-        const auto text = [&](RenderSettings& of) {
-            return std::visit(AsText{false}, setting.member({.render = &of}));
-        };
-        if (text(from) != text(to)) set.push_back(std::string(setting.path) + '=' + text(to));
-    }
-    return set;
-}
-
 // The same as a table of TOML: numbers as they are, words quoted.
 std::string tomlOf(std::span<const std::string> set) {
     std::string text = "[render]\n";
@@ -266,6 +253,18 @@ private:
 };
 
 } // namespace
+
+std::vector<std::string> changes(RenderSettings from, RenderSettings to) {
+    std::vector<std::string> set;
+    for (const SceneSetting& setting : sceneSettings()) {
+        if (!setting.path.starts_with("render.")) continue;
+        const auto text = [&](RenderSettings& of) {
+            return std::visit(AsText{false}, setting.member({.render = &of}));
+        };
+        if (text(from) != text(to)) set.push_back(std::string(setting.path) + '=' + text(to));
+    }
+    return set;
+}
 
 Answers which(const gpu::Device& device, const CostModel& model, const Question& question) {
     return Search(device, model, question).run();

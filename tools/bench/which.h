@@ -45,6 +45,9 @@ struct Answers {
     double seconds = 0;                 // that it took
 };
 
+// "render.rate=8" and so on: where `to` is not `from`.
+std::vector<std::string> changes(RenderSettings from, RenderSettings to);
+
 // Throws SceneError, or std::runtime_error if the camera sees no medium. Tells progress on standard error.
 Answers which(const gpu::Device& device, const CostModel& model, const Question& question);
 

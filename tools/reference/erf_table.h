@@ -13,6 +13,11 @@ public:
         double erf, gauss;
     };
 
+    static const ErfTable& shared() {
+        static const ErfTable table;
+        return table;
+    }
+
     ErfTable() {
         for (int i = 0; i < kCount; ++i) {
             const double x = i / kPerUnit;

@@ -37,7 +37,8 @@ double angleBetween(glm::dvec3 a, glm::dvec3 b) { return std::atan2(glm::length(
 
 } // namespace
 
-LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double reach) : to_light_(to_light) {
+LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double reach, double cells)
+    : to_light_(to_light) {
     x_axis_ =
         glm::normalize(glm::cross(to_light, std::abs(to_light.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
     y_axis_ = glm::cross(to_light, x_axis_);
@@ -58,14 +59,15 @@ LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double 
     std::sort(shades_.begin(), shades_.end(),
               [](const Shade& a, const Shade& b) { return a.s + a.reach > b.s + b.reach; });
 
-    cell_ = std::max({reach_sum / static_cast<double>(blobs.size()) / 8, (hi_x - lo_x_) / 512, (hi_y - lo_y_) / 512});
+    cell_ =
+        std::max({reach_sum / static_cast<double>(blobs.size()) / cells, (hi_x - lo_x_) / 512, (hi_y - lo_y_) / 512});
     cells_x_ = static_cast<int>((hi_x - lo_x_) / cell_) + 1;
     cells_y_ = static_cast<int>((hi_y - lo_y_) / cell_) + 1;
     std::vector<std::vector<uint32_t>> lists(static_cast<size_t>(cells_x_) * cells_y_);
     for (uint32_t i = 0; i < shades_.size(); ++i) {
         const Shade& shade = shades_[i];
-        const auto cellOf = [&](double at, double lo, int cells) {
-            return std::clamp(static_cast<int>((at - lo) / cell_), 0, cells - 1);
+        const auto cellOf = [&](double at, double lo, int count) {
+            return std::clamp(static_cast<int>((at - lo) / cell_), 0, count - 1);
         };
         const int x1 = cellOf(shade.x + shade.reach, lo_x_, cells_x_),
                   y1 = cellOf(shade.y + shade.reach, lo_y_, cells_y_);

@@ -20,7 +20,8 @@ inline constexpr double kReach = 4.6;
 class LightField {
 public:
     // `reach`: in units of 1/k; a point's depth lacks at most e^(-reach^2) of each particle's depth. `to_light`: unit.
-    LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double reach = kReach);
+    // `cells`: of the light's plane, along the radius of a mean particle.
+    LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double reach = kReach, double cells = 8);
 
     // tau_L(x) = sum of sigma sqrt(pi)/(2k) e^(-k^2 b^2) erfc(k s).
     double depth(glm::dvec3 x) const;
@@ -35,7 +36,7 @@ private:
     int cells_x_ = 0, cells_y_ = 0;
     std::vector<Shade> shades_;            // nearest to the light first
     std::vector<uint32_t> first_, listed_; // per cell of the light's plane: the shades that reach it, in that order
-    ErfTable table_;
+    const ErfTable& table_ = ErfTable::shared();
 };
 
 // The depth toward a light at a position: that of the finite segment which ends there.
@@ -52,7 +53,7 @@ private:
     glm::dvec3 position_;
     std::vector<Shade> shades_;
     std::vector<uint32_t> first_, listed_; // per cell of the octahedron of directions from the light
-    ErfTable table_;
+    const ErfTable& table_ = ErfTable::shared();
 };
 
 } // namespace brume::reference

@@ -23,12 +23,12 @@ Arrival arrivalAt(const LightSource& light, glm::dvec3 x) {
     return {light.colour * part, to_light, distance};
 }
 
-Lighting::Lighting(const World& world, double reach, bool shadows) : world_(world), shadows_(shadows) {
+Lighting::Lighting(const World& world, double reach, bool shadows, double cells) : world_(world), shadows_(shadows) {
     for (const LightSource& light : world.lights) {
         Fields& fields = fields_.emplace_back();
         if (!shadows || world.cut_light) continue;
         if (light.kind == Kind::directional)
-            fields.distant.emplace(world.blobs, light.to_light, reach);
+            fields.distant.emplace(world.blobs, light.to_light, reach, cells);
         else
             fields.near.emplace(world.blobs, light.position, reach);
     }

@@ -20,7 +20,8 @@ Arrival arrivalAt(const LightSource& light, glm::dvec3 x);
 class Lighting {
 public:
     // `world` must outlive it. `reach` as in LightField. shadows = false: every light reaches every point unattenuated.
-    Lighting(const World& world, double reach, bool shadows);
+    // `cells`: Settings::light_cells.
+    Lighting(const World& world, double reach, bool shadows, double cells = 8);
 
     // Sum over lights of E p T_L Vis: radiance scattered at x toward -w per unit of scattering, where w is the ray's
     // direction.
@@ -45,7 +46,7 @@ private:
     const World& world_;
     bool shadows_;
     std::vector<Fields> fields_; // per light
-    ErfTable table_;
+    const ErfTable& table_ = ErfTable::shared();
 };
 
 } // namespace brume::reference

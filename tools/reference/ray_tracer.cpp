@@ -19,7 +19,7 @@ double reachFor(const World& world, double tolerance) {
 } // namespace
 
 Stage::Stage(const World& w, const Settings& s)
-    : world(w), settings(s), reach(reachFor(w, s.tolerance)), lighting(w, reach, s.shadows) {
+    : world(w), settings(s), reach(reachFor(w, s.tolerance)), lighting(w, reach, s.shadows, s.light_cells) {
     if (!(s.tolerance >= 1e-12 && s.tolerance <= 1e-2)) throw std::invalid_argument("tolerance is in [1e-12, 1e-2]");
     if (w.composition == Composition::sequential && !(w.fogs.empty() && w.balls.balls.empty()))
         throw std::invalid_argument("sequential composition is of Gaussian particles alone");

@@ -21,6 +21,9 @@ struct Settings {
     double tolerance = 1e-8;
     bool shadows = true;  // False: every light reaches every point unattenuated
     unsigned threads = 0; // for a picture; 0: as many as the machine has
+    // Cells of a distant light's grid along the radius of a mean particle, over 0. Many make it dear to build and rays
+    // cheap, for whole pictures; few are for some rays. They change no result.
+    double light_cells = 8;
     // Called after each row of a picture, from any thread; empty: nobody wants to know.
     std::function<void()> row_done = {};
 };
@@ -39,7 +42,7 @@ struct Stage {
     Settings settings;
     double reach; // units of 1/k: the depth lacks less than the tolerance, over all particles
     Lighting lighting;
-    ErfTable table;
+    const ErfTable& table = ErfTable::shared();
     GaussLegendre rules[3]{GaussLegendre(4), GaussLegendre(8), GaussLegendre(16)};
 };
 

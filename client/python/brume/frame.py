@@ -10,6 +10,14 @@ def _needed(module, package):
 
 
 @dataclass(frozen=True)
+class Measured:
+    """The error of this viewer's pictures of the last half minute: relative RMSE, with its bounds of 95 %."""
+    error: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class Frame:
     id: int  # counts the frames of one connection, from 1
     tick: int  # of the simulation, 60 a second
@@ -22,6 +30,7 @@ class Frame:
     height: int
     quality: int  # of the JPEG
     lossless: bool  # True: the bytes are PNG, not JPEG
+    measured: Measured  # None: the server does not know, or does not say
     pictures: tuple = field(repr=False)  # bytes of each eye's picture
 
     @property

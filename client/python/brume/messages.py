@@ -7,7 +7,7 @@ import time
 import flatbuffers
 
 from brume.error import BrumeError
-from brume.frame import Frame
+from brume.frame import Frame, Measured
 
 try:
     from brume.wire import (Ack, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
@@ -241,7 +241,9 @@ def frame_of(table, rest):
     return Frame(id=table.Id(), tick=table.Tick(), hash=f'{table.StateHash():016x}', pose=table.PoseSeq(),
                  position=vector_of(table.Position()), orientation=(turn.X(), turn.Y(), turn.Z(), turn.W()),
                  fov=table.FovY(), width=table.Width(), height=table.Height(), quality=table.Quality(),
-                 lossless=table.Encoding() == Encoding.Encoding.png, pictures=tuple(pictures))
+                 lossless=table.Encoding() == Encoding.Encoding.png,
+                 measured=Measured(table.Measured(), table.MeasuredLow(), table.MeasuredHigh())
+                 if table.Measured() > 0 else None, pictures=tuple(pictures))
 
 
 def value_of(value):

@@ -21,6 +21,7 @@ class State:
     particles: int
     paused: bool
     error: float  # relative RMSE of the pictures, predicted; 1: not; None: the server does not say
+    promised: float  # relative RMSE that the pictures may have; None: nothing is promised, or the server does not say
     method: str  # what is rendered with now, in a few words
     settings: dict = field(repr=False)  # every live setting by its path
     box: tuple  # two corners of a box that holds the medium, m; None from an older server
@@ -103,7 +104,7 @@ class Viewer:
         method = plan.Text() or plan.Method() if plan else state.Method()
         return State(tick=state.Tick(), hash=f'{state.StateHash():016x}', viewers=state.Viewers(),
                      particles=state.Particles(), paused=bool(state.Paused()), error=plan.Error() if plan else None,
-                     method=messages.text_of(method), settings=dict(zip(paths, values)),
+                     promised=(plan.Promised() or None) if plan else None, method=messages.text_of(method), settings=dict(zip(paths, values)),
                      box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None)
 
     # ---- camera and pictures ----

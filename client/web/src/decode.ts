@@ -146,6 +146,7 @@ function decodePlan(p: WirePlan): Plan {
     error: p.error(),
     ms: p.ms(),
     relaxed: p.relaxed(),
+    ...(p.promised() > 0 ? { promised: p.promised() } : {}),
   };
 }
 
@@ -199,6 +200,7 @@ function decodeFrame(f: WireFrame, tail: Uint8Array<ArrayBuffer>): Frame {
       queue: stages.queue(),
       gpu: stages.gpu(),
     },
+    ...(f.measured() > 0 ? { measured: { error: f.measured(), low: f.measuredLow(), high: f.measuredHigh() } } : {}),
     jpeg,
   };
 }

@@ -54,7 +54,8 @@ view.addEventListener('welcome', ({ detail: welcome }) => {
   setText(find('brand-scene'), welcome.scene);
 });
 view.addEventListener('scenechange', ({ detail: scene }) => {
-  panel.follow(viewer().values, scene.plan, settingsBack().length > 0);
+  const { values, statistics } = viewer();
+  panel.follow(values, scene.plan, statistics.lastFrame?.measured, settingsBack().length > 0);
   setPressed(find('tool-pause'), paused());
   tellLack();
 });

@@ -2,6 +2,7 @@
 import { el, setText } from './dom';
 import { STAGES } from './latency';
 import type { Latency, Stage } from './latency';
+import { errorLine } from './plan';
 import { PERCENTILES } from './statistics';
 import type { Percentiles } from './statistics';
 import type { Frame, SceneState, Welcome } from './protocol';
@@ -71,6 +72,7 @@ export class Overlay {
       'viewers',
       'particles',
       'method',
+      'error',
       'picture',
       'stream',
       'round trip',
@@ -122,6 +124,8 @@ export class Overlay {
     this.fact('viewers', scene && String(scene.viewers));
     this.fact('particles', scene && scene.particles.toLocaleString('en'));
     this.fact('method', scene?.plan && (scene.plan.text || scene.plan.method));
+    const error = errorLine(frame?.measured, scene?.plan);
+    this.fact('error', error?.text, error?.broken);
     this.fact('picture', frame && `${frame.width}×${frame.height} q${frame.quality}`);
     this.fact('stream', formatBytes(data.bytesPerSecond));
     this.fact('round trip', data.roundTripMs === undefined ? undefined : `${ms(data.roundTripMs)} ms`);
@@ -130,9 +134,10 @@ export class Overlay {
     this.drawCurve();
   }
 
-  private fact(name: string, text: string | undefined): void {
+  private fact(name: string, text: string | undefined, broken = false): void {
     const value = this.facts.get(name);
     if (!value) return;
+    value.classList.toggle('broken', broken);
     setText(value, text ?? '–');
     value.title = text ?? '';
   }

@@ -3,8 +3,8 @@ import { axes } from './camera';
 import type { Camera } from './camera';
 import { el, setText } from './dom';
 import { button, group, select, toggle } from './fields';
-import { planText } from './plan';
-import type { Command, Plan, SettingValue, Welcome } from './protocol';
+import { errorLine, planText } from './plan';
+import type { Command, Measured, Plan, SettingValue, Welcome } from './protocol';
 import { mayOperate } from './role';
 import type { Settings } from './settings';
 import { settingGroups, valuesOf } from './shared-settings';
@@ -30,7 +30,7 @@ export interface PanelHost {
 export interface Panel {
   welcome(welcome: Welcome, cap: number): void;
   // `changed`: true if a setting that this viewer may change is not as the scene began.
-  follow(values: Values, inUse: Plan | undefined, changed: boolean): void;
+  follow(values: Values, inUse: Plan | undefined, measured: Measured | undefined, changed: boolean): void;
   follows(own: Settings): void; // what is this viewer's own
   scene(name: string): void; // the one that is shown
   busy(text: string): void; // what is being done with the scene; empty: nothing
@@ -58,6 +58,10 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const plan = el('small', {
     id: 'plan',
     title: 'What is rendered with now, its predicted error, and how many steps of accuracy overload has taken',
+  });
+  const measured = el('small', {
+    id: 'measured',
+    title: 'The error of your pictures of the last half minute, measured, with its bounds of 95 %',
   });
 
   const restart = button('Restart', 'Start the scene again, for everyone', () => host.command({ kind: 'restart' }));
@@ -156,16 +160,19 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       scene.element.inert = open.disabled = !operates;
       const starts = valuesOf(welcome.settings, welcome.starts);
       shared = settingGroups(welcome.settings, starts, welcome.role, send, {
-        render: [plan],
+        render: [plan, measured],
         simulation: [el('div', { class: 'actions' }, restart), nudges],
       });
       place.replaceChildren(...shared.map(({ element }) => element));
       restart.disabled = !operates;
     },
-    follow: (values, inUse, changed) => {
+    follow: (values, inUse, error, changed) => {
       reset.disabled = !changed;
       for (const one of shared) one.follow(values);
       setText(plan, planText(values.get('render.method') as string | undefined, inUse));
+      const line = error && errorLine(error, inUse);
+      setText(measured, line ? `measured ${line.text}` : '');
+      measured.classList.toggle('broken', line?.broken ?? false);
     },
     follows: (own) => {
       box.follow(own.box);

@@ -104,8 +104,16 @@ export interface Plan {
   method: string;
   text: string; // method and settings in a few words
   error: number; // relative RMSE, predicted
+  promised?: number; // relative RMSE that pictures may have; absent: nothing is promised
   ms: number; // of a frame of all viewers, predicted
   relaxed: number; // steps of accuracy given up under overload
+}
+
+// Relative RMSE of this viewer's pictures of the last half minute, with its bounds of 95 %.
+export interface Measured {
+  error: number;
+  low: number;
+  high: number;
 }
 
 export interface Frame {
@@ -123,6 +131,7 @@ export interface Frame {
   height: number;
   quality: number;
   stages: { wait: number; render: number; encode: number; queue: number; gpu: number }; // ms
+  measured?: Measured; // absent: not known
   jpeg: Uint8Array<ArrayBuffer>[]; // one picture per view; JPEG, or PNG for a still picture without loss
 }
 

@@ -59,8 +59,21 @@ export function report(of: Sources) {
     get lastFrame() {
       const { lastFrame, lastLatency } = statistics;
       if (!lastFrame) return undefined;
-      const { id, tick, stateHash, poseSeq, orientation, fovY, width, height, quality, stages, jpeg, frusta } =
-        lastFrame;
+      const {
+        id,
+        tick,
+        stateHash,
+        poseSeq,
+        orientation,
+        fovY,
+        width,
+        height,
+        quality,
+        stages,
+        jpeg,
+        frusta,
+        measured,
+      } = lastFrame;
       const bytes = jpeg.reduce((sum, view) => sum + view.length, 0);
       const shown = {
         id,
@@ -79,6 +92,7 @@ export function report(of: Sources) {
         orientation,
         views: jpeg.length,
         stages: { ...stages },
+        measured: measured && { ...measured },
         latency: lastLatency && { ...lastLatency },
       };
     },

@@ -3,7 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { Backoff } from '../src/backoff';
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex, toLinear, toSrgb } from '../src/colour';
 import { LatencyAverage, LatencyWindow, Rate, STAGES, splitLatency } from '../src/latency';
-import { planText } from '../src/plan';
+import { errorLine, planText } from '../src/plan';
 import type { Command, Vec3 } from '../src/protocol';
 import { Pusher } from '../src/pusher';
 import { SIZE_CAPS, defaultCap, requestedSize } from '../src/size';
@@ -44,6 +44,29 @@ describe('the plan in words', () => {
 
   test('is silent where the server is', () => {
     expect(planText('auto', undefined)).toBe('');
+  });
+});
+
+describe('the error of pictures', () => {
+  const measured = { error: 0.00421, low: 0.0037, high: 0.00484 };
+  const plan = { method: 'slabs', text: '', error: 0.003, ms: 1, relaxed: 0, promised: Math.fround(0.005) };
+  const { promised: _, ...silent } = plan;
+
+  test('is what is measured, with its bounds, beside what is promised', () => {
+    expect(errorLine(measured, plan)).toEqual({ text: '0.42 % (0.37–0.48), promised 0.5 %', broken: false });
+    expect(errorLine(measured, silent)).toEqual({ text: '0.42 % (0.37–0.48)', broken: false });
+    expect(errorLine(measured, undefined)?.text).toBe('0.42 % (0.37–0.48)');
+  });
+
+  test('is more than promised only when the lower bound says so', () => {
+    expect(errorLine(measured, { ...plan, promised: 0.004 })?.broken).toBe(false);
+    expect(errorLine(measured, { ...plan, promised: 0.0036 })?.broken).toBe(true);
+  });
+
+  test('is predicted until it is measured, or not known', () => {
+    expect(errorLine(undefined, plan)?.text).toBe('0.3 % predicted, promised 0.5 %');
+    expect(errorLine(undefined, { ...plan, error: 1 })).toBeUndefined();
+    expect(errorLine(undefined, undefined)).toBeUndefined();
   });
 });
 

@@ -138,7 +138,7 @@ const sceneState = (): Uint8Array =>
       ).map(([name, ms]) => PassTime.createPassTime(b, b.createString(name), ms)),
     );
     const method = b.createString(String(scene.settings.get('render.method')));
-    const plan = Plan.createPlan(b, method, 0, 0, 0, 0.015, 11.4, 0, method);
+    const plan = Plan.createPlan(b, method, 0, 0, 0, 0.015, 11.4, 0, method, 0.02);
     const values = SceneState.createSettingsVector(
       b,
       SETTINGS.map(({ path }) => packed(b, scene.settings.get(path) ?? 0)),
@@ -242,6 +242,9 @@ function render(viewer: Viewer): void {
       Frame.addQuality(b, viewer.quality);
       Frame.addStages(b, Stages.createStages(b, begin - pose.at, drawn * 0.7, drawn * 0.3, 0.05, drawn * 0.6));
       Frame.addJpegBytes(b, sizes);
+      Frame.addMeasured(b, 0.012);
+      Frame.addMeasuredLow(b, 0.011);
+      Frame.addMeasuredHigh(b, 0.0135);
       return Frame.endFrame(b);
     },
     image.bytes,

@@ -188,6 +188,13 @@ describe('decode', () => {
     expect(scene.plan).toEqual({ method, error, ms, relaxed, text: '' });
   });
 
+  test('what is promised of the pictures', () => {
+    const scene = decode(bytesOf('scene_state_promised'));
+    if (scene.kind !== 'scene') throw new Error('not a scene state');
+    expect(scene.plan?.promised).toBe((body('scene_state_promised')['plan'] as Fields)['promised']);
+    expect(scene.plan?.promised).toBe(2 ** -7);
+  });
+
   test('settings and their values', () => {
     const welcome = decode(bytesOf('welcome_settings'));
     const scene = decode(bytesOf('scene_state_settings'));
@@ -230,6 +237,15 @@ describe('decode', () => {
       frusta: [b['frustum'], b['right_frustum']].filter((frustum) => frustum !== undefined),
     });
     expect(jpeg.map((view) => Buffer.from(view).toString('hex'))).toEqual(examples[name]?.jpeg);
+  });
+
+  test('a frame with its measured error, and one without', () => {
+    const [known, unknown] = [decode(bytesOf('frame_measured')), decode(bytesOf('frame'))];
+    if (known.kind !== 'frame' || unknown.kind !== 'frame') throw new Error('not frames');
+    const b = body('frame_measured');
+    expect(known.measured).toEqual(present(b, { error: 'measured', low: 'measured_low', high: 'measured_high' }));
+    expect(known.measured?.error).toBe(2 ** -8);
+    expect(unknown.measured).toBeUndefined();
   });
 
   test('error, goodbye, ping and pong', () => {

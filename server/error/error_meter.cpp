@@ -1,0 +1,227 @@
+#include "server/error/error_meter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <optional>
+#include <new>
+#include <random>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "server/inputs/eye_request.h"
+#include "server/sim/random.h"
+#include "tools/reference/camera.h"
+#include "tools/reference/pixel.h"
+
+namespace brume {
+namespace {
+
+constexpr double kMostCredit = 0.3;  // s of CPU time that may be taken at once
+constexpr double kMostOfJob = 0.05;  // s of it after which no pixel of a job is begun
+constexpr double kTolerance = 1e-4;  // of the reference: a twentieth of what is measured
+constexpr double kShows = 0.999;     // transmittance below which a pixel shows the medium
+constexpr float kEmpty = 0.99999f;   // transmittance above which a pixel was drawn without the medium
+constexpr uint64_t kLookAnyway = 16; // one of so many of those is traced, too
+constexpr size_t kNewest = 256;      // pixels of ViewError::newest
+constexpr uint32_t kParts = 16;      // of a picture, each way
+constexpr int kLowestPriority = 19;
+
+double threadSeconds() {
+    timespec now{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+reference::World worldOf(const MeterJob& job) {
+    reference::World world = reference::worldOf(*job.scene, job.particles, job.now.medium, job.now.light);
+    // Sky and ambient light would dilute the error. What was drawn has them in it.
+    if (!job.drawn) world.sky_zenith = world.sky_horizon = world.ambient = glm::dvec3(0);
+    return world;
+}
+
+// What is behind the medium is the reference's in both: only the medium's error counts. A drawn pixel has its
+// background in it; there the medium's light alone is compared.
+PixelError comparedTo(const reference::RayResult& truth, glm::vec4 value, bool drawn) {
+    const glm::dvec3 seen(value), behind = truth.background;
+    if (drawn) return {glm::vec3(seen - double(value.a) * behind), glm::vec3(truth.scattered)};
+    return {glm::vec3(seen + double(value.a) * behind), glm::vec3(truth.total())};
+}
+
+// False: the rays through the pixel's corners and centre meet the same object and the same shadows, so that no edge
+// crosses the pixel. It costs nothing beside a traced ray. `corner`: the pixel's, upper left.
+bool mayHaveEdge(const reference::Stage& stage, const reference::Camera& camera, glm::dvec2 corner) {
+    if (stage.world.obstacles.empty()) return false;
+    std::optional<std::pair<int, size_t>> first;
+    std::vector<double> shadows;
+    for (const glm::dvec2 at : {glm::dvec2(0.5, 0.5), {0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
+        reference::Ray ray = reference::rayThrough(camera, corner.x + at.x, corner.y + at.y);
+        const reference::Hit hit = reference::nearest(stage.world.obstacles, ray);
+        ray.end = std::min(ray.end, hit.t);
+        shadows.clear();
+        stage.lighting.edges(ray, shadows);
+        const auto inside = std::ranges::count_if(shadows, [&](double t) { return t > ray.begin && t < ray.end; });
+        const std::pair met(hit.object, size_t(inside));
+        if (first && met != *first) return true;
+        first = met;
+    }
+    return false;
+}
+
+} // namespace
+
+ErrorMeter::ErrorMeter(double share) : share_(share), credit_s_(kMostCredit) {
+    if (share > 0) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+ErrorMeter::~ErrorMeter() = default;
+
+std::unique_ptr<MeterJob> ErrorMeter::begin(std::span<const uint32_t> viewers, Time now) {
+    if (share_ <= 0 || viewers.empty()) return nullptr;
+    const std::scoped_lock lock(mutex_);
+    if (credited_ != Time{})
+        credit_s_ = std::min(credit_s_ + share_ * std::chrono::duration<double>(now - credited_).count(), kMostCredit);
+    credited_ = now;
+    if (busy_ || credit_s_ <= 0) return nullptr;
+    busy_ = true;
+    const auto when = [&](uint32_t viewer) {
+        const auto last = last_.find(viewer);
+        return last == last_.end() ? 0 : last->second;
+    };
+    const uint32_t viewer = *std::ranges::min_element(viewers, {}, when);
+    last_[viewer] = ++jobs_;
+    std::unique_ptr<MeterJob> job = free_ ? std::move(free_) : std::make_unique<MeterJob>();
+    job->viewer = viewer;
+    job->epoch = epoch_;
+    job->number = jobs_;
+    return job;
+}
+
+void ErrorMeter::give(std::unique_ptr<MeterJob> job) {
+    const std::scoped_lock lock(mutex_);
+    waiting_ = std::move(job);
+    given_.notify_one();
+}
+
+void ErrorMeter::drop(std::unique_ptr<MeterJob> job) {
+    const std::scoped_lock lock(mutex_);
+    free_ = std::move(job);
+    busy_ = false;
+}
+
+void ErrorMeter::stay(std::span<const uint32_t> viewers) {
+    const std::scoped_lock lock(mutex_);
+    const auto left = [&](uint32_t viewer) { return !std::ranges::binary_search(viewers, viewer); };
+    std::erase_if(last_, [&](const auto& one) { return left(one.first); });
+    std::erase_if(windows_, [&](const auto& one) { return left(std::get<0>(one.first)); });
+}
+
+void ErrorMeter::forget() {
+    const std::scoped_lock lock(mutex_);
+    ++epoch_;
+    windows_.clear();
+    last_.clear();
+}
+
+std::vector<ViewError> ErrorMeter::errors(Time now) const {
+    const std::scoped_lock lock(mutex_);
+    std::vector<ViewError> all;
+    Time last{};
+    for (const auto& [of, window] : windows_) {
+        const auto& [viewer, method, accuracy] = of;
+        if (now - window.last() > ErrorWindow::kKept) continue;
+        const bool again = !all.empty() && all.back().viewer == viewer && all.back().method == method;
+        if (again && window.last() < last) continue;
+        if (again) all.pop_back();
+        last = window.last();
+        all.push_back({viewer, method, window.estimate(now), window.estimate(now, kNewest)});
+    }
+    return all;
+}
+
+void ErrorMeter::run(const std::stop_token& stop) {
+    [[maybe_unused]] const int set = ::setpriority(PRIO_PROCESS, id_t(::gettid()), kLowestPriority);
+    for (;;) {
+        std::unique_ptr<MeterJob> job;
+        {
+            std::unique_lock lock(mutex_);
+            if (!given_.wait(lock, stop, [&] { return waiting_ != nullptr; })) return;
+            job = std::move(waiting_);
+        }
+        const double began = threadSeconds();
+        try {
+            measure(*job, stop);
+        } catch (const std::bad_alloc&) { // where memory is short nothing is measured
+        }
+        const std::scoped_lock lock(mutex_);
+        credit_s_ -= threadSeconds() - began;
+        free_ = std::move(job);
+        busy_ = false;
+    }
+}
+
+void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
+    const reference::World world = worldOf(job);
+    const reference::Stage stage(world, {.tolerance = kTolerance, .light_cells = 1});
+    reference::RayTracer tracer(stage);
+    const reference::Camera camera = reference::perspective(job.pose, int(job.size.x), int(job.size.y), kNearDepth);
+    std::vector<uint32_t> order;
+    for (uint32_t i = 0; i < job.pixels.size(); ++i)
+        if (job.values[i].a <= kEmpty || mix64(job.number + i) % kLookAnyway == 0) order.push_back(i);
+    std::ranges::shuffle(order, std::minstd_rand(uint32_t(job.number)));
+    const double until = threadSeconds() + kMostOfJob;
+    std::vector<PixelError> found;
+    for (const uint32_t i : order) {
+        if (stop.stop_requested() || threadSeconds() > until) break;
+        const glm::dvec2 corner(job.pixels[i]);
+        const auto at = [&](double x, double y) {
+            return tracer.trace(reference::rayThrough(camera, corner.x + x, corner.y + y));
+        };
+        const bool edges = mayHaveEdge(stage, camera, corner);
+        const reference::PixelResult pixel = reference::pixelOf(at, edges, kShows);
+        if (pixel.edge || pixel.transmittance >= kShows) continue;
+        found.push_back(comparedTo(pixel.centre, job.values[i], job.drawn));
+    }
+    const std::scoped_lock lock(mutex_);
+    if (found.empty() || job.epoch != epoch_ || !last_.contains(job.viewer)) return;
+    const int accuracy = job.law > 0 ? int(std::lround(2 * std::log2(job.law))) : 0;
+    const auto now = ErrorWindow::Time::clock::now();
+    windows_[{job.viewer, job.method, accuracy}].add(found, job.law, now);
+    std::erase_if(windows_, [&](const auto& one) { return now - one.second.last() > ErrorWindow::kKept; });
+}
+
+std::vector<glm::uvec2> pixelsOf(const Pose& pose, glm::uvec2 size, glm::vec3 lo, glm::vec3 hi, uint64_t seed) {
+    const Frustum frustum = frustumOf(pose, size.x, size.y);
+    const glm::quat view_from_world = glm::conjugate(pose.orientation);
+    glm::vec2 from(1), to(0); // parts of the picture's sides
+    bool seen = false, beside = false;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 at =
+            view_from_world * (glm::mix(lo, hi, glm::vec3(corner & 1, corner >> 1 & 1, corner >> 2)) - pose.position);
+        if (at.z >= -kNearDepth) {
+            beside = true; // no bound: it may be anywhere in the picture
+            continue;
+        }
+        const glm::vec2 part((at.x / -at.z + frustum.left) / (frustum.left + frustum.right),
+                             (frustum.up - at.y / -at.z) / (frustum.up + frustum.down));
+        from = glm::min(from, part), to = glm::max(to, part);
+        seen = true;
+    }
+    if (!seen) return {};
+    if (beside) from = glm::vec2(0), to = glm::vec2(1);
+    const glm::vec2 first = glm::clamp(from, 0.0f, 1.0f) * glm::vec2(size),
+                    sides = glm::clamp(to, 0.0f, 1.0f) * glm::vec2(size) - first;
+    std::vector<glm::uvec2> pixels;
+    if (!(sides.x >= 1 && sides.y >= 1)) return pixels;
+    Random random(seed);
+    for (uint32_t y = 0; y < kParts; ++y)
+        for (uint32_t x = 0; x < kParts; ++x) {
+            const float right = random.uniform(), down = random.uniform();
+            const glm::vec2 at = first + sides * (glm::vec2(float(x) + right, float(y) + down) / float(kParts));
+            pixels.push_back(glm::min(glm::uvec2(at), size - 1u));
+        }
+    return pixels;
+}
+
+} // namespace brume

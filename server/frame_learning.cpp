@@ -1,0 +1,117 @@
+// What the frame loop learns while it runs: the error of its pictures, of which it has some pixels read back for the
+// meter, and what passes cost.
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "server/frame.h"
+#include "server/loop/scene_report.h"
+
+namespace brume {
+namespace {
+
+constexpr auto kLearnEvery = std::chrono::milliseconds(250);
+constexpr std::chrono::seconds kFirstTold{10}, kToldEvery{600};
+
+// The box of what is seen of the particles: a Gaussian beyond 3.5 / k has lost all but 1e-5 of its extinction.
+void boundsOf(std::span<const gpu::Particle> particles, float falloff, glm::vec3& lo, glm::vec3& hi) {
+    lo = glm::vec3(1e30f), hi = glm::vec3(-1e30f);
+    for (const gpu::Particle& p : particles) {
+        const float reach = 3.5f * p.scale * falloff / 7.0710678f;
+        lo = glm::min(lo, p.centre - reach), hi = glm::max(hi, p.centre + reach);
+    }
+}
+
+} // namespace
+
+void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
+    ProbeReading& probe = batch.submission.probe;
+    probe.pixels.clear();
+    drawn_viewers_.clear();
+    for (const BatchJob& job : batch.jobs)
+        if (&job == &batch.jobs[job.pictures]) drawn_viewers_.push_back(job.viewer->id());
+    std::unique_ptr<MeterJob> job = meter_.begin(drawn_viewers_, batch.taken);
+    if (!job) return;
+    const auto of = std::ranges::find(batch.jobs, job->viewer, [](const BatchJob& one) { return one.viewer->id(); });
+    const EyeRequest& eye = batch.eyes[of->first_eye];
+    RenderSettings own = settings;
+    if (eye.rate > 0) own.rate = eye.rate;
+    job->method = own.method;
+    job->law = planner_->predictedError(own, {eye.pose, eye.width, eye.height});
+    job->scene = shown_scene_;
+    job->now = simulation_.now();
+    job->particles.resize(simulation_.liveCount());
+    simulation_.write(job->particles);
+    job->pose = eye.pose;
+    job->size = {eye.width, eye.height};
+    glm::vec3 lo, hi;
+    boundsOf(job->particles, job->now.medium.falloff, lo, hi);
+    job->pixels = pixelsOf(job->pose, job->size, lo, hi, job->number);
+    if (job->pixels.empty()) return meter_.drop(std::move(job));
+    probe.eye = of->first_eye;
+    probe.pixels = job->pixels;
+    batch.measured = std::move(job);
+}
+
+void FrameLoop::endMeasuring(Batch& batch, bool drawn) {
+    if (!batch.measured) return;
+    ProbeReading& probe = batch.submission.probe;
+    if (!drawn) return meter_.drop(std::move(batch.measured));
+    const std::span<const glm::vec4> values = probe.values();
+    batch.measured->values.assign(values.begin(), values.end());
+    batch.measured->drawn = probe.drawn;
+    meter_.give(std::move(batch.measured));
+}
+
+// The pictures of a viewer who shares them are measured as those of the one who draws them.
+void FrameLoop::tellMeasured(Batch& batch, const std::string& method) const {
+    for (BatchJob& job : batch.jobs) {
+        const uint32_t viewer = batch.jobs[job.pictures].viewer->id();
+        const auto found = std::ranges::find_if(errors_, [&](const ViewError& one) {
+            return one.viewer == viewer && one.method == method && one.error.known();
+        });
+        if (found == errors_.end()) continue;
+        job.measured = {float(found->error.rmse), float(found->error.low), float(found->error.high)};
+    }
+}
+
+void FrameLoop::readMeter(Clock::time_point now) {
+    errors_ = meter_.errors(now);
+    learn(now);
+    const Plan& plan = planner_->plan();
+    const double promised = promisedError(simulation_.now().render);
+    const auto line = promise_.look({promised, worstOf(errors_, plan.chosen.settings.method), plan.relaxed > 0}, now);
+    if (line) spdlog::log(line->broken ? spdlog::level::warn : spdlog::level::info, line->text);
+}
+
+// The plan hears what was measured.
+void FrameLoop::learn(Clock::time_point now) {
+    Corrections& corrections = planner_->corrections();
+    for (const ViewError& one : errors_) {
+        const ErrorEstimate& e = one.newest;
+        if (!e.known() || e.law <= 0) continue;
+        corrections.learn(one.viewer, one.method, {e.rmse / e.law, e.low / e.law, e.high / e.law}, now);
+    }
+    corrections.fade(now);
+}
+
+// Corrects the costs by what the batch's passes took.
+void FrameLoop::learnCosts(const Batch& batch, std::span<const gpu::PassSample> samples) {
+    if (!learns_costs_ || batch.one_shot || batch.done - costs_learnt_ < kLearnEvery) return;
+    if (costs_learnt_ == Clock::time_point{}) costs_told_ = batch.done - kToldEvery + kFirstTold;
+    costs_learnt_ = batch.done;
+    std::vector<PlanView> views;
+    std::vector<uint32_t> rates;
+    for (const EyeRequest& eye : batch.eyes) {
+        views.push_back({eye.pose, eye.width, eye.height});
+        rates.push_back(eye.rate);
+    }
+    std::vector<PassMs> passes;
+    for (const gpu::PassSample& sample : samples) passes.push_back({sample.name, double(sample.ms)});
+    planner_->passesTook(batch.settings, views, rates, passes);
+    if (!on_costs_ || !planner_->costs().isKnown() || batch.done - costs_told_ < kToldEvery) return;
+    costs_told_ = batch.done;
+    on_costs_(planner_->costs().model());
+}
+
+} // namespace brume

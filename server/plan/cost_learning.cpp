@@ -1,0 +1,50 @@
+#include "server/plan/cost_learning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace brume {
+namespace {
+
+constexpr double kStep = 0.5, kSmallStep = 0.05; // part of a cost's error that a submission mends: at first; later
+constexpr double kLeastMs = 0.05;                // shorter submissions are mostly the driver's own work
+
+// True: `name` is the cost's pass, or one of those that it counts together ("cull, sort").
+bool isOf(std::string_view name, const CostInfo& cost) {
+    for (std::string_view rest = cost.pass; !rest.empty();) {
+        const size_t end = std::min(rest.find(", "), rest.size());
+        if (rest.substr(0, end) == name) return true;
+        rest.remove_prefix(std::min(end + 2, rest.size()));
+    }
+    return false;
+}
+
+} // namespace
+
+void CostLearning::learn(const Work& work, std::span<const PassMs> passes) {
+    double measured = 0, predicted = 0;
+    std::vector<size_t> ran;
+    for (const PassMs& pass : passes) measured += pass.ms;
+    for (const CostInfo* cost : allCosts()) {
+        const size_t i = numberOf(*cost);
+        const auto is_of = [&](const PassMs& pass) { return isOf(pass.name, *cost); };
+        if (!(work[i] > 0) || std::ranges::none_of(passes, is_of)) continue;
+        predicted += work[i] * now_.ns[i] * 1e-6;
+        ran.push_back(i);
+    }
+    if (!(measured > kLeastMs && predicted > 0)) return;
+    for (const size_t i : ran) {
+        const double part = seen_[i]++ < kQuick ? kStep : kSmallStep;
+        const double first = first_.ns[i];
+        now_.ns[i] = std::clamp(now_.ns[i] * std::pow(measured / predicted, part), first / kMost, first * kMost);
+    }
+    ++lessons_;
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < allCosts().size(); ++i)
+        if (seen_[i] > 0) sum += std::log(now_.ns[i] / first_.ns[i]), ++count;
+    for (size_t i = 0; i < allCosts().size(); ++i)
+        if (seen_[i] == 0) now_.ns[i] = first_.ns[i] * std::exp(sum / count);
+}
+
+} // namespace brume

@@ -1,0 +1,44 @@
+// CostLearning: corrects the cost model by the times that submissions took. All passes that ran are scaled alike: a
+// driver may book the time of one pass to the next, so that only their sum can be trusted. Passes that did not run yet
+// are scaled as the others are on average: a machine is faster or slower in all.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "server/plan/cost_model.h"
+#include "server/plan/work.h"
+
+namespace brume {
+
+// Time of one pass of a submission, ms.
+struct PassMs {
+    std::string_view name;
+    double ms = 0;
+};
+
+class CostLearning {
+public:
+    static constexpr double kMost = 100; // largest factor on a cost, either way
+
+    explicit CostLearning(CostModel model) : first_(std::move(model)), now_(first_) {}
+
+    // `work`: of the submission that took these times. Its passes that are not in `passes` did not run. A pass may come
+    // several times.
+    void learn(const Work& work, std::span<const PassMs> passes);
+    const CostModel& model() const { return now_; }
+    // The model before anything was learnt.
+    const CostModel& first() const { return first_; }
+    // True: enough was learnt for others to use it.
+    bool isKnown() const { return lessons_ >= kKnown; }
+
+private:
+    static constexpr uint32_t kQuick = 8, kKnown = 30; // submissions
+
+    const CostModel first_;
+    CostModel now_;
+    std::array<uint32_t, kMostCosts> seen_{}; // by cost: submissions that had it
+    uint32_t lessons_ = 0;
+};
+
+} // namespace brume

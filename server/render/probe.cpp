@@ -1,0 +1,63 @@
+#include "server/render/probe.h"
+
+#include <algorithm>
+
+#include "shaders/probe_comp.h"
+
+namespace brume {
+
+std::span<const glm::vec4> ProbeReading::values() {
+    if (pixels.empty()) return {};
+    values_.invalidate();
+    return values_.mapped<glm::vec4>(pixels.size());
+}
+
+void Probe::prepare(ProbeReading& reading) const {
+    if (reading.pixels.size() > kMostProbes) throw gpu::Error("too many probes");
+    if (reading.pixels.empty()) return;
+    reading.where_.atLeast(device_, kMostProbes * sizeof(glm::uvec2), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                           gpu::Memory::upload, "probed pixels");
+    reading.values_.atLeast(device_, kMostProbes * sizeof(glm::vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                            gpu::Memory::readback, "probed values");
+    std::ranges::copy(reading.pixels, reading.where_.mapped<glm::uvec2>(reading.pixels.size()).begin());
+    reading.where_.flush();
+}
+
+const gpu::ComputeProgram& Probe::programFor(bool drawn, bool lobe) {
+    gpu::ComputeProgram& program = programs_[{drawn, lobe}];
+    if (!program)
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, probe_comp, "probe"},
+                                      {{gpu::kIdHasOpaque, features_.opaque && !drawn},
+                                       {gpu::kIdHasCasters, features_.casters && !drawn},
+                                       {gpu::kIdHasLobe, lobe},
+                                       {gpu::kIdDrawn, drawn}});
+    return program;
+}
+
+void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading& reading, const gpu::View& eye) {
+    const EyeInputs& in = *group.any;
+    reading.drawn = !group.field;
+    for (uint32_t i = 0; i < group.count(); ++i) {
+        if (group.views[i].planes != eye.planes) continue; // another eye's picture
+        const gpu::Commands::Pass pass(commands, "probe", in.view);
+        gpu::computeToCompute(commands.handle());
+        const gpu::ProbePush push{.count = uint32_t(reading.pixels.size()),
+                                  .rate = group.rate,
+                                  .sun_colours = group.colours.sun,
+                                  .ambient_colours = group.colours.ambient,
+                                  .step = group.step};
+        programFor(reading.drawn, !reading.drawn && in.shared->lobe)
+            .bind(commands,
+                  {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
+                   gpu::storageBuffer(3, reading.where_),
+                   gpu::storageBuffer(4, reading.drawn ? reading.where_ : *group.field),
+                   gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
+                   gpu::storageBuffer(6, reading.values_),
+                   gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
+                  push);
+        vkCmdDispatch(commands.handle(), gpu::groups(push.count, 64), 1, 1);
+        gpu::computeToHost(commands.handle());
+    }
+}
+
+} // namespace brume

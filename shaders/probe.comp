@@ -1,0 +1,72 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+// Probe: the radiance that some pixels of one view have, for the server's own estimate of its error. A lane is a pixel.
+// Rate, colours and step are no constants here: one program serves all ways to draw, since a CPU driver takes long to
+// compile it.
+#include "shaders/shared/constants.h"
+#include "shaders/shared/types.h"
+#include "shaders/lib/view.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
+layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
+layout(constant_id = kIdDrawn) const bool kDrawn = true;
+const bool kHasAmbient = false; // the medium is compared without ambient light, unless it is drawn already
+
+layout(push_constant) uniform Push { ProbePush push; };
+#define kRate push.rate
+#define kSunColours push.sun_colours
+#define kAmbientColours push.ambient_colours
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(rgba32f, binding = 2) uniform readonly image2D radiance;
+layout(scalar, binding = 3) readonly buffer Pixels { uvec2 pixels[]; };
+layout(scalar, binding = 4) readonly buffer Field { float field[]; }; // shared/field.h
+layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
+layout(scalar, binding = 6) writeonly buffer Values { vec4 values[]; };
+layout(binding = 8) uniform sampler2D view_depth;
+
+#include "shaders/lib/eye.glsl"
+#include "shaders/lib/cubic.glsl"
+#include "shaders/lib/medium_run.glsl"
+#include "shaders/lib/medium_cut.glsl"
+
+// From the pixels that were drawn, one of step x step: the first is one step up and left of the picture's first.
+vec4 drawnAt(uvec2 pixel) {
+    if (push.step == 1) return imageLoad(radiance, ivec2(pixel));
+    const uvec2 node = pixel / push.step;
+    const vec2 part = vec2(pixel % push.step) / float(push.step);
+    const vec4 across = cubic(part.x), down = cubic(part.y);
+    vec4 sum = vec4(0);
+    for (uint j = 0; j < 4; ++j)
+        for (uint i = 0; i < 4; ++i) sum += across[i] * down[j] * imageLoad(radiance, ivec2(node + uvec2(i, j)));
+    return sum;
+}
+
+// The medium in front of a black background.
+vec4 mediumAt(ivec2 pixel) {
+    const vec3 dir = rayDirection(vec2(pixel) + 0.5);
+    const MediumRun run = mediumRun(pixel);
+    const vec4 across = fieldAcross(pixel.x);
+    float ray[kMostFieldQuantities];
+    wholeRay(run, across, ray);
+    if (kHasOpaque) {
+        MediumCut cut = mediumCut(run, pixel, 1);
+        cutRay(cut, run, pixel, dir, across, ray);
+    }
+    for (uint c = 0; c < kAmbientColours; ++c) ray[fieldAmbient() + c] = 0;
+    return mediumOver(vec4(0, 0, 0, 1), dir, ray);
+}
+
+void main() {
+    enterView(0);
+    const uint i = gl_GlobalInvocationID.x;
+    if (i >= push.count) return;
+    const uvec2 pixel = pixels[i];
+    if (pixel.y < views[0].first || pixel.y >= views[0].end) return; // in another band of the picture
+    values[i] = kDrawn ? drawnAt(pixel) : mediumAt(ivec2(pixel));
+}
