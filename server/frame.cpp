@@ -353,7 +353,7 @@ void FrameLoop::tellLoad(Clock::time_point now) {
     viewers_.clear();
     audience_.setRoom(uint32_t(std::clamp(batch_planner_.roomFor(kLeastPixels, most_frame_ms_), 1.0, 1e9)));
     metrics_.budget(most_full_ms_ / frame_ms_);
-    if (!on_device_) most_full_ms_ = 0;
+    most_full_ms_ = on_device_ ? batch_planner_.fullBatchMs() : 0; // of the batch that goes on
 }
 
 void FrameLoop::report(Clock::time_point now) {

@@ -26,17 +26,23 @@ QualityStep QualityControl::step() const {
 }
 
 bool QualityControl::observeDevice(const DeviceLoad& load, Clock::time_point now) {
-    // Going back from level 1 makes the picture four times as large; from other levels it only comes more often.
-    const double more = device_level_ == 1 && !stepAt(level_).half ? 3 * load.own_ms : 0;
-    const bool over =
-        load.exhausted && load.whole_ms > kTooMuch * load.budget_ms && load.own_ms * load.viewers > load.budget_ms;
-    const bool room = load.whole_ms == 0 || load.whole_ms + more < kSpare * load.budget_ms;
+    // Going back from level 1 makes the picture four times as large: it takes as long as before, at most four times as
+    // long. From other levels it only comes more often, which makes no frame longer.
+    const double more =
+        device_level_ == 1 && !stepAt(level_).half ? std::clamp(whole_size_ms_ - load.own_ms, 0.0, 3 * load.own_ms) : 0;
+    const double most = kTooMuch * load.budget_ms;
+    const bool over = load.exhausted && load.whole_ms > most && load.own_ms * load.viewers > load.budget_ms;
+    const bool room = load.whole_ms == 0 || load.whole_ms + more < kSpare * most;
     if (!room) room_since_ = now;
     if (over && device_level_ + 1 < kDeviceSteps) {
-        ++device_level_;
-    } else if (room && device_level_ > 0 && now - room_since_ >= kCleanFor) {
+        if (device_level_++ == 0) whole_size_ms_ = load.own_ms;
+        if (device_raised_)
+            device_patience_ =
+                now - *device_raised_ < kTakenBack ? std::min(2 * device_patience_, kMostPatience) : kCleanFor;
+        device_raised_.reset();
+    } else if (room && device_level_ > 0 && now - room_since_ >= device_patience_) {
         --device_level_;
-        room_since_ = now;
+        device_raised_ = room_since_ = now;
     } else {
         return false;
     }

@@ -48,7 +48,7 @@ public:
     //   twice as long, at most 16 s: pictures do not swing between two sizes.
     // - Device. One step down at once if a frame of all viewers takes more than 1.5 budgets, the plan is exhausted,
     //   and this viewer takes more than an equal share. One step up after a second in which the better step would
-    //   have left a fifth of the budget.
+    //   have left a fifth of that. A step up that is taken back makes the next one wait, as for the link.
     bool observe(const Observation& seen, Clock::time_point now);
     uint32_t level() const { return level_; }
     uint32_t deviceLevel() const { return device_level_; }
@@ -60,8 +60,11 @@ private:
     uint32_t level_ = 0, device_level_ = 0;
     Observation seen_; // the worst values since a level was last decided
     Clock::time_point acted_{}, clean_since_{}, room_since_{};
-    std::optional<Clock::time_point> raised_;  // when the link's level last improved; nothing once it went down
-    std::chrono::milliseconds patience_{1000}; // time without queues before the next step up
+    std::optional<Clock::time_point> raised_;         // when the link's level last improved; nothing once it went down
+    std::chrono::milliseconds patience_{1000};        // time without queues before the next step up
+    std::optional<Clock::time_point> device_raised_;  // the same for the device's level
+    std::chrono::milliseconds device_patience_{1000}; // time with room before the next step up
+    double whole_size_ms_ = 0;                        // DeviceLoad::own_ms when pictures were last of their whole size
 };
 
 } // namespace brume

@@ -44,18 +44,48 @@ TEST(DeviceQuality, AccuracyComesFirstAndTheCheapPayNothing) {
     EXPECT_EQ(after(quality, now, milliseconds(3000), within), 0u);
 }
 
-// Full size takes four times as long: it comes back when that would fit, and then it does not go again.
+// Full size takes up to four times as long: it comes back when that would fit, and then it does not go again.
 TEST(DeviceQuality, ComesBackAfterASecondInWhichItWouldFit) {
     QualityControl quality;
     Clock::time_point now = kStart;
     quality.observe(
         {.device = DeviceLoad{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 2, .exhausted = true}}, now);
     ASSERT_EQ(quality.deviceLevel(), 1u);
-    const DeviceLoad not_yet{.own_ms = 10, .whole_ms = 15, .budget_ms = 50, .viewers = 2}; // 45 at full size
+    const DeviceLoad not_yet{.own_ms = 15, .whole_ms = 20, .budget_ms = 50, .viewers = 2}; // 65 at full size
     EXPECT_EQ(after(quality, now, milliseconds(5000), not_yet), 1u);
     const DeviceLoad room{.own_ms = 5, .whole_ms = 10, .budget_ms = 50, .viewers = 2}; // 25
     EXPECT_EQ(after(quality, now, milliseconds(900), room), 1u);
     EXPECT_EQ(after(quality, now, milliseconds(400), room), 0u);
+}
+
+// The others have gone. The picture takes as long as ever, since its rays are as many at half the size.
+TEST(DeviceQuality, ComesBackWhenTheOthersHaveGoneHoweverDearItIs) {
+    QualityControl quality;
+    Clock::time_point now = kStart;
+    const DeviceLoad over{.own_ms = 45, .whole_ms = 200, .budget_ms = 50, .viewers = 5, .exhausted = true};
+    ASSERT_EQ(after(quality, now, milliseconds(1000), over), 3u);
+    const DeviceLoad alone{.own_ms = 43, .whole_ms = 46, .budget_ms = 50, .viewers = 1, .exhausted = true};
+    EXPECT_EQ(after(quality, now, milliseconds(4500), alone), 0u);
+}
+
+// Each time it comes back there is too much again.
+TEST(DeviceQuality, ComesBackLessAndLessOftenWhereItDoesNotFit) {
+    QualityControl quality;
+    Clock::time_point now = kStart;
+    int changes = 0;
+    for (uint32_t last = 0; now < kStart + std::chrono::minutes(2); now += milliseconds(100)) {
+        const bool small = quality.deviceLevel() > 0;
+        quality.observe({.device = DeviceLoad{.own_ms = small ? 20.0 : 100.0,
+                                              .whole_ms = small ? 30.0 : 110.0,
+                                              .budget_ms = 100 / 1.3,
+                                              .viewers = 2,
+                                              .exhausted = true}},
+                        now);
+        if (!small) quality.observe({.device = DeviceLoad{100, 130, 50, 2, true}}, now);
+        changes += quality.deviceLevel() != last;
+        last = quality.deviceLevel();
+    }
+    EXPECT_LE(changes, 2 * (5 + 120 / 16));
 }
 
 TEST(DeviceQuality, WhereNothingIsDrawnThereIsRoom) {
