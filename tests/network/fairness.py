@@ -6,6 +6,7 @@ each a process of its own, go on for some seconds, and go.
 """
 import argparse
 import contextlib
+import json
 import multiprocessing
 import pathlib
 import random
@@ -153,11 +154,12 @@ def until(moment):
     time.sleep(max(moment - time.monotonic(), 0))
 
 
-def batch_ms(server, end, budget):
-    """Median over the time until `end` of what a batch with everybody's pictures takes, ms, as the server predicts it."""
+def batch_ms(server, end):
+    """Median over the time until `end` of what pictures of all viewers take of the device, ms: the sum of their medians."""
     seen = []
     while time.monotonic() < end:
-        seen.append(server.metrics()['brume_frame_budget_used_ratio'] * budget)
+        with urllib.request.urlopen(f'http://127.0.0.1:{server.port}/viewers', timeout=30) as answer:
+            seen.append(sum(one['stages_ms']['gpu']['p50'] for one in json.load(answer)['viewers']))
         time.sleep(LOOK)
     return statistics.median([one for one in seen if one > 0] or [float('inf')])
 
@@ -177,7 +179,7 @@ def measure(name, others, parts, options):
             before = memory(server)
             with running(others, url):
                 until(begin + window + SETTLE)
-                batch = batch_ms(server, begin + 2 * window + SETTLE, options.frame_budget)
+                batch = batch_ms(server, begin + 2 * window + SETTLE)
                 most = memory(server)
             until(begin + 3 * window + SETTLE + REST + rest - 1)  # the viewer still watches
             after = memory(server)
@@ -217,8 +219,8 @@ def main():
         'the others\' programs take their part of its cores, too. *Share*: frames during, over what the viewer had before,',
         'divided by the parts that the device is shared in: one for each that watches, one for all snapshots of an',
         'address. The four streams have one camera, so they are drawn once. At least 0.8 is promised. *Batches*: the gap',
-        'during, over the time of one batch with everybody\'s pictures as the server predicts it, without snapshots, which are',
-        'drawn between batches; at most 2 are promised.',
+        'during, over what one picture of everybody who watches takes of the device, without snapshots, which are drawn',
+        'between; at most 2 are promised.',
         *([f'*Back*: memory {options.memory_rest:.0f} s after that, over the memory before, in RAM and on the device; at most 1.1 is '
            'promised.'] if options.memory_rest else []), '',
         '| the others | before, 1/s | during | after | share | gap p95 before, ms | during | after | batches | MiB before | during '
