@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <optional>
 #include <new>
+#include <optional>
 #include <random>
 
 #include <sys/resource.h>

@@ -10,8 +10,8 @@
 
 #include "common/scene.h"
 #include "common/settings.h"
-#include "server/sim/command.h"
 #include "server/error/error_window.h"
+#include "server/sim/command.h"
 #include "server/viewer/replay_control.h"
 #include "server/viewer/scene_requests.h"
 #include "server/viewer/viewer.h"

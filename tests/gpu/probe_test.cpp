@@ -24,8 +24,7 @@ protected:
 
 std::vector<glm::uvec2> somePixels(uint32_t width, uint32_t height) {
     std::vector<glm::uvec2> pixels{{0, 0}, {width - 1, 0}, {0, height - 1}, {width - 1, height - 1}};
-    for (uint32_t i = 0; pixels.size() < 64; ++i)
-        pixels.push_back(glm::uvec2(i * 37 % width, i * 23 % height));
+    for (uint32_t i = 0; pixels.size() < 64; ++i) pixels.push_back(glm::uvec2(i * 37 % width, i * 23 % height));
     return pixels;
 }
 
