@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace brume {
 namespace {
@@ -22,11 +21,15 @@ void ErrorWindow::add(std::span<const PixelError> pixels, double law, Time now) 
 // The ratio of two sums over random pixels, and its deviation by the delta method.
 ErrorEstimate ErrorWindow::estimate(Time now, size_t newest) const {
     ErrorEstimate out;
-    const auto first = pixels_.end() - std::ptrdiff_t(std::min(newest, pixels_.size()));
-    const std::ranges::subrange pixels(first, pixels_.end());
+    const size_t first = pixels_.size() - std::min(newest, pixels_.size());
+    const auto each = [&](const auto& visit) { // of those that count
+        for (size_t i = first; i < pixels_.size(); ++i)
+            if (now - pixels_[i].at <= kKept) visit(pixels_[i]);
+    };
     float largest = 0;
-    for (const Kept& one : pixels)
+    each([&](const Kept& one) {
         largest = std::max({largest, one.pixel.reference.r, one.pixel.reference.g, one.pixel.reference.b});
+    });
     double errors = 0, sizes = 0, laws = 0, bias = 0;
     size_t channels = 0;
     const auto sums = [&](const Kept& one, double& error, double& size) {
@@ -38,25 +41,23 @@ ErrorEstimate ErrorWindow::estimate(Time now, size_t newest) const {
             bias += apart / r, ++channels;
         }
     };
-    for (const Kept& one : pixels) {
-        if (now - one.at > kKept) continue;
+    each([&](const Kept& one) {
         double error, size;
         sums(one, error, size);
         errors += error, sizes += size, laws += one.law * one.law * size;
         ++out.pixels;
-    }
+    });
     if (!(sizes > 0)) return {};
     const double mean = errors / sizes, n = double(out.pixels);
     out.rmse = std::sqrt(mean);
     out.law = std::sqrt(laws / sizes);
     out.bias = bias / double(std::max<size_t>(channels, 1));
     double squares = 0;
-    for (const Kept& one : pixels) {
-        if (now - one.at > kKept) continue;
+    each([&](const Kept& one) {
         double error, size;
         sums(one, error, size);
         squares += (error - mean * size) * (error - mean * size);
-    }
+    });
     const double deviation = std::sqrt(squares * n / std::max(n - 1, 1.0)) / sizes; // of `mean`
     const double wide = mean > 0 ? std::exp(kDeviations * deviation / (2 * mean)) : 1;
     out.low = out.rmse / wide, out.high = out.rmse * wide;
