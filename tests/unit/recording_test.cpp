@@ -147,27 +147,27 @@ std::string rowsText(const std::string& place, const std::string& scales, const 
 
 TEST(CommandJson, WhatIsNotACommandIsRefused) {
     EXPECT_NO_THROW(commandOf(nlohmann::json::parse(rowsText("3f800000", "3f800000", ""))));
-    for (const char* text : {"{}",
-                             "[]",
-                             "3",
-                             R"({"viewer":1,"seq":2})",
-                             R"({"viewer":1,"seq":2,"explode":{}})",
-                             R"({"viewer":-1,"seq":"x","restart":{}})",
-                             R"({"viewer":1,"seq":2,"impulse":{}})",
-                             R"({"viewer":1,"seq":2,"move_volume":{"offset":[1,2]}})",
-                             R"({"viewer":1,"seq":2,"restart":{"more":1}})",
-                             R"({"viewer":1,"seq":2,"set_medium":{"falloff":"x"}})",
-                             R"({"viewer":1,"seq":2,"set_medium":{"count":1}})",
-                             R"({"viewer":1,"seq":2,"set":[["medium.falloff","x"]]})",
-                             R"({"viewer":1,"seq":2,"set":[["medium.count",1]]})",
-                             R"({"viewer":1,"seq":2,"set":[["medium.falloff"]]})",
-                             R"({"viewer":1,"seq":2,"set":{"medium.falloff":1}})",
-                             R"({"viewer":1,"seq":2,"set_particles":{}})",
-                             rowsText("3f80", "3f800000", "").c_str(),
-                             rowsText("3f80000x", "3f800000", "").c_str(),
-                             rowsText("3f800000", "3f8000003f800000", "").c_str(),
-                             rowsText("7fc00000", "3f800000", "").c_str(),
-                             rowsText("3f800000", "3f800000", "00000000").c_str()})
+    for (const std::string& text : std::vector<std::string>{"{}",
+                                                            "[]",
+                                                            "3",
+                                                            R"({"viewer":1,"seq":2})",
+                                                            R"({"viewer":1,"seq":2,"explode":{}})",
+                                                            R"({"viewer":-1,"seq":"x","restart":{}})",
+                                                            R"({"viewer":1,"seq":2,"impulse":{}})",
+                                                            R"({"viewer":1,"seq":2,"move_volume":{"offset":[1,2]}})",
+                                                            R"({"viewer":1,"seq":2,"restart":{"more":1}})",
+                                                            R"({"viewer":1,"seq":2,"set_medium":{"falloff":"x"}})",
+                                                            R"({"viewer":1,"seq":2,"set_medium":{"count":1}})",
+                                                            R"({"viewer":1,"seq":2,"set":[["medium.falloff","x"]]})",
+                                                            R"({"viewer":1,"seq":2,"set":[["medium.count",1]]})",
+                                                            R"({"viewer":1,"seq":2,"set":[["medium.falloff"]]})",
+                                                            R"({"viewer":1,"seq":2,"set":{"medium.falloff":1}})",
+                                                            R"({"viewer":1,"seq":2,"set_particles":{}})",
+                                                            rowsText("3f80", "3f800000", ""),
+                                                            rowsText("3f80000x", "3f800000", ""),
+                                                            rowsText("3f800000", "3f8000003f800000", ""),
+                                                            rowsText("7fc00000", "3f800000", ""),
+                                                            rowsText("3f800000", "3f800000", "00000000")})
         EXPECT_ANY_THROW(commandOf(nlohmann::json::parse(text))) << text;
 }
 
