@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -97,7 +98,12 @@ TEST(EncodeWorkersDeathTest, ThreadsThatCannotBeStartedAreAnError) {
 #endif
     const auto start = [] {
         ::alarm(20);
-        const rlimit little{512u << 20, 512u << 20}; // stacks take 8 MiB each
+        // Two stacks fit, and enough is left for what those two threads need.
+        pthread_attr_t large;
+        ::pthread_attr_init(&large);
+        ::pthread_attr_setstacksize(&large, 200u << 20);
+        ::pthread_setattr_default_np(&large);
+        const rlimit little{600u << 20, 600u << 20};
         ::setrlimit(RLIMIT_AS, &little);
         try {
             const EncodeWorkers workers(1000);
