@@ -109,7 +109,7 @@ constexpr Table kTables[]{
     {"", "At the top", "Before any table."},
     {"medium", "`[medium]`", "The particles and what they are made of."},
     {"medium.emitter", "`[medium.emitter]`",
-     "With layout `emitter` only. Births fall on a horizontal disc. Particles rise, grow, thin and die. "
+     "With layout `emitter` only. Births fall on a horizontal disc. Particles rise, grow, thin and die.\n"
      "`medium.count` must hold all that live at a time: at least rate · life."},
     {"simulation", "`[simulation]`", "How the particles move."},
     {"light", "`[[light]]`",

@@ -1,6 +1,7 @@
 // What the frame loop learns while it runs: the error of its pictures, of which it has some pixels read back for the
 // meter, and what passes cost.
 #include <algorithm>
+#include <new>
 
 #include <spdlog/spdlog.h>
 
@@ -40,13 +41,17 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     job->law = planner_->predictedError(own, {eye.pose, eye.width, eye.height});
     job->scene = shown_scene_;
     job->now = simulation_.now();
-    job->particles.resize(simulation_.liveCount());
-    simulation_.write(job->particles);
     job->pose = eye.pose;
     job->size = {eye.width, eye.height};
-    glm::vec3 lo, hi;
-    boundsOf(job->particles, job->now.medium.falloff, lo, hi);
-    job->pixels = pixelsOf(job->pose, job->size, lo, hi, job->number);
+    job->pixels.clear();
+    try {
+        job->particles.resize(simulation_.liveCount());
+        simulation_.write(job->particles);
+        glm::vec3 lo, hi;
+        boundsOf(job->particles, job->now.medium.falloff, lo, hi);
+        if (!job->particles.empty()) job->pixels = pixelsOf(job->pose, job->size, lo, hi, job->number);
+    } catch (const std::bad_alloc&) { // where memory is short nothing is measured, and the picture is drawn
+    }
     if (job->pixels.empty()) return meter_.drop(std::move(job));
     probe.eye = of->first_eye;
     probe.pixels = job->pixels;

@@ -20,12 +20,12 @@ namespace {
 
 constexpr double kMostCredit = 0.3;  // s of CPU time that may be taken at once
 constexpr double kMostOfJob = 0.05;  // s of it after which no pixel of a job is begun
-constexpr double kTolerance = 1e-4;  // of the reference: a twentieth of what is measured
+constexpr double kTolerance = 1e-4;  // the reference's relative tolerance, a twentieth of errors of 0.2 %
 constexpr double kShows = 0.999;     // transmittance below which a pixel shows the medium
 constexpr float kEmpty = 0.99999f;   // transmittance above which a pixel was drawn without the medium
-constexpr uint64_t kLookAnyway = 16; // one of so many of those is traced, too
+constexpr uint64_t kLookAnyway = 16; // one in so many pixels without medium is traced, too
 constexpr size_t kNewest = 256;      // pixels of ViewError::newest
-constexpr uint32_t kParts = 16;      // of a picture, each way
+constexpr uint32_t kParts = 16;      // parts of the rectangle, across and down; each gives one pixel
 constexpr int kLowestPriority = 19;
 
 double threadSeconds() {

@@ -28,8 +28,8 @@ struct MeterJob {
     std::vector<gpu::Particle> particles;
     Pose pose;
     glm::uvec2 size{0};             // pixels
-    std::vector<glm::uvec2> pixels; // those that were read back
-    std::vector<glm::vec4> values;  // what they have: ProbeReading::values()
+    std::vector<glm::uvec2> pixels; // positions of the pixels that are read back
+    std::vector<glm::vec4> values;  // radiance and transmittance of each pixel: ProbeReading::values()
     bool drawn = false;             // ProbeReading::drawn
     // Set by the meter: the number of scenes before this one, and of jobs before this one.
     uint64_t epoch = 0, number = 0;
@@ -39,16 +39,16 @@ class ErrorMeter {
 public:
     using Time = ErrorWindow::Time;
 
-    // `share`: of one core's time that it may take, on average; 0: it measures nothing.
+    // `share`: part of one core's time that it may take, on average; 0: it measures nothing.
     explicit ErrorMeter(double share);
     ~ErrorMeter();
 
     // A job to fill, if there is time for one; otherwise null. It is for the viewer whose pictures were measured
     // longest ago: `viewers` are those to choose from.
     std::unique_ptr<MeterJob> begin(std::span<const uint32_t> viewers, Time now);
-    // The pixels were read back.
+    // Takes a job whose pixels were read back, to be measured.
     void give(std::unique_ptr<MeterJob> job);
-    // The picture was not drawn.
+    // Takes a job back whose picture was not drawn.
     void drop(std::unique_ptr<MeterJob> job);
 
     // Viewers that are not among these (ids, ascending) are forgotten.
@@ -68,7 +68,7 @@ private:
     std::unique_ptr<MeterJob> free_, waiting_;
     bool busy_ = false;                 // True: a job is out, waits or is measured
     double credit_s_ = 0;               // CPU time that it may take now
-    Time credited_{};                   // up to when credit was given
+    Time credited_{};                   // time up to which credit was given
     std::map<uint32_t, uint64_t> last_; // by viewer: number of its last job
     uint64_t jobs_ = 0, epoch_ = 0;     // epoch_: number of scenes that were forgotten
     // By viewer, method, and how accurate the pictures should be: twice the base-2 logarithm of their law, rounded. So

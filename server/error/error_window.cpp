@@ -6,7 +6,7 @@
 namespace brume {
 namespace {
 
-constexpr float kDark = 1e-3f; // of the largest channel: darker ones are left out
+constexpr float kDark = 1e-3f; // part of the largest channel below which a channel is left out
 // Standard deviations of the logarithm of the error on either side of it. Normal errors would need 2. Errors of pixels
 // are not: a few large ones make the estimate's own deviation too small.
 constexpr double kDeviations = 2.7;
@@ -22,7 +22,7 @@ void ErrorWindow::add(std::span<const PixelError> pixels, double law, Time now) 
 ErrorEstimate ErrorWindow::estimate(Time now, size_t newest) const {
     ErrorEstimate out;
     const size_t first = pixels_.size() - std::min(newest, pixels_.size());
-    const auto each = [&](const auto& visit) { // of those that count
+    const auto each = [&](const auto& visit) { // calls it for each pixel that counts
         for (size_t i = first; i < pixels_.size(); ++i)
             if (now - pixels_[i].at <= kKept) visit(pixels_[i]);
     };
@@ -58,7 +58,7 @@ ErrorEstimate ErrorWindow::estimate(Time now, size_t newest) const {
         sums(one, error, size);
         squares += (error - mean * size) * (error - mean * size);
     });
-    const double deviation = std::sqrt(squares * n / std::max(n - 1, 1.0)) / sizes; // of `mean`
+    const double deviation = std::sqrt(squares * n / std::max(n - 1, 1.0)) / sizes; // standard deviation of `mean`
     const double wide = mean > 0 ? std::exp(kDeviations * deviation / (2 * mean)) : 1;
     out.low = out.rmse / wide, out.high = out.rmse * wide;
     return out;

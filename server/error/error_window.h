@@ -18,7 +18,7 @@ struct PixelError {
 };
 
 // True values lie in [low, high] in 95 % of cases, from 300 pixels on. Errors that sit in one pixel of fifty need all
-// that a window keeps. Before that the interval is too short: 88 % for such errors with 300 pixels.
+// that a window keeps: with 300 pixels the interval holds the true value of such errors in 88 % of cases only.
 struct ErrorEstimate {
     static constexpr size_t kLeast = 100;
     size_t pixels = 0;

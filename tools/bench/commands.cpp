@@ -50,6 +50,13 @@ std::string cpu() {
            " threads";
 }
 
+// Where the costs are from, without the folder of their file: pages are read on other machines.
+std::string sourceOf(const CostModel& model) {
+    const size_t comma = model.source.find(", "), name = model.source.rfind('/');
+    if (!model.calibrated || comma == model.source.npos || name == model.source.npos) return model.source;
+    return model.source.substr(0, comma + 2) + model.source.substr(name + 1);
+}
+
 std::string today() {
     const std::time_t now = std::time(nullptr);
     char date[16];
@@ -144,7 +151,7 @@ int answerWhich(const Context& context, const WhichOptions& o) {
                   fmt::format("# Which method within {:.3g} %?\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: "
                               "{}, {}. Costs: {}.\n\n",
                               100 * o.question.error, context.command, today(), cpu(), device.name(), device.driver(),
-                              model.source) +
+                              sourceOf(model)) +
                       whichLegend() + page);
     return all_hold ? 0 : 1;
 }
@@ -162,7 +169,7 @@ void keepPromise(const Context& context, PromiseOptions o) {
         "needs whole pictures. No law comes from odd seeds (judge); laws may be fitted on even ones (train).\n\n"
         "The command writes its scenes to `random-scenes` in the folder of `--costs`. One picture again: `brume-bench "
         "render --scene FOLDER/random-SEED.toml --size WxH --medium-alone --set render.error={:.3g}`.\n\n",
-        context.command, today(), cpu(), device.name(), device.driver(), model.source, o.question.seed,
+        context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model), o.question.seed,
         o.question.seed + o.question.scenes - 1, 100 * o.question.budget, o.question.budget);
     if (!o.out.empty()) {
         const std::filesystem::path plot = std::filesystem::path(o.out).replace_extension(".svg");
@@ -213,7 +220,7 @@ void plan(const Context& context, const PlanTable& wanted, const std::filesystem
     const std::string about =
         fmt::format("# The plan: predicted against measured\n\nWritten by `{}` on {}. CPU: {}. "
                     "Vulkan device: {}, {}. Costs: {}.\n\n",
-                    context.command, today(), cpu(), device.name(), device.driver(), model.source);
+                    context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model));
     writeText(out, about + planTable(device, model, truth, wanted));
 }
 

@@ -104,7 +104,8 @@ class Viewer:
         method = plan.Text() or plan.Method() if plan else state.Method()
         return State(tick=state.Tick(), hash=f'{state.StateHash():016x}', viewers=state.Viewers(),
                      particles=state.Particles(), paused=bool(state.Paused()), error=plan.Error() if plan else None,
-                     promised=(plan.Promised() or None) if plan else None, method=messages.text_of(method), settings=dict(zip(paths, values)),
+                     promised=(plan.Promised() or None) if plan else None, method=messages.text_of(method),
+                     settings=dict(zip(paths, values)),
                      box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None)
 
     # ---- camera and pictures ----
