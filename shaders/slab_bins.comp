@@ -5,7 +5,9 @@
 // columns of tiles, rows of tiles and sheets of slabs that it may reach, one bit per particle and line. One workgroup
 // per 32 particles.
 #include "shaders/shared/types.h"
+#include "shaders/shared/erf.h"
 #include "shaders/shared/support.h"
+#include "shaders/shared/widened.h"
 #include "shaders/lib/view.glsl"
 
 layout(local_size_x = 32) in;
@@ -41,6 +43,7 @@ void main() {
         m.across = 0.5 * kLog2e / (across * across);
         m.along = 0.5 * kLog2e / (along * along);
         m.sigma = p.sigma_t * (own / across) * (own / across) * (own / along);
+        if (along > own) m.sigma *= widenedShare(own, along, grid.depth - m.centre.z, farDepth() - m.centre.z);
         m.albedo = p.albedo;
         members[views[gl_WorkGroupID.z].members + i] = m;
         const float radius = supportRadius(p.sigma_t, u, tick.cut);

@@ -15,6 +15,21 @@ constexpr float kMostCut = 1e-4f;
 // And one that it may, however small the setting is: a Gaussian has no end.
 constexpr float kLeastCut = 1e-12f;
 
+// Part of a particle's mean optical depth that cut rims may take: 0.1 % of the light of a thin medium.
+constexpr double kMostRim = 1e-3;
+
+// Optical depth below which a particle's rim is left out.
+float cutOf(std::span<const gpu::Particle> particles, float cutoff, float falloff) {
+    double depths = 0, areas = 0; // sums of area * depth of the line through the centre, and of areas
+    for (const gpu::Particle& p : particles) {
+        const double u = double(p.scale) * double(falloff);
+        depths += u * u * 0.25066282746310005 * double(p.sigma_t) * u, areas += u * u;
+    }
+    const auto rim = float(areas > 0 ? kMostRim * depths / areas : 0);
+    const float each = cutoff / float(std::max<size_t>(particles.size(), 1));
+    return std::clamp(std::min(each, rim), kLeastCut, kMostCut);
+}
+
 struct LightBounds {
     glm::vec3 lo{std::numeric_limits<float>::max()}, hi{std::numeric_limits<float>::lowest()};
     void add(glm::vec3 point, float radius) {
@@ -66,7 +81,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     if (tick.sun.to_light.y <= 0 && !scene.planes.empty())
         tick.sun.irradiance = glm::vec3(0); // the light is below the ground
     tick.particle_count = uint32_t(particles.size());
-    tick.cut = std::clamp(now.render.cutoff / float(std::max<size_t>(particles.size(), 1)), kLeastCut, kMostCut);
+    tick.cut = cutOf(particles, now.render.cutoff, tick.falloff);
     tick.ambient = scene.sky.ambient;
     tick.sky_zenith = scene.sky.zenith;
     tick.sky_horizon = scene.sky.horizon;

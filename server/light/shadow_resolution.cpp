@@ -12,6 +12,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr size_t kMostSamples = 4096;
 constexpr double kMostCells = 1 << 22;
+// Fewer would save nothing, and the estimate is a mean: what an eye is close to errs more.
+constexpr uint32_t kLeastTexels = 32, kLeastLayers = 18; // planes less one
 // Bins of standard deviations, by the exponent and two bits of the float: four an octave.
 constexpr int kBinShift = 21;
 constexpr size_t kBins = 1024;
@@ -106,17 +108,18 @@ ShadowResolution shadowResolution(const RenderSettings& settings, const Shadowed
     // of texels.
     const double wanted = double(settings.shadow_error), width = double(std::max(extent.x, extent.y)),
                  depth = double(extent.z);
-    double texel =
-        widest([&](double h) { return medium.texelError(h); }, wanted * std::sqrt(2.0 / 3), width / 1024, width / 16);
-    double plane =
-        widest([&](double h) { return medium.planeError(h); }, wanted * std::sqrt(1.0 / 3), depth / 126, depth / 6);
+    double texel = widest([&](double h) { return medium.texelError(h); }, wanted * std::sqrt(2.0 / 3), width / 1024,
+                          width / kLeastTexels);
+    double plane = widest([&](double h) { return medium.planeError(h); }, wanted * std::sqrt(1.0 / 3), depth / 126,
+                          depth / kLeastLayers);
 
     ShadowResolution result;
     const bool follows = settings.shadow_size == 0 || settings.shadow_slices == 0;
     for (double cells = HUGE_VAL; follows && cells > kMostCells && texel < width; texel *= 1.1, plane *= 1.1) {
         for (int axis = 0; axis < 2; ++axis)
-            result.texels[axis] = settings.shadow_size ? settings.shadow_size
-                                                       : std::max(ladder(double(extent[axis]) / texel, 8, 1024), 16u);
+            result.texels[axis] = settings.shadow_size
+                                      ? settings.shadow_size
+                                      : std::max(ladder(double(extent[axis]) / texel, 8, 1024), kLeastTexels);
         result.slices = settings.shadow_slices ? settings.shadow_slices : ladder(depth / plane, 6, 126) + 1;
         cells = double(result.texels.x) * result.texels.y * result.slices;
     }

@@ -22,23 +22,6 @@ bool isInside(const MediumExtent& extent, glm::vec3 eye) {
     return glm::all(glm::lessThanEqual(extent.lo, eye)) && glm::all(glm::lessThanEqual(eye, extent.hi));
 }
 
-// Mean over the medium's optical mass of the extinction there: at every particle of the sample, of all of them.
-double meanExtinction(const PlanScene& scene) {
-    const double weight = double(scene.particles) / double(std::max<size_t>(scene.sample.size(), 1));
-    double sum = 0, mass = 0;
-    for (const gpu::Particle& at : scene.sample) {
-        double here = 0;
-        for (const gpu::Particle& p : scene.sample) {
-            const double s = std::max(0.1 * double(p.scale) * double(scene.tick.falloff), 1e-6);
-            const glm::dvec3 d = glm::dvec3(at.centre) - glm::dvec3(p.centre);
-            here += double(p.sigma_t) * std::exp(-0.5 * glm::dot(d, d) / (s * s)) * (&p == &at ? 1 : weight);
-        }
-        const double m = double(at.sigma_t) * std::pow(double(at.scale), 3);
-        sum += m * here, mass += m;
-    }
-    return mass > 0 ? sum / mass : 0;
-}
-
 } // namespace
 
 PlanView ownView(const Scene& scene) {
@@ -60,7 +43,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);
     const size_t stride = std::max<size_t>((particles.size() + kSample - 1) / kSample, 1);
     for (size_t i = 0; i < particles.size(); i += stride) out.sample.push_back(particles[i]);
-    out.extinction = meanExtinction(out);
+    out.particles_of_sample = sampledParticles(out, particles);
 
     const glm::mat3 basis(out.tick.map.x, out.tick.map.y, out.tick.sun.to_light);
     const ShadowedMedium medium(particles, out.tick.falloff, basis);

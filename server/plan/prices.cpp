@@ -130,7 +130,7 @@ std::optional<double> Prices::errorIn(const ViewWork& view, const RenderSettings
 
 double Prices::corrected(size_t i, const RenderSettings& way, double rays, double light) const {
     const double factor = inputs_.corrections ? inputs_.corrections->factor(inputs_.views[i].viewer, way.method) : 1;
-    return factor * std::hypot(rays, light);
+    return factor * std::hypot(rays, views_[i].shown().lightFactor() * light);
 }
 
 Candidate Prices::withoutShadow(const RenderSettings& way) {
@@ -168,7 +168,8 @@ double predictedError(const PlanScene& scene, const RenderSettings& settings, co
     const PlanScene::Shadow* shadow = nullptr;
     for (const PlanScene::Shadow& one : scene.shadows)
         if (one.wanted >= settings.shadow_error && (!shadow || one.wanted < shadow->wanted)) shadow = &one;
-    return bounded(std::hypot(*error, shadow ? lightError(shadow->resolution.error) : 0));
+    const double light = shadow ? work.shown().lightFactor() * lightError(shadow->resolution.error) : 0;
+    return bounded(std::hypot(*error, light));
 }
 
 uint32_t nearestCompiledRate(RenderSettings way, const std::function<bool(const RenderSettings&)>& compiled) {

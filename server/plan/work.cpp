@@ -89,7 +89,7 @@ double projectedDeviation(const MediumExtent& extent, const PlanView& view) {
 }
 
 ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
-    : scene_(scene), width_(view.width), height_(view.height) {
+    : scene_(scene), width_(view.width), height_(view.height), shown_(scene, view) {
     const Frustum frustum = frustumOf(view.pose, view.width, view.height);
     pixel_ = pixelOf(frustum, view.height);
     const glm::mat3 axes = glm::mat3_cast(view.pose.orientation);
@@ -134,8 +134,6 @@ double ViewWork::raySpacing(uint32_t rate) const {
 double ViewWork::slabThickness(uint32_t slabs) const {
     return (far_ - near_) / (slabs * double(scene_.extent.deviation));
 }
-
-double ViewWork::deviationDepth() const { return scene_.extinction * double(scene_.extent.deviation); }
 
 double ViewWork::fragments(double part_of_box) const {
     double sum = 0;

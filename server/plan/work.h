@@ -12,6 +12,7 @@
 #include "server/light/shadow_resolution.h"
 #include "server/medium/extent.h"
 #include "server/plan/cost_model.h"
+#include "server/plan/shown.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -30,9 +31,9 @@ struct PlanScene {
     uint32_t objects = 0, casters = 0;
     gpu::Tick tick{}; // light, falloff, cut, bounds of the shadow volume
     uint32_t particles = 0;
-    std::vector<gpu::Particle> sample; // evenly chosen; each stands for weight() particles
+    std::vector<gpu::Particle> sample;                // evenly chosen; each stands for weight() particles
+    std::vector<SampledParticle> particles_of_sample; // sampledParticles()
     MediumExtent extent;
-    double extinction = 0; // 1/m, mean extinction in the medium, weighted by optical mass
     // Possible resolutions of the volumetric shadow map: errors from kFinestShadow to kCoarsestShadow,
     // wanted.shadow_error times powers of two. Those coarser than wanted are for overload.
     struct Shadow {
@@ -88,7 +89,7 @@ public:
     double raySpacing(uint32_t rate) const;                // between neighbours, in projected standard deviations
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
-    double deviationDepth() const;                         // mean optical depth of a length of one standard deviation
+    const ShownMedium& shown() const { return shown_; }
     // Pixels covered by all particles, if each covers `part_of_box` of the box around it.
     double fragments(double part_of_box) const;
 
@@ -103,6 +104,7 @@ private:
     uint32_t width_, height_;
     double pixel_, near_, far_;
     std::vector<Seen> seen_;
+    ShownMedium shown_;
 };
 
 // Number of cells that [lo, hi] touches, in a row of `count` cells of `size` from 0.

@@ -8,6 +8,14 @@
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
 
+// The value before the first four of a row, as they go on: by a cubic where they are smooth, by a parabola where the
+// cubic's term is large. The near plane cuts particles anywhere, so the first slab has no neighbour in front.
+float beforeFirst(vec4 first) {
+    const float parabola = 3 * (first.x - first.y) + first.z, cubic = first.x - first.w + 3 * (first.z - first.y);
+    const float sum = first.x + first.y + first.z + first.w;
+    return parabola + cubic * (sum * sum) / max(sum * sum + 64 * cubic * cubic, 1e-37);
+}
+
 // Optical depth between the light and a point of a ray; finite, so that differences are numbers.
 float lightAt(vec3 volume_dir, float depth) { return min(lightDepth(map_rays.eye + depth * volume_dir), 1e18); }
 
@@ -38,8 +46,8 @@ void march() {
         then = ahead < grid.slabs ? mediumAt(ahead) : vec4(0);
         if (ahead < 2) continue;
         const uint s = ahead - 2;
-        if (s == 0) // the first slab curves as the second
-            before = 3 * here[kExtinction] - 3 * next[kExtinction] + then[kExtinction];
+        if (s == 0) before = beforeFirst(vec4(here[kExtinction], next[kExtinction], then[kExtinction],
+                                              mediumAt(3)[kExtinction]));
         // Integral over the slab of the parabola through three middles: one sample alone would err where the near
         // plane or a wall cuts the medium.
         const float curvature = before - 2 * here[kExtinction] + next[kExtinction];
@@ -49,7 +57,7 @@ void march() {
             if (!known) {
                 light.y = lightAt(volume_dir, face);
                 light.z = lightAt(volume_dir, face + thick);
-                light.x = 2 * light.y - light.z;
+                light.x = lightAt(volume_dir, face - thick);
             }
             light.w = lightAt(volume_dir, face + 2 * thick);
             const float mean = here[kExtinction] + curvature / 24;

@@ -56,7 +56,7 @@ TEST(Relaxed, WhatMayNotBeGivenUpDoesNotKeepTheRest) {
     inputs.relaxed = 20;
     const Plan least = makePlan(inputs, builtInCosts());
     EXPECT_LE(least.chosen.settings.rate, 2u);
-    EXPECT_LT(2 * least.chosen.settings.slabs, plan.chosen.settings.slabs);
+    EXPECT_LT(least.chosen.settings.slabs, plan.chosen.settings.slabs);
     EXPECT_GT(least.chosen.settings.shadow_error, 2 * plan.chosen.settings.shadow_error);
     EXPECT_LT(least.relaxed, inputs.relaxed);
     EXPECT_LE(least.chosen.error, 10 * double(inputs.scene.wanted.error));

@@ -71,7 +71,7 @@ TEST(Plan, AnUnsatisfiableBudgetTakesTheMostAccurateWayAndSaysSo) {
     EXPECT_NE(explain(plan, inputs, builtInCosts()).find("NOT within the budget"), std::string::npos);
 }
 
-// Particles so small that the laws predict more than a black picture's error of every way: their order still counts.
+// Particles so small that the laws predict a picture that shows little of them, of every way: their order still counts.
 TEST(Plan, WhereNoWayShowsTheMediumTheFinestIsTakenAndNotTheCheapest) {
     PlanInputs inputs = inputsOf(cube(50, 0.01f));
     inputs.scene.wanted.flip = 1;
@@ -80,7 +80,7 @@ TEST(Plan, WhereNoWayShowsTheMediumTheFinestIsTakenAndNotTheCheapest) {
     EXPECT_TRUE(plan.chosen.predicted);
     EXPECT_EQ(plan.chosen.settings.rate, 1u);
     EXPECT_GE(plan.chosen.settings.slabs, 64u);
-    EXPECT_GT(plan.chosen.error, 0.9);
+    EXPECT_GT(plan.chosen.error, 0.1);
     EXPECT_LE(plan.chosen.error, 1);
 }
 
@@ -220,7 +220,7 @@ TEST(Plan, FartherViewersAskForMoreRays) {
         spacing = now;
         const RenderSettings s = makePlan(inputs, builtInCosts()).chosen.settings;
         ASSERT_TRUE(planOf(s.method)->hasRays()) << s.method;
-        EXPECT_LE(rayError(now * s.rate), 5e-3);
+        EXPECT_LE(raysError(ViewWork(inputs.scene, inputs.views[0]), s.rate), 5e-3);
     }
 }
 
@@ -250,17 +250,18 @@ TEST(Plan, ViewersDoNotPayForOthersPixels) {
 }
 
 // Nobody waits for another one's shader.
-// In a field of view of 170 degrees nothing holds the budget. That viewer gets what is near the best for it, and the
+// For an eye deep in a dense medium nothing holds the budget. That viewer gets what is near the best for it, and the
 // others get what they would have without it.
 TEST(Plan, AViewInWhichNothingHoldsDoesNotMakeOthersCoarse) {
-    PlanInputs inputs = inputsOf(cube());
+    Scene scene = cube();
+    scene.medium.extinction = 700;
+    PlanInputs inputs = inputsOf(scene);
     const PlanView usual = inputs.views.front();
-    PlanView wide = usual;
-    wide.pose.fov_y = 2.97f;
-    wide.width = 160, wide.height = 90;
-    inputs.views = {wide};
+    PlanView deep = usual;
+    deep.pose = lookAt({0, 0, 0}, {0, 0, 1}, 0.8f);
+    inputs.views = {deep};
     ASSERT_FALSE(makePlan(inputs, builtInCosts()).within) << "or it shows nothing";
-    inputs.views = {usual, wide};
+    inputs.views = {usual, deep};
     const Plan plan = makePlan(inputs, builtInCosts());
     EXPECT_FALSE(plan.within);
     PlanInputs alone = inputs;
@@ -271,53 +272,87 @@ TEST(Plan, AViewInWhichNothingHoldsDoesNotMakeOthersCoarse) {
     EXPECT_LE(makePlan(alone, builtInCosts()).chosen.error, double(inputs.scene.wanted.error));
 }
 
-// Errors of one cause by itself, measured at 640x360 against the double-precision reference, every fifth pixel. Where a
-// law is below what was measured it is by no more than this: the plan's error is then off by less than a third.
+// Where a law is below what was found it is by no more than this: the plan's error is then off by less than a third.
 constexpr double kBelow = 1.3;
 
-TEST(ErrorLaws, OfSlabsBoundWhatWasMeasured) {
-    struct Measured {
-        const char* view;
-        double depth, thickness; // of a standard deviation; in standard deviations
-        bool inside;
-        double error;
+// Errors of one Gaussian by itself, integrated in double with the shaders' formulas at random phases of slabs and rays.
+TEST(ErrorLaws, OfSlabsBoundThatOfOneBall) {
+    struct Found {
+        double depth, thickness, error; // through its centre; in standard deviations; lit from the side
     };
-    for (const Measured& m :
-         {Measured{"cloud", 0.258, 1.193, false, 0.01235}, Measured{"cloud", 0.258, 0.596, false, 0.00295},
-          Measured{"cloud", 0.258, 0.593, true, 0.00452}, Measured{"cloud", 0.258, 0.296, true, 0.0012},
-          Measured{"cloud-5000", 0.217, 1.593, false, 0.0343}, Measured{"cloud-5000", 0.217, 0.796, false, 0.00512},
-          Measured{"cloud-5000", 0.217, 0.791, true, 0.00893}, Measured{"tubes", 0.345, 0.693, true, 0.00412},
-          Measured{"props", 0.0476, 1.298, false, 0.00435}, Measured{"props", 0.0476, 0.648, true, 0.00097},
-          Measured{"plume", 0.41, 1.572, false, 0.0294}, Measured{"plume", 0.41, 0.786, false, 0.00363}}) {
-        const double law = slabError(m.thickness, m.depth, m.inside);
-        EXPECT_GT(kBelow * law, m.error) << m.view << ' ' << m.thickness;
-        EXPECT_LT(law, 3 * m.error) << m.view << ' ' << m.thickness << ": needlessly fine";
+    for (const Found& f : {Found{1, 0.5, 0.00026}, Found{1, 0.7, 0.001}, Found{1, 1, 0.00415}, Found{1, 1.4, 0.0145},
+                           Found{5, 0.5, 0.00036}, Found{5, 0.7, 0.00108}, Found{5, 1, 0.0041}, Found{5, 1.4, 0.0224},
+                           Found{30, 0.7, 0.0031}, Found{30, 1, 0.0149}, Found{30, 1.4, 0.0434}}) {
+        const double law = slabError(f.thickness, ShownMedium::bendOf(f.depth), f.depth / 2);
+        EXPECT_GT(kBelow * law, f.error) << f.depth << ' ' << f.thickness;
+        EXPECT_LT(law, 4.5 * f.error) << f.depth << ' ' << f.thickness << ": needlessly fine";
     }
-    EXPECT_LT(slabError(0.5, 0.001, false), 1e-4) << "a thin medium is nearly linear";
+    EXPECT_LT(slabError(0.5, ShownMedium::bendOf(0.001), 0), 1e-6) << "a thin medium is nearly linear";
 }
 
-TEST(ErrorLaws, OfRaysBoundWhatWasMeasured) {
-    // Spacing in projected standard deviations and error: cloud, cloud-5000, props, plume from outside.
-    for (const auto& [spacing, error] :
-         {std::pair(0.765, 0.00158), std::pair(1.02, 0.0049), std::pair(0.574, 0.00035), std::pair(0.766, 0.0011),
-          std::pair(0.809, 0.00146), std::pair(1.078, 0.00424), std::pair(0.881, 0.0028), std::pair(1.322, 0.0128),
-          std::pair(1.762, 0.0555)}) {
+TEST(ErrorLaws, OfRaysBoundThatOfOneGaussian) {
+    for (const auto& [spacing, error] : {std::pair(0.4, 0.00041), std::pair(0.5, 0.00072), std::pair(0.6, 0.00142),
+                                         std::pair(0.7, 0.0031), std::pair(0.8, 0.0067), std::pair(0.9, 0.0129),
+                                         std::pair(1.0, 0.0224), std::pair(1.2, 0.0525), std::pair(1.5, 0.125)}) {
         EXPECT_GT(kBelow * rayError(spacing), error) << spacing;
-        EXPECT_LT(rayError(spacing), 3 * error) << spacing;
+        EXPECT_LT(rayError(spacing), 2 * error) << spacing;
     }
 }
 
-TEST(ErrorLaws, TheExtinctionOfLoneParticlesIsTheirOwnAndOverlapAdds) {
+// Thin, in slabs two and three deviations thick, 10 and 20 degrees off the view axis.
+TEST(ErrorLaws, OfWidenedParticlesBoundThatOfOneGaussian) {
+    for (const auto& [thickness, degrees, error] : {std::tuple(2.0, 10.0, 0.0124), std::tuple(3.0, 10.0, 0.042),
+                                                    std::tuple(2.0, 20.0, 0.0456), std::tuple(3.0, 20.0, 0.14)}) {
+        const double oblique = std::pow(std::tan(degrees * 3.14159265358979 / 180), 2);
+        EXPECT_GT(kBelow * widenedError(thickness, oblique), error) << thickness << ' ' << degrees;
+        EXPECT_LT(widenedError(thickness, oblique), 2 * error) << thickness << ' ' << degrees;
+    }
+    EXPECT_EQ(widenedError(1.4, 0.1), 0);
+    EXPECT_EQ(endsError(1.4, 8), 0);
+}
+
+TEST(ShownMedium, OfOneBallHasItsSizeAndAllOfIt) {
+    const Scene scene = cube(1);
+    const PlanInputs inputs = inputsOf(scene);
+    const ViewWork view(inputs.scene, inputs.views[0]);
+    ASSERT_EQ(view.shown().sizes().size(), 1u);
+    const ShownMedium::Size& size = view.shown().sizes()[0];
+    EXPECT_NEAR(size.part, 1, 1e-9);
+    EXPECT_NEAR(size.light, 1, 1e-9);
+    EXPECT_NEAR(size.deviation, double(inputs.scene.extent.deviation), 1e-5);
+    EXPECT_EQ(size.cut, 0);
+    EXPECT_NEAR(view.shown().lightDepth(), inputs.scene.particles_of_sample[0].depth / 2, 1e-9);
+}
+
+// Errors that are independent of each other average out where many particles overlap.
+TEST(ShownMedium, PartsOfManyAreSmall) {
+    const auto partsOf = [](uint32_t count) {
+        const Scene scene = cube(count);
+        const PlanInputs inputs = inputsOf(scene);
+        double sum = 0;
+        const ViewWork view(inputs.scene, inputs.views[0]);
+        for (const ShownMedium::Size& size : view.shown().sizes()) sum += size.part;
+        return sum;
+    };
+    EXPECT_LT(partsOf(500), 0.3);
+    EXPECT_GT(partsOf(20), partsOf(500));
+}
+
+TEST(ShownMedium, TheExtinctionOfLoneParticlesIsTheirOwnAndOverlapAdds) {
+    const auto meanOf = [](uint32_t count) {
+        const Scene scene = cube(count);
+        const PlanScene plan = planScene(scene, Simulation(scene));
+        double sum = 0;
+        for (const SampledParticle& p : plan.particles_of_sample) sum += p.extinction;
+        return sum / double(plan.particles_of_sample.size());
+    };
     Scene scene = cube(1);
     const Simulation one(scene);
     std::vector<gpu::Particle> particles(1);
     one.write(particles);
-    EXPECT_NEAR(planScene(scene, one).extinction, double(particles[0].sigma_t), 1e-9);
-    scene = cube(200);
-    const double few = planScene(scene, Simulation(scene)).extinction;
-    scene = cube(2000); // all but the first term grows tenfold; the sample holds an eighth of them
-    const double many = planScene(scene, Simulation(scene)).extinction;
-    EXPECT_NEAR(many / few, 10, 2.5);
+    const double own = meanOf(1);
+    EXPECT_NEAR(own, double(particles[0].sigma_t), 1e-4);
+    EXPECT_NEAR((meanOf(2000) - own) / (meanOf(200) - own), 10, 2.5); // all but the first term grows tenfold
 }
 
 TEST(Plan, WorkOfTheSampleStandsForAllParticles) {

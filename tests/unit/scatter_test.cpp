@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "shaders/shared/scatter.h"
+#include "shaders/shared/widened.h"
 #include "tests/unit/worst.h"
 
 namespace {
@@ -144,6 +145,29 @@ TEST(ScatterAnalytic, FiniteWherePrintedIsNot) {
     EXPECT_EQ(physics::scatterAnalytic(0.0f, 0.0f, 0.0f), 0);
     EXPECT_EQ(physics::scatterAnalytic(1e38f, 0.0f, 0.0f), 1);
     EXPECT_EQ(physics::scatterAnalytic(1e38f, 1e38f, 1e38f), 0);
+}
+
+// Mass between two points, by a midpoint rule.
+double massBetween(double deviation, double lo, double hi) {
+    constexpr int kSteps = 20000;
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const double z = lo + (hi - lo) * (i + 0.5) / kSteps;
+        sum += std::exp(-0.5 * z * z / (deviation * deviation)) / deviation * (hi - lo) / kSteps;
+    }
+    return sum;
+}
+
+TEST(WidenedShare, KeepsTheMassBetweenTheEnds) {
+    for (const double wide : {1.2, 3.0})
+        for (const auto& [lo, hi] : {std::pair(-8.0, 8.0), std::pair(-0.5, 8.0), std::pair(-0.1, 2.0)}) {
+            const double share = physics::widenedShare(0.8, wide, lo, hi);
+            EXPECT_NEAR(share * massBetween(wide, lo, hi), massBetween(0.8, lo, hi), 1e-6) << wide << ' ' << lo;
+        }
+    EXPECT_NEAR(physics::widenedShare(1.0, 2.0, -1e3, 1e3), 1, 1e-12);
+    EXPECT_LT(physics::widenedShare(1.0, 2.0, 9.0, 12.0), 1e-9) << "where the own one has nothing";
+    EXPECT_LE(physics::widenedShare(1.0f, 1e30f, -1.0f, 1.0f), 4);
+    EXPECT_TRUE(std::isfinite(physics::widenedShare(1e-18f, 1.0f, -1e6f, 1e6f)));
 }
 
 // A slab of extinction D (1 + slope t) and light depth light + rise t + bend (t^2 - 1/4) / 2, t from -1/2 to 1/2: the

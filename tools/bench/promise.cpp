@@ -70,6 +70,7 @@ public:
         wanted_.size = random_.size;
         wanted_.set = {std::begin(kMediumAlone), std::end(kMediumAlone)};
         wanted_.set.push_back(fmt::format("render.error={}", float(question.budget)));
+        wanted_.set.push_back(fmt::format("render.flip={}", float(question.flip)));
     }
 
     json row() {
@@ -128,14 +129,16 @@ private:
         const glm::vec3 map = scene.tick.map.hi - scene.tick.map.lo;
         row_["map"] = {map.x, map.y, map.z};
         row_["predicted"] = chosen.error, row_["promised"] = stage.plan().within;
-        row_["predicted_light"] = lightError(shadow.resolution.error);
-        row_["predicted_rays"] = rayError(view.raySpacing(s.rate));
-        row_["predicted_slabs"] = slabError(view.slabThickness(s.slabs), view.deviationDepth(), view.inside());
+        row_["predicted_light"] = view.shown().lightFactor() * lightError(shadow.resolution.error);
+        row_["predicted_rays"] = raysError(view, s.rate);
+        row_["predicted_slabs"] = slabsError(view, s.slabs);
         row_["ray_spacing"] = view.raySpacing(s.rate), row_["slab_thickness"] = view.slabThickness(s.slabs);
-        row_["deviation_depth"] = view.deviationDepth(), row_["inside"] = view.inside();
-        row_["deviation"] = scene.extent.deviation, row_["extinction"] = scene.extinction;
+        row_["inside"] = view.inside(), row_["deviation"] = scene.extent.deviation;
         row_["deviation_5"] = deviationAt(scene, 0.05), row_["deviation_50"] = deviationAt(scene, 0.5);
         row_["near"] = view.near(), row_["far"] = view.far(), row_["pixel"] = view.pixel();
+        for (const ShownMedium::Size& size : view.shown().sizes())
+            row_["sizes"].push_back({size.projected, size.deviation, size.part, size.bend, size.oblique, size.cut});
+        row_["light_depth"] = view.shown().lightDepth(), row_["light_factor"] = view.shown().lightFactor();
         const glm::vec3 box = scene.extent.hi - scene.extent.lo;
         row_["volume"] = double(box.x) * double(box.y) * double(box.z);
         row_["predicted_ms"] = chosen.ms();

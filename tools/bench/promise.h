@@ -15,6 +15,7 @@ struct PromiseQuestion {
     uint64_t seed = 1;            // of the first scene; the others follow
     uint32_t scenes = 60;         // number of seeds
     double budget = 0.005;        // render.error
+    double flip = 0.01;           // render.flip
     uint32_t pixels = 1500;       // compared, at most
     double seconds = 8;           // of the reference of one scene, after its first pixels
     bool price = false;           // True: also looks for the cheapest way that holds the budget

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 
 #include "server/medium/band_limit.h"
 
@@ -12,23 +13,75 @@ namespace {
 constexpr uint32_t kSlabCounts[] = {8, 16, 24, 32, 48, 64, 96, 128, 192, 256};
 constexpr uint32_t kMostFinerSlabs = 512;
 constexpr double kLeastError = 2e-4; // remains however fine rays and slabs are: float32 and the cut-off
+// Least deviation of a particle, in slabs (slab_bins.comp), and the thickness in deviations above which it is widened.
+constexpr double kWidened = 0.7, kSlabsWiden = 1 / kWidened;
+
+double square(double x) { return x * x; }
 
 } // namespace
 
-double rayError(double spacing) { return 0.0055 * std::pow(spacing, 4.5); }
+double rayError(double spacing) {
+    const double e = 0.001 * spacing + 0.0225 * std::pow(spacing, 6.6);
+    return e / (1 + e / 0.6);
+}
 
-// Within a slab light and extinction vary together to second order in its thickness: by the depth that a slab has, up
-// to where what lies behind is hidden. The eye that is in the medium sees each slab by itself; from outside the rim,
-// where little is scattered, counts too. Above 1.43 slabs widen the particles: from there on the error grows as the
-// fourth power.
-double slabError(double thickness, double depth, bool inside) {
-    const double curvature = inside ? std::min(0.065 * depth, 0.0145) : std::min(0.06 * depth, 0.0085);
-    return curvature * thickness * thickness * (1 + std::pow(thickness / 2, 4));
+double slabError(double thickness, double bend, double light_depth) {
+    const double c = 0.003 * bend * (1 + 0.3 * light_depth), most = kSlabsWiden;
+    const double e =
+        thickness < most ? c * std::pow(thickness, 4) : 2.2 * c * std::pow(most, 4) * square(thickness / most);
+    return e / (1 + e);
+}
+
+double widenedError(double thickness, double oblique) {
+    const double smeared = std::max(square(thickness / kSlabsWiden) - 1, 0.0) * oblique;
+    return 0.35 * smeared / (1 + 0.8 * smeared);
+}
+
+double displacedError(double thickness, double deviation, double extinction) {
+    const double along = square(thickness * kWidened) - square(deviation);
+    const double e = std::max(along, 0.0) * square(extinction);
+    return e / (1 + e);
+}
+
+double endsError(double thickness, uint32_t slabs) {
+    return std::clamp(square(thickness / kSlabsWiden) - 1, 0.0, 1.0) * 0.15 / slabs;
+}
+
+double sampledError(double thickness) {
+    return std::min(std::numbers::sqrt2 * std::exp(-2 * square(std::numbers::pi / thickness)), 1.0);
+}
+
+double cutError(double thickness, double light_depth) {
+    const double e = (0.035 + 0.1 * light_depth) * std::pow(std::min(thickness, 1.5), 4);
+    return e / (1 + e);
+}
+
+double raysError(const ViewWork& view, uint32_t rate) {
+    if (rate <= 1) return 0; // every pixel has its ray
+    double sum = 0;
+    for (const ShownMedium::Size& size : view.shown().sizes())
+        sum += size.part * square(rayError(rate / size.projected));
+    return std::sqrt(sum);
+}
+
+double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
+    const double thickness = (view.far() - view.near()) / slabs, light = view.shown().lightDepth();
+    double sum = 0, displaced = 0;
+    for (const ShownMedium::Size& size : view.shown().sizes()) {
+        const double h = thickness / size.deviation;
+        if (widened)
+            displaced +=
+                size.light * (displacedError(thickness, size.deviation, size.extinction) + endsError(h, slabs));
+        const double thick = widened ? widenedError(h, size.oblique) : sampledError(h);
+        sum += size.part * (square(slabError(h, size.bend, light)) + square(thick)) +
+               size.cut * square(cutError(h, light));
+    }
+    return std::hypot(std::sqrt(sum), displaced);
 }
 
 std::optional<double> RayPlan::error(const RenderSettings& settings, const ViewWork& view) const {
-    return std::hypot(std::hypot(kLeastError, nodeError(settings)), rayError(view.raySpacing(settings.rate)),
-                      slabError(view.slabThickness(settings.slabs), view.deviationDepth(), view.inside()));
+    return std::hypot(std::hypot(kLeastError, nodeError(settings, view)), raysError(view, settings.rate),
+                      slabsError(view, settings.slabs, widens()));
 }
 
 std::optional<RenderSettings> RayPlan::coarser(const RenderSettings& settings, Coarser direction) const {

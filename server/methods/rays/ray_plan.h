@@ -19,16 +19,28 @@ inline constexpr uint32_t kRayMargin = 3;
 // Rays of a row or column that are not the first of a cell of the picture, where there are `margin` before it.
 constexpr uint32_t raysBeyond(uint32_t margin) { return 2 * margin + 1; }
 
-// Errors that these approximations leave (relative RMSE), as measured against the double-precision reference:
-// docs/results/data/plan.md. The constants are upper bounds of what was measured at 640x360 on cloud, cloud-5000, tubes
-// and props from outside and from within, each cause by itself.
-//
-// Of rays `spacing` projected standard deviations apart: a cubic B-spline errs by the fourth derivative, which of
-// Gaussians grows on with every order; between spacings of a half and two that is the power 4.5.
+// Errors that these approximations leave in a view, relative RMSE. Particles err independently of each other: the sum
+// of ShownMedium's sizes, by their parts. docs/methods.md has the laws of one size and where they come from.
+double raysError(const ViewWork& view, uint32_t rate);
+double slabsError(const ViewWork& view, uint32_t slabs, bool widened = true); // widened: True: particles are
+
+// Of particles of one size. `spacing`: of rays, in projected standard deviations.
 double rayError(double spacing);
-// Of slabs `thickness` standard deviations thick; `depth`: mean optical depth of a deviation's length; `inside`: the
-// eye is in the medium.
-double slabError(double thickness, double depth, bool inside);
+// `thickness`: of slabs, in standard deviations. `bend`: depth of a deviation's length and more (ShownMedium::bendOf).
+// `light_depth`: ShownMedium::lightDepth().
+double slabError(double thickness, double bend, double light_depth);
+// Of slabs thicker than 1.43 deviations: particles are widened along the view axis, which is not the ray. `oblique`: as
+// ShownMedium::Size.
+double widenedError(double thickness, double oblique);
+// The same particles are displaced on average, all alike: what lies behind is lit more or less. thickness, deviation in
+// m; extinction: of the whole medium there, 1/m.
+double displacedError(double thickness, double deviation, double extinction);
+// Some of their mass is beyond the first and the last slab.
+double endsError(double thickness, uint32_t slabs);
+// Of slabs that sample a Gaussian at their middles, as it is.
+double sampledError(double thickness);
+// Of particles that the near plane cuts.
+double cutError(double thickness, double light_depth);
 
 class RayPlan : public MethodPlan {
 public:
@@ -39,8 +51,10 @@ public:
     RenderSettings finer(const RenderSettings& settings) const override;
 
 protected:
+    // True: particles that are thinner than slabs are widened. False: they are sampled as they are.
+    virtual bool widens() const { return true; }
     // What a method errs beside its rays and slabs, relative RMSE.
-    virtual double nodeError(const RenderSettings& /*settings*/) const { return 0; }
+    virtual double nodeError(const RenderSettings& /*settings*/, const ViewWork& /*view*/) const { return 0; }
     // Appends `way` with every number of rays and slabs that it leaves open.
     static void addRays(RenderSettings way, std::vector<RenderSettings>& ways);
     // Surfaces behind the medium, and from the field to pixels.

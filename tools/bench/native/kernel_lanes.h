@@ -66,6 +66,12 @@ Floats scatterVaried(Floats depth, Floats light_in, Floats light_out, Floats slo
     return 1.0f + smaller(larger(part, all(-0.5f)), all(1));
 }
 
+// As shaders/lib/slab_march.glsl.
+Floats beforeFirst(Floats x, Floats y, Floats z, Floats w) {
+    const Floats parabola = 3.0f * (x - y) + z, cubic = x - w + 3.0f * (z - y), sum = x + y + z + w;
+    return parabola + cubic * (sum * sum) / larger(sum * sum + 64.0f * cubic * cubic, all(1e-37f));
+}
+
 Ints counted() { // 0, 1, 2 ...
     Ints lane;
     for (unsigned i = 0; i < kLanes; ++i) lane[i] = int(i);
@@ -146,7 +152,7 @@ void lightRays(const Frame& frame, uint32_t x, uint32_t y, unsigned v, const flo
     };
     Floats depth{}, scattered{}, light[4]{}; // light: at the face before the slab's near one, its own two, the next
     bool known = false;                      // the light at the slab's own faces
-    Floats here = middle(0), next = middle(1), before = 3.0f * here - 3.0f * next + middle(2);
+    Floats here = middle(0), next = middle(1), before = beforeFirst(here, next, middle(2), middle(3));
     for (uint32_t slab = 0; slab < frame.slabs; ++slab) {
         const Floats mean = here + (before - 2.0f * here + next) * (1.0f / 24);
         const Floats own = larger(mean, Floats{}) * length;
@@ -155,7 +161,7 @@ void lightRays(const Frame& frame, uint32_t x, uint32_t y, unsigned v, const flo
             const float face = frame.depth + float(slab) * frame.thickness;
             if (!known) {
                 light[1] = lightAt(face), light[2] = lightAt(face + frame.thickness);
-                light[0] = 2.0f * light[1] - light[2];
+                light[0] = lightAt(face - frame.thickness);
             }
             light[3] = lightAt(face + 2 * frame.thickness);
             const Floats varies = 0.5f * (next - before) / choose(mean > 0.0f, mean, all(1));

@@ -13,6 +13,7 @@
 #include "shaders/shared/erf.h"
 #include "shaders/shared/sharpen.h"
 #include "shaders/shared/support.h"
+#include "shaders/shared/widened.h"
 #include "shaders/shared/transmittance.h"
 
 #if defined(__x86_64__)
@@ -194,6 +195,7 @@ void NativeSlabs::bin(uint32_t thread) {
         m.across = 0.5f * std::numbers::log2e_v<float> / (across * across);
         m.along = 0.5f * std::numbers::log2e_v<float> / (along * along);
         m.sigma = p.sigma_t * (own / across) * (own / across) * (own / along);
+        if (along > own) m.sigma *= physics::widenedShare(own, along, f.depth - m.z, end - m.z);
         const float wide = radius * across / own, deep = radius * along / own;
         const float near = std::max(m.z - deep, f.depth), far = std::min(m.z + deep, end);
         if (far <= near) continue;
