@@ -36,17 +36,20 @@ layout(binding = 8) uniform sampler2D view_depth;
 #include "shaders/lib/medium_run.glsl"
 #include "shaders/lib/medium_cut.glsl"
 
-// Displayed colour of a pixel. Beyond the right edge it is `before`, the colour of the previous pixel.
-vec3 pixelOf(MediumRun run, inout MediumCut cut, uvec2 at, vec3 before) {
+// Displayed colour of a pixel, of a run that is `clear` of medium or not. Beyond the right edge it is `before`, the
+// colour of the previous pixel.
+vec3 pixelOf(bool clear, MediumRun run, inout MediumCut cut, uvec2 at, vec3 before) {
     const vec3 dir = rayDirection(vec2(at) + 0.5);
     vec4 here;
     if (kHasOpaque) here = imageLoad(radiance, ivec2(at));
     else here = vec4(skyRadiance(normalize(dir)), 1);
-    const vec4 across = fieldAcross(int(at.x));
-    float ray[kMostFieldQuantities];
-    wholeRay(run, across, ray);
-    if (kHasOpaque) cutRay(cut, run, ivec2(at), dir, across, ray);
-    here = mediumOver(here, dir, ray);
+    if (!clear) {
+        const vec4 across = fieldAcross(int(at.x));
+        float ray[kMostFieldQuantities];
+        wholeRay(run, across, ray);
+        if (kHasOpaque) cutRay(cut, run, ivec2(at), dir, across, ray);
+        here = mediumOver(here, dir, ray);
+    }
     if (at.x >= eye.size.x) return before;
     if (kKeep) imageStore(radiance, ivec2(at), here);
     return displayed(here.rgb);
@@ -86,8 +89,8 @@ void main() {
         [[unroll]] for (uint i = 0; i < 8; ++i) {
             const uvec2 at = uvec2(block_x * 8 + i, top);
             if (i % kRun == 0) mediumRuns(ivec2(at), run, next);
-            above = pixelOf(run, none, at, above);
-            below = pixelOf(next, none, at + uvec2(0, 1), below);
+            above = pixelOf(false, run, none, at, above);
+            below = pixelOf(false, next, none, at + uvec2(0, 1), below);
             luma[i / 4] |= lumaByte(above, i);
             luma[kMostWords + i / 4] |= lumaByte(below, i);
             if (kFull) keepFull(above, 0, i), keepFull(below, 1, i);
@@ -110,14 +113,18 @@ void main() {
             }
             MediumRun run;
             MediumCut cut;
+            bool clear; // True: there is no medium in the run
             vec3 rgb = vec3(0);
             for (uint i = 0; i < 8 * blocks; ++i) {
                 const uvec2 at = uvec2(block_x * 8 + i, top + row);
                 if (i % kRunOfBlocks == 0) {
-                    run = mediumRun(ivec2(at));
-                    cut = mediumCut(run, ivec2(at), kRunOfBlocks);
+                    clear = kHasOpaque && isClear(ivec2(at));
+                    if (!clear) {
+                        run = mediumRun(ivec2(at));
+                        cut = mediumCut(run, ivec2(at), kRunOfBlocks);
+                    }
                 }
-                rgb = pixelOf(run, cut, at, rgb);
+                rgb = pixelOf(clear, run, cut, at, rgb);
                 luma[row * kMostWords + i / 4] |= lumaByte(rgb, i);
                 if (kFull) keepFull(rgb, row, i);
                 chroma[i / 2] += rgb;

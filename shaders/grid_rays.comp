@@ -28,14 +28,25 @@ layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 
 vec3 eye_at, ray_dir; // in nodes
 
-void startRay(uvec2 tile, uint ray, vec2 pixel) {
-    eye_at = (eye.position - push.medium.origin) / push.medium.spacing;
-    ray_dir = (eye.ray + pixel.x * eye.ray_right + pixel.y * eye.ray_down) / push.medium.spacing;
-}
-
 #include "shaders/lib/field_planes.glsl"
 #include "shaders/lib/spline.glsl"
 #include "shaders/lib/whole.glsl"
+
+// Samples are taken where all nodes that they need are in the grid: between these, in nodes.
+const vec3 kFirst = vec3(1);
+vec3 beyondLast() { return vec3(push.medium.bricks * kSlabTile - 2); }
+
+uvec2 startRay(uvec2 tile, uint ray, vec2 pixel) {
+    eye_at = (eye.position - push.medium.origin) / push.medium.spacing;
+    ray_dir = (eye.ray + pixel.x * eye.ray_right + pixel.y * eye.ray_down) / push.medium.spacing;
+    const vec3 inverse = 1 / mix(ray_dir, vec3(1e-12), lessThan(abs(ray_dir), vec3(1e-12)));
+    const vec3 a = (kFirst - eye_at) * inverse, b = (beyondLast() - eye_at) * inverse;
+    const vec3 enter = min(a, b), leave = max(a, b);
+    const vec2 faces = facesAt(vec2(max(enter.x, max(enter.y, enter.z)), min(leave.x, min(leave.y, leave.z))));
+    if (faces.x > faces.y) return uvec2(grid.slabs);
+    // One more slab for the parabola through three middles, and one for rounding.
+    return uvec2(clamp(vec2(floor(faces.x) - 2, ceil(faces.y) + 2), 0, float(grid.slabs)));
+}
 
 // A quantity at position `t` (0 ... 1) in the cell whose nodes begin at `first`.
 float linear(uint first, uint row, uint sheet, vec3 t) {
@@ -60,7 +71,7 @@ vec4 mediumAt(uint s) {
     const vec3 at = eye_at + middleDepth(s) * ray_dir;
     const uvec3 size = push.medium.bricks * kSlabTile;
     vec4 medium = vec4(0);
-    if (all(greaterThanEqual(at, vec3(1))) && all(lessThan(at, vec3(size) - 2))) {
+    if (all(greaterThanEqual(at, kFirst)) && all(lessThan(at, beyondLast()))) {
         const uvec3 cell = nearestWhole(floor(at)), brick = cell / kSlabTile;
         if ((marks[markWord(kSampled, brick)] >> (brick.x % 32) & 1) != 0) {
             const vec3 t = fract(at);

@@ -21,17 +21,33 @@ layout(binding = 8) uniform sampler2D view_depth;
 
 #include "shaders/lib/field_planes.glsl"
 
-uint from, apart; // in `added`: index of the ray's first slab; distance between quantities
+uint tile_from;   // in `added`: index of the first slab of the tile's first ray
+uint from, apart; // index of the ray's first slab; distance between quantities
+bool empty;       // True: the sheet has no members
 
-void startRay(uvec2 tile, uint ray, vec2 pixel) {
+// True if no particle reaches the sheet of slab `s`.
+bool isEmpty(uint s) { return added[tile_from + s * gl_WorkGroupSize.x] < 0; }
+
+uvec2 startRay(uvec2 tile, uint ray, vec2 pixel) {
     const uint tiles = grid.lines.x * grid.lines.y, rays = gl_WorkGroupSize.x;
-    from = views[gl_WorkGroupID.z].added * 4 + (tile.y * grid.lines.x + tile.x) * grid.slabs * rays + ray;
+    tile_from = views[gl_WorkGroupID.z].added * 4 + (tile.y * grid.lines.x + tile.x) * grid.slabs * rays;
+    from = tile_from + ray;
     apart = tiles * grid.slabs * rays;
+    empty = true;
+    uint first = grid.slabs, end = 0;
+    for (uint s = 0; s < grid.slabs; s += grid.sheet)
+        if (!isEmpty(s)) {
+            first = min(first, s);
+            end = s + grid.sheet;
+        }
+    return end == 0 ? uvec2(grid.slabs) : uvec2(max(first, 1) - 1, min(end + 1, grid.slabs));
 }
 
 vec4 mediumAt(uint s) {
     const uint at = from + s * gl_WorkGroupSize.x;
+    if ((s & (grid.sheet - 1)) == 0) empty = isEmpty(s);
     vec4 medium = vec4(0);
+    if (empty) return medium;
     for (uint q = 0; q < mediumQuantities(kSunColours == 1); ++q) medium[q] = added[at + q * apart];
     return medium;
 }

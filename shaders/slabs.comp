@@ -17,7 +17,8 @@ layout(local_size_x_id = kIdSheet) in;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
-// [quantity][tile][slab][ray / 4]: quantities of the medium (shared/field.h), 1/m
+// [quantity][tile][slab][ray / 4]: quantities of the medium (shared/field.h), 1/m. Of a sheet without members the first
+// number is negative, and no other is written.
 layout(scalar, binding = 3) writeonly buffer Added { vec4 added[]; };
 layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };    // written by slab_bins.comp
 
@@ -51,9 +52,11 @@ void main() {
 
     float sum[kPoints];
     [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
+    bool has_members = false;
     for (uint chunk = 0; chunk < words; chunk += kChunk) {
         if (!hasMembers(bits, chunk / kPage, line, grid.lines.x + grid.lines.y + grid.lines.z, words)) continue;
         const uint count = listMembers(bits, chunk, line, words);
+        has_members = has_members || count > 0;
         // Each lane of the subgroup loads one member, then all lanes add it. On CPU drivers, uniform loads inside
         // loops are as slow as scattered ones.
         for (uint base = 0; base < count; base += held()) {
@@ -71,6 +74,10 @@ void main() {
     const uint tiles = grid.lines.x * grid.lines.y;
     const uint out_at =
         views[view].added + ((quantity * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
+    if (!has_members) {
+        if (quantity == 0 && lane == 0) added[out_at].x = -1;
+        return;
+    }
     [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] =
         vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
 }

@@ -154,6 +154,7 @@ Commands::Pass::Pass(Commands& commands, const char* name, uint32_t view) : comm
     if (!timed_) return;
     commands.passes_.push_back({name, view, 0, 0});
     vkCmdWriteTimestamp2(commands.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.queries_, query_);
+    if (commands.device_.isCpu()) everythingBefore(commands.cmd_); // or the stamp comes after the pass's first dispatch
     if (commands.fragments_) vkCmdBeginQuery(commands.cmd_, commands.fragments_, query_ / 2, 0);
 }
 

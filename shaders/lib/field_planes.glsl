@@ -16,3 +16,14 @@ uint fieldEnd() { return planeAt(endPlane(fieldPlanes())); }
 uint fieldSpline(uint quantity) { return planeAt(splinePlane(fieldPlanes(), quantity)); }
 uint fieldEndSpline() { return planeAt(endSplinePlane(fieldPlanes())); }
 uint fieldSteep() { return planeAt(steepPlane(fieldPlanes())); }
+// Index of what tells of a tile's rays which faces are written and whether there is medium (shared/field.h).
+uint fieldKept(uvec2 tile) {
+    return planeAt(planesOf(fieldPlanes())) + kFieldKept * (tile.y * grid.lines.x + tile.x);
+}
+
+// True if no ray of the nodes `lo` ... `hi` has medium. At most 8 nodes each way; hi may lie beyond the last.
+bool isClear(uvec2 lo, uvec2 hi) {
+    const uvec2 a = lo / kSlabTile, b = min(hi / kSlabTile, grid.lines.xy - 1);
+    return field[fieldKept(a) + 2] + field[fieldKept(uvec2(b.x, a.y)) + 2] + field[fieldKept(uvec2(a.x, b.y)) + 2] +
+               field[fieldKept(b) + 2] == 0;
+}

@@ -2,10 +2,9 @@
 // differs from that of the rays around it, and where shadows of objects begin and end. Include after
 // lib/medium_run.glsl, kHasCasters, `objects` and `view_depth`.
 #include "shaders/lib/objects.glsl"
-#include "shaders/lib/caster_shadow.glsl"
+#include "shaders/lib/casters_met.glsl"
 
-const float kSameFace = 0.1;    // of a slab: most distance of the pixel's surface from that of its rays
-const uint kFurther = 1u << 31; // bit of castersMet() for all casters after the first 31
+const float kSameFace = 0.1; // of a slab: most distance of the pixel's surface from that of its rays
 
 // Values that a run of pixels shares.
 struct MediumCut {
@@ -15,32 +14,10 @@ struct MediumCut {
     FieldFaces ended[kMostFieldQuantities], shadow_begin[3], shadow_end[3]; // shadows: each colour of the sun
 };
 
-// Bits of casters whose shadow a ray of the `pixels` may meet, from `pixel` on. The sphere around a caster has a
-// cylinder as shadow. All rays are within `spread` m of the middle one per m of view depth. Seen along the light,
-// this is a cone from q along d and a circle around 0.
-uint castersMet(ivec2 pixel, uint pixels) {
-    const vec3 middle = rayDirection(vec2(pixel) + 0.5 * vec2(pixels, 1)), l = tick.sun.to_light;
-    const float spread = float(pixels) * eye.tan_y / float(eye.size.y);
-    const vec3 d = middle - dot(middle, l) * l;
-    const float dd = max(dot(d, d), 1e-12), k2 = spread * spread / dd, narrow = sqrt(max(1 - k2, 0));
-    uint met = kFurther;
-    for (uint o = grid.first_caster; o < min(tick.opaque_count, grid.first_caster + 31); ++o) {
-        const vec3 p = eye.position - objects[o].centre, q = p - dot(p, l) * l;
-        const float radius =
-            1.001 * (objects[o].kind == kSphere ? objects[o].half_size.x : length(objects[o].half_size));
-        const float z = -dot(q, d) / dd, closest = length(q + z * d); // of the middle ray
-        // The least of |q + z d| - spread z, where z > 0.
-        const bool ahead = z * narrow * sqrt(dd) + closest * sqrt(k2) > 0;
-        if (k2 >= 1 || (ahead ? closest * narrow - spread * z : length(q)) <= radius)
-            met |= 1u << (o - grid.first_caster);
-    }
-    return met;
-}
-
 // The shared values of `pixels` pixels from `pixel` on.
 MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
     MediumCut cut;
-    cut.casters = kHasCasters ? castersMet(pixel, pixels) : 0;
+    cut.casters = kHasCasters ? castersMet(vec2(pixel) + 0.5 * vec2(pixels, 1), 0.5 * float(pixels)) : 0;
     for (uint q = 0; q < fieldQuantities(); ++q) cut.ended[q].below = -1;
     for (uint c = 0; c < kSunColours; ++c) cut.shadow_begin[c].below = cut.shadow_end[c].below = -1;
     cut.steep = false;
@@ -98,5 +75,5 @@ void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 acro
     if (cut.steep || abs(dot(across, cut.ends) - end) > kSameFace)
         for (uint q = 0; q < fieldQuantities(); ++q)
             ray[q] = max(fieldAt(cut.ended[q], q, run.at, end, part), 0);
-    if (kHasCasters && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, end, part);
+    if (kHasCasters && cut.casters != 0 && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, end, part);
 }

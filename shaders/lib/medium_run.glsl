@@ -11,6 +11,12 @@ struct MediumRun {
     vec4 whole[kMostFieldQuantities];
 };
 
+// True if no ray has medium that the run from `pixel` on, or the coefficients that it reads, are made of.
+bool isClear(ivec2 pixel) {
+    const uvec2 node = fieldNode(pixel);
+    return isClear(max(node, 2) - 2, node + 5);
+}
+
 MediumRun mediumRun(ivec2 pixel) {
     MediumRun run;
     run.at = fieldRun(pixel);

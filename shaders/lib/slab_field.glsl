@@ -21,10 +21,14 @@ float fieldPart(int pixel) { return float(uint(pixel + int(kRate)) % kRate) / fl
 // Weights of the run's four columns for a pixel.
 vec4 fieldAcross(int pixel) { return kRate == 1 ? vec4(1, 0, 0, 0) : spline(fieldPart(pixel)); }
 
+// The upper left one of the 4x4 nodes around a pixel.
+uvec2 fieldNode(ivec2 pixel) {
+    return uvec2(pixel + int(kRate)) / kRate + grid.margin - uvec2(0, grid.first_row) - (kRate == 1 ? 1 : 2);
+}
+
 FieldRun fieldRun(ivec2 pixel) {
-    const uvec2 cell =
-        uvec2(pixel + int(kRate)) / kRate + grid.margin - uvec2(0, grid.first_row) - (kRate == 1 ? 1 : 2);
-    return FieldRun(cell.y * grid.nodes.x + cell.x, fieldPart(pixel.y));
+    const uvec2 node = fieldNode(pixel);
+    return FieldRun(node.y * grid.nodes.x + node.x, fieldPart(pixel.y));
 }
 
 // The values of four columns of nodes, interpolated to the run's height. `plane`: index of its first node.

@@ -2,8 +2,9 @@
 // lane is a ray. Within a slab extinction varies linearly and light depth as a parabola (scatterVaried). Shadows of
 // opaque objects are left to the pixels, since they are not band-limited. Include after the tick, the view
 // (lib/view.glsl), `field`, `view_depth`, the images of lib/light.glsl, lib/field_planes.glsl, and these functions:
-//   startRay(uvec2 tile, uint ray, vec2 pixel)
-//   vec4 mediumAt(uint s): the medium's quantities (shared/field.h) at the middle of slab s
+//   uvec2 startRay(uvec2 tile, uint ray, vec2 pixel): the ray's slabs s with .x <= s < .y, all that have medium and
+//     those beside them
+//   vec4 mediumAt(uint s): the medium's quantities (shared/field.h) at the middle of slab s; asked in this order
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
@@ -19,6 +20,12 @@ float beforeFirst(vec4 first) {
 // Optical depth between the light and a point of a ray; finite, so that differences are numbers.
 float lightAt(vec3 volume_dir, float depth) { return min(lightDepth(map_rays.eye + depth * volume_dir), 1e18); }
 
+// Writes the quantities of a ray at faces `first` to `last`.
+void writeFaces(uint first, uint last, uint node, float sum[kMostFieldQuantities]) {
+    for (uint face = first; face <= last; ++face)
+        for (uint q = 0; q < fieldQuantities(); ++q) field[fieldFace(q, face) + node] = sum[q];
+}
+
 void march() {
     enterView(gl_WorkGroupID.z);
     if (any(greaterThanEqual(gl_WorkGroupID.xy, grid.lines.xy))) return;
@@ -32,19 +39,24 @@ void march() {
     float sum[kMostFieldQuantities]; // the field's quantities up to here
     vec4 light = vec4(0);            // light depth at the face before the slab's near one, its own two, the next one
     for (uint q = 0; q < quantities; ++q) sum[q] = 0;
-    if (kHasOpaque && inside)
-        for (uint q = 0; q < quantities; ++q) field[fieldFace(q, 0) + mine] = 0;
+    uint first_face = 1, last_face = grid.slabs; // those that are written; the march ends at the last
+    if (kHasOpaque) {
+        const uint kept = fieldKept(gl_WorkGroupID.xy);
+        first_face = uint(field[kept]);
+        last_face = uint(field[kept + 1]);
+    }
+    const uvec2 slabs = min(startRay(gl_WorkGroupID.xy, ray, at), uvec2(last_face));
+    if (kHasOpaque && inside) writeFaces(first_face, slabs.x, mine, sum);
     bool known = false; // True: the light depth at the slab's own faces is known
-    startRay(gl_WorkGroupID.xy, ray, at);
     // Extinction at the middle of the previous slab, the medium at the middles of this one and the next two.
     float before;
     vec4 here = vec4(0), next = vec4(0), then = vec4(0);
-    for (uint ahead = 0; ahead < grid.slabs + 2; ++ahead) {
+    for (uint ahead = slabs.x; ahead < slabs.y + 2; ++ahead) {
         before = here[kExtinction];
         here = next;
         next = then;
         then = ahead < grid.slabs ? mediumAt(ahead) : vec4(0);
-        if (ahead < 2) continue;
+        if (ahead < slabs.x + 2) continue;
         const uint s = ahead - 2;
         if (s == 0) before = beforeFirst(vec4(here[kExtinction], next[kExtinction], then[kExtinction],
                                               mediumAt(3)[kExtinction]));
@@ -81,11 +93,12 @@ void march() {
             light.xyz = light.yzw;
         }
         known = slab > 0;
-        if (kHasOpaque && inside)
-            for (uint q = 0; q < quantities; ++q) field[fieldFace(q, s + 1) + mine] = sum[q];
+        if (kHasOpaque && inside && s + 1 >= first_face) writeFaces(s + 1, s + 1, mine, sum);
     }
     if (!inside) return;
     if (kHasOpaque) { // up to what the ray hits
+        writeFaces(max(first_face, slabs.y + 1), last_face, mine, sum);
+        if (sum[kFieldDepth] > 0) field[fieldKept(gl_WorkGroupID.xy) + 2] = 1;
         const float z = texelFetch(view_depth, ivec2(clamp(at, vec2(0), vec2(eye.size) - 1)), 0).r;
         const float end = clamp(faceAt(z), 0, float(grid.slabs));
         const float face = min(floor(end), float(grid.slabs - 1));

@@ -51,6 +51,11 @@ const uint kMostFieldQuantities = 7u;
 // the medium is band-limited, however dense it is. The ends are steep where those of rays around differ by more than a
 // slab in the medium, such as on a ground that is seen along it. Whole rays are not smooth there; the planes of faces
 // are.
+//
+// Of a tile of rays only the faces are written that pixels read: those around their surfaces, and all before them where
+// an object throws a shadow. Behind the planes are numbers of each tile: the first and the last face written, and 1
+// where any ray has medium before that one, else 0.
+const uint kFieldKept = 3u; // numbers of a tile
 struct FieldPlanes {
     uint quantities;
     uint faces; // slabs + 1 in scenes with opaque objects; otherwise 0: there are only whole rays

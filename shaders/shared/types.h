@@ -128,7 +128,7 @@ struct SlabGrid {
     float depth;     // m, view depth of the first slab's near face
     float thickness; // m, of a slab
     uint slabs;
-    uint sheet;        // slabs that a workgroup computes together; divides slabs
+    uint sheet;        // slabs that a workgroup computes together: a power of two, divides slabs
     uvec3 lines;       // columns of tiles, rows of tiles, sheets
     uint first_caster; // index of the first object that is no plane
     vec3 albedo;       // of all particles

@@ -151,6 +151,36 @@ TEST_F(SlabsTest, APictureMayHaveItsOwnRate) {
         }
 }
 
+// Of a ray only the faces are written that pixels read: what the buffer held before must show nowhere, be it at edges,
+// on a ground through the medium, in shadows, or where the near plane cuts the ground.
+TEST_F(SlabsTest, WhatWasSeenBeforeLeavesNoTraceAtObjects) {
+    Scene ground = soft();
+    ground.lights[0].to_light = glm::normalize(glm::vec3(0.2f, 1, 0.1f));
+    ground.planes = {{-1, glm::vec3(0.5f)}};
+    Scene props = ground;
+    props.boxes = {{{2, 0, 3}, {0.4f, 12, 0.4f}, 0.3f, glm::vec3(0.5f)}};
+    props.spheres = {{{-3, 1, 0}, 1.5f, glm::vec3(0.5f)}};
+    const Pose before[] = {lookAt({-20, 6, 22}, {0, 0, 0}, 0.6f), lookAt({14, -0.5f, 3}, {0, 0, 0}, 0.9f)};
+    const Pose poses[] = {lookAt({3, 2, 34}, {0, 0, 0}, 0.35f), lookAt({2, 0.5f, 9}, {0, -1, 0}, 1.2f),
+                          lookAt({0, -0.99f, 4}, {0, -2, 0}, 1.2f)};
+    constexpr uint32_t kWide = 3 * kWidth, kHigh = 3 * kHeight;
+    for (Scene scene : {ground, props})
+        for (const char* method : {"slabs", "grid"}) {
+            scene.render.method = method;
+            Stage one(device(), scene, 60), other(device(), scene, 60);
+            for (const uint32_t rate : {1u, 3u, 8u})
+                for (size_t p = 0; p < std::size(poses); ++p) {
+                    SCOPED_TRACE(std::string(method) + ", rate " + std::to_string(rate) + ", pose " +
+                                 std::to_string(p) + (scene.boxes.empty() ? ", ground" : ", props"));
+                    scene.render.rate = rate;
+                    one.see(scene, before[0], kWide, kHigh);
+                    other.see(scene, before[1], kWide, kHigh);
+                    EXPECT_TRUE(one.see(scene, poses[p], kWide, kHigh).pixels ==
+                                other.see(scene, poses[p], kWide, kHigh).pixels);
+                }
+        }
+}
+
 // Of scenes with objects some rates are made in wider blocks: every pixel is still where it belongs, up to the right
 // edge.
 TEST_F(SlabsTest, BlocksOfEveryWidthShowTheSamePicture) {

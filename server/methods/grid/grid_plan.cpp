@@ -15,7 +15,8 @@ constexpr CostInfo kBins{"grid_bin", "grid bins", 14}; // particles x lines of b
 constexpr CostInfo kNodes{"grid", "grid", 0.15}; // particles x nodes of the bricks that they reach, and half the nodes
 // Rays x slabs x (1, or 5 where sampling is cubic; with several albedos 4 times that).
 constexpr CostInfo kRays{"grid_rays", "grid rays", 12};
-constexpr const CostInfo* kCosts[] = {&kBins, &kNodes, &kRays, &costs::kComposeField, &costs::kShade, &costs::kPresent};
+constexpr const CostInfo* kCosts[] = {&kBins,         &kNodes,         &kRays, &costs::kRayEnds, &costs::kComposeField,
+                                      &costs::kShade, &costs::kPresent};
 
 constexpr float kSpacings[] = {0.2f, 0.35f, 0.5f, 0.7f}; // standard deviations; cubic below kCubicBelow
 constexpr double kCubicSampling = 5;                     // what a sample then costs, over a linear one

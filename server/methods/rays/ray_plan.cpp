@@ -117,7 +117,10 @@ void RayPlan::addRays(RenderSettings way, std::vector<RenderSettings>& ways) {
 
 void RayPlan::addDisplayWork(const ViewWork& view, const RenderSettings& settings, Work& work) {
     const PlanScene& scene = view.scene();
-    if (scene.features.opaque) work[costs::kOpaque] = view.pixels() * (1 + scene.objects);
+    if (scene.features.opaque) {
+        work[costs::kOpaque] = view.pixels() * (1 + scene.objects);
+        work[costs::kRayEnds] = view.pixels();
+    }
     const double lobe = scene.features.lobe ? (1 - std::abs(double(scene.tick.asymmetry))) / view.pixel() : 1e30;
     const uint32_t step =
         scene.features.opaque ? 1 : shadingStep(settings, settings.rate, float(1 / view.raySpacing(1)), float(lobe));
@@ -125,7 +128,7 @@ void RayPlan::addDisplayWork(const ViewWork& view, const RenderSettings& setting
         work[costs::kShade] = (groupsOf(view.width(), step) + 3) * (groupsOf(view.height(), step) + 3);
         work[costs::kPresent] = view.pixels();
     } else {
-        work[costs::kComposeField] = view.pixels() * (1 + (scene.features.opaque ? 2 : 0) + 2 * scene.casters);
+        work[costs::kComposeField] = view.pixels() * (1 + (scene.features.opaque ? 1 : 0) + scene.casters);
     }
 }
 

@@ -8,10 +8,11 @@
 namespace brume {
 
 namespace costs {
-// Pixels of a medium on a grid of rays, where all are shaded, x (1, 2 more with objects, 2 more for each caster).
+// Pixels of a medium on a grid of rays, where all are shaded, x (1, 1 more with objects, 1 more for each caster).
 inline constexpr CostInfo kComposeField{"compose_field", "compose", 11};
-inline constexpr CostInfo kShade{"shade", "shade", 170};       // shaded pixels, where not all are
-inline constexpr CostInfo kPresent{"present", "present", 3.4}; // pixels, then
+inline constexpr CostInfo kRayEnds{"ray_ends", "ray ends", 1.6}; // pixels, in scenes with objects
+inline constexpr CostInfo kShade{"shade", "shade", 170};         // shaded pixels, where not all are
+inline constexpr CostInfo kPresent{"present", "present", 3.4};   // pixels, then
 } // namespace costs
 
 // Rays before a picture's first pixel: one that cubic interpolation needs, two that the spline's coefficients need.
@@ -61,8 +62,8 @@ protected:
     static void addDisplayWork(const ViewWork& view, const RenderSettings& settings, Work& work);
     // Columns and rows of a view's rays.
     static glm::dvec2 raysOf(const ViewWork& view, const RenderSettings& settings);
-    // 1.4 where faces of all slabs are kept, beside objects; else 1.
-    static double facesKept(const ViewWork& view) { return view.scene().features.opaque ? 1.4 : 1; }
+    // 1.2 where casters ask for faces of most slabs; else 1.
+    static double facesKept(const ViewWork& view) { return view.scene().features.casters ? 1.2 : 1; }
     static double quantitiesOf(const PlanScene& scene) { return gpu::mediumQuantities(scene.extent.one_albedo); }
 };
 

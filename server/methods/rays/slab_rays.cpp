@@ -8,6 +8,7 @@
 #include "server/inputs/eye_request.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/rays/ray_plan.h"
+#include "shaders/ray_ends_comp.h"
 #include "shaders/slab_spline_comp.h"
 
 namespace brume {
@@ -174,8 +175,24 @@ gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t fir
 
 void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
     gpu::everythingBefore(commands.handle()); // the group before has used the same buffers
+    if (features_.opaque) recordEnds(commands, group);
     recordRays(commands, group);
     if (group.rate > 1) recordSpline(commands, group);
+}
+
+void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
+    const gpu::Commands::Pass pass(commands, "ray ends", group.view());
+    const EyeInputs& in = *group.any;
+    program(ray_ends_comp, "ray_ends", gpu::fieldQuantities(group.colours),
+            {{gpu::kIdHasCasters, features_.casters},
+             {gpu::kIdSunColours, group.colours.sun},
+             {gpu::kIdAmbientColours, group.colours.ambient}})
+        .bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, field_),
+                         gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
+                         gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+    vkCmdDispatch(commands.handle(), group.most([](const gpu::View& v) { return v.grid.lines.x; }),
+                  group.most([](const gpu::View& v) { return v.grid.lines.y; }), group.count());
+    gpu::computeToCompute(commands.handle());
 }
 
 void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
@@ -198,7 +215,8 @@ gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
 VkDeviceSize SlabRays::fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid) const {
     const gpu::FieldPlanes planes{.quantities = gpu::fieldQuantities(coloursOf(in)),
                                   .faces = features_.opaque ? grid.slabs + 1 : 0};
-    return VkDeviceSize(grid.nodes.x) * grid.nodes.y * gpu::planesOf(planes);
+    return VkDeviceSize(grid.nodes.x) * grid.nodes.y * gpu::planesOf(planes) +
+           gpu::endPlanes(planes) * gpu::kFieldKept * grid.lines.x * grid.lines.y;
 }
 
 SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {

@@ -58,6 +58,8 @@ private:
     // it.
     gpu::View viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const;
     void group(std::span<const EyeInputs> eyes);
+    // Writes which faces of the rays pixels read.
+    void recordEnds(gpu::Commands& commands, const ViewGroup& group);
     void recordSpline(gpu::Commands& commands, const ViewGroup& group);
 
     std::vector<const EyeInputs*> order_; // eyes sorted so that those of one group are neighbours

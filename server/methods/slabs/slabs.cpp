@@ -1,5 +1,6 @@
 // Method `slabs`: each eye adds all particles to slabs of a coarse grid of rays; their order does not matter.
-// The medium's band limit says how coarse. Passes: bins, slabs, slab light, spline of the rays.
+// The medium's band limit says how coarse. Passes: ends of the rays at objects, bins, slabs, slab light,
+// spline of the rays.
 #include "server/methods/rays/line_bins.h"
 #include "server/methods/rays/slab_rays.h"
 #include "shaders/slab_bins_comp.h"

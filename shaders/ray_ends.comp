@@ -1,0 +1,87 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Methods `slabs` and `grid`, before the rays of scenes with opaque objects, per eye: which faces pixels read of a
+// tile's rays (shared/field.h). One workgroup per tile of 8x8 rays.
+#include "shaders/shared/constants.h"
+#include "shaders/shared/types.h"
+#include "shaders/lib/view.glsl"
+
+layout(local_size_x = 8) in;
+
+layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
+layout(constant_id = kIdSunColours) const uint kSunColours = 1;
+layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
+const bool kHasOpaque = true;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 2) buffer Field { float field[]; };
+layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
+layout(binding = 8) uniform sampler2D view_depth;
+
+#include "shaders/lib/eye.glsl"
+#include "shaders/lib/field_planes.glsl"
+#include "shaders/lib/objects.glsl"
+#include "shaders/lib/casters_met.glsl"
+
+// Cells before and behind a node whose pixels read it (lib/slab_field.glsl).
+const int kCellsBefore = 2, kCellsBehind = 2;
+
+// True if the depths of all pixels between `lo` and `hi` lie between those of the four at the corners: only planes are
+// seen, and the near plane cuts none.
+bool cornersAreExtremes(vec2 lo, vec2 hi) {
+    if (kHasCasters) return false;
+    const float down = -min(min(rayDirection(lo).y, rayDirection(hi).y),
+                            min(rayDirection(vec2(lo.x, hi.y)).y, rayDirection(vec2(hi.x, lo.y)).y));
+    for (uint i = 0; i < tick.opaque_count; ++i) {
+        const float height = eye.position.y - objects[i].centre.y;
+        if (height > 0 && height <= 1.01 * eye.near_depth * down) return false;
+    }
+    return true;
+}
+
+// Bits of view depths: not negative, so that they are ordered as the depths are.
+shared uint nearest, furthest;
+
+// Puts the least and the largest view depth of the pixels between `lo` and `hi` there. Called by all lanes.
+void findDepths(ivec2 lo, ivec2 hi) {
+    const int lane = int(gl_LocalInvocationIndex), lanes = int(gl_WorkGroupSize.x);
+    const bool corners = cornersAreExtremes(vec2(lo) + 0.5, vec2(hi) + 0.5);
+    const ivec2 step = corners ? max(hi - lo - 1, 2) : ivec2(2 * lanes, 2);
+    const vec2 texel = 1 / vec2(textureSize(view_depth, 0));
+    vec2 range = vec2(kMiss, 0);
+    for (int y = lo.y; y <= hi.y; y += step.y)
+        for (int x = lo.x + (corners ? 0 : 2 * lane); x <= hi.x; x += step.x) { // 2x2 pixels
+            const vec4 z = textureGather(view_depth, vec2(min(ivec2(x, y), hi - 1) + 1) * texel);
+            range.x = min(range.x, min(min(z.x, z.y), min(z.z, z.w)));
+            range.y = max(range.y, max(max(z.x, z.y), max(z.z, z.w)));
+        }
+    if (lane == 0) {
+        nearest = floatBitsToUint(range.x);
+        furthest = floatBitsToUint(range.y);
+    }
+    barrier();
+    atomicMin(nearest, floatBitsToUint(range.x));
+    atomicMax(furthest, floatBitsToUint(range.y));
+    barrier();
+}
+
+void main() {
+    enterView(gl_WorkGroupID.z);
+    const uvec2 tile = gl_WorkGroupID.xy;
+    if (any(greaterThanEqual(tile, grid.lines.xy))) return; // true for the whole workgroup
+    const ivec2 first = ivec2(tile * kSlabTile) + ivec2(0, grid.first_row) - int(grid.margin);
+    const ivec2 last_pixel = ivec2(eye.size) - 1;
+    const ivec2 lo = clamp((first - kCellsBefore) * int(grid.rate), ivec2(0), last_pixel);
+    const ivec2 hi = clamp((first + int(kSlabTile) - 1 + kCellsBehind) * int(grid.rate) - 1, ivec2(0), last_pixel);
+    vec2 range = vec2(0, kMiss);
+    if (!kHasCasters || castersMet(0.5 * vec2(lo + hi + 1), 0.5 * length(vec2(hi - lo + 1))) == 0) {
+        findDepths(lo, hi);
+        range = uintBitsToFloat(uvec2(nearest, furthest));
+    }
+    if (gl_LocalInvocationIndex > 0) return;
+    const vec2 below = clamp(floor(facesAt(range)), vec2(0), vec2(grid.slabs - 1));
+    field[fieldKept(tile)] = below.x;
+    field[fieldKept(tile) + 1] = below.y + 1;
+    field[fieldKept(tile) + 2] = 0; // the march writes 1
+}
