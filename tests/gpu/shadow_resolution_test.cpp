@@ -46,7 +46,7 @@ TEST(ShadowResolutionTest, DoesNotDependOnTheUnitOfLength) {
 TEST(ShadowResolutionTest, ASmallerErrorCostsMoreAndIsKept) {
     const auto particles = cloud(5000, 6, 0.02f, glm::vec3(5));
     double last_cells = 0, last_error = 1;
-    for (const float wanted : {2e-2f, 5e-3f, 1e-3f, 2e-4f}) {
+    for (const float wanted : {2e-3f, 1e-3f, 5e-4f, 2e-4f}) {
         RenderSettings settings;
         settings.shadow_error = wanted;
         const ShadowResolution r = follow(particles, {16, 18, 17}, settings);
@@ -98,11 +98,11 @@ TEST(ShadowResolutionTest, SizesAreOfACoarseLadder) {
 
 TEST(ShadowResolutionTest, IsBounded) {
     const ShadowResolution nothing = follow({}, glm::vec3(2));
-    EXPECT_EQ(nothing.texels, glm::uvec2(16));
-    EXPECT_EQ(nothing.slices, 7u);
+    EXPECT_EQ(nothing.texels, glm::uvec2(32));
+    EXPECT_EQ(nothing.slices, 19u);
     EXPECT_EQ(nothing.error, 0);
     const ShadowResolution one = follow({{{0, 0, 0}, 1, glm::vec3(1), 3}}, glm::vec3(0.8f));
-    EXPECT_GE(one.texels.x, 16u);
+    EXPECT_GE(one.texels.x, 32u);
     EXPECT_LE(one.texels.x, 48u); // a few standard deviations are all there is
     RenderSettings settings;
     settings.shadow_error = 1e-4f;
