@@ -1,6 +1,10 @@
 // A pass has the time that its own commands take, whatever was recorded before it.
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
 
 #include "server/gpu/commands.h"
 #include "tests/gpu/fixture.h"
@@ -50,6 +54,20 @@ TEST_F(GpuTest, PassesAfterADrawHaveTheirOwnTimes) {
     EXPECT_GT(longest, 2 * second);
     EXPECT_GT(longest, last);
     EXPECT_GT(last, second);
+}
+
+// Each thread gets one run of a dispatch's workgroups, so more threads than cores even out how hard these are.
+TEST_F(GpuTest, TheCpuDriverHasSeveralThreadsACore) {
+    if (device().name().find("llvmpipe") == std::string::npos) GTEST_SKIP() << "only Mesa's CPU driver takes a number";
+    const unsigned cores = std::thread::hardware_concurrency();
+    if (cores >= 16) GTEST_SKIP() << "as many as older versions of the driver have";
+    unsigned threads = 0;
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+        std::string name;
+        std::getline(std::ifstream(task.path() / "comm"), name);
+        if (name.starts_with("llvmpipe-")) ++threads;
+    }
+    EXPECT_GT(threads, cores);
 }
 
 } // namespace
