@@ -52,6 +52,16 @@ private:
     std::optional<WayShaders> drawn_; // not told yet
 };
 
+// The way for one viewer once the medium was seen to rest, if it does.
+RenderSettings settled(const Scene& scene, const CostModel& costs, double frame_budget_ms) {
+    Simulation simulation(standIn(scene));
+    Planner planner(scene, costs, frame_budget_ms);
+    const PlanView own = ownView(scene);
+    planner.settings(simulation, {&own, 1}, true, Planner::Time::clock::now());
+    simulation.step({});
+    return planner.settings(simulation, {&own, 1}, true, Planner::Time::clock::now());
+}
+
 } // namespace
 
 void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms,
@@ -67,6 +77,7 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
         compiling.compile(finer(settings), true);
     };
     compile(planned);
+    compile(settled(scene, costs, frame_budget_ms));
     compiling.compile(finer(planned), false); // while cameras rest and the medium moves
     if (scene.render.rate != kAuto) return;
     // Viewers near and far, with large and small pictures, together and alone.
