@@ -76,8 +76,10 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
         compiling.compile(settings, true);
         compiling.compile(finer(settings), true);
     };
+    const RenderSettings resting = settled(scene, costs, frame_budget_ms);
+    compiling.compile(resting, false); // first: the server has compiled `planned` itself
     compile(planned);
-    compile(settled(scene, costs, frame_budget_ms));
+    compile(resting);
     compiling.compile(finer(planned), false); // while cameras rest and the medium moves
     if (scene.render.rate != kAuto) return;
     // Viewers near and far, with large and small pictures, together and alone.
