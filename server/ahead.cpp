@@ -52,6 +52,16 @@ private:
     std::optional<WayShaders> drawn_; // not told yet
 };
 
+// The way for one viewer once the medium was seen to rest, if it does.
+RenderSettings settled(const Scene& scene, const CostModel& costs, double frame_budget_ms) {
+    Simulation simulation(standIn(scene));
+    Planner planner(scene, costs, frame_budget_ms);
+    const PlanView own = ownView(scene);
+    planner.settings(simulation, {&own, 1}, true, Planner::Time::clock::now());
+    simulation.step({});
+    return planner.settings(simulation, {&own, 1}, true, Planner::Time::clock::now());
+}
+
 } // namespace
 
 void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms,
@@ -66,7 +76,10 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
         compiling.compile(settings, true);
         compiling.compile(finer(settings), true);
     };
+    const RenderSettings resting = settled(scene, costs, frame_budget_ms);
+    compiling.compile(resting, false); // first: the server has compiled `planned` itself
     compile(planned);
+    compile(resting);
     compiling.compile(finer(planned), false); // while cameras rest and the medium moves
     if (scene.render.rate != kAuto) return;
     // Viewers near and far, with large and small pictures, together and alone.

@@ -39,7 +39,7 @@ Commands::Commands(const Device& device, const char* name) : device_(device), st
     check(vkAllocateCommandBuffers(device.handle(), &buffer, &cmd_), name);
     VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    queries.queryCount = 2 * kMaxPasses;
+    queries.queryCount = kQueries;
     check(vkCreateQueryPool(device.handle(), &queries, nullptr, &queries_), name);
     if (device.countsFragments()) {
         counts_.resize(kMaxPasses);
@@ -74,7 +74,7 @@ VkCommandBuffer Commands::begin() {
     VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(cmd_, &info), "vkBeginCommandBuffer");
-    vkCmdResetQueryPool(cmd_, queries_, 0, 2 * kMaxPasses);
+    vkCmdResetQueryPool(cmd_, queries_, 0, kQueries);
     if (fragments_) vkCmdResetQueryPool(cmd_, fragments_, 0, kMaxPasses);
     passes_.clear();
     return cmd_;
@@ -128,10 +128,8 @@ std::span<const PassSample> Commands::readTimes() {
           "vkGetQueryPoolResults");
     const double ms_per_unit = double(device_.properties().limits.timestampPeriod) * 1e-6;
     for (size_t i = 0; i < passes_.size(); ++i) {
-        // A CPU driver may stamp the end of a pass before it has drawn it, but the next pass begins after that.
-        const bool late = device_.isCpu() && i + 1 < passes_.size();
-        const uint64_t end = late ? std::max(stamps_[2 * i + 1], stamps_[2 * i + 2]) : stamps_[2 * i + 1];
-        passes_[i].ms = float(double(end - stamps_[2 * i]) * ms_per_unit);
+        const uint64_t begin = device_.isCpu() && i > 0 ? stamps_[2 * i - 1] : stamps_[2 * i];
+        passes_[i].ms = float(double(stamps_[2 * i + 1] - std::min(begin, stamps_[2 * i + 1])) * ms_per_unit);
     }
     if (fragments_) {
         check(vkGetQueryPoolResults(device_.handle(), fragments_, 0, count / 2, count / 2 * sizeof(uint64_t),
@@ -141,6 +139,12 @@ std::span<const PassSample> Commands::readTimes() {
         for (size_t i = 0; i < passes_.size(); ++i) passes_[i].fragments = counts_[i];
     }
     return passes_;
+}
+
+// A CPU driver may take a stamp only when it must: when another follows, or a barrier, but not a dispatch. So on such a
+// device a pass begins where the one before it ended, whose stamp the next one has pushed.
+void Commands::stamp(uint32_t query) const {
+    vkCmdWriteTimestamp2(cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
 }
 
 Commands::Pass::Pass(Commands& commands, const char* name, uint32_t view) : commands_(commands) {
@@ -153,15 +157,14 @@ Commands::Pass::Pass(Commands& commands, const char* name, uint32_t view) : comm
     }
     if (!timed_) return;
     commands.passes_.push_back({name, view, 0, 0});
-    vkCmdWriteTimestamp2(commands.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands.queries_, query_);
-    if (commands.device_.isCpu()) everythingBefore(commands.cmd_); // or the stamp comes after the pass's first dispatch
+    commands.stamp(query_);
+    if (query_ == 0 && commands.device_.isCpu()) commands.stamp(kPushingQuery);
     if (commands.fragments_) vkCmdBeginQuery(commands.cmd_, commands.fragments_, query_ / 2, 0);
 }
 
 Commands::Pass::~Pass() {
     if (timed_ && commands_.fragments_) vkCmdEndQuery(commands_.cmd_, commands_.fragments_, query_ / 2);
-    if (timed_)
-        vkCmdWriteTimestamp2(commands_.cmd_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, commands_.queries_, query_ + 1);
+    if (timed_) commands_.stamp(query_ + 1);
     if (commands_.device_.endLabel) commands_.device_.endLabel(commands_.cmd_);
 }
 

@@ -51,7 +51,11 @@ public:
     };
 
 private:
+    void stamp(uint32_t query) const;
+
     static constexpr uint32_t kMaxPasses = 1024;
+    static constexpr uint32_t kPushingQuery = 2 * kMaxPasses; // never read: it follows a stamp that is to be taken
+    static constexpr uint32_t kQueries = kPushingQuery + 1;   // two for each pass, and that one
     const Device& device_;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer cmd_ = VK_NULL_HANDLE;

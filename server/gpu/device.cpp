@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
+#include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include <spdlog/spdlog.h>
@@ -14,6 +17,15 @@ namespace brume::gpu {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+// Mesa's CPU driver gives each of its threads one equal run of a dispatch's workgroups. With one thread a core, a core
+// idles when its run was easier, or when another thread held the other core up. Several threads a core even that out.
+// Who sets LP_NUM_THREADS is obeyed; other drivers do not look at it.
+void setDriverThreads() {
+    constexpr unsigned kOfCore = 3, kMost = 16; // kMost: that older versions have
+    const unsigned cores = std::max(std::thread::hardware_concurrency(), 1u);
+    setenv("LP_NUM_THREADS", std::to_string(std::max(cores, std::min(kOfCore * cores, kMost))).c_str(), 0);
+}
 
 bool hasLayer(std::string_view name) {
     uint32_t count = 0;
@@ -185,6 +197,7 @@ void Device::destroy() {
 }
 
 void Device::createInstance(const DeviceOptions& options) {
+    setDriverThreads();
     std::vector<const char*> layers, extensions;
     if (options.validation) {
         if (!hasLayer(kValidationLayer))

@@ -9,6 +9,7 @@
 #include "server/inputs/tick_block.h"
 #include "server/medium/band_limit.h"
 #include "server/opaque/objects.h"
+#include "server/sim/state_hash.h"
 
 namespace brume {
 namespace {
@@ -16,10 +17,22 @@ namespace {
 constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000}, kHold{2000};
 // A view is far from another if the medium is so many times as large in its picture, or the eye entered or left it.
 constexpr double kFar = 2;
+// A medium that rests is counted as one that moves once a second: what is done once is cheap, not free.
+constexpr double kRenewedAtRest = 1.0 / 60;
 constexpr size_t kSample = 256; // particles: an estimate of the work to about a tenth
 
 bool isInside(const MediumExtent& extent, glm::vec3 eye) {
     return glm::all(glm::lessThanEqual(extent.lo, eye)) && glm::all(glm::lessThanEqual(eye, extent.hi));
+}
+
+// Of what the passes read that run once per tick.
+uint64_t stateOf(std::span<const gpu::Particle> particles, const gpu::Tick& tick) {
+    static_assert(sizeof(gpu::Particle) % sizeof(float) == 0);
+    StateHash state;
+    state.add(std::span(reinterpret_cast<const float*>(particles.data()), particles.size_bytes() / sizeof(float)));
+    const float others[] = {tick.sun.to_light.x, tick.sun.to_light.y, tick.sun.to_light.z, tick.falloff};
+    state.add(others);
+    return state.value();
 }
 
 } // namespace
@@ -39,6 +52,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     out.objects = uint32_t(objects.size());
     out.casters = uint32_t(scene.boxes.size() + scene.spheres.size());
     out.tick = makeTick(scene, now, particles, objects);
+    out.state = stateOf(particles, out.tick);
     out.particles = uint32_t(particles.size());
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);
     const size_t stride = std::max<size_t>((particles.size() + kSample - 1) / kSample, 1);
@@ -92,8 +106,14 @@ bool Planner::someoneJumped(std::span<const PlanView> views) const {
 
 void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at) {
     if (look) {
-        inputs_.scene = planScene(scene_, simulation);
+        const PlanScene before = std::exchange(inputs_.scene, planScene(scene_, simulation));
+        if (simulation.tick() == looked_tick_) {
+            inputs_.scene.renewed = before.renewed;
+        } else if (looked_ != Time{} && inputs_.scene.state == before.state) {
+            inputs_.scene.renewed = kRenewedAtRest;
+        }
         looked_ = at;
+        looked_tick_ = simulation.tick();
     }
     inputs_.views.assign(views.begin(), views.end());
     planned_ = at;

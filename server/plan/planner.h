@@ -89,6 +89,7 @@ private:
     uint32_t worst_ = 0; // highest overload level since accuracy was last full
     Time overloaded_since_{};
     Time planned_{}, looked_{}; // when the plan was made; when the scene was measured
+    uint64_t looked_tick_ = 0;  // of the scene that was measured
     Time held_since_{};         // since when every plan has been Plan::held
 };
 

@@ -43,7 +43,8 @@ Prices::Prices(const PlanInputs& inputs, const CostModel& model)
         const bool fits = own <= kMostDeviation, had = deviation_ > 0 && deviation_ <= kMostDeviation;
         if (deviation_ == 0 || (fits ? !had || own > deviation_ : !had && own < deviation_)) deviation_ = own;
     }
-    for (const PlanScene::Shadow& shadow : scene_.shadows) shadow_ms_.push_back(shadowWork(scene_, shadow).ms(model));
+    for (const PlanScene::Shadow& shadow : scene_.shadows)
+        shadow_ms_.push_back(scene_.renewed * shadowWork(scene_, shadow).ms(model));
     allowed_.assign(views_.size(), double(scene_.wanted.error));
 }
 
@@ -101,7 +102,7 @@ std::vector<PassCost> Prices::passes(const RenderSettings& settings) const {
     std::vector<PassCost> all;
     for (const CostInfo* cost : allCosts()) {
         const double ms_per_unit = model_[*cost] * 1e-6;
-        if (shared[*cost] > 0) all.push_back({cost->pass, true, shared[*cost] * ms_per_unit});
+        if (shared[*cost] > 0) all.push_back({cost->pass, true, scene_.renewed * shared[*cost] * ms_per_unit});
         if (each[*cost] > 0) all.push_back({cost->pass, false, each[*cost] * ms_per_unit});
     }
     return all;
@@ -134,7 +135,7 @@ double Prices::corrected(size_t i, const RenderSettings& way, double rays, doubl
 }
 
 Candidate Prices::withoutShadow(const RenderSettings& way) {
-    Candidate c{.settings = way, .shared_ms = sharedWork(scene_, way).ms(model_)};
+    Candidate c{.settings = way, .shared_ms = scene_.renewed * sharedWork(scene_, way).ms(model_)};
     errors_.clear();
     for (const ViewWork& view : views_) {
         c.views_ms += view.of(in(view, way)).ms(model_);

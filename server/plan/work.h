@@ -41,6 +41,10 @@ struct PlanScene {
         ShadowResolution resolution;
     };
     std::vector<Shadow> shadows;
+    uint64_t state = 0; // a hash of what the passes read that run once per tick
+    // Part of the frames for which what is once per tick is done. Less than 1: the medium rests, and passes whose input
+    // is as before are not run again.
+    double renewed = 1;
 
     // Particles that one of the sample stands for.
     double weight() const { return sample.empty() ? 0 : double(particles) / double(sample.size()); }

@@ -69,6 +69,30 @@ TEST(Planner, WhatItDoesNotChooseIsAsAskedFor) {
     EXPECT_EQ(planner.settings(simulation, {&view, 1}, true, kStart + milliseconds(20)).exposure, 2 * before);
 }
 
+// A grid of the medium is dear where particles move, since it is filled each tick. Where they rest it is there already.
+TEST(Planner, WhatIsDoneOncePerTickCostsLittleWhereTheMediumRests) {
+    Scene scene = cube(20000, 1.5f);
+    scene.simulation.impulse_radius = 10;
+    scene.simulation.impulse_strength = 5;
+    Simulation simulation(scene);
+    Planner planner(scene, builtInCosts(), 1000);
+    const PlanView view = ownView(scene);
+    const auto tick = [&](int ms, std::span<const Command> commands) -> const Candidate& {
+        simulation.step(commands);
+        planner.settings(simulation, {&view, 1}, !commands.empty(), kStart + milliseconds(ms));
+        planner.refresh(simulation, {&view, 1}, kStart + milliseconds(ms));
+        return planner.plan().chosen;
+    };
+    const Candidate moving = tick(0, {});
+    EXPECT_EQ(moving.settings.method, "slabs");
+    Candidate resting;
+    for (int ms = 100; ms <= 5000; ms += 100) resting = tick(ms, {});
+    EXPECT_EQ(resting.settings.method, "grid");
+    EXPECT_LT(resting.ms(), 0.8 * moving.ms());
+    const Command push{1, 1, Impulse{.origin = {0, 0, 20}}};
+    EXPECT_EQ(tick(5100, {&push, 1}).settings.method, "slabs");
+}
+
 TEST(Planner, UnderOverloadItGivesUpAccuracyStepByStepWhateverSizesThereAre) {
     const int steps = changesOf(cube(5000, 2), 10, 20, [](int, std::vector<PlanView>&) {});
     EXPECT_GT(steps, 2);
