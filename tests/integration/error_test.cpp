@@ -61,8 +61,8 @@ TEST(MeasuredError, IsInFramesMetricsAndViewersUnlessItIsTurnedOff) {
 }
 
 TEST(MeasuredError, ABrokenPromiseIsLogged) {
-    // Too few slabs for render.error, which is 0.5 %.
-    RunningServer server({"--measure-error", "1", "--set", "render.slabs=8"});
+    // Rays too far apart for render.error, which is 0.5 %.
+    RunningServer server({"--measure-error", "1", "--set", "render.rate=16"});
     Watcher watcher(server.endpoint());
     framesUntilMeasured(watcher, 10'000);
     const auto said = [&] { return server.process().out() + server.process().err(); };
