@@ -61,8 +61,8 @@ TEST(MeasuredError, IsInFramesMetricsAndViewersUnlessItIsTurnedOff) {
 }
 
 TEST(MeasuredError, ABrokenPromiseIsLogged) {
-    // Rays too far apart for render.error, which is 0.5 %.
-    RunningServer server({"--measure-error", "1", "--set", "render.rate=16"});
+    // A map of the light that is too coarse for render.error, which is 0.5 %, whatever the plan takes.
+    RunningServer server({"--measure-error", "1", "--set", "render.shadow_size=16", "--set", "render.shadow_slices=7"});
     Watcher watcher(server.endpoint());
     framesUntilMeasured(watcher, 10'000);
     const auto said = [&] { return server.process().out() + server.process().err(); };
