@@ -10,7 +10,7 @@
 #include "shaders/lib/light.glsl"
 
 // The value before the first four of a row, as they go on: by a cubic where they are smooth, by a parabola where the
-// cubic's term is large. The near plane cuts particles anywhere, so the first slab has no neighbour in front.
+// cubic's term is large. The near plane cuts particles anywhere, and the first slab has no neighbour in front.
 float beforeFirst(vec4 first) {
     const float parabola = 3 * (first.x - first.y) + first.z, cubic = first.x - first.w + 3 * (first.z - first.y);
     const float sum = first.x + first.y + first.z + first.w;
@@ -58,8 +58,15 @@ void march() {
         then = ahead < grid.slabs ? mediumAt(ahead) : vec4(0);
         if (ahead < slabs.x + 2) continue;
         const uint s = ahead - 2;
-        if (s == 0) before = beforeFirst(vec4(here[kExtinction], next[kExtinction], then[kExtinction],
-                                              mediumAt(3)[kExtinction]));
+        // Beyond the ends of a row, as it goes on. Logarithms of Gaussians are concave, which bounds that.
+        const float square = here[kExtinction] * here[kExtinction];
+        if (s == 0) {
+            before = beforeFirst(
+                vec4(here[kExtinction], next[kExtinction], then[kExtinction], mediumAt(3)[kExtinction]));
+            before = clamp(before, 0, square / max(next[kExtinction], 1e-30));
+        }
+        if (s + 1 == grid.slabs)
+            next[kExtinction] = clamp(2 * here[kExtinction] - before, 0, square / max(before, 1e-30));
         // Integral over the slab of the parabola through three middles: one sample alone would err where the near
         // plane or a wall cuts the medium.
         const float curvature = before - 2 * here[kExtinction] + next[kExtinction];

@@ -153,7 +153,10 @@ void lightRays(const Frame& frame, uint32_t x, uint32_t y, unsigned v, const flo
     Floats depth{}, scattered{}, light[4]{}; // light: at the face before the slab's near one, its own two, the next
     bool known = false;                      // the light at the slab's own faces
     Floats here = middle(0), next = middle(1), before = beforeFirst(here, next, middle(2), middle(3));
+    before = smaller(larger(before, Floats{}), here * here / larger(next, all(1e-30f)));
     for (uint32_t slab = 0; slab < frame.slabs; ++slab) {
+        if (slab + 1 == frame.slabs)
+            next = smaller(larger(2.0f * here - before, Floats{}), here * here / larger(before, all(1e-30f)));
         const Floats mean = here + (before - 2.0f * here + next) * (1.0f / 24);
         const Floats own = larger(mean, Floats{}) * length;
         const bool some = any(own > 0.0f);
