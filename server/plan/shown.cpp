@@ -11,7 +11,7 @@ namespace brume {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr size_t kMost = 128, kMostAround = 2048;
+constexpr size_t kMost = 96, kMostAround = 512;
 constexpr double kNear = double(kNearDepth);
 
 double square(double x) { return x * x; }

@@ -26,7 +26,7 @@ struct SampledParticle {
     double weight = 1;
 };
 
-// At most 128 particles, evenly chosen; what is around them is summed over up to 2,048. Takes 5 ms.
+// At most 96 particles, evenly chosen; what is around them is summed over up to 512: some milliseconds.
 std::vector<SampledParticle> sampledParticles(const PlanScene& scene, std::span<const gpu::Particle> particles);
 
 // Light of one view by the size of the particles that it comes from. Parts are of the sum over the medium's pixels of
