@@ -1,8 +1,15 @@
 // The promise itself: on small random views that no constant was fitted to, what `auto` promises holds.
+#include <algorithm>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "server/sim/random.h"
 #include "tests/bench/on_device.h"
+#include "tools/bench/error.h"
 #include "tools/bench/promise.h"
+#include "tools/bench/truth.h"
+#include "tools/bench/which.h"
 #include "tools/random_scene/random_scene.h"
 
 namespace brume::bench {
@@ -57,6 +64,52 @@ TEST_F(PromiseHolds, AndNotWithLawsThatAreTooSmall) {
     const std::vector<json> rows = promised(device(), folder("promise-breaks"), 4 * kBudget, 1);
     ASSERT_EQ(rows.size(), kViews);
     EXPECT_GT(broken(rows), 2 * kMayBreak) << all(rows);
+}
+
+// A family of media that laws which were fitted to shipped scenes did not know. Members differ in all of this.
+struct Family {
+    const char* name;
+    uint32_t least, most;   // particles
+    float extent;           // m, of the cube that they fill
+    float smallest, spread; // least scale, m, and the largest over it
+    double depth;           // twice the mean optical depth between particles and the light, within a factor of 1.5
+};
+
+Case memberOf(const Family& family, Random& random) {
+    const uint32_t count = family.least + uint32_t(random.bits() % (family.most - family.least + 1));
+    const float scale = family.smallest * random.uniform(1, 1.4f);
+    const glm::vec3 to_light = random.direction();
+    Case wanted{.size = {160, 90}};
+    wanted.set = {std::begin(kMediumAlone), std::end(kMediumAlone)};
+    wanted.set.push_back(fmt::format("medium.count={}", count));
+    wanted.set.push_back(fmt::format("medium.extent={}", family.extent * random.uniform(0.8f, 1.2f)));
+    wanted.set.push_back(fmt::format("medium.scale=[{}, {}]", scale, scale * family.spread));
+    wanted.set.push_back(fmt::format("light.to_light=[{}, {}, {}]", to_light.x, to_light.y, to_light.z));
+    wanted.set.push_back("medium.extinction=10");
+    const Scene scene = sceneOf(wanted);
+    const PlanScene plan = planScene(scene, Simulation(scene));
+    double depth = 0;
+    for (const SampledParticle& p : plan.particles_of_sample) depth += 2 * p.to_light;
+    depth /= double(plan.particles_of_sample.size());
+    const double wish = family.depth * double(random.uniform(0.67f, 1.5f));
+    wanted.set.back() = fmt::format("medium.extinction={}", 10 * wish / depth);
+    return wanted;
+}
+
+TEST_F(PromiseHolds, OnFamiliesOfHardMedia) {
+    Random random(20, 26);
+    Truth truth(folder("promise-families"));
+    for (const Family& family :
+         {Family{"a soft ball", 1, 1, 1, 6, 1, 2}, Family{"overlapping blobs", 30, 50, 8, 6, 1.5f, 3},
+          Family{"a dense cluster", 100, 300, 6, 4, 2, 30}, Family{"blobs of mixed size", 400, 600, 10, 2, 5, 4}})
+        for (int i = 0; i < 3; ++i) {
+            const Case wanted = memberOf(family, random);
+            Stage stage(device(), wanted);
+            const RadianceImage picture = stage.picture(stage.pose(), wanted.size);
+            const MediumError error = mediumError(picture, truth.of(stage, stage.pose(), wanted.size, 1), {});
+            EXPECT_TRUE(stage.plan().within) << family.name;
+            EXPECT_LE(error.medium.relative_rmse, kBudget) << family.name << ": " << summary(stage.plan());
+        }
 }
 
 } // namespace
