@@ -21,7 +21,8 @@ class PromiseHolds : public OnDevice {};
 
 constexpr double kBudget = 0.005;
 constexpr size_t kViews = 24;
-// Views whose promise may break. On the 275 odd seeds of docs/results/data/promise.md one in twenty does.
+// Views whose promise may break. Of the 177 odd seeds of docs/results/data/promise.md that are promised one in twenty
+// does.
 constexpr size_t kMayBreak = 3;
 
 // Rows of the first views, by odd seeds, that are small and whose plan says that the budget holds.
