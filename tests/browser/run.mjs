@@ -302,7 +302,8 @@ describe('one server', () => {
 });
 
 test('an error that is larger than promised is marked', async (t) => {
-  const server = await startServer('--set', 'render.slabs=16'); // too few for the scene's render.error
+  const coarse = ['--set', 'render.shadow_size=16', '--set', 'render.shadow_slices=7']; // for the scene's render.error
+  const server = await startServer(...coarse);
   t.after(() => server.stop());
   const page = await openPage(t, browser, server.url);
   await connected(page);
