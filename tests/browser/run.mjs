@@ -235,7 +235,7 @@ describe('one server', () => {
     await page.locator('#tool-panel').click();
     const plan = page.locator('#plan');
     const shows = (pattern) => plan.filter({ hasText: pattern }).waitFor();
-    const way = /\w[\w, ]*, [\d.]+ %(, relaxed \d+)?$/; // the method and its settings, then the error
+    const way = /\w[\w., ]*, [\d.]+ %(, relaxed \d+)?$/; // the method and its settings, then the error
     const method = page.getByRole('combobox', { name: 'Method' });
     const asked = await method.inputValue();
     await method.selectOption('auto');
