@@ -1,8 +1,8 @@
 #include "server/plan/cost_learning.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
 
 namespace brume {
 namespace {
@@ -23,21 +23,24 @@ bool isOf(std::string_view name, const CostInfo& cost) {
 } // namespace
 
 void CostLearning::learn(const Work& work, std::span<const PassMs> passes) {
-    double measured = 0, predicted = 0;
-    std::vector<size_t> ran;
-    for (const PassMs& pass : passes) measured += pass.ms;
-    for (const CostInfo* cost : allCosts()) {
-        const size_t i = numberOf(*cost);
-        const auto is_of = [&](const PassMs& pass) { return isOf(pass.name, *cost); };
-        if (!(work[i] > 0) || std::ranges::none_of(passes, is_of)) continue;
-        predicted += work[i] * now_.ns[i] * 1e-6;
-        ran.push_back(i);
+    std::array<double, kMostCosts> measured{}, predicted{};
+    double all = 0;
+    for (size_t i = 0; i < allCosts().size(); ++i) predicted[i] = work[i] * now_.ns[i] * 1e-6;
+    for (const PassMs& pass : passes) {
+        double sum = 0; // of the costs that the pass counts, which share its time as they predict it
+        for (const CostInfo* cost : allCosts())
+            if (isOf(pass.name, *cost)) sum += predicted[numberOf(*cost)];
+        if (!(sum > 0)) continue;
+        all += pass.ms;
+        for (const CostInfo* cost : allCosts())
+            if (isOf(pass.name, *cost)) measured[numberOf(*cost)] += pass.ms * predicted[numberOf(*cost)] / sum;
     }
-    if (!(measured > kLeastMs && predicted > 0)) return;
-    for (const size_t i : ran) {
+    if (!(all > kLeastMs)) return;
+    for (size_t i = 0; i < allCosts().size(); ++i) {
+        if (!(measured[i] > 0)) continue;
         const double part = seen_[i]++ < kQuick ? kStep : kSmallStep;
         const double first = first_.ns[i];
-        now_.ns[i] = std::clamp(now_.ns[i] * std::pow(measured / predicted, part), first / kMost, first * kMost);
+        now_.ns[i] = std::clamp(now_.ns[i] * std::pow(measured[i] / predicted[i], part), first / kMost, first * kMost);
     }
     ++lessons_;
     double sum = 0, count = 0;

@@ -1,6 +1,5 @@
-// CostLearning: corrects the cost model by the times that submissions took. All passes that ran are scaled alike: a
-// driver may book the time of one pass to the next, so that only their sum can be trusted. Passes that did not run yet
-// are scaled as the others are on average: a machine is faster or slower in all.
+// CostLearning: corrects the cost model by the times that passes took, each by its own. Passes that did not run yet are
+// scaled as the others are on average: a machine is faster or slower in all.
 #pragma once
 
 #include <array>

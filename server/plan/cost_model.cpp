@@ -15,7 +15,7 @@
 namespace brume {
 namespace {
 
-constexpr int kVersion = 4; // of the file; grows when a pass counts its work in another unit
+constexpr int kVersion = 5; // of the file; grows when a pass counts its work in another unit, or is timed otherwise
 
 constexpr const CostInfo* kCommon[] = {&costs::kUpload,        &costs::kOpaqueShadow, &costs::kShadowVolume,
                                        &costs::kParticleLight, &costs::kOpaque,       &costs::kCompose};

@@ -13,7 +13,10 @@ namespace {
 std::vector<PassMs> timesOf(const Work& work, const CostModel& truth, double slower) {
     std::vector<PassMs> passes;
     for (const CostInfo* cost : allCosts())
-        if (work[*cost] > 0) passes.push_back({cost->pass, slower * work[*cost] * truth[*cost] * 1e-6});
+        if (work[*cost] > 0) { // "cull, sort": all of it as the first
+            const std::string_view all = cost->pass;
+            passes.push_back({all.substr(0, all.find(", ")), slower * work[*cost] * truth[*cost] * 1e-6});
+        }
     return passes;
 }
 
@@ -38,17 +41,22 @@ TEST(CostLearning, ASlowMachineIsKnownAfterSomePictures) {
     EXPECT_EQ(costs.first().ns, builtInCosts().ns);
 }
 
-// Another method is wrong by another factor: each picture's time is right in the end.
-TEST(CostLearning, AMethodThatIsWrongIsCorrected) {
+// Each method's own passes are wrong by another factor, and what both share is right.
+TEST(CostLearning, AMethodThatIsWrongIsCorrectedWithoutHarmToOthers) {
     const PlanInputs inputs = inputsOf(cube(5000, 2));
     const Work slabs = workOf(inputs, "slabs"), sphere = workOf(inputs, "sphere");
+    CostModel truth = builtInCosts();
+    for (size_t i = 0; i < allCosts().size(); ++i)
+        if ((slabs[i] > 0) != (sphere[i] > 0)) truth.ns[i] *= slabs[i] > 0 ? 4 : 0.25;
     CostLearning costs(builtInCosts());
-    for (int i = 0; i < 400; ++i) {
-        costs.learn(slabs, timesOf(slabs, builtInCosts(), 4));
-        costs.learn(sphere, timesOf(sphere, builtInCosts(), 0.5));
+    for (int i = 0; i < 200; ++i) {
+        costs.learn(slabs, timesOf(slabs, truth, 1));
+        costs.learn(sphere, timesOf(sphere, truth, 1));
     }
-    EXPECT_NEAR(slabs.ms(costs.model()) / slabs.ms(builtInCosts()), 4, 0.4);
-    EXPECT_NEAR(sphere.ms(costs.model()) / sphere.ms(builtInCosts()), 0.5, 0.1) << "passes of both pull either way";
+    for (size_t i = 0; i < allCosts().size(); ++i)
+        if (slabs[i] > 0 || sphere[i] > 0) {
+            EXPECT_NEAR(costs.model().ns[i] / truth.ns[i], 1, 0.05) << allCosts()[i]->key;
+        }
 }
 
 TEST(CostLearning, IsBoundedAndIgnoresWhatDidNotRun) {
