@@ -13,8 +13,8 @@
 #include "shaders/shared/erf.h"
 #include "shaders/shared/sharpen.h"
 #include "shaders/shared/support.h"
-#include "shaders/shared/widened.h"
 #include "shaders/shared/transmittance.h"
+#include "shaders/shared/widened.h"
 
 #if defined(__x86_64__)
 #include <xmmintrin.h>
