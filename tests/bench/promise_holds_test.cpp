@@ -21,11 +21,11 @@ class PromiseHolds : public OnDevice {};
 
 constexpr double kBudget = 0.005;
 constexpr size_t kViews = 24;
-// Views whose promise may break. Of the 177 odd seeds of docs/results/data/promise.md that are promised one in twenty
-// does.
+// Views whose promise may break. Of those of docs/results/data/promise.md that no constant comes from one in eleven
+// does: two of 24, on average.
 constexpr size_t kMayBreak = 3;
 
-// Rows of the first views, by odd seeds, that are small and whose plan says that the budget holds.
+// Rows of the first views that are small and whose plan says that the budget holds.
 std::vector<json> promised(const gpu::Device& device, const std::filesystem::path& folder, double budget, double flip) {
     PromiseQuestion asked;
     asked.budget = budget, asked.flip = flip, asked.pixels = 150, asked.seconds = 0.3, asked.folder = folder;
