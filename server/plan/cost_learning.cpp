@@ -27,7 +27,7 @@ void CostLearning::learn(const Work& work, std::span<const PassMs> passes) {
     double all = 0;
     for (size_t i = 0; i < allCosts().size(); ++i) predicted[i] = work[i] * now_.ns[i] * 1e-6;
     for (const PassMs& pass : passes) {
-        double sum = 0; // of the costs that the pass counts, which share its time as they predict it
+        double sum = 0; // predicted time of the costs that the pass counts: they share its time in that proportion
         for (const CostInfo* cost : allCosts())
             if (isOf(pass.name, *cost)) sum += predicted[numberOf(*cost)];
         if (!(sum > 0)) continue;

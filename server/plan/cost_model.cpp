@@ -15,7 +15,8 @@
 namespace brume {
 namespace {
 
-constexpr int kVersion = 5; // of the file; grows when a pass counts its work in another unit, or is timed otherwise
+// Version of the file. It grows when a pass counts its work in another unit, or is timed otherwise.
+constexpr int kVersion = 5;
 
 constexpr const CostInfo* kCommon[] = {&costs::kUpload,        &costs::kOpaqueShadow, &costs::kShadowVolume,
                                        &costs::kParticleLight, &costs::kOpaque,       &costs::kCompose};

@@ -117,7 +117,8 @@ ShownMedium::ShownMedium(const PlanScene& scene, const PlanView& view) {
     const double pixel = (double(frustum.up) + double(frustum.down)) / double(view.height);
     const glm::dmat3 axes(glm::mat3_cast(view.pose.orientation));
     const glm::dvec3 eye(view.pose.position);
-    const auto part = [](double at, double reach, double least, double most) { // of [at - reach, at + reach]
+    const auto part = [](double at, double reach, double least,
+                         double most) { // part of at ± reach that is between them
         const double lo = std::max(at - reach, least), hi = std::min(at + reach, most);
         return std::clamp((hi - lo) / (2 * reach), 0.0, 1.0);
     };
@@ -157,7 +158,7 @@ ShownMedium::ShownMedium(const PlanScene& scene, const PlanView& view) {
     }
     light_depth_ = light_depth / light;
     light_factor_ = std::max({std::sqrt(crowding / light), inside ? 0.8 * light_depth_ : 0, 1.0});
-    double sum = 0; // of squared radiance
+    double sum = 0; // squared radiance, summed over pixels
     for (size_t i = 0; i < all.size(); ++i) {
         const Seen& a = seen[i];
         if (!(a.radiance > 0)) continue;

@@ -4,8 +4,8 @@
 // (lib/view.glsl), `field`, `view_depth`, the images of lib/light.glsl, lib/field_planes.glsl, and these functions:
 //   uvec2 startRay(uvec2 tile, uint ray, vec2 pixel): the ray's slabs s with .x <= s < .y, all that have medium and
 //     those beside them
-//   vec4 mediumAt(uint s): the medium's quantities (shared/field.h) at the middle of slab s; asked in this order, but for
-//     slab 3, which is asked for with slab 2 too
+//   vec4 mediumAt(uint s): the medium's quantities (shared/field.h) at the middle of slab s; asked in this order,
+//     and slab 3 with slab 2, too
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"

@@ -166,7 +166,7 @@ void keepPromise(const Context& context, PromiseOptions o) {
         "Random scenes, drawn from the seeds {} to {} by `auto` with `render.error` {:.3g} %. A random sample of the "
         "medium's pixels is compared with the reference. Errors as "
         "[`conventions.md`](../../conventions.md#errors) defines them; ± two standard errors. FLIP is left out: it "
-        "needs whole pictures. Constants of laws were chosen on seeds 1 to 110 (train), and none on the others (judge).\n\n"
+        "needs whole pictures. Constants of laws were chosen on seeds 1 to 110 (train), none on the others (judge).\n\n"
         "The command writes its scenes to `random-scenes` in the folder of `--costs`. One picture again: `brume-bench "
         "render --scene FOLDER/random-SEED.toml --size WxH --medium-alone --set render.error={:.3g}`.\n\n",
         context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model), o.question.seed,

@@ -1,0 +1,83 @@
+// Closed forms of slabs: light that varies within one, and particles that slabs widen.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "shaders/shared/scatter.h"
+#include "shaders/shared/widened.h"
+
+namespace brume {
+namespace {
+
+// Mass between two points, by a midpoint rule.
+double massBetween(double deviation, double lo, double hi) {
+    constexpr int kSteps = 20000;
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const double z = lo + (hi - lo) * (i + 0.5) / kSteps;
+        sum += std::exp(-0.5 * z * z / (deviation * deviation)) / deviation * (hi - lo) / kSteps;
+    }
+    return sum;
+}
+
+TEST(WidenedShare, KeepsTheMassBetweenTheEnds) {
+    for (const double wide : {1.2, 3.0})
+        for (const auto& [lo, hi] : {std::pair(-8.0, 8.0), std::pair(-0.5, 8.0), std::pair(-0.1, 2.0)}) {
+            const double share = physics::widenedShare(0.8, wide, lo, hi);
+            EXPECT_NEAR(share * massBetween(wide, lo, hi), massBetween(0.8, lo, hi), 1e-6) << wide << ' ' << lo;
+        }
+    EXPECT_NEAR(physics::widenedShare(1.0, 2.0, -1e3, 1e3), 1, 1e-12);
+    EXPECT_LT(physics::widenedShare(1.0, 2.0, 9.0, 12.0), 1e-9) << "where the own one has nothing";
+    EXPECT_LE(physics::widenedShare(1.0f, 1e30f, -1.0f, 1.0f), 4);
+    EXPECT_TRUE(std::isfinite(physics::widenedShare(1e-18f, 1.0f, -1e6f, 1e6f)));
+}
+
+// A slab of extinction D (1 + slope t) and light depth light + rise t + bend (t^2 - 1/4) / 2, t from -1/2 to 1/2: the
+// exact integral of what is scattered and leaves on the near side.
+double exactSlab(double depth, double light_in, double light_out, double slope, double bend) {
+    constexpr int kSteps = 4000;
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const double t = (i + 0.5) / kSteps - 0.5;
+        const double before = depth * (t + 0.5 + slope * (t * t - 0.25) / 2);
+        const double light = light_in + (light_out - light_in) * (t + 0.5) + bend * (t * t - 0.25) / 2;
+        sum += depth * (1 + slope * t) * std::exp(-before - light) / kSteps;
+    }
+    return sum;
+}
+
+TEST(ScatterVaried, IsExactToFirstOrderInSlopeAndBend) {
+    for (const double depth : {0.01, 0.3, 1.0})
+        for (const double rise : {-1.0, 0.0, 0.6})
+            for (const double slope : {-1.0, 0.5})
+                for (const double bend : {-0.2, 0.3}) {
+                    const double in = 1.2, out = in + rise * depth, bent = bend * depth;
+                    const double plain = physics::scatterAnalytic(depth, in, out);
+                    const double varied = plain * physics::scatterVaried(depth, in, out, slope, bent);
+                    const double exact = exactSlab(depth, in, out, slope, bent);
+                    EXPECT_NEAR(varied, exact, (0.0065 * depth * depth + 2e-6) * exact) << depth << ' ' << rise;
+                    if (std::abs(bent - slope * rise * depth) > 0.1) {
+                        EXPECT_LT(std::abs(varied - exact), 0.35 * std::abs(plain - exact)) << depth << ' ' << rise;
+                    }
+                }
+}
+
+TEST(ScatterVaried, IsOneWhereNothingVariesAndBoundedEverywhere) {
+    EXPECT_EQ(physics::scatterVaried(2.0, 0.3, 0.3, 1.5, 0.0), 1); // light does not vary
+    EXPECT_EQ(physics::scatterVaried(2.0, 0.3, 0.9, 0.0, 0.0), 1);
+    // View and light from the same side, both through a slab of any slope: opacity of both is exact without it.
+    EXPECT_NEAR(physics::scatterVaried(0.5, 0.2, 0.7, 0.8, 0.4), 1, 1e-12);
+    std::mt19937 random(8);
+    std::uniform_real_distribution<float> exponent(-6, 38), sign(-1, 1);
+    for (int i = 0; i < 20000; ++i) {
+        const auto any = [&] { return std::pow(10.0f, exponent(random)); };
+        const float ratio =
+            physics::scatterVaried(any(), any(), any(), 2 * sign(random), std::copysign(any(), sign(random)));
+        ASSERT_TRUE(ratio >= 0.5f && ratio <= 2) << ratio;
+    }
+}
+
+} // namespace
+} // namespace brume
