@@ -170,14 +170,14 @@ void check(VkResult result, const char* what) {
 
 Device::Device(const DeviceOptions& options) : pipelines_(std::make_unique<PipelineCache>()) {
     try { // a constructor that throws runs no destructor
-
         createInstance(options);
         pickPhysicalDevice(options.name);
         createDevice(options);
-    } catch (...) {
+    } catch (const Error&) {
         destroy();
         throw;
-    }
+    } // Any other exception is the driver's own, thrown through the loader, whose locks it left held: no call comes
+      // back
 }
 
 Device::~Device() { destroy(); }

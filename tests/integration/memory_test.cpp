@@ -106,7 +106,7 @@ void expectLineOfItsOwn(const std::string& err) {
 // Never by a signal, and never in silence.
 TEST(MemoryTest, AServerWithLittleAddressSpaceLivesOrEndsInOneLine) {
     int ended = 0, lived = 0, served = 0;
-    for (const unsigned mebibytes : {500u, 1200u, 1500u, 4000u}) {
+    for (const unsigned mebibytes : {500u, 800u, 1000u, 1200u, 1500u, 4000u}) {
         SCOPED_TRACE(std::to_string(mebibytes) + " MiB");
         const auto server =
             limited(mebibytes, {"--max-pixels", "4147200", "--most-frame-time", "60000", "--frame-budget", "10000"});
