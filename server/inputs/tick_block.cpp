@@ -85,6 +85,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.ambient = scene.sky.ambient;
     tick.sky_zenith = scene.sky.zenith;
     tick.sky_horizon = scene.sky.horizon;
+    tick.haze = scene.sky.haze;
 
     const LightBounds medium = mediumBounds(particles, tick);
     tick.map.lo = medium.lo;

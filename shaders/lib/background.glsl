@@ -78,7 +78,8 @@ vec3 lit(Hit hit, vec3 x) {
 
 vec3 shade(vec3 dir, Hit hit) {
     vec3 colour = skyRadiance(normalize(dir));
-    if (hit.object != kNone) colour = lit(hit, eye.position + hit.depth * dir);
+    if (hit.object != kNone)
+        colour = throughHaze(lit(hit, eye.position + hit.depth * dir), hit.depth * length(dir));
     return colour;
 }
 

@@ -58,6 +58,7 @@ struct Tick {
     uint opaque_count; // number of objects
     vec3 sky_zenith;
     vec3 sky_horizon;
+    float haze; // 1/m
 };
 
 // One eye of one viewer. Affine functions of the pixel: value at pixel (0, 0), and steps to the right and down.
@@ -180,7 +181,7 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(Tick) == 212 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
+static_assert(sizeof(Tick) == 216 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);

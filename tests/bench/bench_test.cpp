@@ -49,6 +49,7 @@ TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
         [](auto& w) { w.lights[0].cos_inner = 0.9; },
         [](auto& w) { w.obstacles[0].yaw = 1; },
         [](auto& w) { w.sky_horizon.x = 1; },
+        [](auto& w) { w.haze = 0.1; },
         [](auto& w) { w.asymmetry = 0.5; },
     };
     std::set<std::string> names{name(world)};

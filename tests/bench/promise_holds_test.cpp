@@ -21,9 +21,9 @@ class PromiseHolds : public OnDevice {};
 
 constexpr double kBudget = 0.005;
 constexpr size_t kViews = 24;
-// Views whose promise may break. Of those of docs/results/data/promise.md that no constant comes from one in eleven
-// does: two of 24, on average.
-constexpr size_t kMayBreak = 3;
+// Views whose promise may break: one in nineteen does of those of docs/results/data/promise.md that no constant comes
+// from.
+constexpr size_t kMayBreak = 2;
 
 // Rows of the first views that are small and whose plan says that the budget holds.
 std::vector<json> promised(const gpu::Device& device, const std::filesystem::path& folder, double budget, double flip) {
@@ -59,10 +59,10 @@ TEST_F(PromiseHolds, OnSmallRandomViews) {
     EXPECT_LE(broken(rows), kMayBreak) << all(rows);
 }
 
-// With laws that are four times too small the plan takes what it takes here for four times the budget. FLIP's budget
-// would keep it from that.
+// With laws that are halved the plan takes what it takes here for twice the budget. FLIP's budget would keep it from
+// that.
 TEST_F(PromiseHolds, AndNotWithLawsThatAreTooSmall) {
-    const std::vector<json> rows = promised(device(), folder("promise-breaks"), 4 * kBudget, 1);
+    const std::vector<json> rows = promised(device(), folder("promise-breaks"), 2 * kBudget, 1);
     ASSERT_EQ(rows.size(), kViews);
     EXPECT_GT(broken(rows), 2 * kMayBreak) << all(rows);
 }

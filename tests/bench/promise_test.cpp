@@ -54,12 +54,15 @@ TEST_F(Promise, ASampleIsWithinItsStandardErrorsOfTheWhole) {
 
 TEST_F(Promise, FinerPartsLeaveLessAndThePriceIsOfAWayThatHolds) {
     PromiseQuestion asked = question(folder("promise-parts"));
-    asked.pixels = 300, asked.parts = asked.price = true;
+    asked.pixels = 300, asked.parts = asked.price = asked.whole = true;
     const json row = promiseRow(device(), builtInCosts(), asked, 2);
     const json& all = row.at("parts").at("all");
     EXPECT_LT(all["left"], row["measured"]);
     EXPECT_GT(all["change"], 0);
     EXPECT_GT(row.at("cheapest_ms"), 0);
+    EXPECT_GT(row.at("flip"), 0);
+    EXPECT_LT(row.at("flip"), 0.01);
+    EXPECT_LT(row.at("finest"), row["measured"]);
 }
 
 TEST_F(Promise, ASceneThatFailsIsARowThatSaysWhy) {
@@ -123,19 +126,22 @@ TEST(PromisePage, CountsWhatHolds) {
     std::vector<json> rows{row(1, "ball", 0.004, 0.002), row(2, "ball", 0.004, 0.006), row(3, "sheet", 0.005, 0.02),
                            row(4, "sheet", 0.005, 0.005)};
     rows[0]["cheapest_ms"] = 2.0;
+    rows[0]["flip"] = 0.02, rows[0]["predicted_flip"] = 0.005, rows[0]["finest"] = 0.001;
+    rows[1]["flip"] = 0.01, rows[1]["predicted_flip"] = 0.01, rows[1]["finest"] = 0.002;
     rows.push_back({{"seed", 5}, {"budget", 0.005}, {"why_not", "sees nothing"}});
-    const std::string page = promisePage(rows, 0.005);
+    const std::string page = promisePage(rows, 0.005, 0.01);
     for (const char* line :
          {"Not measured: 1 of 5 scenes", "- seed 5: sees nothing", "| all | 4 | 50 % | 75 % | 1.00 | 0.5 % | 2 % |",
           "| ball | 2 | 50 % | 100 % | 0.50 | 0.2 % | 0.6 % |", "| sheet | 2 | 50 % | 50 % | 1.00 | 0.5 % | 2 % |",
-          "| below 4 | 4 | 50 % |", "| 1 to 10 | 4 | 50 % |", "| judge | 2 | 50 % |", "median 2.00 of 1 scenes"})
+          "| below 4 | 4 | 50 % |", "| 1 to 10 | 4 | 50 % |", "| judge | 2 | 50 % |", "median 2.00 of 1 scenes",
+          "1 of 2 are within 0.01. Of 2 that the plan predicts within, 1 are. Measured over predicted: median"})
         EXPECT_NE(page.find(line), page.npos) << line << '\n' << page;
     EXPECT_LT(page.find("| 3 | sheet, 3 particles"), page.find("| 2 | ball, 3 particles")); // the worst first
     const std::string plot = promisePlot(rows);
     size_t circles = 0;
     for (size_t at = plot.find("<circle"); at != plot.npos; at = plot.find("<circle", at + 1)) ++circles;
     EXPECT_GE(circles, 4u);
-    EXPECT_EQ(promisePage(std::vector<json>{rows.back()}, 0.005).find("| all |"), std::string::npos);
+    EXPECT_EQ(promisePage(std::vector<json>{rows.back()}, 0.005, 0.01).find("| all |"), std::string::npos);
 }
 
 } // namespace

@@ -83,6 +83,36 @@ TEST_F(BackgroundTest, DrawAndComputeAgree) {
     }
 }
 
+// Surfaces fade to the horizon by the air on the way to them; the sky does not.
+TEST_F(BackgroundTest, HazeFadesSurfacesToTheHorizon) {
+    Scene clear = sceneOf({Point{{0, 0, 0}, 1, 0}});
+    clear.planes = {{-1, glm::vec3(0.5f, 0.3f, 0.2f)}};
+    clear.sky.horizon = glm::vec3(0.2f, 0.3f, 0.4f), clear.sky.zenith = glm::vec3(0.1f, 0.2f, 0.5f);
+    Scene hazy = clear;
+    hazy.sky.haze = 0.1f;
+    const Pose pose = lookAt({0, 1, 0}, {0, 0.5f, -20}, 0.8f);
+    const uint32_t width = 48, height = 27;
+    for (const bool by_draw : {true, false}) {
+        const Seen without = see(clear, pose, width, height, by_draw), with = see(hazy, pose, width, height, by_draw);
+        int near = 0, far = 0;
+        for (uint32_t i = 0; i < width * height; ++i) {
+            const glm::dvec3 dir = pixelDirection(pose, width, height, i % width, i / width);
+            if (std::abs(dir.y) < 0.03) continue; // the edge: a mean of surface and sky
+            const double distance = double(without.depth[i]) * glm::length(dir);
+            const double air = dir.y < 0 ? std::exp(-0.1 * distance) : 1;
+            near += dir.y < 0 && air > 0.5, far += dir.y < 0 && air < 0.1;
+            for (int c = 0; c < 3; ++c) {
+                const double horizon = double(clear.sky.horizon[c]);
+                ASSERT_NEAR(double(with.radiance[4 * i + uint32_t(c)]),
+                            horizon + (double(without.radiance[4 * i + uint32_t(c)]) - horizon) * air, 1e-4)
+                    << i;
+            }
+        }
+        EXPECT_GT(near, 100);
+        EXPECT_GT(far, 20);
+    }
+}
+
 // As many objects as a scene may have: more than are unrolled, and more than have a bit of their own.
 TEST_F(BackgroundTest, ManyObjects) {
     Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});

@@ -41,6 +41,7 @@ void main() {
     put(tick.opaque_count);
     put(tick.sky_zenith.x);
     put(tick.sky_horizon.x);
+    put(tick.haze);
     put(tick.map.u.x);
     put(tick.map.v.x);
     put(tick.map.plane.x);

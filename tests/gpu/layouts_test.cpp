@@ -41,7 +41,7 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
                   AT(Tick, ambient),      AT(Tick, particle_count),  AT(Tick, map.lo),         AT(Tick, map.slices),
                   AT(Tick, map.hi),       AT(Tick, map.opaque_size), AT(Tick, map.opaque_lo),  AT(Tick, map.opaque_hi),
                   AT(Tick, map.texels),   AT(Tick, opaque_count),    AT(Tick, sky_zenith),     AT(Tick, sky_horizon),
-                  AT(Tick, map.u),        AT(Tick, map.v),           AT(Tick, map.plane)});
+                  AT(Tick, haze),         AT(Tick, map.u),           AT(Tick, map.v),          AT(Tick, map.plane)});
     expect(2000, {AT(Eye, position), AT(Eye, near_depth), AT(Eye, right), AT(Eye, tan_x), AT(Eye, up), AT(Eye, tan_y),
                   AT(Eye, back), AT(Eye, exposure), AT(Eye, size), AT(Eye, filmic), AT(Eye, ray), AT(Eye, ray_right),
                   AT(Eye, ray_down)});

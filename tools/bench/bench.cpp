@@ -188,11 +188,13 @@ private:
                                      [this] { keepPromise(context_, promise_); });
         command->add_option("--scenes", q.scenes, "how many")->check(CLI::Range(1, 1'000'000));
         command->add_option("--seed", q.seed, "of the first; the next has the next seed");
+        command->add_option("--method", q.method, "instead of auto: how its error is predicted");
         command->add_option("--budget", q.budget, "render.error: relative RMSE")->check(CLI::Range(1e-5, 1.0));
         command->add_option("--pixels", q.pixels, "compared of each")->check(CLI::Range(40, 1'000'000));
         command->add_option("--seconds", q.seconds, "of the reference of each")->check(CLI::Range(0.0, 3600.0));
         command->add_flag("--price", q.price, "also looks for the cheapest way that holds");
         command->add_flag("--parts", q.parts, "also measures what each part of the chosen way errs, into the rows");
+        command->add_flag("--whole", q.whole, "also measures FLIP, against the whole picture by finer settings");
         command->add_option("--rows", promise_.rows, "JSON lines, one a scene; a run goes on where they end");
         command->add_option("--out", promise_.out, kOutHelp)->default_str("");
         addCosts(command);

@@ -165,8 +165,8 @@ void keepPromise(const Context& context, PromiseOptions o) {
         "# Does `auto` keep its promise?\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}. Costs: {}.\n\n"
         "Random scenes, drawn from the seeds {} to {} by `auto` with `render.error` {:.3g} %. A random sample of the "
         "medium's pixels is compared with the reference. Errors as "
-        "[`conventions.md`](../../conventions.md#errors) defines them; ± two standard errors. FLIP is left out: it "
-        "needs whole pictures. Constants of laws were chosen on seeds 1 to 110 (train), none on the others (judge).\n\n"
+        "[`conventions.md`](../../conventions.md#errors) defines them; ± two standard errors. "
+        "Constants of laws were chosen on seeds 1 to 110 (train), none on the others (judge).\n\n"
         "The command writes its scenes to `random-scenes` in the folder of `--costs`. One picture again: `brume-bench "
         "render --scene FOLDER/random-SEED.toml --size WxH --medium-alone --set render.error={:.3g}`.\n\n",
         context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model), o.question.seed,
@@ -176,7 +176,7 @@ void keepPromise(const Context& context, PromiseOptions o) {
         writeText(plot, promisePlot(rows));
         page += fmt::format("![measured over predicted error]({})\n\n", plot.filename().string());
     }
-    writeText(o.out, page + promisePage(rows, o.question.budget));
+    writeText(o.out, page + promisePage(rows, o.question.budget, o.question.flip));
     std::cerr << "scenes: " << o.question.folder.string() << ", rows: " << o.rows.string() << '\n';
 }
 

@@ -70,6 +70,7 @@ public:
         wanted_.scene = save(random_, question.folder);
         wanted_.size = random_.size;
         wanted_.set = {std::begin(kMediumAlone), std::end(kMediumAlone)};
+        wanted_.set.push_back("render.method=" + question.method);
         wanted_.set.push_back(fmt::format("render.error={}", float(question.budget)));
         wanted_.set.push_back(fmt::format("render.flip={}", float(question.flip)));
     }
@@ -105,6 +106,7 @@ public:
         row_["ms"] = frameMs(stage);
         if (question_.price) addPrice(stage);
         if (question_.parts) addParts(stage);
+        if (question_.whole) addFlip(stage, picture);
         return row_;
     }
 
@@ -198,10 +200,37 @@ private:
         if (least < 1e30) row_["cheapest_ms"] = least;
     }
 
-    // What one part finer changes: the difference to the chosen picture, and the error that is left.
-    void addParts(const Stage& stage) {
+    // The chosen way with all that errs much finer.
+    static RenderSettings finest(RenderSettings chosen) {
+        chosen.rate = std::max(chosen.rate / 2, 1u);
+        chosen.slabs = std::min(2 * chosen.slabs, 512u);
+        chosen.shadow_error = std::max(chosen.shadow_error / 4, 1e-4f);
+        chosen.cutoff /= 100;
+        chosen.shading = 1;
+        if (chosen.method == "grid")
+            chosen.grid.spacing = (chosen.grid.spacing == kAuto ? 0.5f : chosen.grid.spacing) / 2;
+        return chosen;
+    }
+
+    RenderSettings chosenOf(const Stage& stage) const {
         RenderSettings chosen = stage.plan().chosen.settings;
         chosen.error = stage.scene().render.error, chosen.flip = stage.scene().render.flip;
+        return chosen;
+    }
+
+    // FLIP of the whole picture, against one by finer settings, and the error of that one's sample.
+    void addFlip(const Stage& stage, const RadianceImage& picture) {
+        Stage other(device_, with(stage.scene().render, finest(chosenOf(stage))), 0, model_);
+        const RadianceImage fine = other.picture(other.pose(), random_.size);
+        const MediumError error = mediumError(picture, fine, {});
+        if (!error.medium.comparable()) return;
+        row_["flip"] = error.medium.flip, row_["predicted_flip"] = stage.plan().chosen.flip;
+        row_["finest"] = mediumError(sampled(fine), exact_, {}).medium.relative_rmse;
+    }
+
+    // What one part finer changes: the difference to the chosen picture, and the error that is left.
+    void addParts(const Stage& stage) {
+        const RenderSettings chosen = chosenOf(stage), all = finest(chosen);
         const auto add = [&](const char* part, const RenderSettings& finer) {
             Stage other(device_, with(stage.scene().render, finer), 0, model_);
             const RadianceImage picture = sampled(other.picture(other.pose(), random_.size));
@@ -211,18 +240,13 @@ private:
                                    {"left", mediumError(picture, exact_, {}).medium.relative_rmse}};
         };
         RenderSettings rays = chosen, slabs = chosen, light = chosen, cut = chosen, shading = chosen;
-        rays.rate = std::max(chosen.rate / 2, 1u);
-        slabs.slabs = std::min(2 * chosen.slabs, 512u);
-        light.shadow_error = std::max(chosen.shadow_error / 4, 1e-4f);
-        cut.cutoff = chosen.cutoff / 100;
-        shading.shading = 1;
-        RenderSettings all = slabs;
-        all.rate = rays.rate, all.shadow_error = light.shadow_error, all.cutoff = cut.cutoff, all.shading = 1;
+        rays.rate = all.rate, slabs.slabs = all.slabs, light.shadow_error = all.shadow_error;
+        cut.cutoff = all.cutoff, shading.shading = all.shading;
         if (rays.rate != chosen.rate) add("rays", rays);
         add("slabs", slabs), add("light", light), add("cut", cut), add("shading", shading);
         if (chosen.method == "grid") {
             RenderSettings nodes = chosen;
-            nodes.grid.spacing = all.grid.spacing = (chosen.grid.spacing == kAuto ? 0.5f : chosen.grid.spacing) / 2;
+            nodes.grid.spacing = all.grid.spacing;
             add("nodes", nodes);
         }
         add("all", all);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -14,12 +15,14 @@ namespace brume::bench {
 struct PromiseQuestion {
     uint64_t seed = 1;            // of the first scene; the others follow
     uint32_t scenes = 60;         // number of seeds
+    std::string method = "auto";  // render.method
     double budget = 0.005;        // render.error
     double flip = 0.01;           // render.flip
     uint32_t pixels = 1500;       // compared, at most
     double seconds = 8;           // of the reference of one scene, after its first pixels
     bool price = false;           // True: also looks for the cheapest way that holds the budget
     bool parts = false;           // True: also measures what each part of the chosen way errs
+    bool whole = false;           // True: also measures FLIP, against the whole picture by finer settings
     std::filesystem::path folder; // the scenes are written there, so that each can be opened again
 };
 

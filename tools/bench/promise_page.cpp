@@ -103,9 +103,27 @@ std::string priceLine(std::span<const json> rows) {
                        median(ratios), ratios.size(), none);
 }
 
+std::string flipLine(std::span<const json> rows, double flip) {
+    std::vector<double> ratios, finest;
+    size_t within = 0, promised = 0, held = 0;
+    for (const json& row : rows) {
+        if (!isMeasured(row) || !row.contains("flip")) continue;
+        const bool holds = number(row, "flip") <= flip, promises = number(row, "predicted_flip") <= flip;
+        within += holds, promised += promises, held += holds && promises;
+        ratios.push_back(number(row, "flip") / std::max(number(row, "predicted_flip"), 1e-9));
+        finest.push_back(number(row, "finest"));
+    }
+    if (ratios.empty()) return {};
+    return fmt::format(
+        "FLIP, of whole pictures against those of finer settings, edges of objects among them: {} of {} "
+        "are within {:.2g}. Of {} that the plan predicts within, {} are. Measured over predicted: median "
+        "{:.2f}. The finer pictures' own error: median {:.3g} %.\n\n",
+        within, ratios.size(), flip, promised, held, median(ratios), 100 * median(finest));
+}
+
 } // namespace
 
-std::string promisePage(std::span<const json> rows, double budget) {
+std::string promisePage(std::span<const json> rows, double budget, double flip) {
     std::string out;
     const size_t measured = size_t(std::ranges::count_if(rows, isMeasured));
     if (measured < rows.size()) {
@@ -122,7 +140,7 @@ std::string promisePage(std::span<const json> rows, double budget) {
     out += table(rows, budget, "the plan", [](const json& row) {
         return row.at("promised").get<bool>() ? "promises the budget" : "says that nothing holds it";
     });
-    out += priceLine(rows);
+    out += priceLine(rows) + flipLine(rows, flip);
     out += table(rows, budget, "layout", [](const json& row) { return text(row, "layout"); });
     out += table(rows, budget, "particles", Bands{"count", {4, 32, 256, 2048}}, "count");
     out += table(rows, budget, "optical depth", Bands{"depth", {0.1, 1, 10}}, "depth");

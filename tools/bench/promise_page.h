@@ -8,8 +8,8 @@
 
 namespace brume::bench {
 
-// Markdown from rows of promiseRow(): the whole, groups of scenes, the worst.
-std::string promisePage(std::span<const nlohmann::json> rows, double budget);
+// Markdown from rows of promiseRow(): the whole, groups of scenes, the worst. budget, flip: as PromiseQuestion's.
+std::string promisePage(std::span<const nlohmann::json> rows, double budget, double flip);
 // The measured over the predicted error, as SVG.
 std::string promisePlot(std::span<const nlohmann::json> rows);
 

@@ -57,11 +57,11 @@ public:
         for (const Element& element : list) add(element);
     }
     void add(const reference::World& world) {
-        const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, zenith, horizon, ambient,
-                     anisotropy, asymmetry] = world;
+        const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, zenith, horizon, haze,
+                     ambient, anisotropy, asymmetry] = world;
         add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs),
             add(lights);
-        add(obstacles), add(zenith), add(horizon), add(ambient), add(anisotropy), add(asymmetry);
+        add(obstacles), add(zenith), add(horizon), add(haze), add(ambient), add(anisotropy), add(asymmetry);
     }
     void add(const Frustum& frustum) {
         const auto& [left, right, up, down] = frustum;

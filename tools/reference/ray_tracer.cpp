@@ -33,7 +33,7 @@ RayResult RayTracer::trace(const Ray& ray) {
     const Hit hit = nearest(world_.obstacles, ray);
     ray_.end = std::min(ray.end, hit.t);
     if (hit.object >= 0)
-        result.background = stage_.lighting.surface(hit.object, ray.at(hit.t), hit.normal);
+        result.background = throughHaze(world_, stage_.lighting.surface(hit.object, ray.at(hit.t), hit.normal), hit.t);
     else if (std::isinf(ray.end))
         result.background = skyRadiance(world_, ray.direction);
     gather();

@@ -42,9 +42,10 @@ public:
             ray.end = std::min(ray.end, hit.t);
             const Collision collision = collide(ray, random);
             if (!(collision.t < ray.end)) {
-                if (hit.object >= 0)
-                    radiance += weight * lighting_.surface(hit.object, ray.at(hit.t), hit.normal);
-                else
+                if (hit.object >= 0) {
+                    const glm::dvec3 surface = lighting_.surface(hit.object, ray.at(hit.t), hit.normal);
+                    radiance += weight * (order == 0 ? throughHaze(world_, surface, hit.t) : surface);
+                } else
                     radiance += weight * (order == 0 ? skyRadiance(world_, ray.direction) : world_.ambient);
                 return radiance;
             }

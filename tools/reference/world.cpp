@@ -42,6 +42,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
         world.obstacles.push_back({Obstacle::Kind::sphere, s.centre, glm::dvec3(s.radius), 0, s.albedo});
     world.sky_zenith = scene.sky.zenith;
     world.sky_horizon = scene.sky.horizon;
+    world.haze = double(scene.sky.haze);
     world.ambient = scene.sky.ambient;
     world.anisotropy = medium.anisotropy;
     world.asymmetry = medium.asymmetry;
@@ -58,6 +59,10 @@ double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out) {
     const double d = (1 - size) * (1 - size) + size * glm::dot(apart, apart);
     const double lobe = (1 - size) * (1 + size) / (d * std::sqrt(d));
     return ((1 - world.anisotropy) + world.anisotropy * lobe) / (4 * kPi);
+}
+
+glm::dvec3 throughHaze(const World& world, glm::dvec3 surface, double distance) {
+    return glm::mix(world.sky_horizon, surface, std::exp(-world.haze * distance));
 }
 
 glm::dvec3 skyRadiance(const World& world, glm::dvec3 direction) {

@@ -101,6 +101,7 @@ struct World {
     std::vector<LightSource> lights;
     std::vector<Obstacle> obstacles;
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
+    double haze = 0;                          // 1/m; throughHaze()
     glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
     double anisotropy = 0, asymmetry = 0;     // p = (1 - a) / 4 pi + a HG(g)
 };
@@ -121,5 +122,7 @@ double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out);
 // Radiance of the sky: blends from the horizon's to the zenith's as the height of the unit direction goes from -0.15
 // to 0.85.
 glm::dvec3 skyRadiance(const World& world, glm::dvec3 direction);
+// Radiance of a surface that is `distance` away: clear air of extinction `haze` between, which scatters the horizon's.
+glm::dvec3 throughHaze(const World& world, glm::dvec3 surface, double distance);
 
 } // namespace brume::reference
