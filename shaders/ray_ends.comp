@@ -81,7 +81,7 @@ void main() {
     }
     if (gl_LocalInvocationIndex > 0) return;
     const vec2 below = clamp(floor(facesAt(range)), vec2(0), vec2(grid.slabs - 1));
-    field[fieldKept(tile)] = below.x;
-    field[fieldKept(tile) + 1] = below.y + 1;
+    field[fieldKept(tile)] = max(below.x - 1, 0);
+    field[fieldKept(tile) + 1] = min(below.y + 2, grid.slabs);
     field[fieldKept(tile) + 2] = 0; // the march writes 1
 }

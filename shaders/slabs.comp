@@ -28,6 +28,8 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 const uint kLanes = gl_WorkGroupSize.x;
+// -log2 of a Gaussian's part of its peak, on planes beyond which a tile's width does not matter to it.
+const float kMostFade = 20;
 
 #include "shaders/lib/frustum.glsl"
 #include "shaders/lib/tile_members.glsl"
@@ -46,6 +48,7 @@ void main() {
     const float z = middleDepth(sheet * kLanes + lane); // of the lane's slab
     const vec2 at = z * corner;
     const float spacing = z * pixel * float(grid.rate);
+    const float last = middleDepth(sheet * kLanes + kLanes - 1); // of the sheet's last slab
 
     const uvec3 line = uvec3(gl_WorkGroupID.xy, sheet) + uvec3(0, grid.lines.x, grid.lines.x + grid.lines.y);
     const uint words = (tick.particle_count + 31) / 32;
@@ -64,8 +67,8 @@ void main() {
             if (base + gl_SubgroupInvocationID < count)
                 mine = members[first_member + list[base + gl_SubgroupInvocationID]];
             if (quantity >= kScattering) mine.sigma *= mine.albedo[quantity - kScattering];
-            // Width of a tile on the farthest of its planes that the member reaches.
-            const float widest = max(mine.centre.z, 0) * pixel * float(grid.rate) * float(kSlabTile);
+            const float reached = mine.centre.z + sqrt(kMostFade / mine.along);
+            const float widest = clamp(reached, 0, last) * pixel * float(grid.rate) * float(kSlabTile);
             addMembers(sum, mine, min(held(), count - base), vec3(at, z), spacing, widest);
         }
         barrier();

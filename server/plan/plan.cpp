@@ -22,6 +22,8 @@ namespace {
 constexpr double kDearer = 1.25, kWorse = 1.1;
 // Overload trades error away up to so many times the budget.
 constexpr double kMostRelaxed = 10;
+// Steps that the last plan took are kept up to so many times that: views come and go, and their errors differ.
+constexpr double kKept = 1.5;
 
 // All combinations of what is left open, for the methods that `wanted_method` allows. `refused`: one line on a method
 // that the scene does not allow.
@@ -190,7 +192,8 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
                 return false;
             }
             const Candidate c = prices.of(way);
-            return (c.predicted ? c.excess : prices.lightErrorOf(way) / double(wanted.error)) <= kMostRelaxed;
+            const double kept = plan.relaxed < inputs.relaxed_before ? kKept : 1;
+            return (c.predicted ? c.excess : prices.lightErrorOf(way) / double(wanted.error)) <= kept * kMostRelaxed;
         });
         if (!next) break;
         plan.less_relaxed_ms = plan.chosen.ms();

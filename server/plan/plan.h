@@ -26,6 +26,7 @@ struct PlanInputs {
     std::vector<PlanView> views;            // the views to plan for; empty: the scene's own camera
     std::vector<const MethodPlan*> methods; // methods to choose from, usually allMethods()
     uint32_t relaxed = 0;                   // overload level: how often relaxed() is applied
+    uint32_t relaxed_before = 0;            // Plan::relaxed of the last plan
     std::optional<RenderSettings> before;   // the present Plan::base: kept unless another way is clearly better
     double before_deviation_px = 0;         // the present Plan::reference_deviation_px
     bool hold = false; // True: `before` is kept also where another way is much cheaper, if its error is small enough

@@ -57,7 +57,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);
     const size_t stride = std::max<size_t>((particles.size() + kSample - 1) / kSample, 1);
     for (size_t i = 0; i < particles.size(); i += stride) out.sample.push_back(particles[i]);
-    out.particles_of_sample = sampledParticles(out, particles);
+    out.medium_sample = MediumSample(out, particles);
 
     const glm::mat3 basis(out.tick.map.x, out.tick.map.y, out.tick.sun.to_light);
     const ShadowedMedium medium(particles, out.tick.falloff, basis);
@@ -126,6 +126,7 @@ void Planner::make() {
     const RenderSettings then = plan_.chosen.settings;
     const bool first = plan_.passes.empty();
     inputs_.relaxed = overload_.level();
+    inputs_.relaxed_before = plan_.relaxed;
     plan_ = makePlan(inputs_, costs_.model());
     inputs_.before = plan_.base;
     inputs_.before_deviation_px = plan_.reference_deviation_px;

@@ -3,31 +3,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
-#include <vector>
-
-#include "shaders/shared/types.h"
 
 namespace brume {
 
 struct PlanScene;
 struct PlanView;
-
-// A particle of the sample, as all views see it. It stands for `weight` particles, evenly spread around it.
-struct SampledParticle {
-    glm::dvec3 centre{0};  // m
-    double deviation = 0;  // m
-    double depth = 0;      // optical depth of the line through its centre, alone
-    double extinction = 0; // 1/m, of the whole medium at its centre
-    double to_light = 0;   // optical depth of the whole medium between its centre and the light
-    // What the volumetric shadow map's texels err there, squared, over the mean that ShadowedMedium estimates: more
-    // where particles crowd.
-    double crowding = 1;
-    double weight = 1;
-};
-
-// At most 96 particles, evenly chosen; what is around them is summed over up to 512: some milliseconds.
-std::vector<SampledParticle> sampledParticles(const PlanScene& scene, std::span<const gpu::Particle> particles);
 
 // Light of one view by the size of the particles that it comes from. Parts are of the sum over the medium's pixels of
 // squared radiance: an error that differs from particle to particle adds up to the root of a sum of part * error^2.

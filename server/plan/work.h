@@ -12,6 +12,7 @@
 #include "server/light/shadow_resolution.h"
 #include "server/medium/extent.h"
 #include "server/plan/cost_model.h"
+#include "server/plan/medium_sample.h"
 #include "server/plan/shown.h"
 #include "shaders/shared/types.h"
 
@@ -31,8 +32,8 @@ struct PlanScene {
     uint32_t objects = 0, casters = 0;
     gpu::Tick tick{}; // light, falloff, cut, bounds of the shadow volume
     uint32_t particles = 0;
-    std::vector<gpu::Particle> sample;                // evenly chosen; each stands for weight() particles
-    std::vector<SampledParticle> particles_of_sample; // sampledParticles()
+    std::vector<gpu::Particle> sample; // evenly chosen; each stands for weight() particles
+    MediumSample medium_sample;
     MediumExtent extent;
     // Possible resolutions of the volumetric shadow map: errors from kFinestShadow to kCoarsestShadow,
     // wanted.shadow_error times powers of two. Those coarser than wanted are for overload.

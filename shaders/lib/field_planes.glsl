@@ -1,6 +1,7 @@
 // Addresses in `field`, the buffer of planes that shared/field.h describes. Include after lib/view.glsl, kHasOpaque,
 // kSunColours and kAmbientColours are declared.
 #include "shaders/shared/field.h"
+#include "shaders/shared/scatter.h"
 
 FieldColours fieldColours() { return FieldColours(kSunColours, kAmbientColours); }
 uint fieldAmbient() { return fieldAmbient(fieldColours()); }
@@ -19,6 +20,16 @@ uint fieldSteep() { return planeAt(steepPlane(fieldPlanes())); }
 // Index of what tells of a tile's rays which faces are written and whether there is medium (shared/field.h).
 uint fieldKept(uvec2 tile) {
     return planeAt(planesOf(fieldPlanes())) + kFieldKept * (tile.y * grid.lines.x + tile.x);
+}
+
+// The four faces whose values betweenFaces() takes, around the one of index `near` and the next. At the ends of a ray
+// the outermost is missing, and its neighbour takes its place.
+uvec4 facesAround(uint near) { return uvec4(max(near, 1) - 1, near, near + 1, min(near + 2, grid.slabs)); }
+
+// A quantity at the part `at` of the way from the second face to the third.
+float betweenFaces(vec4 values, float at) {
+    const vec3 added = values.yzw - values.xyz;
+    return values.y + added.y * addedBefore(added.x, added.y, added.z, at);
 }
 
 // True if no ray of the nodes `lo` ... `hi` has medium. At most 8 nodes each way; hi may lie beyond the last.

@@ -55,21 +55,21 @@ mat4x2 fieldColumnsOfTwo(uint plane, FieldRun run, FieldRun next) {
     return columns;
 }
 
-// The columns of two neighbouring faces, kept while the pixels of a run need the same faces.
+// The columns of four neighbouring faces, kept while the pixels of a run need the same faces.
 struct FieldFaces {
-    float below; // index of the nearer face; < 0: none yet
-    vec4 near, far;
+    float below; // index of the second face; < 0: none yet
+    mat4 columns;
 };
 
 // A quantity up to `face`, a fractional index, at `part` of the cell's width.
 float fieldAt(inout FieldFaces faces, uint quantity, FieldRun run, float face, float part) {
     const float below = min(floor(face), float(grid.slabs - 1));
     if (below != faces.below) {
-        const uint plane = fieldFace(quantity, nearestWhole(below));
-        faces.near = fieldColumns(plane, run, through(run.down));
-        faces.far = fieldColumns(plane + fieldNodes(), run, through(run.down));
+        const uvec4 around = facesAround(nearestWhole(below));
+        for (uint i = 0; i < 4; ++i)
+            faces.columns[i] = fieldColumns(fieldFace(quantity, around[i]), run, through(run.down));
         faces.below = below;
     }
-    const vec4 columns = mix(faces.near, faces.far, face - below);
-    return kRate == 1 ? columns.x : dot(through(part), columns);
+    const vec4 across = kRate == 1 ? vec4(1, 0, 0, 0) : through(part);
+    return betweenFaces(across * faces.columns, face - below);
 }

@@ -111,8 +111,9 @@ void march() {
         const float end = clamp(faceAt(z), 0, float(grid.slabs));
         const float face = min(floor(end), float(grid.slabs - 1));
         for (uint q = 0; q < quantities; ++q) {
-            const uint below = fieldFace(q, uint(face)) + mine;
-            sum[q] = mix(field[below], field[below + fieldNodes()], end - face);
+            vec4 values;
+            for (uint i = 0; i < 4; ++i) values[i] = field[fieldFace(q, facesAround(uint(face))[i]) + mine];
+            sum[q] = betweenFaces(values, end - face);
         }
         field[fieldEnd() + mine] = end;
     }

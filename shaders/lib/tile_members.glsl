@@ -52,6 +52,10 @@ uint listMembers(uint from, uint chunk, uvec3 line, uint words) {
     return count;
 }
 
+// Ratio of a recurrence's first two values. A member may be far from a tile on planes that it does not reach. Its values
+// are 0 there, and a ratio that is infinite would make them NaN.
+float firstRatio(float exponent) { return exp2(min(exponent, 100)); }
+
 // exp(-k^2 |d|^2) of a member on the lane's plane; d has equal steps along columns and rows.
 struct Splat {
     float columns[kSlabTile];   // values of the first row, times the extinction
@@ -69,10 +73,10 @@ Splat splat(SlabMember mine, uint j, vec3 at, float spacing) {
     const float spread = across * spacing * spacing;
     s.ratio = exp2(-2 * spread);
     s.row = exp2(-across * d.y * d.y);
-    s.row_step = exp2(-across * spacing * (2 * d.y + spacing));
+    s.row_step = firstRatio(-across * spacing * (2 * d.y + spacing));
     const float here = sigma * exp2(-along * d.z * d.z);
     float column = here * exp2(-across * d.x * d.x);
-    float column_step = exp2(-across * spacing * (2 * d.x + spacing));
+    float column_step = firstRatio(-across * spacing * (2 * d.x + spacing));
     [[unroll]] for (uint x = 0; x < kSlabTile; ++x) {
         s.columns[x] = column;
         column *= column_step;
@@ -96,8 +100,8 @@ void addSmall(inout float sum[kPoints], SlabMember mine, uint j, vec3 at, float 
     }
 }
 
-// Adds the first `end` members of the subgroup to the points, two at a time. `widest`: size of the largest tile that
-// this lane's own member is added to, in the units of SlabMember::centre.
+// Adds the first `end` members of the subgroup to the points, two at a time. `widest`: size of the tile on the
+// farthest plane that this lane's own member reaches, in the units of SlabMember::centre.
 void addMembers(inout float sum[kPoints], SlabMember mine, uint end, vec3 at, float spacing, float widest) {
     // A subgroup of one lane has no second member to add with the first.
     if (gl_SubgroupSize < 2 || subgroupAny(mine.across * widest * widest > kMostSpread)) {

@@ -30,6 +30,22 @@ BRUME_FN real scatterVaried(real depth, real light_in, real light_out, real slop
     return real(1) + min(max(part, real(-0.5)), real(1));
 }
 
+// Part, in [0, 1], of what an interval adds to a sum along a ray that is added before the part `at` of its length.
+// before, own, behind: what the interval before it, itself and the one behind it add, >= 0, if all have one length; 0
+// before or behind: unknown. Exact where it grows or falls geometrically: a homogeneous medium, lit along a line.
+BRUME_FN real addedBefore(real before, real own, real behind, real at) {
+    const real least = real(1e-30), most = real(8);
+    if (own < least) return at;
+    const real middle = log(own);
+    const real from = before > least ? middle - log(before) : real(0);
+    const real to = behind > least ? log(behind) - middle : real(0);
+    const real known = before > least && behind > least ? real(2) : real(1);
+    const real rate = min(max((from + to) / known, -most), most);
+    const real size = abs(rate), part = rate > real(0) ? real(1) - at : at;
+    const real reached = part * phi(size * part) / phi(size);
+    return rate > real(0) ? real(1) - reached : reached;
+}
+
 BRUME_STRUCT ScatterNode {
     real weight; // of S at this node
     real z;      // m along the ray, from the segment's entry (Hermite: from the closest approach)

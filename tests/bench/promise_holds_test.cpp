@@ -90,8 +90,8 @@ Case memberOf(const Family& family, Random& random) {
     const Scene scene = sceneOf(wanted);
     const PlanScene plan = planScene(scene, Simulation(scene));
     double depth = 0;
-    for (const SampledParticle& p : plan.particles_of_sample) depth += 2 * p.to_light;
-    depth /= double(plan.particles_of_sample.size());
+    for (const SampledParticle& p : plan.medium_sample.even()) depth += 2 * p.to_light;
+    depth /= double(plan.medium_sample.even().size());
     const double wish = family.depth * double(random.uniform(0.67f, 1.5f));
     wanted.set.back() = fmt::format("medium.extinction={}", 10 * wish / depth);
     return wanted;

@@ -54,6 +54,33 @@ TEST_F(SlabsTest, RaysOfEveryRateErrByTheirSpacing) {
     EXPECT_GT(error(stage, soft(), 16, kPose), 0.01) << "rays too far apart are not seen by this test";
 }
 
+// Slabs are added to by sheets, in tiles whose width grows with the distance. A particle is much smaller than the tiles
+// of a sheet's last planes if it is small and close to the eye. It must not take away what else is there.
+TEST_F(SlabsTest, AParticleCloseToTheEyeTakesNothingAwayFromThoseBehind) {
+    std::vector<Point> points = {{{0, 0, -12}, 12, 0.05f}};
+    const Scene behind = sceneOf(points, 1.6f);
+    for (const float x : {-0.2f, 0.1f, 0.4f})
+        for (const float y : {-0.3f, 0.05f, 0.2f}) points.push_back({{x, y, -0.6f}, 0.6f, 0.05f});
+    Scene all = sceneOf(points, 1.6f);
+    all.render = soft().render;
+    Stage stage(device(), all, uint32_t(points.size())), bare(device(), behind, 1);
+    for (const uint32_t slabs : {16u, 32u, 33u, 48u, 64u, 96u}) {
+        all.render.slabs = slabs;
+        all.render.rate = 6;
+        const Pose pose = lookAt({0, 0, 0}, {0, 0, -1}, 1.2f);
+        const Picture picture = stage.see(all, pose, kWidth, kHeight);
+        Scene one = behind;
+        one.render = all.render;
+        one.render.slabs = 256;
+        const Picture without = bare.see(one, pose, kWidth, kHeight);
+        double worst = 0;
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x)
+                worst = std::max(worst, std::log(double(picture.at(x, y).a) / double(without.at(x, y).a)));
+        EXPECT_LT(worst, 0.01) << slabs << " slabs";
+    }
+}
+
 // Rays that end on a surface: a wall through the medium, all over the picture.
 TEST_F(SlabsTest, RaysThatEndOnASurfaceErrNoMore) {
     Scene scene = soft();

@@ -321,7 +321,7 @@ TEST(ShownMedium, OfOneBallHasItsSizeAndAllOfIt) {
     EXPECT_NEAR(size.light, 1, 1e-9);
     EXPECT_NEAR(size.deviation, double(inputs.scene.extent.deviation), 1e-5);
     EXPECT_EQ(size.cut, 0);
-    EXPECT_NEAR(view.shown().lightDepth(), inputs.scene.particles_of_sample[0].depth / 2, 1e-9);
+    EXPECT_NEAR(view.shown().lightDepth(), inputs.scene.medium_sample.even()[0].depth / 2, 1e-9);
 }
 
 // Errors that are independent of each other average out where many particles overlap.
@@ -343,8 +343,8 @@ TEST(ShownMedium, TheExtinctionOfLoneParticlesIsTheirOwnAndOverlapAdds) {
         const Scene scene = cube(count);
         const PlanScene plan = planScene(scene, Simulation(scene));
         double sum = 0;
-        for (const SampledParticle& p : plan.particles_of_sample) sum += p.extinction;
-        return sum / double(plan.particles_of_sample.size());
+        for (const SampledParticle& p : plan.medium_sample.even()) sum += p.extinction;
+        return sum / double(plan.medium_sample.even().size());
     };
     Scene scene = cube(1);
     const Simulation one(scene);

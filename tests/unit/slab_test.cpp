@@ -79,5 +79,46 @@ TEST(ScatterVaried, IsOneWhereNothingVariesAndBoundedEverywhere) {
     }
 }
 
+// Light that a homogeneous medium sends through a face: 1 - e^-x up to a depth x. `rate`: depth of an interval.
+TEST(AddedBefore, IsExactWhereIntervalsGrowOrFallGeometrically) {
+    const auto upTo = [](double x) { return -std::expm1(-x); };
+    for (const double rate : {-5.0, -0.7, 1e-9, 0.4, 3.0})
+        for (const double at : {0.0, 0.25, 0.5, 1.0}) {
+            const double own = upTo(rate) * (rate < 0 ? -1 : 1), before = own * std::exp(rate),
+                         behind = own * std::exp(-rate), exact = upTo(rate * at) / upTo(rate);
+            EXPECT_NEAR(physics::addedBefore(before, own, behind, at), exact, 1e-8) << rate << ' ' << at;
+            EXPECT_NEAR(physics::addedBefore(0.0, own, behind, at), exact, 1e-8) << "the first";
+            EXPECT_NEAR(physics::addedBefore(before, own, 0.0, at), exact, 1e-8) << "the last";
+        }
+    EXPECT_EQ(physics::addedBefore(0.0, 1.0, 0.0, 0.3), 0.3);
+    EXPECT_EQ(physics::addedBefore(1.0, 0.0, 1.0, 0.3), 0.3);
+}
+
+// Errors of a Gaussian's intervals fall with the third power of their length; by a straight line with the second.
+TEST(AddedBefore, FollowsAGaussian) {
+    const auto upTo = [](double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); };
+    double worst[2] = {0, 0}, straight = 0;
+    for (int finer = 0; finer < 2; ++finer)
+        for (double x = -3; x < 3; x += 0.01) {
+            const double h = finer ? 0.2 : 0.4, own = upTo(x + h) - upTo(x);
+            const double part = physics::addedBefore(upTo(x) - upTo(x - h), own, upTo(x + 2 * h) - upTo(x + h), 0.5);
+            const double error = std::abs(part * own - (upTo(x + h / 2) - upTo(x))) / own;
+            worst[finer] = std::max(worst[finer], error);
+            if (!finer) straight = std::max(straight, std::abs(0.5 * own - (upTo(x + h / 2) - upTo(x))) / own);
+        }
+    EXPECT_LT(worst[0], 0.05 * straight);
+    EXPECT_LT(worst[1], worst[0] / 7);
+}
+
+TEST(AddedBefore, IsAPartForAllInputs) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> exponent(-44, 38), part(0, 1);
+    for (int i = 0; i < 20000; ++i) {
+        const auto any = [&] { return std::pow(10.0f, exponent(random)) * (random() % 8 ? 1.0f : -1.0f); };
+        const float added = physics::addedBefore(any(), any(), any(), part(random));
+        ASSERT_TRUE(added >= 0 && added <= 1.000001f) << added;
+    }
+}
+
 } // namespace
 } // namespace brume

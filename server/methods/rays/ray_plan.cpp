@@ -72,8 +72,10 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
         if (widened)
             displaced +=
                 size.light * (displacedError(thickness, size.deviation, size.extinction) + endsError(h, slabs));
-        const double thick = widened ? widenedError(h, size.oblique) : sampledError(h);
-        sum += size.part * (square(slabError(h, size.bend, light)) + square(thick)) +
+        const double along = widened ? std::max(kWidened * h, 1.0) : 1; // deviations of a particle on the view axis
+        const double sampled = sampledError(h * std::sqrt(1 / square(along) + size.oblique));
+        const double wide = widened ? widenedError(h, size.oblique) : 0;
+        sum += size.part * (square(slabError(h, size.bend, light)) + square(wide) + square(sampled)) +
                size.cut * square(cutError(h, light));
     }
     return std::hypot(std::sqrt(sum), displaced);

@@ -38,7 +38,8 @@ double widenedError(double thickness, double oblique);
 double displacedError(double thickness, double deviation, double extinction);
 // Some of their mass is beyond the first and the last slab.
 double endsError(double thickness, uint32_t slabs);
-// Of slabs that sample a Gaussian at their middles, as it is.
+// Of slabs that sample a Gaussian at their middles. `thickness`: along the ray, in deviations that it has there. A ray
+// off the view axis crosses more of a particle's width between two middles.
 double sampledError(double thickness);
 // Of particles that the near plane cuts.
 double cutError(double thickness, double light_depth);
