@@ -8,6 +8,7 @@ namespace brume {
 namespace {
 
 constexpr double kWidth = 760, kHeight = 460, kLeft = 70, kRight = 20, kTop = 40, kBottom = 50;
+constexpr size_t kCrowded = 100; // points, above which they are small
 constexpr const char* kColours[] = {"#1f6fb4", "#d9702a", "#2f9e58", "#a04fb5", "#b8434e", "#6b6f76"};
 
 std::string format(const char* how, auto... values) {
@@ -22,13 +23,23 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
-// A logarithmic axis over whole decades or, when all values are near, over 1-2-5 steps.
+// A logarithmic axis over whole decades or, when all values are near, over 1-2-5 steps. A linear one has up to ten such
+// steps.
 struct Axis {
     double lo, hi, begin, end; // lo ... hi is drawn from begin to end
-    double at(double v) const { return begin + (end - begin) * std::log(v / lo) / std::log(hi / lo); }
+    bool linear = false;
+    double at(double v) const {
+        return begin + (end - begin) * (linear ? (v - lo) / (hi - lo) : std::log(v / lo) / std::log(hi / lo));
+    }
 
     std::vector<double> ticks() const {
         std::vector<double> all;
+        if (linear) {
+            double step = std::pow(10, std::floor(std::log10((hi - lo) / 10)));
+            for (int i = 0; (hi - lo) / step > 10; ++i) step *= i % 3 == 1 ? 2.5 : 2;
+            for (double tick = std::ceil(lo / step); tick * step <= hi; ++tick) all.push_back(tick * step);
+            return all;
+        }
         for (double decade = std::pow(10, std::floor(std::log10(lo))); decade <= hi * 1.001; decade *= 10)
             for (const double step : {1.0, 2.0, 5.0})
                 if (decade * step >= lo * 0.999 && decade * step <= hi * 1.001 && (step == 1.0 || hi / lo < 200))
@@ -37,10 +48,23 @@ struct Axis {
     }
 };
 
-Axis axisOver(const std::vector<Point>& points, double Point::*value, double begin, double end) {
-    double lo = 1e300, hi = 0;
+Axis axisOver(const std::vector<Point>& points, double Point::*value, double begin, double end, bool linear = false) {
+    double lo = 1e300, hi = -1e300;
     for (const Point& p : points) lo = std::min(lo, p.*value), hi = std::max(hi, p.*value);
+    if (linear) return {lo, hi > lo ? hi : lo + 1, begin, end, true};
     return {lo / 1.35, hi * 1.35, begin, end};
+}
+
+// True: the point has bounds that a logarithmic axis can show.
+bool hasBar(const Point& p) { return p.low > 0 && p.high >= p.low && std::isfinite(p.high); }
+
+// The points, and two for each bar at its ends.
+std::vector<Point> withBounds(std::vector<Point> points) {
+    for (size_t i = 0, count = points.size(); i < count; ++i) {
+        if (!hasBar(points[i])) continue;
+        for (const double end : {points[i].low, points[i].high}) points.push_back({"", points[i].x, end});
+    }
+    return points;
 }
 
 struct Box {
@@ -83,15 +107,15 @@ std::vector<size_t> paretoFront(const std::vector<Point>& points) {
 std::string svg(const Plot& plot) {
     std::vector<Point> points;
     for (const Point& p : plot.points)
-        if (std::isfinite(p.x) && std::isfinite(p.y) && p.x > 0 && p.y > 0) points.push_back(p);
+        if (std::isfinite(p.x) && std::isfinite(p.y) && (plot.linear_x || p.x > 0) && p.y > 0) points.push_back(p);
     std::string out = format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %g %g\" font-family=\"sans-serif\" font-size=\"12\">\n"
         "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
         kWidth, kHeight);
     out += format("<text x=\"%g\" y=\"22\" font-size=\"15\">", kLeft) + escaped(plot.title) + "</text>\n";
     if (points.empty()) return out + "</svg>\n";
-    const Axis x = axisOver(points, &Point::x, kLeft, kWidth - kRight),
-               y = axisOver(points, &Point::y, kHeight - kBottom, kTop);
+    const Axis x = axisOver(points, &Point::x, kLeft, kWidth - kRight, plot.linear_x),
+               y = axisOver(withBounds(points), &Point::y, kHeight - kBottom, kTop);
     for (const double v : x.ticks())
         out += format(
             "<path d=\"M%.1f %gV%g\" stroke=\"#e4e6ea\"/><text x=\"%.1f\" y=\"%g\" text-anchor=\"middle\">%g</text>\n",
@@ -121,13 +145,21 @@ std::string svg(const Plot& plot) {
             if (along.size() > 1) line(along, kColours[group]);
         }
     }
+    const int radius = points.size() > kCrowded ? 2 : 4;
     std::vector<Box> taken;
     for (const Point& p : points) taken.push_back({x.at(p.x) - 6, y.at(p.y) - 6, 12, 12});
     for (size_t i = 0; i < points.size(); ++i) {
         const Point& p = points[i];
         const bool best = std::find(front.begin(), front.end(), i) != front.end();
-        out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%d\" fill=\"%s\"%s/>", x.at(p.x), y.at(p.y), best ? 6 : 4,
-                      kColours[p.group % 6], best ? " stroke=\"#2b2f36\" stroke-width=\"1.5\"" : "");
+        if (hasBar(p))
+            out += format("<path d=\"M%.1f %.1fV%.1f\" stroke=\"%s\" stroke-opacity=\"0.4\"/>", x.at(p.x), y.at(p.low),
+                          y.at(p.high), kColours[p.group % 6]);
+        out += format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%d\" fill=\"%s\"%s/>", x.at(p.x), y.at(p.y),
+                      best ? 6 : radius, kColours[p.group % 6], best ? " stroke=\"#2b2f36\" stroke-width=\"1.5\"" : "");
+        if (p.label.empty()) {
+            out += '\n';
+            continue;
+        }
         const Box at = placed(x.at(p.x), y.at(p.y), 6.6 * double(p.label.size()), taken);
         taken.push_back(at);
         const char* const colour = plot.joined ? kColours[p.group % 6] : "#000"; // a label may be of a whole line

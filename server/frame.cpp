@@ -124,6 +124,7 @@ void FrameLoop::tick() {
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
     metrics_.ticked(Millis(Clock::now() - begin).count());
     planner_->setFrameBudget(frame_ms_);
+    planner_->setLawFactor(law_factor_);
     if (ticked_) ticked_(simulation_, commands_);
 }
 

@@ -44,6 +44,8 @@ public:
     void stop();
     // Sets Options::frame_ms from the next tick on. Thread-safe.
     void setFrameBudget(double frame_ms) { frame_ms_ = frame_ms; }
+    // Sets Options::law_factor from the next tick on. Thread-safe.
+    void setLawFactor(double factor) { law_factor_ = factor; }
     // The ways whose shaders are compiled: all, or with Options::compiled_behind those that were added.
     CompiledWays& compiledWays() { return ways_; }
     // A scene that was loaded to be shown instead of the present one.
@@ -108,7 +110,7 @@ private:
     const std::function<void(const Simulation&, std::span<const Command>)> ticked_;
     const CostModel costs_;
     const uint64_t memory_, picture_memory_; // bytes: FrameOptions::memory, picture_memory
-    std::atomic<double> frame_ms_;
+    std::atomic<double> frame_ms_, law_factor_;
     const double most_frame_ms_;
     CompiledWays ways_;
     Simulation simulation_;
@@ -129,9 +131,9 @@ private:
     Room room_; // what the pictures' buffers needed lately
     Refinement refinement_;
     ErrorMeter meter_;
-    const double first_correction_;
     const bool learns_costs_;
     const std::function<void(const CostModel&)> on_costs_;
+    const std::function<void(uint64_t, std::span<const ViewError>, const Plan&)> on_errors_;
     std::shared_ptr<const Scene> shown_scene_; // equal to scene_; jobs of the meter keep it
     Clock::time_point costs_learnt_{}, costs_told_{};
     std::vector<uint32_t> drawn_viewers_; // of a batch: those whose pictures are drawn

@@ -86,6 +86,7 @@ void FrameLoop::readMeter(Clock::time_point now) {
     const Plan& plan = planner_->plan();
     const double promised = promisedError(simulation_.now().render);
     const auto line = promise_.look({promised, worstOf(errors_, plan.chosen.settings.method), plan.relaxed > 0}, now);
+    if (on_errors_) on_errors_(simulation_.tick(), errors_, plan);
     if (line) spdlog::log(line->broken ? spdlog::level::warn : spdlog::level::info, line->text);
 }
 

@@ -5,12 +5,14 @@
 #include <functional>
 #include <span>
 
+#include "server/error/error_window.h"
 #include "server/plan/cost_model.h"
 #include "server/sim/command.h"
 
 namespace brume {
 
 class Simulation;
+struct Plan;
 
 struct FrameOptions {
     unsigned encode_threads = 2;
@@ -18,7 +20,7 @@ struct FrameOptions {
     double frame_ms = 50;            // budget for a frame of all viewers; above it accuracy is given up
     double most_frame_ms = 500;      // that a frame of all viewers may take: larger pictures are made smaller
     double measure_error = 0.02;     // part of one core that measures the error of pictures that are sent; 0: none
-    double first_correction = 1;     // of the laws' errors before anything is measured, for tests of wrong laws
+    double law_factor = 1;           // on the error of every law: not 1 where laws are wrong on purpose
     double refine_moving = 0.5;      // part of frame_ms for finer pictures while cameras rest and the medium moves
     uint64_t memory = 1024ull << 20; // most bytes of particles, on the CPU and on the device together
     // Most bytes of picture buffers: half of it for the targets, half for the planes of all batches.
@@ -30,6 +32,9 @@ struct FrameOptions {
     bool learn_costs = true; // True: the times of passes correct `costs`
     // Called on the loop's thread with what was learnt: after some seconds, then every ten minutes.
     std::function<void(const CostModel&)> on_costs;
+    // Called on the loop's thread ten times a second with the present tick, what is known of the pictures' errors, and
+    // the plan.
+    std::function<void(uint64_t, std::span<const ViewError>, const Plan&)> on_errors;
     // Called on the loop's thread before the first tick, and after every tick with the commands that it took.
     std::function<void(const Simulation&, std::span<const Command>)> ticked;
 };

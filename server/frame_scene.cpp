@@ -45,14 +45,14 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
                      const Options& options)
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
       costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory),
-      frame_ms_(options.frame_ms), most_frame_ms_(options.most_frame_ms), simulation_(scene, options.memory),
+      frame_ms_(options.frame_ms), law_factor_(options.law_factor), most_frame_ms_(options.most_frame_ms),
+      simulation_(scene, options.memory),
       renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
       planner_(std::in_place, scene_, options.costs, options.frame_ms, &ways_), refinement_(options.refine_moving),
-      meter_(options.measure_error), first_correction_(options.first_correction), learns_costs_(options.learn_costs),
-      on_costs_(options.on_costs), shown_scene_(std::make_shared<const Scene>(scene)),
+      meter_(options.measure_error), learns_costs_(options.learn_costs), on_costs_(options.on_costs),
+      on_errors_(options.on_errors), shown_scene_(std::make_shared<const Scene>(scene)),
       workers_(options.encode_threads) {
     ways_.setAll(!options.compiled_behind);
-    planner_->corrections().setFirst(first_correction_);
     simulation_.countFrom(options.first_tick);
     tellOfPointCloud(scene_, simulation_);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
@@ -125,7 +125,6 @@ void FrameLoop::takeScene() {
     simulation_ = std::move(next->simulation);
     ways_.clear();
     planner_.emplace(scene_, costs_, frame_ms_, &ways_);
-    planner_->corrections().setFirst(first_correction_);
     ++scene_version_;
     replan_ = true;
     audience_.setScene(std::move(facts));

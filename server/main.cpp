@@ -109,8 +109,10 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
             }
         };
     frame.compiled_behind = !replayed && options.ahead == "background" && isWorthCompiling(scene);
-    if (recorder)
+    if (recorder) {
         frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };
+        frame.on_errors = [&](auto, std::span<const ViewError> errors, const Plan&) { recorder->measured(errors); };
+    }
     std::unique_ptr<ReplayTicks> ticks;
     if (replayed) {
         const auto control = std::make_shared<ReplayControl>(recording->head.tick, recording->last);

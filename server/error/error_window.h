@@ -26,6 +26,7 @@ struct ErrorEstimate {
     double bias = 0;                    // mean of (value - reference) / reference
     double law = 0;                     // relative RMSE, as the plan's laws predict it for the same pixels
     bool known() const { return pixels >= kLeast; }
+    bool operator==(const ErrorEstimate&) const = default;
     // Measured error over that of the laws; 1 if either is unknown.
     double correction() const { return known() && law > 0 ? rmse / law : 1; }
 };

@@ -8,7 +8,8 @@
 namespace brume {
 namespace {
 
-constexpr uint64_t kHashEvery = 60; // ticks: a replay that goes astray is noticed within a second of the session
+// Ticks between records at least: a replay that goes astray is noticed within a second of the session.
+constexpr uint64_t kTellEvery = 60;
 
 } // namespace
 
@@ -23,14 +24,15 @@ Recorder::~Recorder() { end("stopped"); }
 
 void Recorder::ticked(const Simulation& simulation, std::span<const Command> commands) {
     if (!out_) return;
-    const RecordedTick before = std::exchange(last_, {simulation.tick(), simulation.stateHash(), {}, {}, {}});
+    const RecordedTick before = std::exchange(last_, {simulation.tick(), simulation.stateHash(), {}, {}, {}, {}});
     if (options_.frames > 0 && !pictures_)
         pictures_ = std::make_unique<OwnFrames>(device_, scene_, simulation.capacity());
     const bool picture = options_.frames > 0 && last_.tick > 0 && last_.tick % options_.frames == 0;
-    if (commands.empty() && !picture && last_.tick % kHashEvery != 0) return;
+    if (commands.empty() && !picture && last_.tick % kTellEvery != 0) return;
     RecordedTick record = last_;
     record.commands.assign(commands.begin(), commands.end());
     if (picture) record.frame = pictures_->hash(simulation);
+    if (last_.tick % kTellEvery == 0) record.errors = errors_.take();
     if (!write(record)) {
         spdlog::warn("the recording is full and ends at tick {}", before.tick);
         last_ = before; // the state of this tick cannot be had without its commands
@@ -47,6 +49,7 @@ void Recorder::goOn(const RecordingHead& head, const Scene& scene, const Simulat
     const bool was_open = out_ != nullptr;
     end("another scene is shown");
     pictures_.reset();
+    errors_.forget();
     scene_ = scene;
     if (!was_open) return;
     std::filesystem::path file = options_.file;
@@ -60,7 +63,7 @@ void Recorder::goOn(const RecordingHead& head, const Scene& scene, const Simulat
     } catch (const RecordingError& error) {
         spdlog::error("the recording does not go on: {}", error.what());
     }
-    last_ = {simulation.tick(), simulation.stateHash(), {}, {}, {}};
+    last_ = {simulation.tick(), simulation.stateHash(), {}, {}, {}, {}};
     if (out_) write(last_);
 }
 

@@ -25,6 +25,9 @@ public:
     // To be called before the first tick, and after every tick with the commands that it took. A full disk ends the
     // recording, not the server; the log says so. Throws gpu::Error if `frames` is not 0.
     void ticked(const Simulation& simulation, std::span<const Command> commands);
+    // To be called with what is known of the errors of viewers' pictures, on the same thread: once a second what has
+    // changed is written, RecordedErrors::kMost viewers at most.
+    void measured(std::span<const ViewError> errors) { errors_.set(errors); }
     // Another scene is shown, in this state: the recording ends, and goes on in a file beside it, NAME-2 and so on. On
     // the same thread.
     void goOn(const RecordingHead& head, const Scene& scene, const Simulation& simulation);
@@ -39,7 +42,8 @@ private:
     const gpu::Device& device_;
     std::unique_ptr<RecordingWriter> out_; // null once the recording has ended
     std::unique_ptr<OwnFrames> pictures_;
-    RecordedTick last_;                 // its commands are left out
+    RecordedTick last_; // its commands are left out
+    RecordedErrors errors_;
     uint64_t begun_ = 0, commands_ = 0; // first tick and number of commands of the present file
     std::filesystem::path file_;        // the present one
 };

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
 
 #include <fcntl.h>
@@ -41,6 +42,31 @@ uint64_t fromHex(const std::string& digits) {
     const auto [at, error] = std::from_chars(digits.data(), end, value, 16);
     if (error != std::errc{} || at != end || digits.size() != kDigits) throw std::runtime_error("a hash has 16 digits");
     return value;
+}
+
+// Four digits are enough for an estimate.
+double rounded(double value) { return std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr); }
+
+json toJson(const RecordedError& recorded) {
+    const ErrorEstimate& e = recorded.error;
+    return {{"viewer", recorded.viewer}, {"method", recorded.method},  {"pixels", e.pixels},
+            {"rmse", rounded(e.rmse)},   {"low", rounded(e.low)},      {"high", rounded(e.high)},
+            {"bias", rounded(e.bias)},   {"predicted", rounded(e.law)}};
+}
+
+RecordedError errorOf(const json& from) {
+    const auto notNegative = [&](const char* key) {
+        const double value = from.at(key).get<double>();
+        if (!(value >= 0)) throw std::runtime_error(fmt::format("an error's {} is negative", key));
+        return value;
+    };
+    return {from.at("viewer").get<uint32_t>(), from.at("method").get<std::string>(),
+            ErrorEstimate{.pixels = from.at("pixels").get<size_t>(),
+                          .rmse = notNegative("rmse"),
+                          .low = notNegative("low"),
+                          .high = notNegative("high"),
+                          .bias = from.at("bias").get<double>(),
+                          .law = notNegative("predicted")}};
 }
 
 } // namespace
@@ -87,6 +113,7 @@ bool RecordingWriter::write(const RecordedTick& tick) {
     }
     if (tick.frame) line["frame"] = hexOf(*tick.frame);
     if (!tick.end.empty()) line["end"] = tick.end;
+    for (const RecordedError& error : tick.errors) line["errors"].push_back(toJson(error));
     const std::string text = line.dump();
     if (bytes_ + kDigits + text.size() + 2 + (tick.end.empty() ? kEndReserve : 0) > most_bytes_) return false;
     writeLine(text);
@@ -186,6 +213,8 @@ std::optional<RecordedTick> RecordingReader::next() {
             for (const json& command : line.at("commands")) out.commands.push_back(commandOf(command));
         if (line.contains("frame")) out.frame = fromHex(line.at("frame").get<std::string>());
         if (line.contains("end")) out.end = line.at("end").get<std::string>();
+        if (line.contains("errors"))
+            for (const json& error : line.at("errors")) out.errors.push_back(errorOf(error));
     } catch (const std::exception& e) {
         fail(fmt::format("not a record: {}", e.what()));
     }

@@ -2,14 +2,15 @@
 //
 // A text file, one line a record, each written whole by one write() as soon as it is known:
 //
-//   brume-recording 2
+//   brume-recording 3
 //   0123456789abcdef {"scene":"plume",...}                        the scene and its overrides: RecordingHead
 //   0123456789abcdef {"tick":0,"state":"fedcba9876543210"}        the state before the first tick
 //   0123456789abcdef {"tick":17,"state":"...","commands":[...]}   every tick with commands, and one each second
 //   0123456789abcdef {"tick":60,"state":"...","frame":"..."}      a tick with a picture of the scene's own camera
+//   0123456789abcdef {"tick":60,"state":"...","errors":[...]}     measured errors of viewers' pictures
 //   0123456789abcdef {"tick":99,"state":"...","end":"stopped"}    the last line of a server that ended by itself
 //
-// The 16 digits are an XXH3 hash of the previous line's digits (for the first: of "brume-recording 2") and of the
+// The 16 digits are an XXH3 hash of the previous line's digits (for the first: of "brume-recording 3") and of the
 // JSON. A line that was changed, left out or moved is detected by it. "state" is Simulation::stateHash() after the
 // tick, "frame" a hash of the picture.
 #pragma once
@@ -22,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "server/operate/recorded_errors.h"
 #include "server/sim/command.h"
 
 namespace brume {
@@ -37,9 +39,10 @@ struct RecordingHead {
 
 struct RecordedTick {
     uint64_t tick = 0, state_hash = 0;
-    std::vector<Command> commands; // commands that this tick took, in order
-    std::optional<uint64_t> frame; // hash of the picture of the scene's own camera, 640x360
-    std::string end;               // reason why the recording ends here; empty: it goes on
+    std::vector<Command> commands;     // commands that this tick took, in order
+    std::optional<uint64_t> frame;     // hash of the picture of the scene's own camera, 640x360
+    std::string end;                   // reason why the recording ends here; empty: it goes on
+    std::vector<RecordedError> errors; // that were known then; a replay does not depend on them
 };
 
 // The text is one line: "FILE:LINE: what is wrong".

@@ -1,6 +1,7 @@
 #include "server/operate/replay.h"
 
 #include <ostream>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -45,6 +46,7 @@ public:
                             frames_ > 0 ? fmt::format(" and {} frames", frames_) : "",
                             last_.end.empty() ? "the server was killed or still records"
                                               : "the recording ended: " + last_.end);
+        tellErrors();
     }
 
 private:
@@ -55,6 +57,11 @@ private:
             if (record.frame && picture_ && *picture_ != *record.frame) differ("frame", *picture_, *record.frame);
             ++states_;
             frames_ += record.frame && picture_;
+            for (const RecordedError& one : record.errors) {
+                ++errors_;
+                viewers_.insert(one.viewer);
+                if (!worst_ || one.error.rmse > worst_->error.rmse) worst_ = one, worst_tick_ = record.tick;
+            }
             last_ = record;
         }
     }
@@ -66,6 +73,15 @@ private:
         if (!pictures_ || simulation_.tick() % options_.frames != 0) return;
         picture_ = pictures_->hash(simulation_);
         out_ << fmt::format("tick {} frame {}\n", simulation_.tick(), hexOf(*picture_));
+    }
+
+    void tellErrors() const {
+        if (!worst_) return;
+        const ErrorEstimate& e = worst_->error;
+        out_ << fmt::format("{} measured errors of {} viewers; the largest: {:.2g} % ({:.2g} to {:.2g}) at tick {}, "
+                            "viewer {} by {}, predicted {:.2g} %\n",
+                            errors_, viewers_.size(), 100 * e.rmse, 100 * e.low, 100 * e.high, worst_tick_,
+                            worst_->viewer, worst_->method, 100 * e.law);
     }
 
     [[noreturn]] void differ(const char* what, uint64_t here, uint64_t recorded) const {
@@ -85,7 +101,10 @@ private:
     std::unique_ptr<ReplayPictures> film_;
     std::optional<uint64_t> picture_; // of the present tick
     RecordedTick last_;               // that was as recorded
-    uint64_t commands_ = 0, states_ = 0, frames_ = 0;
+    uint64_t commands_ = 0, states_ = 0, frames_ = 0, errors_ = 0;
+    std::set<uint32_t> viewers_; // with measured errors
+    std::optional<RecordedError> worst_;
+    uint64_t worst_tick_ = 0;
 };
 
 } // namespace

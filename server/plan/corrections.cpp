@@ -56,7 +56,7 @@ double Corrections::factor(uint32_t viewer, std::string_view method) const {
         if (of.first == viewer && l.learnt != Time{}) return l.factor;
         if (of.first != viewer) largest = std::max(largest, l.factor);
     }
-    return largest > 0 ? largest : first_;
+    return largest > 0 ? largest : 1;
 }
 
 } // namespace brume

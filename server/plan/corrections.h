@@ -29,8 +29,6 @@ public:
     void fade(Time now);
     // Another scene or other settings: nothing is known.
     void forget() { of_.clear(); }
-    // The factor where nothing is known, for tests of laws that are wrong; 1 otherwise.
-    void setFirst(double factor) { first_ = factor; }
 
     // Where nothing is known of the method: 1. A viewer who is new has the largest factor of the others, which see the
     // same medium.
@@ -43,7 +41,6 @@ private:
         Time learnt{}, risen{};
         bool fallen = false; // True: it has fallen since the last rise
     };
-    double first_ = 1;
     std::map<std::pair<uint32_t, std::string>, Learnt> of_; // by viewer and method
 };
 

@@ -31,6 +31,7 @@ struct PlanInputs {
     double before_deviation_px = 0;         // the present Plan::reference_deviation_px
     bool hold = false; // True: `before` is kept also where another way is much cheaper, if its error is small enough
     const Corrections* corrections = nullptr; // of the laws' errors, by PlanView::viewer; null: none
+    double law_factor = 1;                    // on the error of every law: not 1 where laws are wrong on purpose
     // True: the shaders of these settings are compiled. As long as one way is, others are not chosen. Null: all are.
     std::function<bool(const RenderSettings&)> compiled;
 };

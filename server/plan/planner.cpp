@@ -142,6 +142,7 @@ void Planner::make() {
 
 Candidate Planner::once(const Simulation& simulation, const PlanView& view, bool compiled) const {
     PlanInputs alone{.scene = planScene(scene_, simulation), .views = {view}, .methods = inputs_.methods};
+    alone.law_factor = inputs_.law_factor;
     if (compiled && ways_) alone.compiled = [this](const RenderSettings& way) { return ways_->has(way, true); };
     return makePlan(alone, costs_.first()).chosen;
 }

@@ -50,8 +50,10 @@ public:
 
     // brume::predictedError() in the scene of the last plan.
     double predictedError(const RenderSettings& settings, const PlanView& view) const {
-        return brume::predictedError(inputs_.scene, settings, view);
+        return inputs_.law_factor * brume::predictedError(inputs_.scene, settings, view);
     }
+    // Makes all laws wrong on purpose, from the next plan on: PlanInputs::law_factor.
+    void setLawFactor(double factor) { inputs_.law_factor = factor; }
 
     // What measuring says of the laws, from the next plan on.
     Corrections& corrections() { return corrections_; }

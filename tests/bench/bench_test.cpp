@@ -251,6 +251,18 @@ TEST(Plot, FrontIsWhatNothingBeats) {
     EXPECT_NE(svg({"none", "x", "y", {{"bad", 0, -1}}}).find("</svg>"), std::string::npos);
 }
 
+TEST(Plot, ALinearAxisBeginsAtTheLeastAndBoundsAreInTheirRange) {
+    const std::vector<Point> points = {{"", -20, 1}, {"", 0, 1}, {"", 20, 1, 0, 0.1, 10}};
+    const Plot plot{.title = "", .x_label = "s", .y_label = "%", .points = points, .front = false, .linear_x = true};
+    const std::string drawn = svg(plot);
+    for (const char* there : {"cx=\"70.0\"", "cx=\"405.0\"", "cx=\"740.0\"", ">-15<", ">-20<", "M740.0 388.7V61.3"})
+        EXPECT_NE(drawn.find(there), drawn.npos) << there << '\n' << drawn;
+    EXPECT_EQ(drawn.find("nan"), drawn.npos);
+    EXPECT_NE(
+        svg({.title = "", .x_label = "", .y_label = "", .points = {{"", 3, 1}}, .linear_x = true}).find("cx=\"70.0"),
+        drawn.npos);
+}
+
 TEST(Percentile, IsOfTheNearestRank) {
     EXPECT_EQ(percentile({3, 1, 2}, 0.5), 2);
     EXPECT_EQ(percentile({4, 1, 2, 3}, 0.95), 4);

@@ -1,62 +1,22 @@
 // The frame loop with a real device and no network: from poses to encoded frames, and what happens to a picture that
 // cannot be.
-#include <condition_variable>
-#include <mutex>
-
 #include "server/frame.h"
 #include "server/gpu/pipeline_cache.h"
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/quadrature.h"
+#include "tools/bench/looker.h"
 
 namespace brume::test {
 namespace {
 
-// A viewer who looks on: keeps the frames that it gets.
-class Looker {
+// A viewer who looks on, past the same point.
+class Looker : public bench::Looker {
 public:
-    Looker(Audience& audience, uint16_t width, uint16_t height)
-        : viewer_(audience
-                      .join([this] {
-                          const std::scoped_lock lock(mutex_);
-                          told_ = true;
-                          changed_.notify_all();
-                      })
-                      .viewer),
-          width_(width), height_(height) {}
-
+    using bench::Looker::Looker;
     void look(uint32_t seq, float x) { lookFrom(seq, {x, 2, 26}); }
-    // `once`: true for a snapshot.
     void lookFrom(uint32_t seq, glm::vec3 position, bool once = false) {
-        PoseRequest request;
-        request.seq = seq;
-        request.pose = lookAt(position, {0.5f, 0, 0}, 0.8f);
-        request.one_shot = once;
-        request.width = width_;
-        request.height = height_;
-        request.received = Clock::now();
-        viewer_->setPose(request);
+        bench::Looker::look(seq, lookAt(position, {0.5f, 0, 0}, 0.8f), once);
     }
-    // The next frame; null when the viewer is refused first, or nothing happens for half a minute.
-    FramePtr next() {
-        std::unique_lock lock(mutex_);
-        while (changed_.wait_for(lock, std::chrono::seconds(30), [&] { return told_; })) {
-            told_ = false;
-            if (FramePtr frame = viewer_->takeFrame()) {
-                viewer_->acknowledge(frame->id);
-                return frame;
-            }
-            if (!viewer_->refusal().empty()) return nullptr;
-        }
-        return nullptr;
-    }
-    std::string refusal() const { return viewer_->refusal(); }
-
-private:
-    std::mutex mutex_;
-    std::condition_variable changed_;
-    bool told_ = false; // True: something came since the last look
-    const std::shared_ptr<Viewer> viewer_;
-    const uint16_t width_, height_;
 };
 
 // Ticks as the test gives them.
@@ -279,7 +239,7 @@ TEST_F(FrameLoopTest, MethodsThatAreNoLongerUsedAreGone) {
 TEST_F(FrameLoopTest, ALawThatIsWrongIsMendedByMeasuring) {
     FrameLoop::Options options;
     options.measure_error = 1;
-    options.first_correction = 0.1;
+    options.law_factor = 0.1;
     FrameLoop loop(scene_, device(), audience_, metrics_, options);
     loop.start([&] { failed_ = true; });
     Looker looker(audience_, 160, 90);

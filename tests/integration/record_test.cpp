@@ -24,6 +24,10 @@ protected:
         std::filesystem::remove(file);
         std::filesystem::remove(file.string() + ".old");
     }
+    static std::string textOf(const std::filesystem::path& of) {
+        std::ifstream in(of);
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
     static std::vector<std::string> framesIn(const std::string& text) {
         std::vector<std::string> found;
         const std::regex one("tick [0-9]+ frame [0-9a-f]{16}");
@@ -95,6 +99,30 @@ TEST_F(Record, TheScenesOwnSettingsAreRecordedAsTheyWere) {
     EXPECT_EQ(replay->exitCode(), 0) << replay->err();
     EXPECT_NE(replay->out().find("the recording ended: stopped"), std::string::npos) << replay->out();
     std::filesystem::remove(scene);
+}
+
+TEST_F(Record, MeasuredErrorsAreRecordedUnlessNothingIsMeasured) {
+    uint64_t ticks = 0; // until the first session had recorded an error
+    for (const char* share : {"1", "0"}) {
+        RunningServer server({"--record", file.string(), "--measure-error", share});
+        Watcher watcher(server.endpoint());
+        watcher.look(kPose);
+        const auto done = [&] {
+            if (watcher.frames.empty()) return false;
+            return ticks > 0 ? watcher.last().tick >= ticks : textOf(file).find("errors") != std::string::npos;
+        };
+        ASSERT_TRUE(watch({&watcher}, done, milliseconds(60'000)));
+        ticks = watcher.last().tick;
+        server.process().signal(SIGTERM);
+        ASSERT_EQ(server.process().exitCode(), 0);
+        const auto replay = startServer({"--replay", file.string()});
+        ASSERT_EQ(replay->exitCode(), 0) << replay->err();
+        const bool told = std::regex_search(
+            replay->out(), std::regex("[0-9]+ measured errors of 1 viewers; the largest: [0-9.]+ % \\([0-9.]+ to "
+                                      "[0-9.]+\\) at tick [0-9]+, viewer 1 by [a-z]+, predicted [0-9.]+ %"));
+        EXPECT_EQ(told, share == std::string("1")) << replay->out();
+        EXPECT_EQ(textOf(file).find("errors") != std::string::npos, told);
+    }
 }
 
 TEST_F(Record, ARecordingIsBoundedAndTheServerGoesOn) {

@@ -188,6 +188,27 @@ TEST_F(RecordingTest, ReadsWhatWasWrittenAndReplaysIt) {
     EXPECT_EQ(replayed(), "replayed 10 ticks with 2 commands: 3 states as recorded; the recording ended: stopped\n");
 }
 
+TEST_F(RecordingTest, MeasuredErrorsAreReadAsTheyWereAndAReplayTellsTheLargest) {
+    const ErrorEstimate small{.pixels = 100, .rmse = 0.003, .low = 0.0025, .high = 0.004, .bias = -0.01, .law = 0.0029};
+    const ErrorEstimate large{.pixels = 1024, .rmse = 0.012344, .low = 0.011, .high = 0.014, .bias = 0, .law = 0};
+    {
+        Simulation simulation(sceneOf(kScene, head().file, head().overrides));
+        RecordingWriter out(file, head());
+        EXPECT_TRUE(out.write({0, simulation.stateHash(), {}, {}, {}, {{7, "slabs", small}}}));
+        simulation.step({});
+        EXPECT_TRUE(out.write({1, simulation.stateHash(), {}, {}, {}, {{7, "slabs", small}, {8, "grid", large}}}));
+    }
+    RecordingReader in(file);
+    EXPECT_EQ(in.next()->errors.size(), 1u);
+    const std::vector<RecordedError> errors = in.next()->errors;
+    ASSERT_EQ(errors.size(), 2u);
+    EXPECT_EQ(errors[0].error, small);
+    EXPECT_EQ(errors[1].error.rmse, 0.01234) << "four digits";
+    const std::string told =
+        "3 measured errors of 2 viewers; the largest: 1.2 % (1.1 to 1.4) at tick 1, viewer 8 by grid";
+    EXPECT_NE(replayed().find(told), std::string::npos) << replayed();
+}
+
 TEST_F(RecordingTest, AFileThatIsThereIsKept) {
     put("dear");
     record();

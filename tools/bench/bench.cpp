@@ -42,6 +42,7 @@ public:
         addReport();
         addTables();
         addPromise();
+        addCorrection();
         addPictures();
     }
 
@@ -200,6 +201,26 @@ private:
         addCosts(command);
     }
 
+    void addCorrection() {
+        CorrectionQuestion& q = correction_.question;
+        CLI::App* command = addPlain("correction", kMeasurements,
+                                     "what measuring makes of laws that turn wrong while the server's loop draws",
+                                     [this] { correction(context_, correction_); });
+        command->add_option("--scene", q.wanted.scene, kSceneHelp);
+        command->add_option("--camera", q.wanted.camera, kCameraHelp);
+        command->add_option("--size", correction_.size, "pixels");
+        addSet(command, q.wanted.set);
+        command->add_option("--law-factor", q.law_factor, "on the error of every law")->check(CLI::Range(0.01, 100.0));
+        command->add_option("--at", q.at, "s after the first measured error: the laws turn wrong")
+            ->check(CLI::Range(0.0, 3600.0));
+        command->add_option("--seconds", q.seconds, "after the first measured error: the end")
+            ->check(CLI::Range(0.1, 3600.0));
+        command->add_option("--measure-error", q.measure_error, "part of one core that measures")
+            ->check(CLI::Range(0.001, 1.0));
+        command->add_option("--out", correction_.out, kOutHelp)->default_str("");
+        addCosts(command);
+    }
+
     void addPictures() {
         CLI::App* command = addPlain("pictures", kDevelopment,
                                      "a fingerprint of every scene's picture by every method: the same text while no "
@@ -218,6 +239,7 @@ private:
     double calibrate_seconds_ = 15;
     SweepOptions sweep_;
     PromiseOptions promise_;
+    CorrectionOptions correction_;
     ReportOptions report_;
     PlanTable planned_;
     std::string plan_out_, features_out_, pictures_only_, pictures_out_;

@@ -180,6 +180,34 @@ void keepPromise(const Context& context, PromiseOptions o) {
     std::cerr << "scenes: " << o.question.folder.string() << ", rows: " << o.rows.string() << '\n';
 }
 
+void correction(const Context& context, CorrectionOptions o) {
+    CorrectionQuestion& q = o.question;
+    q.wanted.size = sizeOf(o.size);
+    if (q.at >= q.seconds) throw std::runtime_error("--seconds: must be more than --at");
+    const gpu::Device device(context.device);
+    const CostModel model = costsOf(context, device);
+    const CorrectionRun run = correctionRun(device, model, q);
+    std::string page = fmt::format(
+        "# The correction at work\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}. Costs: {}.\n\n"
+        "The server's frame loop draws `{}` with `auto` for one viewer, {}, who flies slowly around it. {:.3g} s after "
+        "the first measured error the error of every law is multiplied by {:.3g}, and a command makes the plan anew: "
+        "it then takes what is too coarse. Without a command it would first wait two seconds, as for anything that is "
+        "only cheaper. The budget, `render.error`, is {:.3g} %. Measuring takes {:.3g} of a core; overload is switched off. "
+        "Measured is the error of the newest 100 to 256 pixels, by which the plan learns: it changes once 100 pixels of new pictures are traced. Predicted is the plan's own, "
+        "as corrected. Errors as [`conventions.md`](../../conventions.md#errors) defines them.\n\n",
+        context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model), q.wanted.scene, o.size, q.at,
+        q.law_factor, 100 * run.promised, q.measure_error);
+    if (!o.out.empty()) {
+        const std::string name = o.out.stem().string();
+        writeText(o.out.parent_path() / (name + ".svg"), correctionPlot(run));
+        writeText(o.out.parent_path() / (name + "-settings.svg"), settingsPlot(run));
+        page += fmt::format("![measured and predicted error over time]({0}.svg)\n\n"
+                            "![chosen settings over time]({0}-settings.svg)\n\n",
+                            name);
+    }
+    writeText(o.out, page + correctionPage(run));
+}
+
 void sweep(const Context& context, const SweepOptions& o) {
     std::vector<Series> all;
     for (const std::string& file : o.files) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/gpu/device.h"
+#include "tools/bench/correction.h"
 #include "tools/bench/predict.h"
 #include "tools/bench/promise.h"
 #include "tools/bench/sweep.h"
@@ -51,6 +52,13 @@ struct PromiseOptions {
     std::filesystem::path rows = "build/promise.jsonl", out;
 };
 void keepPromise(const Context& context, PromiseOptions options);
+
+struct CorrectionOptions {
+    CorrectionQuestion question; // its scene's size is replaced
+    std::string size = "640x360";
+    std::filesystem::path out;
+};
+void correction(const Context& context, CorrectionOptions options);
 
 struct SweepOptions {
     std::vector<std::string> files;
