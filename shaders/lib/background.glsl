@@ -77,9 +77,9 @@ vec3 lit(Hit hit, vec3 x) {
 }
 
 vec3 shade(vec3 dir, Hit hit) {
-    vec3 colour = skyRadiance(normalize(dir));
-    if (hit.object != kNone)
-        colour = throughHaze(lit(hit, eye.position + hit.depth * dir), hit.depth * length(dir));
+    const vec3 w = normalize(dir);
+    vec3 colour = skyRadiance(w);
+    if (hit.object != kNone) colour = throughHaze(lit(hit, eye.position + hit.depth * dir), hit.depth * dot(dir, w));
     return colour;
 }
 
