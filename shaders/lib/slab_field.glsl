@@ -66,7 +66,7 @@ float fieldAt(inout FieldFaces faces, uint quantity, FieldRun run, float face, f
     const float below = min(floor(face), float(grid.slabs - 1));
     if (below != faces.below) {
         const uvec4 around = facesAround(nearestWhole(below));
-        for (uint i = 0; i < 4; ++i)
+        [[dont_unroll]] for (uint i = 0; i < 4; ++i) // compiles in half the time
             faces.columns[i] = fieldColumns(fieldFace(quantity, around[i]), run, through(run.down));
         faces.below = below;
     }

@@ -182,7 +182,7 @@ TEST_F(FrameLoopTest, NoCameraMakesOthersWaitForAShader) {
     }
     EXPECT_GT(wanted, 0);
     // A snapshot waits for its shaders, and is drawn when they are there.
-    snapshot.lookFrom(1, {0, 3, 2}, true);
+    snapshot.lookFrom(1, {0, 2, 60}, true);
     for (int i = 0; i < 10; ++i) {
         ++seq;
         steady.look(seq, float(seq));

@@ -38,7 +38,8 @@ std::string inShort(const MediumError& error);
 
 // What the scene does to radiance before it is shown.
 DisplaySettings displayOf(const RenderSettings& settings);
-// Settings that leave the medium and its objects alone: no sky, no ambient light.
-inline constexpr const char* kMediumAlone[] = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]"};
+// Settings that leave the medium and its objects alone: no sky, no ambient light, no haze.
+inline constexpr const char* kMediumAlone[] = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]",
+                                               "sky.haze=0"};
 
 } // namespace brume::bench
