@@ -23,7 +23,7 @@ inline constexpr Limits kColour{0, 1}, kRadiance{0, 1e4}, kSpeed{-100, 100};
 inline constexpr Limits kCount{1, 1'000'000};
 inline constexpr Limits kScale{1e-3, 1e3};
 inline constexpr Limits kFalloff{0.1, 10}; // 000's slider ends at 10; at 0 a particle has no extent
-inline constexpr Limits kHaze{0, 1e3};
+inline constexpr Limits kHaze{0, 1e3}; // 1/m
 inline constexpr Limits kExtinction{0, 1e5}; // 000's slider ends at 100, which is thin for particles of centimetres
 inline constexpr Limits kMultiplier{0, 1e3};
 inline constexpr Limits kSigmaT{0, 1e4}; // 1/m, a point's own

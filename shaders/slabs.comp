@@ -48,7 +48,7 @@ void main() {
     const float z = middleDepth(sheet * kLanes + lane); // of the lane's slab
     const vec2 at = z * corner;
     const float spacing = z * pixel * float(grid.rate);
-    const float last = middleDepth(sheet * kLanes + kLanes - 1); // of the sheet's last slab
+    const float last = middleDepth(sheet * kLanes + kLanes - 1); // depth of the sheet's last slab
 
     const uvec3 line = uvec3(gl_WorkGroupID.xy, sheet) + uvec3(0, grid.lines.x, grid.lines.x + grid.lines.y);
     const uint words = (tick.particle_count + 31) / 32;

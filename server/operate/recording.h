@@ -42,7 +42,7 @@ struct RecordedTick {
     std::vector<Command> commands;     // commands that this tick took, in order
     std::optional<uint64_t> frame;     // hash of the picture of the scene's own camera, 640x360
     std::string end;                   // reason why the recording ends here; empty: it goes on
-    std::vector<RecordedError> errors; // that were known then; a replay does not depend on them
+    std::vector<RecordedError> errors; // known at this tick; a replay does not depend on them
 };
 
 // The text is one line: "FILE:LINE: what is wrong".

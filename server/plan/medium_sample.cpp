@@ -94,7 +94,7 @@ void MediumSample::lookAround(SampledParticle& at) const {
 std::vector<SampledParticle> MediumSample::seenIn(const Pixels& pixels) const {
     std::vector<SampledParticle> out = even_;
     if (candidates_.empty()) return out;
-    std::vector<std::pair<double, const SampledParticle*>> light; // what each adds to squared radiance, relative
+    std::vector<std::pair<double, const SampledParticle*>> light; // pairs: added squared radiance, relative
     light.reserve(candidates_.size());
     for (const SampledParticle& p : candidates_)
         light.emplace_back(pixels(p.centre, p.deviation) * square(std::expm1(-p.depth)), &p);

@@ -73,12 +73,13 @@ struct Plan {
     size_t views = 1;
     std::vector<RenderSettings> wanted; // ways that would have been taken if they were compiled, with the views' rates
     std::string refused;                // "METHOD: reason" for a method that the scene does not allow; empty: none
-    bool within = true;         // True: the error budget holds; false: the cheapest of the most accurate ways was taken
-    bool kept = false;          // True: PlanInputs::before was kept, though another way is cheaper
-    bool held = false;          // True: it would not have been without PlanInputs::hold
-    Limit limit = Limit::time;  // before overload
-    RenderSettings base;        // the settings before overload
-    uint32_t relaxed = 0;       // overload steps taken, of those asked for; they end at ten times the error budget
+    bool within = true;        // True: the error budget holds; false: the cheapest of the most accurate ways was taken
+    bool kept = false;         // True: PlanInputs::before was kept, though another way is cheaper
+    bool held = false;         // True: it would not have been without PlanInputs::hold
+    Limit limit = Limit::time; // before overload
+    RenderSettings base;       // the settings before overload
+    uint32_t relaxed = 0; // overload steps taken, of those asked for; they end at ten times the error budget, and at
+                          // 15 times if the last plan took them
     double less_relaxed_ms = 0; // predicted time one overload step earlier
     double still_ms = 0;        // predicted time with finer(), for still pictures
     // The medium's standard deviation, in pixels, in the view that settings.rate fits; other views have rates of

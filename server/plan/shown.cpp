@@ -30,8 +30,8 @@ ShownMedium::ShownMedium(const PlanScene& scene, const PlanView& view) {
     const double pixel = (double(frustum.up) + double(frustum.down)) / double(view.height);
     const glm::dmat3 axes(glm::mat3_cast(view.pose.orientation));
     const glm::dvec3 eye(view.pose.position);
-    const auto part = [](double at, double reach, double least,
-                         double most) { // part of at ± reach that is between them
+    // Part of at ± reach that lies between least and most.
+    const auto part = [](double at, double reach, double least, double most) {
         const double lo = std::max(at - reach, least), hi = std::min(at + reach, most);
         return std::clamp((hi - lo) / (2 * reach), 0.0, 1.0);
     };

@@ -89,7 +89,7 @@ double projectedDeviation(const MediumExtent& extent, const PlanView& view) {
 }
 
 ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
-    : scene_(scene), width_(view.width), height_(view.height), shown_(scene, view) {
+    : scene_(scene), view_(view), width_(view.width), height_(view.height) {
     const Frustum frustum = frustumOf(view.pose, view.width, view.height);
     pixel_ = pixelOf(frustum, view.height);
     const glm::mat3 axes = glm::mat3_cast(view.pose.orientation);
@@ -117,6 +117,11 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
                        far};
         if (box.right > box.left && box.bottom > box.top) seen_.push_back(box);
     }
+}
+
+const ShownMedium& ViewWork::shown() const {
+    if (!shown_) shown_.emplace(scene_, view_);
+    return *shown_;
 }
 
 Work ViewWork::of(const RenderSettings& settings) const {

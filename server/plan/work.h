@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -94,7 +95,7 @@ public:
     double raySpacing(uint32_t rate) const;                // between neighbours, in projected standard deviations
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
-    const ShownMedium& shown() const { return shown_; }
+    const ShownMedium& shown() const;                      // found when first asked for: work alone does not need it
     // Pixels covered by all particles, if each covers `part_of_box` of the box around it.
     double fragments(double part_of_box) const;
 
@@ -106,10 +107,11 @@ public:
 
 private:
     const PlanScene& scene_;
+    PlanView view_;
     uint32_t width_, height_;
     double pixel_, near_, far_;
     std::vector<Seen> seen_;
-    ShownMedium shown_;
+    mutable std::optional<ShownMedium> shown_;
 };
 
 // Number of cells that [lo, hi] touches, in a row of `count` cells of `size` from 0.

@@ -52,8 +52,8 @@ uint listMembers(uint from, uint chunk, uvec3 line, uint words) {
     return count;
 }
 
-// Ratio of a recurrence's first two values. A member may be far from a tile on planes that it does not reach. Its values
-// are 0 there, and a ratio that is infinite would make them NaN.
+// Ratio of a recurrence's first two values. A member may be far from a tile on planes that it does not reach. Its
+// values are 0 there, and a ratio that is infinite would make them NaN.
 float firstRatio(float exponent) { return exp2(min(exponent, 100)); }
 
 // exp(-k^2 |d|^2) of a member on the lane's plane; d has equal steps along columns and rows.

@@ -256,7 +256,7 @@ TEST(Surface, LightAndSky) {
     EXPECT_EQ(skyRadiance(world, glm::normalize(glm::dvec3(1, -0.3, 0))).x, 0.2);
     EXPECT_NEAR(skyRadiance(world, {std::sqrt(1 - 0.35 * 0.35), 0.35, 0}).x, 0.4, 1e-15);
     EXPECT_NEAR(along(world, {{0, 5, 0}, {0, 1, 0}}).total().x, 0.6, 1e-15);
-    world.haze = 0.1; // of 5 m of air
+    world.haze = 0.1; // 1/m; the ray crosses 5 m of it
     EXPECT_NEAR(along(world, down).total().x, 0.2 + (0.4 * (0.4 + 3 / 4.0 / kPi) - 0.2) * std::exp(-0.5), 1e-12);
     EXPECT_NEAR(along(world, {{0, 5, 0}, {0, 1, 0}}).total().x, 0.6, 1e-15) << "the sky is behind all air";
 }

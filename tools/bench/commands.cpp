@@ -192,9 +192,9 @@ void correction(const Context& context, CorrectionOptions o) {
         "The server's frame loop draws `{}` with `auto` for one viewer, {}, who flies slowly around it. {:.3g} s after "
         "the first measured error the error of every law is multiplied by {:.3g}, and a command makes the plan anew: "
         "it then takes what is too coarse. Without a command it would first wait two seconds, as for anything that is "
-        "only cheaper. The budget, `render.error`, is {:.3g} %. Measuring takes {:.3g} of a core; overload is switched off. "
-        "Measured is the error of the newest 100 to 256 pixels, by which the plan learns: it changes once 100 pixels of new pictures are traced. Predicted is the plan's own, "
-        "as corrected. Errors as [`conventions.md`](../../conventions.md#errors) defines them.\n\n",
+        "only cheaper. The budget, `render.error`, is {:.3g} %. Measuring takes {:.3g} of a core; overload is switched "
+        "off. Measured is the error of the newest 100 to 256 pixels, by which the plan learns: it changes once 100 "
+        "pixels of new pictures are traced. Predicted is the plan's own, as corrected. Errors as [`conventions.md`](../../conventions.md#errors) defines them.\n\n",
         context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model), q.wanted.scene, o.size, q.at,
         q.law_factor, 100 * run.promised, q.measure_error);
     if (!o.out.empty()) {

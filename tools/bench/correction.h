@@ -26,13 +26,13 @@ struct CorrectionSample {
     double rate = 0; // pixels between rays
     double slabs = 0;
     double predicted = 0;   // relative RMSE, as the plan corrects it
-    ErrorEstimate measured; // of the newest pixels; its law is as wrong as the laws are
+    ErrorEstimate measured; // error of the newest pixels; its law is as wrong as the laws are
 };
 
 struct CorrectionRun {
     double promised = 0; // render.error
     double broken_s = 0; // when the laws turned wrong
-    uint64_t frames = 0; // that the viewer got
+    uint64_t frames = 0; // frames that the viewer got
     std::vector<CorrectionSample> samples;
 };
 
