@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr size_t kMostSamples = 4096;
-constexpr double kMostCells = 1 << 22;
+constexpr double kMostCells = 1 << 24;
 // Fewer would save nothing, and the estimate is a mean: what an eye is close to errs more.
 constexpr uint32_t kLeastTexels = 32, kLeastLayers = 18; // planes less one
 // Bins of standard deviations, by the exponent and two bits of the float: four an octave.

@@ -44,7 +44,7 @@ struct ShadowResolution {
 };
 
 // Chooses the resolution. Numbers that `settings` give (not 0) are kept. The others are the smallest, in steps of a
-// fifth, for which the error is at most settings.shadow_error. Limits: 32 ... 1024 texels, 19 ... 127 planes, 2^22
+// fifth, for which the error is at most settings.shadow_error. Limits: 32 ... 1024 texels, 19 ... 127 planes, 2^24
 // cells; at a limit the error may be larger. `extent`: m, of the map.
 ShadowResolution shadowResolution(const RenderSettings& settings, const ShadowedMedium& medium, glm::vec3 extent);
 

@@ -12,8 +12,9 @@ namespace brume {
 namespace {
 
 // Where nothing holds the budgets: the cheapest of those whose error is at most so many times the least that there is.
-constexpr double kNearBest = 1.1;
+constexpr double kNearBest = 1.03;
 // Laws grow without end, errors do not: a picture that shows nothing of the medium errs by 1.
+constexpr double kMostLight = 1; // so that a law beyond its use does not hide how coarse rays and slabs are
 double bounded(double law) { return 1 - 1 / (1 + law); }
 
 // Pixels of a deviation above which the coarsest rate is finer than needs be: other views would get too many rays by
@@ -131,7 +132,7 @@ std::optional<double> Prices::errorIn(const ViewWork& view, const RenderSettings
 
 double Prices::corrected(size_t i, const RenderSettings& way, double rays, double light) const {
     const double factor = inputs_.corrections ? inputs_.corrections->factor(inputs_.views[i].viewer, way.method) : 1;
-    return inputs_.law_factor * factor * std::hypot(rays, views_[i].shown().lightFactor() * light);
+    return inputs_.law_factor * factor * std::hypot(rays, std::min(views_[i].shown().lightFactor() * light, kMostLight));
 }
 
 Candidate Prices::withoutShadow(const RenderSettings& way) {

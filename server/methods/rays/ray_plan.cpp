@@ -10,7 +10,7 @@
 namespace brume {
 namespace {
 
-constexpr uint32_t kSlabCounts[] = {8, 16, 24, 32, 48, 64, 96, 128, 192, 256};
+constexpr uint32_t kSlabCounts[] = {8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512};
 constexpr uint32_t kMostFinerSlabs = 512;
 constexpr double kLeastError = 2e-4; // remains however fine rays and slabs are: float32 and the cut-off
 // Least deviation of a particle, in slabs (slab_bins.comp), and the thickness in deviations above which it is widened.
