@@ -12,7 +12,7 @@ layout(local_size_x = 32) in;
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
 layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
-// [columns, rows, sheets][32 particles], then pages; all 0 before.
+// [columns, rows, sheets][32 particles], then pages; then the same of coarse bricks. All 0 before.
 layout(scalar, binding = 4) buffer Bins { uint bins[]; };
 layout(scalar, binding = 5) buffer Marks { uint marks[]; };         // lib/grid_marks.glsl; all 0 before
 
@@ -22,13 +22,13 @@ const float kLog2e = 1.4426950408889634;
 // Least variance of a Gaussian on the nodes, spacings^2. Narrower particles are widened, with the same optical mass.
 // Their sum over the nodes then varies with the position by at most 2 exp(-2 pi^2 0.36) = 0.2 %.
 const float kLeastVariance = 0.36;
+const float kCoarseVariance = 4.0 / 3; // spacings^2, added by a B-spline of coarse nodes
 
 #include "shaders/lib/line_bins_write.glsl"
 #include "shaders/lib/grid_marks.glsl"
 
-// Marks bricks `first` to `last` in set `set`.
-void mark(uint set, ivec3 first, ivec3 last) {
-    const ivec3 end = ivec3(push.medium.bricks) - 1, a = clamp(first, ivec3(0), end), b = clamp(last, ivec3(0), end);
+// Marks bricks `a` to `b` in set `set`.
+void mark(uint set, ivec3 a, ivec3 b) {
     for (int z = a.z; z <= b.z; ++z)
         for (int y = a.y; y <= b.y; ++y)
             for (int x = a.x / 32 * 32; x <= b.x; x += 32) {
@@ -39,31 +39,45 @@ void mark(uint set, ivec3 first, ivec3 last) {
 
 void main() {
     const MediumGrid medium = push.medium;
+    const uvec3 coarse_bricks = coarseBricks();
     const uint i = gl_WorkGroupID.x * 32 + laneOfWord();
-    ivec2 reach[3] = ivec2[](ivec2(1, 0), ivec2(1, 0), ivec2(1, 0));
+    ivec2 reach[3] = ivec2[](ivec2(1, 0), ivec2(1, 0), ivec2(1, 0)), coarse_reach[3] = reach;
     if (i < tick.particle_count) {
         const Particle p = particles[i];
         const float u = p.scale * tick.falloff, own = max(0.1 * u / medium.spacing, 1e-12);
-        const float held = sqrt(max(own * own - medium.variance, kLeastVariance));
+        const vec3 at = (p.centre - medium.origin) / medium.spacing; // in nodes
+        const bool is_coarse = own >= medium.least_coarse;
+        const float held = is_coarse ? 0.5 * sqrt(own * own - medium.variance - kCoarseVariance)
+                                     : sqrt(max(own * own - medium.variance, kLeastVariance));
+        const float own_nodes = is_coarse ? 0.5 * own : own; // the deviation, in its nodes' spacings
         SlabMember m;
-        m.centre = (p.centre - medium.origin) / medium.spacing;
+        m.centre = is_coarse ? inCoarse(at) : at;
         m.across = m.along = 0.5 * kLog2e / (held * held);
-        m.sigma = p.sigma_t * (own / held) * (own / held) * (own / held);
+        m.sigma = p.sigma_t * (own_nodes / held) * (own_nodes / held) * (own_nodes / held);
         m.albedo = p.albedo;
         members[i] = m;
-        const float radius = supportRadius(p.sigma_t, u, tick.cut) / medium.spacing * max(held / own, 1);
+        const float support = supportRadius(p.sigma_t, u, tick.cut) / medium.spacing, // spacings
+                    radius = support * max(held / own_nodes, 1);                      // of what is sampled
         if (radius > 0) {
-            const vec3 first = (m.centre - radius) / float(kSlabTile) - 1e-3,
-                       last = (m.centre + radius) / float(kSlabTile) + 1e-3;
-            for (uint axis = 0; axis < 3; ++axis) reach[axis] = span(first[axis], last[axis], medium.bricks[axis]);
+            const float own_radius = support * held / own; // of what its nodes hold, in their spacings
+            const vec3 first = (m.centre - own_radius) / float(kSlabTile) - 1e-3,
+                       last = (m.centre + own_radius) / float(kSlabTile) + 1e-3;
+            for (uint axis = 0; axis < 3; ++axis) {
+                if (is_coarse) coarse_reach[axis] = span(first[axis], last[axis], coarse_bricks[axis]);
+                else reach[axis] = span(first[axis], last[axis], medium.bricks[axis]);
+            }
             // A sample in cell c reads nodes c - 1 ... c + 2. So a particle is seen from two cells before it to one
             // cell behind it, and the cells of a marked brick read from one node before the brick to two nodes behind
             // it.
-            const ivec3 from = ivec3(floor((m.centre - radius - 2) / float(kSlabTile))),
-                        to = ivec3(floor((m.centre + radius + 1) / float(kSlabTile)));
+            const ivec3 end = ivec3(medium.bricks) - 1;
+            const ivec3 from = clamp(ivec3(floor((at - radius - 2) / float(kSlabTile))), ivec3(0), end),
+                        to = clamp(ivec3(floor((at + radius + 1) / float(kSlabTile))), ivec3(0), end);
+            const ivec3 from_read = max(from - 1, ivec3(0)), to_read = min(to + 1, end);
             mark(kSampled, from, to);
-            mark(kRead, from - 1, to + 1);
+            mark(kRead, from_read, to_read);
+            mark(kReadCoarse, firstCoarse(from_read), lastCoarse(to_read));
         }
     }
     writeBins(0, reach, medium.bricks);
+    writeBins(lineWords(medium.bricks, gl_NumWorkGroups.x), coarse_reach, coarse_bricks);
 }

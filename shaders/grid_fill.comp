@@ -4,12 +4,18 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
-// Method `grid`, second pass, once per tick: the sum of all particles at each node. One workgroup per brick; a lane
-// is a plane of nodes. Bricks that no sample reads keep their old content.
+#extension GL_KHR_shader_subgroup_shuffle : require
+// Method `grid`, second pass, once per tick: the sum of all particles at each node. First the coarse nodes are filled,
+// then the others, whose sums begin with what the coarse ones interpolate to. One workgroup per brick; a lane is a
+// plane of nodes. Bricks that no sample reads keep their old content.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/field.h"
 
 layout(local_size_x = 8) in; // kSlabTile
+
+layout(constant_id = kIdCoarse) const bool kCoarse = false;
+layout(constant_id = kIdHasCoarse) const bool kHasCoarse = true;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
@@ -17,6 +23,7 @@ layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
 layout(scalar, binding = 3) writeonly buffer Nodes { vec4 nodes[]; };
 layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };   // written by grid_bins.comp
 layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; }; // lib/grid_marks.glsl
+layout(scalar, binding = 6) readonly buffer CoarseNodes { vec4 coarse[]; }; // as nodes; only if these are not coarse
 
 layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 
@@ -24,21 +31,68 @@ const uint kLanes = kSlabTile;
 
 #include "shaders/lib/tile_members.glsl"
 #include "shaders/lib/grid_marks.glsl"
+#include "shaders/lib/spline.glsl"
+
+// Cubic B-spline at half-integers from its middle.
+const float kSpline[4] = {4.0 / 6, 23.0 / 48, 1.0 / 6, 1.0 / 48};
+
+// Sums begin with the coarse particles: a separable B-spline of the 7x7x7 coarse nodes around the brick. Node n of the
+// brick lies at 1 + n / 2 of them, along each axis.
+void addCoarse(inout float sum[kPoints], uvec3 brick, uint quantity) {
+    const uvec3 size = coarseBricks() * kSlabTile;
+    const uint lane = gl_LocalInvocationIndex, plane = size.y * size.x / 4;
+    const vec4 weights = spline(0.5 * float(lane % 2));
+    const uint first = (quantity * size.z + brick.z * kHalfTile) * plane +
+                       (brick.y * kHalfTile * size.x + brick.x * kHalfTile) / 4;
+    // In a large subgroup each lane loads one coarse plane, and takes the four that it needs from other lanes.
+    const bool shared_loads = gl_SubgroupSize >= kLanes;
+    const uint own_plane = first + min(lane, kCoarseOfTile - 1) * plane,
+               from = gl_SubgroupInvocationID - lane + lane / 2;
+    [[unroll]] for (uint row = 0; row < kCoarseOfTile; ++row) {
+        float along[kCoarseOfTile];
+        [[unroll]] for (uint i = 0; i < kCoarseOfTile; ++i) along[i] = 0;
+        const uint at = row * (size.x / 4);
+        if (shared_loads) {
+            const vec4 own[2] = vec4[](coarse[own_plane + at], coarse[own_plane + at + 1]);
+            [[unroll]] for (uint i = 0; i < kCoarseOfTile; ++i)
+                [[unroll]] for (uint k = 0; k < 4; ++k)
+                    along[i] += weights[k] * subgroupShuffle(own[i / 4][i % 4], from + k);
+        } else {
+            [[unroll]] for (uint k = 0; k < 4; ++k) {
+                const uint there = first + (lane / 2 + k) * plane + at;
+                const vec4 own[2] = vec4[](coarse[there], coarse[there + 1]);
+                [[unroll]] for (uint i = 0; i < kCoarseOfTile; ++i) along[i] += weights[k] * own[i / 4][i % 4];
+            }
+        }
+        float fine[kSlabTile];
+        [[unroll]] for (uint x = 0; x < kSlabTile; ++x) {
+            const uint c = x / 2;
+            fine[x] = x % 2 == 0 ? kSpline[2] * (along[c] + along[c + 2]) + kSpline[0] * along[c + 1]
+                                 : kSpline[3] * (along[c] + along[c + 3]) + kSpline[1] * (along[c + 1] + along[c + 2]);
+        }
+        [[unroll]] for (uint y = 0; y < kSlabTile; ++y) {
+            const int half_nodes = abs(int(y) + 2 - 2 * int(row));
+            if (half_nodes > 3) continue;
+            [[unroll]] for (uint x = 0; x < kSlabTile; ++x) sum[y * kSlabTile + x] += kSpline[half_nodes] * fine[x];
+        }
+    }
+}
 
 void main() {
-    const uvec3 bricks = push.medium.bricks;
+    const uvec3 bricks = kCoarse ? coarseBricks() : push.medium.bricks;
     const uvec3 brick = uvec3(gl_WorkGroupID.xy, gl_WorkGroupID.z % bricks.z);
     const uint quantity = gl_WorkGroupID.z / bricks.z;
-    if ((marks[markWord(kRead, brick)] >> (brick.x % 32) & 1) == 0) return;
+    if ((marks[markWord(kCoarse ? kReadCoarse : kRead, brick)] >> (brick.x % 32) & 1) == 0) return;
     const uvec3 first = brick * kSlabTile + uvec3(0, 0, gl_LocalInvocationIndex),
                 line = brick + uvec3(0, bricks.x, bricks.x + bricks.y);
-    const uint words = (tick.particle_count + 31) / 32;
+    const uint words = (tick.particle_count + 31) / 32, from = kCoarse ? lineWords(push.medium.bricks, words) : 0;
 
     float sum[kPoints];
     [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
+    if (kHasCoarse && !kCoarse) addCoarse(sum, brick, quantity);
     for (uint chunk = 0; chunk < words; chunk += kChunk) {
-        if (!hasMembers(0, chunk / kPage, line, bricks.x + bricks.y + bricks.z, words)) continue;
-        const uint count = listMembers(0, chunk, line, words);
+        if (!hasMembers(from, chunk / kPage, line, bricks.x + bricks.y + bricks.z, words)) continue;
+        const uint count = listMembers(from, chunk, line, words);
         for (uint base = 0; base < count; base += held()) {
             SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
             if (base + gl_SubgroupInvocationID < count) mine = members[list[base + gl_SubgroupInvocationID]];

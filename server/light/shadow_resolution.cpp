@@ -21,6 +21,8 @@ constexpr size_t kBins = 1024;
 // Shares of the estimates that pictures show, from the measured errors of the shipped scenes (sweeps/shadow.toml): a
 // line of sight crosses many texels, whose errors are independent, but follows planes.
 constexpr double kTexelShare = 0.24, kPlaneShare = 0.6, kBodyShare = 0.24;
+// Particles much smaller than a texel have none of their own: pictures then show the whole error.
+double shown(double share, double error) { return (share + (1 - share) * error) * error; }
 
 // RMS over the plane of the error of a sharpened (shared/sharpen.h) Gaussian exp(-x^2/2) between texels q apart, over
 // sqrt(pi): the leading terms, 4 % within the integral for q <= 1.4.
@@ -82,25 +84,27 @@ ShadowedMedium::ShadowedMedium(std::span<const gpu::Particle> particles, float f
 double ShadowedMedium::texelError(double spacing) const {
     if (sizes_.empty()) return 0;
     double random = 0;
-    for (const Size& size : sizes_) random += kPi * size.squares * std::pow(gaussianError(spacing / size.deviation), 2);
+    for (const Size& size : sizes_)
+        random += kPi * size.squares * std::pow(shown(kTexelShare, gaussianError(spacing / size.deviation)), 2);
     random *= std::min(1.0, 1 / depth_) / (size_.x * size_.y);
     // The depth rises to 1, if it does, over half the width; where the rise begins and ends it turns within a standard
     // deviation.
     const double width = std::min(size_.x, size_.y), slope = 2 * std::min(depth_, 1.0) / width;
     const double turn = slope * slope / (2 * std::sqrt(kPi) * deviation_) * 4 / width;
-    return std::sqrt(kTexelShare * kTexelShare * random + kBodyShare * kBodyShare * turn * std::pow(spacing, 4) / 720);
+    return std::sqrt(random + kBodyShare * kBodyShare * turn * std::pow(spacing, 4) / 720);
 }
 
 double ShadowedMedium::planeError(double spacing) const {
     if (sizes_.empty()) return 0;
     double random = 0;
     for (const Size& size : sizes_)
-        random += kPi * size.deviation * size.squares * std::pow(depthError(spacing / size.deviation), 2);
+        random +=
+            kPi * size.deviation * size.squares * std::pow(shown(kPlaneShare, depthError(spacing / size.deviation)), 2);
     random /= size_.x * size_.y * size_.z;
     // The extinction rises from none within a standard deviation, on the side where the light is.
     const double extinction = depth_ / size_.z, lit = std::min(size_.z, 1 / extinction);
     const double turn = extinction * extinction / (2 * std::sqrt(kPi) * deviation_) / lit;
-    return std::sqrt(kPlaneShare * kPlaneShare * random + kBodyShare * kBodyShare * turn * std::pow(spacing, 4) / 720);
+    return std::sqrt(random + kBodyShare * kBodyShare * turn * std::pow(spacing, 4) / 720);
 }
 
 ShadowResolution shadowResolution(const RenderSettings& settings, const ShadowedMedium& medium, glm::vec3 extent) {

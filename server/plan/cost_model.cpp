@@ -16,7 +16,7 @@ namespace brume {
 namespace {
 
 // Version of the file. It grows when a pass counts its work in another unit, or is timed otherwise.
-constexpr int kVersion = 5;
+constexpr int kVersion = 6;
 
 constexpr const CostInfo* kCommon[] = {&costs::kUpload,        &costs::kOpaqueShadow, &costs::kShadowVolume,
                                        &costs::kParticleLight, &costs::kOpaque,       &costs::kCompose};

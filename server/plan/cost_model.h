@@ -22,7 +22,7 @@ namespace costs {
 inline constexpr CostInfo kUpload{"upload", "upload", 38};                    // particles
 inline constexpr CostInfo kOpaqueShadow{"opaque_shadow", "opaque shadow", 2}; // texels x casters
 // Particles x cells that they reach, plus the cells.
-inline constexpr CostInfo kShadowVolume{"shadow_volume", "shadow volume", 0.2};
+inline constexpr CostInfo kShadowVolume{"shadow_volume", "shadow volume", 0.12};
 inline constexpr CostInfo kParticleLight{"particle_light", "particle light", 130}; // particles
 inline constexpr CostInfo kOpaque{"opaque", "opaque", 7.3};                        // pixels x (1 + objects)
 inline constexpr CostInfo kCompose{"compose", "compose", 11};                      // pixels

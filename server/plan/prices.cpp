@@ -132,7 +132,8 @@ std::optional<double> Prices::errorIn(const ViewWork& view, const RenderSettings
 
 double Prices::corrected(size_t i, const RenderSettings& way, double rays, double light) const {
     const double factor = inputs_.corrections ? inputs_.corrections->factor(inputs_.views[i].viewer, way.method) : 1;
-    return inputs_.law_factor * factor * std::hypot(rays, std::min(views_[i].shown().lightFactor() * light, kMostLight));
+    return inputs_.law_factor * factor *
+           std::hypot(rays, std::min(views_[i].shown().lightFactor() * light, kMostLight));
 }
 
 Candidate Prices::withoutShadow(const RenderSettings& way) {

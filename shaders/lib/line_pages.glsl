@@ -6,5 +6,8 @@ const uint kPage = 64; // words of a page, each of 32 particles
 
 uint pageWords(uint words) { return (words + 32 * kPage - 1) / (32 * kPage); }
 
+// Words of all bits and pages of lines, of which there are lines.x, lines.y and lines.z; `words`: words of each.
+uint lineWords(uvec3 lines, uint words) { return (lines.x + lines.y + lines.z) * (words + pageWords(words)); }
+
 // Index of the word with pages 32 part ... 32 part + 31 of a line. `lines`: number of lines, `words`: words of each.
 uint pageWord(uint line, uint part, uint lines, uint words) { return lines * words + line * pageWords(words) + part; }

@@ -164,7 +164,8 @@ struct MediumGrid {
     vec3 origin;   // m
     float spacing; // m
     uvec3 bricks;
-    float variance; // spacings^2, added to the nodes by interpolation
+    float variance;     // spacings^2, added to the nodes by interpolation
+    float least_coarse; // spacings: least standard deviation of a particle that coarse nodes hold
 };
 
 // Indirect arguments, written by the cull pass: of vkCmdDraw and of vkCmdDrawMeshTasksEXT.
@@ -185,7 +186,7 @@ static_assert(sizeof(Tick) == 216 && offsetof(Tick, map) == 24 && offsetof(Tick,
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
-static_assert(sizeof(SlabGrid) == 64 && sizeof(View) == 256 && sizeof(MediumGrid) == 32);
+static_assert(sizeof(SlabGrid) == 64 && sizeof(View) == 256 && sizeof(MediumGrid) == 36);
 static_assert(sizeof(LightParticle) == 28 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif

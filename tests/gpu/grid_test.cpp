@@ -35,13 +35,41 @@ double largestError(double h, bool cubic) {
     return worst;
 }
 
-// As server/methods/grid/medium_grid.h states, in double precision.
+// The same, of coarse nodes 2 h apart, from which a B-spline makes those that are sampled linearly.
+double largestCoarseError(double h) {
+    const double held = 1 - h * h / 6 - 4 * h * h / 3, peak = 1 / std::sqrt(held);
+    double worst = 0;
+    for (double offset = 0; offset < 1; offset += 1.0 / 16) {
+        const auto coarse = [&](int j) {
+            const double node = (j + offset) * 2 * h;
+            return peak * std::exp(-node * node / (2 * held));
+        };
+        const auto fine = [&](int i) { // at 2 h (offset + i / 2)
+            double sum = 0;
+            for (int j = i / 2 - 3; j <= i / 2 + 3; ++j) sum += coarse(j) * spline(0.5 * i - j);
+            return sum;
+        };
+        for (double x = -5; x < 5; x += 0.01) {
+            const double at = x / h - 2 * offset;
+            const int i = int(std::floor(at));
+            const double t = at - i;
+            worst = std::max(worst, std::abs((1 - t) * fine(i) + t * fine(i + 1) - std::exp(-x * x / 2)));
+        }
+    }
+    return worst;
+}
+
+// As server/methods/grid/node_grid_plan.h states, in double precision.
 TEST(GridSampling, ErrsByTheStatedPowersOfTheSpacing) {
     for (const double h : {0.08, 0.15, 0.25, 0.35, 0.5, 0.7}) {
         EXPECT_LT(largestError(h, false), h * h / 11) << h;
         EXPECT_GT(largestError(h, false), h * h / 14) << h;
         EXPECT_LT(largestError(h, true), std::pow(h, 4) / 85) << h;
         EXPECT_GT(largestError(h, true), std::pow(h, 4) / 140) << h;
+    }
+    for (const double h : {0.08, 0.15, 0.25, 0.35, 1 / double(kLeastCoarse)}) {
+        EXPECT_LT(largestCoarseError(h), h * h / 11 + std::pow(2 * h, 4) / 85) << h;
+        EXPECT_GT(largestCoarseError(h), h * h / 14) << h;
     }
 }
 

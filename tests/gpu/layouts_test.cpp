@@ -12,6 +12,7 @@
 #include "shaders/slabs_comp.h"
 #include "shaders/sort_scan_comp.h"
 #include "test_shaders/layouts_comp.h"
+#include "test_shaders/tiny_numbers_comp.h"
 
 namespace brume::test {
 namespace {
@@ -99,6 +100,33 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     const auto got = words.mapped<uint32_t>(expected.size());
     EXPECT_EQ(std::vector<uint32_t>(got.begin(), got.end()), expected);
 }
+
+#if defined(__SSE2__)
+// Numbers below the normal range are zero: x86 adds them up to a hundred times as slowly as others.
+TEST_F(GpuTest, TinyNumbersAreZeroOnCpuDrivers) {
+    if (!device().isCpu()) GTEST_SKIP() << "a GPU: it may keep them, it adds them fast";
+    constexpr VkDeviceSize kBytes = 8 * sizeof(float);
+    const auto make = [&](const char* name) {
+        return Buffer(device(), kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::readback, name);
+    };
+    const Buffer numbers = make("numbers"), squares = make("squares");
+    for (float& number : numbers.mapped<float>(8)) number = 1e-20f;
+    numbers.mapped<float>(8)[7] = 1e-18f; // its square is normal
+    numbers.flush();
+    const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, tiny_numbers_comp, "tiny_numbers"});
+    Commands commands(device(), "tiny numbers");
+    const VkCommandBuffer cmd = commands.begin();
+    program.bind(commands, {storageBuffer(0, numbers), storageBuffer(1, squares)});
+    vkCmdDispatch(cmd, 1, 1, 1);
+    commands.submit();
+    waitFor(commands);
+    squares.invalidate();
+    for (int i = 0; i < 7; ++i) EXPECT_EQ(squares.mapped<float>(8)[size_t(i)], 0) << i;
+    EXPECT_FLOAT_EQ(squares.mapped<float>(8)[7], 1e-36f);
+    volatile float own = 1e-20f; // this thread keeps its mode
+    EXPECT_GT(own * own, 0);
+}
+#endif
 
 // More descriptor sets than a pool holds, in three recordings: each dispatch reads and writes what was bound for it.
 TEST_F(GpuTest, EveryBindingOfARecordingIsKept) {

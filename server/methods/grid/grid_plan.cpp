@@ -12,14 +12,17 @@ namespace brume::methods::grid {
 namespace {
 
 constexpr CostInfo kBins{"grid_bin", "grid bins", 14}; // particles x lines of bricks
-constexpr CostInfo kNodes{"grid", "grid", 0.15}; // particles x nodes of the bricks that they reach, and half the nodes
+// Particles x nodes of the bricks that they reach, and nodes x what makes them of coarse ones.
+constexpr CostInfo kNodes{"grid", "grid", 0.1};
 // Rays x slabs x (1, or 5 where sampling is cubic; with several albedos 4 times that).
 constexpr CostInfo kRays{"grid_rays", "grid rays", 12};
 constexpr const CostInfo* kCosts[] = {&kBins,         &kNodes,         &kRays, &costs::kRayEnds, &costs::kComposeField,
                                       &costs::kShade, &costs::kPresent};
 
-constexpr float kSpacings[] = {0.2f, 0.35f, 0.5f, 0.7f}; // standard deviations; cubic below kCubicBelow
-constexpr double kCubicSampling = 5;                     // what a sample then costs, over a linear one
+constexpr float kSpacings[] = {0.2f, 0.3f, 0.4f, 0.5f, 0.7f}; // standard deviations; cubic below kCubicBelow
+constexpr double kCoarseReach = 0.42; // of a particle on coarse nodes: these are narrower, and twice as far apart
+constexpr double kInterpolated = 12;  // particles that cost as much as a brick's interpolation from coarse nodes
+constexpr double kCubicSampling = 5;  // what a sample then costs, over a linear one
 
 class Plan final : public RayPlan {
 public:
@@ -50,16 +53,25 @@ public:
     void addSharedWork(const PlanScene& scene, const RenderSettings& settings, Work& work) const override {
         const gpu::MediumGrid grid = mediumGrid(scene.extent, settings);
         const glm::dvec3 bricks(grid.bricks);
-        double reached = 0; // bricks
+        // Bricks that the particles' own nodes lie in, and all bricks that have medium.
+        double reached = 0, filled = 0;
         for (const gpu::Particle& p : scene.sample) {
             const double reach = 2 * scene.support(p) / double(grid.spacing) / gpu::kSlabTile;
             if (reach <= 0) continue;
-            reached += std::min(reach + 1, bricks.x) * std::min(reach + 1, bricks.y) * std::min(reach + 1, bricks.z);
+            const auto touched = [&](double r) {
+                return std::min(r + 1, bricks.x) * std::min(r + 1, bricks.y) * std::min(r + 1, bricks.z);
+            };
+            const bool is_coarse =
+                0.1 * double(p.scale) * double(scene.tick.falloff) >= double(grid.least_coarse) * double(grid.spacing);
+            filled += touched(reach);
+            reached += touched(is_coarse ? kCoarseReach * reach : reach);
         }
         constexpr double kNodesOfBrick = double(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
+        const double all = bricks.x * bricks.y * bricks.z;
         work[kBins] = scene.particles * (bricks.x + bricks.y + bricks.z);
-        work[kNodes] =
-            quantitiesOf(scene) * kNodesOfBrick * (reached * scene.weight() + 0.5 * bricks.x * bricks.y * bricks.z);
+        work[kNodes] = quantitiesOf(scene) * kNodesOfBrick *
+                       (reached * scene.weight() +
+                        (hasCoarse(grid) ? kInterpolated * std::min(filled * scene.weight(), all) : 0.5 * all));
     }
 
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
@@ -78,7 +90,8 @@ private:
         double sum = 0;
         for (const ShownMedium::Size& size : view.shown().sizes()) {
             const double x = spacing / size.deviation;
-            const double e = isCubic(settings) ? 0.005 * std::pow(x, 4) : 0.05 * x * x;
+            const double coarse = x * double(kLeastCoarse) <= 1 ? 0.1 * std::pow(x, 4) : 0;
+            const double e = isCubic(settings) ? 0.005 * std::pow(x, 4) : 0.05 * x * x + coarse;
             sum += size.part * std::pow(e / (1 + e), 2);
         }
         return std::sqrt(sum);

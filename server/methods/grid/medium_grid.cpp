@@ -8,9 +8,13 @@
 namespace brume {
 namespace {
 
-uint32_t markBytes(const gpu::MediumGrid& grid) {
-    return 2 * gpu::groups(grid.bricks.x, 32) * grid.bricks.y * grid.bricks.z * uint32_t(sizeof(uint32_t));
+uint32_t markWords(glm::uvec3 bricks) { return gpu::groups(bricks.x, 32) * bricks.y * bricks.z; }
+
+uint32_t markBytes(const gpu::MediumGrid& grid) { // as in shaders/lib/grid_marks.glsl
+    return (2 * markWords(grid.bricks) + markWords(coarseBricks(grid))) * uint32_t(sizeof(uint32_t));
 }
+
+uint32_t linesOf(glm::uvec3 bricks) { return bricks.x + bricks.y + bricks.z; }
 
 constexpr VkBufferUsageFlags kScratch = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
@@ -22,7 +26,12 @@ bool same(const gpu::MediumGrid& a, const gpu::MediumGrid& b) {
 
 GridPass::GridPass(const gpu::Device& device)
     : device_(device), bins_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_bins_comp, "grid_bins"}),
-      fill_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"}) {}
+      coarse_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"},
+                      {{gpu::kIdCoarse, true}, {gpu::kIdHasCoarse, true}}),
+      with_coarse_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"},
+                           {{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, true}}),
+      alone_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"},
+                     {{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, false}}) {}
 
 void GridPass::record(gpu::Commands& commands, const MediumView& in, const RenderSettings& settings) {
     const gpu::MediumGrid grid = gridThatFits(*in.extent, settings);
@@ -30,11 +39,14 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
     version_ = in.version;
     grid_ = grid;
     one_albedo_ = in.extent->one_albedo;
-    const uint32_t words = gpu::groups(in.count, 32), lines = grid.bricks.x + grid.bricks.y + grid.bricks.z;
+    const uint32_t words = gpu::groups(in.count, 32), quantities = gpu::mediumQuantities(one_albedo_);
+    const glm::uvec3 bricks = grid.bricks, coarse = coarseBricks(grid);
     members_.atLeast(device_, in.count * sizeof(gpu::SlabMember), kScratch, gpu::Memory::device, "grid members");
-    const VkDeviceSize bin_bytes = lineBinBytes(lines, in.count);
+    const VkDeviceSize bin_bytes = lineBinBytes(linesOf(bricks) + linesOf(coarse), in.count);
     bins_.atLeast(device_, bin_bytes, kScratch, gpu::Memory::device, "grid bins");
     nodes_.atLeast(device_, gridBytes(grid, one_albedo_), kScratch, gpu::Memory::device, "grid nodes");
+    if (hasCoarse(grid))
+        coarse_nodes_.atLeast(device_, coarseBytes(grid, one_albedo_), kScratch, gpu::Memory::device, "coarse nodes");
     marks_.atLeast(device_, markBytes(grid), kScratch, gpu::Memory::device, "grid marks");
 
     const VkCommandBuffer cmd = commands.handle();
@@ -51,13 +63,19 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
         vkCmdDispatch(cmd, words, 1, 1);
         gpu::computeToCompute(cmd);
     }
+    const auto fill = [&](const gpu::ComputeProgram& program, glm::uvec3 size, const gpu::Buffer& into,
+                          const gpu::Buffer& from) {
+        program.bind(commands,
+                     {in.tick, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, into),
+                      gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, marks_), gpu::storageBuffer(6, from)},
+                     grid);
+        vkCmdDispatch(cmd, size.x, size.y, size.z * quantities);
+        gpu::computeToCompute(cmd);
+    };
+    const bool has_coarse = hasCoarse(grid);
     const gpu::Commands::Pass pass(commands, "grid");
-    fill_program_.bind(commands,
-                       {in.tick, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, nodes_),
-                        gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, marks_)},
-                       grid);
-    vkCmdDispatch(cmd, grid.bricks.x, grid.bricks.y, grid.bricks.z * gpu::mediumQuantities(one_albedo_));
-    gpu::computeToCompute(cmd);
+    if (has_coarse) fill(coarse_program_, coarse, coarse_nodes_, members_); // bound, but not read
+    fill(has_coarse ? with_coarse_program_ : alone_program_, bricks, nodes_, has_coarse ? coarse_nodes_ : members_);
 }
 
 } // namespace brume

@@ -27,8 +27,9 @@ public:
 
 private:
     const gpu::Device& device_;
-    gpu::ComputeProgram bins_program_, fill_program_;
-    gpu::Buffer members_, bins_, nodes_, marks_;
+    gpu::ComputeProgram bins_program_;
+    gpu::ComputeProgram coarse_program_, with_coarse_program_, alone_program_; // fill coarse nodes; the others
+    gpu::Buffer members_, bins_, nodes_, coarse_nodes_, marks_;
     gpu::MediumGrid grid_{};
     std::optional<uint64_t> version_; // of the particles that the nodes hold
     bool one_albedo_ = true;

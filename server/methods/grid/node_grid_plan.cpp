@@ -14,11 +14,17 @@ gpu::MediumGrid gridOf(const MediumExtent& extent, float spacing, bool cubic) {
     gpu::MediumGrid grid{};
     grid.spacing = spacing;
     grid.variance = cubic ? kCubicVariance : kLinearVariance;
+    grid.least_coarse = cubic ? kNeverCoarse : kLeastCoarse;
     const glm::vec3 first = glm::floor(extent.lo / spacing) - kRim, last = glm::ceil(extent.hi / spacing) + kRim;
     grid.origin = first * spacing;
     // Beyond any that fits where the medium is enormous: to be refused, not to be wrapped around.
     grid.bricks = glm::uvec3(glm::ceil(glm::min(last - first + 1.0f, glm::vec3(1e6f)) / float(gpu::kSlabTile)));
     return grid;
+}
+
+uint64_t bytesOf(glm::uvec3 bricks, bool one_albedo) {
+    constexpr uint64_t kNodes = uint64_t(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
+    return uint64_t(bricks.x) * bricks.y * bricks.z * kNodes * gpu::mediumQuantities(one_albedo) * sizeof(float);
 }
 
 } // namespace
@@ -35,11 +41,9 @@ gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& s
     return grid;
 }
 
-uint64_t gridBytes(const gpu::MediumGrid& grid, bool one_albedo) {
-    constexpr uint64_t kNodes = uint64_t(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
-    return uint64_t(grid.bricks.x) * grid.bricks.y * grid.bricks.z * kNodes * gpu::mediumQuantities(one_albedo) *
-           sizeof(float);
-}
+uint64_t gridBytes(const gpu::MediumGrid& grid, bool one_albedo) { return bytesOf(grid.bricks, one_albedo); }
+
+uint64_t coarseBytes(const gpu::MediumGrid& grid, bool one_albedo) { return bytesOf(coarseBricks(grid), one_albedo); }
 
 std::string gridRefusal(const MediumExtent& extent, const RenderSettings& settings) {
     const gpu::MediumGrid grid = mediumGrid(extent, settings);

@@ -4,7 +4,7 @@
 // particle's own width. The error that is left changes sign within a cell. For a particle of standard deviation s and h
 // <= 0.7 s, it is at most (h/s)^2 / 11 of the peak along one axis with linear sampling, and (h/s)^4 / 85 with cubic
 // (tests/gpu/grid_test.cpp). A line of sight crosses many cells of many particles, so the error in pictures is far
-// smaller.
+// smaller. With linear sampling large particles are on coarse nodes first, 2 h apart, and add (2 h/s)^4 / 85.
 #pragma once
 
 #include <string>
@@ -19,6 +19,9 @@ inline constexpr float kGridSpacing = 0.5f; // standard deviations between nodes
 // Below this spacing sampling is cubic, with 64 nodes instead of 8. That is more accurate than linear sampling of nodes
 // still closer together.
 inline constexpr float kCubicBelow = 0.25f;
+// With linear sampling, particles of at least so many spacings are on coarse nodes, twice as far apart: there are an
+// eighth as many to add them to. These nodes are coefficients of a cubic B-spline, which the others are taken from.
+inline constexpr float kLeastCoarse = 2.3f, kNeverCoarse = 1e30f;
 inline constexpr uint64_t kMostGridBytes = 96ull << 20; // of the nodes' buffer: every device can bind 128 MiB
 
 // True: 64 nodes are read for a sample instead of 8.
@@ -31,6 +34,11 @@ inline bool isCubic(const RenderSettings& settings) {
 gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings);
 // The finest grid of at most kMostGridBytes, by steps of a quarter in the spacing.
 gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings);
+// True: particles that are large enough are on coarse nodes.
+inline bool hasCoarse(const gpu::MediumGrid& grid) { return grid.least_coarse < kNeverCoarse; }
+// Bricks of coarse nodes (shaders/lib/coarse_nodes.glsl), and the bytes of these.
+inline glm::uvec3 coarseBricks(const gpu::MediumGrid& grid) { return grid.bricks / 2u + 1u; }
+uint64_t coarseBytes(const gpu::MediumGrid& grid, bool one_albedo);
 // Bytes of its nodes: extinction, and with several albedos what scatters each colour.
 uint64_t gridBytes(const gpu::MediumGrid& grid, bool one_albedo);
 // Empty when that grid may be made; otherwise why not, in one line.

@@ -8,8 +8,8 @@
 namespace brume::methods::slabs {
 namespace {
 
-constexpr CostInfo kBin{"slab_bin", "bin", 10};    // particles x lines of tiles and sheets
-constexpr CostInfo kSlabs{"slabs", "slabs", 0.14}; // particles x samples of the tiles and sheets that they reach
+constexpr CostInfo kBin{"slab_bin", "bin", 10};     // particles x lines of tiles and sheets
+constexpr CostInfo kSlabs{"slabs", "slabs", 0.085}; // particles x samples of the tiles and sheets that they reach
 constexpr CostInfo kLight{"slab_light", "slab light", 8.9}; // rays x slabs
 constexpr const CostInfo* kCosts[] = {&kBin,          &kSlabs,         &kLight, &costs::kRayEnds, &costs::kComposeField,
                                       &costs::kShade, &costs::kPresent};
