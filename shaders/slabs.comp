@@ -32,17 +32,19 @@ const uint kLanes = gl_WorkGroupSize.x;
 const float kMostFade = 20;
 
 #include "shaders/lib/frustum.glsl"
+#include "shaders/lib/spread.glsl"
 #include "shaders/lib/tile_members.glsl"
 
 void main() {
-    const uint view = gl_WorkGroupID.z / (push.sheets * push.quantities);
-    const uint sheet = gl_WorkGroupID.z % push.sheets, quantity = gl_WorkGroupID.z / push.sheets % push.quantities;
+    const uvec2 spread = spreadRows(), tile = uvec2(gl_WorkGroupID.x, spread.x);
+    const uint view = spread.y / (push.sheets * push.quantities);
+    const uint sheet = spread.y % push.sheets, quantity = spread.y / push.sheets % push.quantities;
     enterView(view);
-    if (any(greaterThanEqual(uvec3(gl_WorkGroupID.xy, sheet), grid.lines))) return; // true for the whole workgroup
+    if (any(greaterThanEqual(uvec3(tile, sheet), grid.lines))) return; // true for the whole workgroup
     const uint bits = views[view].bins, first_member = views[view].members;
     const uint lane = gl_LocalInvocationIndex;
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
-    const uvec2 first = gl_WorkGroupID.xy * kSlabTile;
+    const uvec2 first = tile * kSlabTile;
     const vec2 corner = pictureCorner() +
                         ((vec2(first) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5) * pixel;
     const float z = middleDepth(sheet * kLanes + lane); // of the lane's slab
@@ -50,7 +52,7 @@ void main() {
     const float spacing = z * pixel * float(grid.rate);
     const float last = middleDepth(sheet * kLanes + kLanes - 1); // depth of the sheet's last slab
 
-    const uvec3 line = uvec3(gl_WorkGroupID.xy, sheet) + uvec3(0, grid.lines.x, grid.lines.x + grid.lines.y);
+    const uvec3 line = uvec3(tile, sheet) + uvec3(0, grid.lines.x, grid.lines.x + grid.lines.y);
     const uint words = (tick.particle_count + 31) / 32;
 
     float sum[kPoints];
@@ -73,10 +75,9 @@ void main() {
         }
         barrier();
     }
-    const uint tile = gl_WorkGroupID.y * grid.lines.x + gl_WorkGroupID.x;
     const uint tiles = grid.lines.x * grid.lines.y;
     const uint out_at =
-        views[view].added + ((quantity * tiles + tile) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
+        views[view].added + ((quantity * tiles + tile.y * grid.lines.x + tile.x) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
     if (!has_members) {
         if (quantity == 0 && lane == 0) added[out_at].x = -1;
         return;

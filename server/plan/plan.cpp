@@ -20,6 +20,8 @@ namespace {
 // What is in use stays while it is at most so much dearer, and its error so much larger, than what would be chosen
 // anew: a camera on the edge between two ways does not change them every tick.
 constexpr double kDearer = 1.25, kWorse = 1.1;
+// While shaders of what would be chosen are compiled, it stays with so much more error.
+constexpr double kWorseMeanwhile = 1.5;
 // Overload trades error away up to so many times the budget.
 constexpr double kMostRelaxed = 10;
 // Steps that the last plan took are kept up to so many times that: views come and go, and their errors differ.
@@ -174,7 +176,8 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     }
     prices.setCompiledOnly();
     if (const auto used = prices.before(all)) {
-        const bool fine_enough = used->excess <= kWorse * std::max(plan.chosen.excess, 1.0);
+        const double worse = plan.wanted.empty() ? kWorse : kWorseMeanwhile;
+        const bool fine_enough = used->excess <= worse * std::max(plan.chosen.excess, 1.0);
         const bool dear = used->ms() > kDearer * plan.chosen.ms();
         if (fine_enough && (!dear || inputs.hold)) {
             plan.kept = used->ms() > plan.chosen.ms();

@@ -94,6 +94,30 @@ TEST(CompiledWays, APlanTakesTheBestCompiledWayAndNamesWhatItWouldHaveTaken) {
     EXPECT_EQ(shadersOf(none.chosen.settings, false), best) << "something has to be drawn";
 }
 
+// A finer one is wanted and not compiled. The only compiled one that is finer takes many times as long.
+TEST(CompiledWays, WhatIsInUseStaysForAWhileIfItErrsLittleMore) {
+    PlanInputs inputs = inputsOf(cube());
+    inputs.views = {kOutside};
+    inputs.scene.wanted.method = "slabs";
+    inputs.scene.wanted.flip = 1;
+    inputs.scene.wanted.slabs = 128; // the rate alone is left open
+    inputs.scene.wanted.error = 0.02f;
+    const Plan used = makePlan(inputs, builtInCosts());
+    ASSERT_GT(used.chosen.settings.rate, 2u);
+    inputs.before = used.chosen.settings;
+    inputs.before_deviation_px = used.reference_deviation_px;
+    inputs.compiled = [&](const RenderSettings& way) { return way.rate == 1 || way.rate == used.chosen.settings.rate; };
+    const auto with = [&](double times_the_budget) {
+        inputs.scene.wanted.error = float(used.chosen.error / times_the_budget);
+        return makePlan(inputs, builtInCosts());
+    };
+    const auto rateOf = [](const Plan& plan) { return plan.chosen.settings.rate; };
+    const Plan little = with(1.3);
+    EXPECT_FALSE(little.wanted.empty()) << summary(little);
+    EXPECT_EQ(rateOf(little), used.chosen.settings.rate) << summary(little);
+    EXPECT_EQ(rateOf(with(4)), 1u);
+}
+
 // The way in use is no longer kept because of what another would cost: it is the only one.
 TEST(CompiledWays, OverloadAndManyViewsTakeCompiledRatesOnly) {
     for (const uint32_t objects : {0u, 3u}) {
