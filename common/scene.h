@@ -97,7 +97,7 @@ struct Sky {
     glm::vec3 horizon{0.55f, 0.66f, 0.78f};
     glm::vec3 ambient{
         0};         // uniform radiance that the medium scatters in without shadowing; exact: rho * ambient * (1 - T)
-    float haze = 0; // 1/m; extinction of clear air in front of surfaces, which fade to the horizon
+    float haze = 0; // 1/m; extinction of clear air in front of surfaces, which fade to the sky
 };
 
 struct SceneCamera {

@@ -149,7 +149,7 @@ constexpr SceneSetting kSettings[]{
     {"sky.ambient", at<&P::sky, &Sky::ambient>, "W/(m² sr)", limits::kRadiance,
      "Uniform radiance that the medium scatters without shadowing"},
     {"sky.haze", at<&P::sky, &Sky::haze>, "1/m", limits::kHaze,
-     "Extinction of clear air: surfaces fade to the horizon's radiance, the medium does not"},
+     "Extinction of clear air: surfaces fade to the sky's radiance, the medium does not"},
 
     {"camera.position", at<&P::camera, &SceneCamera::position>, "m", limits::kPlace, "Where a viewer's camera starts",
      kNobody, Form::place},

@@ -58,12 +58,10 @@ Hit nearest(vec3 dir, uint may) {
     return hit;
 }
 
-// Radiance of a surface by Lambert's law: of the light, past objects and medium, and of the sky by its mean radiance.
+// Radiance of a surface by Lambert's law: of the light, past objects and medium, and of the whole sky.
 vec3 lit(Hit hit, vec3 x) {
     const vec3 n = hit.normal;
     const float cosine = dot(n, tick.sun.to_light);
-    const vec3 sky =
-        mix(tick.sky_horizon, 0.5 * (tick.sky_horizon + tick.sky_zenith), 0.5 + 0.5 * n.y) * (0.5 + 0.5 * n.y);
     float direct = max(cosine, 0) / 3.14159265;
     if (kBoxes + kSpheres > 0)
         if (direct > 0) {
@@ -73,13 +71,13 @@ vec3 lit(Hit hit, vec3 x) {
         }
     const vec3 at = toShadowVolume(x); // there is no medium beside and above the map
     if (direct > 0 && at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5)))) direct *= exp(-lightDepth(at));
-    return hit.albedo * (sky + tick.sun.irradiance * direct);
+    return hit.albedo * (skyLight(n) + tick.sun.irradiance * direct);
 }
 
 vec3 shade(vec3 dir, Hit hit) {
     const vec3 w = normalize(dir);
     vec3 colour = skyRadiance(w);
-    if (hit.object != kNone) colour = throughHaze(lit(hit, eye.position + hit.depth * dir), hit.depth * dot(dir, w));
+    if (hit.object != kNone) colour = throughHaze(lit(hit, eye.position + hit.depth * dir), hit.depth * dot(dir, w), w);
     return colour;
 }
 

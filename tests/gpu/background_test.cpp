@@ -4,6 +4,7 @@
 #include "server/light/shadow_volume.h"
 #include "server/opaque/shadow_map.h"
 #include "server/opaque/surfaces.h"
+#include "shaders/shared/sky.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 
@@ -83,8 +84,8 @@ TEST_F(BackgroundTest, DrawAndComputeAgree) {
     }
 }
 
-// Surfaces fade to the horizon by the air on the way to them; the sky does not.
-TEST_F(BackgroundTest, HazeFadesSurfacesToTheHorizon) {
+// Surfaces fade by the air on the way to them to the sky that is there; the sky does not.
+TEST_F(BackgroundTest, HazeFadesSurfacesToTheSky) {
     Scene clear = sceneOf({Point{{0, 0, 0}, 1, 0}});
     clear.planes = {{-1, glm::vec3(0.5f, 0.3f, 0.2f)}};
     clear.sky.horizon = glm::vec3(0.2f, 0.3f, 0.4f), clear.sky.zenith = glm::vec3(0.1f, 0.2f, 0.5f);
@@ -102,9 +103,10 @@ TEST_F(BackgroundTest, HazeFadesSurfacesToTheHorizon) {
             const double air = dir.y < 0 ? std::exp(-0.1 * distance) : 1;
             near += dir.y < 0 && air > 0.5, far += dir.y < 0 && air < 0.1;
             for (int c = 0; c < 3; ++c) {
-                const double horizon = double(clear.sky.horizon[c]);
+                const double part = physics::skyZenithPart(dir.y / glm::length(dir));
+                const double sky = glm::mix(double(clear.sky.horizon[c]), double(clear.sky.zenith[c]), part);
                 ASSERT_NEAR(double(with.radiance[4 * i + uint32_t(c)]),
-                            horizon + (double(without.radiance[4 * i + uint32_t(c)]) - horizon) * air, 1e-4)
+                            sky + (double(without.radiance[4 * i + uint32_t(c)]) - sky) * air, 1e-4)
                     << i;
             }
         }

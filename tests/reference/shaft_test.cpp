@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shaders/shared/sky.h"
 #include "tests/reference/test_media.h"
 #include "tools/reference/medium_reference.h"
 
@@ -243,7 +244,10 @@ TEST(Surface, LightAndSky) {
     world.sky_horizon = glm::dvec3(0.2);
     world.sky_zenith = glm::dvec3(0.6);
     const Ray down{{0, 5, 0}, {0, -1, 0}};
-    EXPECT_NEAR(along(world, down).total().x, 0.4 * (0.2 + 0.6) / 2, 1e-15) << "the sky's mean, as irradiance over pi";
+    // Of the zenith, 2 times the integral of cosine and part over the cosine from 0 to 1: 0.82774.
+    EXPECT_NEAR(along(world, down).total().x, 0.4 * (0.2 + 0.4 * 0.82774), 0.4 * 0.4 * 0.0012);
+    world.sky_horizon = world.sky_zenith = glm::dvec3(0.4);
+    EXPECT_NEAR(along(world, down).total().x, 0.4 * 0.4, 1e-15) << "the same from everywhere";
     world.lights = {distant({0.6, 0.8, 0}, 3)};
     EXPECT_NEAR(along(world, down).total().x, 0.4 * (0.4 + 3 * 0.8 / kPi), 1e-15);
     world.blobs = {blob({6, 8, 0}, 1, 1.6, 1.3)}; // in the light's way, not in the view's
@@ -253,11 +257,14 @@ TEST(Surface, LightAndSky) {
     world.lights = {LightSource{Kind::point, glm::dvec3(3), {}, {0, 2, 0}}};
     EXPECT_NEAR(along(world, down).total().x, 0.4 * (0.4 + 3 / 4.0 / kPi), 1e-12);
     // The sky itself: horizon below -0.15, zenith above 0.85.
+    world.sky_horizon = glm::dvec3(0.2);
+    world.sky_zenith = glm::dvec3(0.6);
     EXPECT_EQ(skyRadiance(world, glm::normalize(glm::dvec3(1, -0.3, 0))).x, 0.2);
     EXPECT_NEAR(skyRadiance(world, {std::sqrt(1 - 0.35 * 0.35), 0.35, 0}).x, 0.4, 1e-15);
     EXPECT_NEAR(along(world, {{0, 5, 0}, {0, 1, 0}}).total().x, 0.6, 1e-15);
     world.haze = 0.1; // 1/m; the ray crosses 5 m of it
-    EXPECT_NEAR(along(world, down).total().x, 0.2 + (0.4 * (0.4 + 3 / 4.0 / kPi) - 0.2) * std::exp(-0.5), 1e-12);
+    const double ground = 0.4 * (0.2 + 0.4 * brume::physics::skyZenithSeen(1.0) + 3 / 4.0 / kPi);
+    EXPECT_NEAR(along(world, down).total().x, 0.2 + (ground - 0.2) * std::exp(-0.5), 1e-12);
     EXPECT_NEAR(along(world, {{0, 5, 0}, {0, 1, 0}}).total().x, 0.6, 1e-15) << "the sky is behind all air";
 }
 

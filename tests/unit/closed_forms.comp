@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/phase.h"
 #include "shaders/shared/scatter.h"
+#include "shaders/shared/sky.h"
 
 layout(local_size_x = 8) in;
 layout(std430, set = 0, binding = 0) buffer Values { float x[]; };
@@ -27,5 +28,6 @@ void main() {
     sum += lightDepth(x[i], k, gaussianAcross(k, x[i + 2]), x[i + 3]) +
            segmentDepth(x[i], k, x[i + 2], x[i + 3], x[i + 4]);
     sum += phaseMixture(vec3(x[i]), vec3(x[i + 1]), x[i + 2], x[i + 3]) + erf(x[i + 6]) + depthOfOpacity(x[i + 7]);
+    sum += skyZenithPart(x[i]) + skySeen(x[i]) + skyZenithSeen(x[i]);
     x[i] = sum;
 }

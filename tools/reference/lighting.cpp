@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/shared/sky.h"
 #include "tools/reference/geometry.h"
 
 namespace brume::reference {
@@ -77,8 +78,8 @@ glm::dvec3 Lighting::scattered(glm::dvec3 x, glm::dvec3 w) const {
 }
 
 glm::dvec3 Lighting::surface(int object, glm::dvec3 x, glm::dvec3 normal) const {
-    const double up = 0.5 + 0.5 * normal.y; // part of the hemisphere above the horizon
-    glm::dvec3 light = up * glm::mix(world_.sky_horizon, 0.5 * (world_.sky_horizon + world_.sky_zenith), up);
+    glm::dvec3 light = world_.sky_horizon * physics::skySeen(normal.y) +
+                       (world_.sky_zenith - world_.sky_horizon) * physics::skyZenithSeen(normal.y);
     for (size_t i = 0; i < world_.lights.size(); ++i) {
         const Arrival arrival = arrivalAt(world_.lights[i], x);
         const double cosine = glm::dot(normal, arrival.to_light);

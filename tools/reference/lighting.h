@@ -27,8 +27,7 @@ public:
     // direction.
     glm::dvec3 scattered(glm::dvec3 x, glm::dvec3 w) const;
     // Radiance that a surface point of obstacle `object` reflects, by Lambert's law: of the lights, past objects and
-    // medium, and of the sky. The sky's irradiance is taken from its mean radiance over the sky's part of the
-    // hemisphere.
+    // medium, and of the whole sky above the horizon (shaders/shared/sky.h).
     glm::dvec3 surface(int object, glm::dvec3 x, glm::dvec3 normal) const;
 
     // Optical depth from x to light `i`; kInfinity if an object other than `skip` is in between.

@@ -33,7 +33,8 @@ RayResult RayTracer::trace(const Ray& ray) {
     const Hit hit = nearest(world_.obstacles, ray);
     ray_.end = std::min(ray.end, hit.t);
     if (hit.object >= 0)
-        result.background = throughHaze(world_, stage_.lighting.surface(hit.object, ray.at(hit.t), hit.normal), hit.t);
+        result.background =
+            throughHaze(world_, stage_.lighting.surface(hit.object, ray.at(hit.t), hit.normal), hit.t, ray.direction);
     else if (std::isinf(ray.end))
         result.background = skyRadiance(world_, ray.direction);
     gather();

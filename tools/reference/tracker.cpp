@@ -44,7 +44,7 @@ public:
             if (!(collision.t < ray.end)) {
                 if (hit.object >= 0) {
                     const glm::dvec3 surface = lighting_.surface(hit.object, ray.at(hit.t), hit.normal);
-                    radiance += weight * (order == 0 ? throughHaze(world_, surface, hit.t) : surface);
+                    radiance += weight * (order == 0 ? throughHaze(world_, surface, hit.t, ray.direction) : surface);
                 } else
                     radiance += weight * (order == 0 ? skyRadiance(world_, ray.direction) : world_.ambient);
                 return radiance;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/shared/sky.h"
+
 namespace brume::reference {
 
 std::vector<Blob> blobsOf(std::span<const gpu::Particle> particles, double falloff) {
@@ -61,13 +63,12 @@ double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out) {
     return ((1 - world.anisotropy) + world.anisotropy * lobe) / (4 * kPi);
 }
 
-glm::dvec3 throughHaze(const World& world, glm::dvec3 surface, double distance) {
-    return glm::mix(world.sky_horizon, surface, std::exp(-world.haze * distance));
+glm::dvec3 throughHaze(const World& world, glm::dvec3 surface, double distance, glm::dvec3 direction) {
+    return glm::mix(skyRadiance(world, direction), surface, std::exp(-world.haze * distance));
 }
 
 glm::dvec3 skyRadiance(const World& world, glm::dvec3 direction) {
-    const double x = std::clamp(direction.y + 0.15, 0.0, 1.0);
-    return glm::mix(world.sky_horizon, world.sky_zenith, x * x * (3 - 2 * x));
+    return glm::mix(world.sky_horizon, world.sky_zenith, physics::skyZenithPart(direction.y));
 }
 
 } // namespace brume::reference

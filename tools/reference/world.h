@@ -122,7 +122,8 @@ double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out);
 // Radiance of the sky: blends from the horizon's to the zenith's as the height of the unit direction goes from -0.15
 // to 0.85.
 glm::dvec3 skyRadiance(const World& world, glm::dvec3 direction);
-// Radiance of a surface that is `distance` away: clear air of extinction `haze` between, which scatters the horizon's.
-glm::dvec3 throughHaze(const World& world, glm::dvec3 surface, double distance);
+// Radiance of a surface that is seen along the unit `direction`, `distance` away: clear air of extinction `haze`
+// between, which has the sky's radiance there.
+glm::dvec3 throughHaze(const World& world, glm::dvec3 surface, double distance, glm::dvec3 direction);
 
 } // namespace brume::reference
