@@ -77,7 +77,8 @@ void main() {
     }
     const uint tiles = grid.lines.x * grid.lines.y;
     const uint out_at =
-        views[view].added + ((quantity * tiles + tile.y * grid.lines.x + tile.x) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
+        views[view].added +
+        ((quantity * tiles + tile.y * grid.lines.x + tile.x) * grid.slabs + sheet * kLanes + lane) * (kPoints / 4);
     if (!has_members) {
         if (quantity == 0 && lane == 0) added[out_at].x = -1;
         return;

@@ -249,7 +249,6 @@ TEST(Plan, ViewersDoNotPayForOthersPixels) {
         }
 }
 
-// Nobody waits for another one's shader.
 // For an eye deep in a dense medium nothing holds the budget. That viewer gets what is near the best for it, and the
 // others get what they would have without it.
 TEST(Plan, AViewInWhichNothingHoldsDoesNotMakeOthersCoarse) {
@@ -270,6 +269,16 @@ TEST(Plan, AViewInWhichNothingHoldsDoesNotMakeOthersCoarse) {
     alone.scene.wanted.rate = rateFor(plan.chosen.settings.rate,
                                       projectedDeviation(inputs.scene.extent, usual) / plan.reference_deviation_px);
     EXPECT_LE(makePlan(alone, builtInCosts()).chosen.error, double(inputs.scene.wanted.error));
+}
+
+// No map of the light holds the budget, by far. That is no reason to make rays and slabs coarse.
+TEST(Plan, ALightThatIsAllWrongDoesNotHideCoarseRays) {
+    PlanInputs inputs = inputsOf(cube(60, 1));
+    for (PlanScene::Shadow& shadow : inputs.scene.shadows) shadow.resolution.error = 5;
+    const Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_FALSE(plan.within);
+    const ViewWork view(inputs.scene, inputs.views.front());
+    EXPECT_LT(*planOf(plan.chosen.settings.method)->error(plan.chosen.settings, view), 0.26) << summary(plan);
 }
 
 // Where a law is below what was found it is by no more than this: the plan's error is then off by less than a third.
