@@ -117,18 +117,11 @@ std::vector<const MethodPlan*> allMethods() { return {methodPlans().begin(), met
 // The map's estimate is a mean over views; some see up to 1.4 times as much of it.
 double lightError(double estimated) { return 1.25 * estimated; }
 
-namespace {
-
 // FLIP's definition for an error e of the luminance Y all over a picture: 0.0575 (38.7 Y^(1/3) e)^0.7, which is 0.56
-// e^0.7 for Y = 0.3 and 0.7 e^0.7 for 0.8. Pictures have it in fewer places. These are the most of random views whose
-// measured error is above 0.05 % (docs/methods.md).
-double flipFactor(bool inside) { return inside ? 0.5 : 0.4; }
+// e^0.7 for Y = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
+double flipOf(double error, bool inside) { return std::min((inside ? 0.65 : 0.5) * std::pow(error, 0.7), 1.0); }
 
-} // namespace
-
-double flipOf(double error, bool inside) { return std::min(flipFactor(inside) * std::pow(error, 0.7), 1.0); }
-
-double errorOf(double flip, bool inside) { return std::pow(flip / flipFactor(inside), 1 / 0.7); }
+double errorOf(double flip, bool inside) { return std::pow(flip / (inside ? 0.65 : 0.5), 1 / 0.7); }
 
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed) {
     const MethodPlan& method = *planOf(settings.method);

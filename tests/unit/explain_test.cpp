@@ -51,7 +51,7 @@ TEST(Explain, NamesTheBudgetThatLimits) {
         return makePlan(other, builtInCosts()).chosen.ms();
     };
     for (const auto& [error, flip, limit, name] :
-         {std::tuple{5e-3f, 0.005f, Limit::flip, "FLIP: "}, std::tuple{5e-3f, 1.0f, Limit::error, "error: "},
+         {std::tuple{5e-3f, 0.01f, Limit::flip, "FLIP: "}, std::tuple{5e-3f, 1.0f, Limit::error, "error: "},
           std::tuple{1.0f, 1.0f, Limit::time, "time: "}}) {
         wanted.error = error, wanted.flip = flip;
         const Plan plan = makePlan(inputs, builtInCosts());
