@@ -124,7 +124,7 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
 } // namespace
 
 std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every) {
-    constexpr double kVersion = 5; // goes up when the reference itself changes
+    constexpr double kVersion = 6; // goes up when the reference itself changes
     Numbers numbers;
     for (const double number : {kVersion, double(size.x), double(size.y), kTolerance, double(every)})
         numbers.add(number);
