@@ -49,6 +49,11 @@ void Corrections::fade(Time now) {
     });
 }
 
+bool Corrections::knows(uint32_t viewer, std::string_view method) const {
+    const auto one = of_.find({viewer, std::string(method)});
+    return one != of_.end() && one->second.learnt != Time{};
+}
+
 double Corrections::factor(uint32_t viewer, std::string_view method) const {
     double largest = 0;
     for (const auto& [of, l] : of_) {

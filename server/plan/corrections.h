@@ -34,6 +34,9 @@ public:
     // same medium.
     double factor(uint32_t viewer, std::string_view method) const;
 
+    // True: that viewer's pictures by that method were measured.
+    bool knows(uint32_t viewer, std::string_view method) const;
+
 private:
     struct Learnt {
         double factor = 1;

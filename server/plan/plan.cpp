@@ -119,9 +119,15 @@ double lightError(double estimated) { return 1.25 * estimated; }
 
 // FLIP's definition for an error e of the luminance Y all over a picture: 0.0575 (38.7 Y^(1/3) e)^0.7, which is 0.56
 // e^0.7 for Y = 0.3 and 0.7 e^0.7 for 0.8. From outside less of the medium is bright, and the error is in fewer places.
-double flipOf(double error, bool inside) { return std::min((inside ? 0.65 : 0.5) * std::pow(error, 0.7), 1.0); }
+static double flipFactor(bool inside, bool measured) { return measured ? (inside ? 0.5 : 0.4) : (inside ? 0.65 : 0.5); }
 
-double errorOf(double flip, bool inside) { return std::pow(flip / (inside ? 0.65 : 0.5), 1 / 0.7); }
+double flipOf(double error, bool inside, bool measured) {
+    return std::min(flipFactor(inside, measured) * std::pow(error, 0.7), 1.0);
+}
+
+double errorOf(double flip, bool inside, bool measured) {
+    return std::pow(flip / flipFactor(inside, measured), 1 / 0.7);
+}
 
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed) {
     const MethodPlan& method = *planOf(settings.method);

@@ -97,9 +97,10 @@ double predictedError(const PlanScene& scene, const RenderSettings& settings, co
 
 // Relative RMSE of pictures, from the volumetric shadow map's estimate of its own error in the medium.
 double lightError(double estimated);
-// Mean FLIP of pictures with this relative RMSE. `inside`: true if the eye is in the medium.
-double flipOf(double error, bool inside);
-double errorOf(double flip, bool inside); // its inverse
+// Mean FLIP of pictures with this relative RMSE. `inside`: true if the eye is in the medium. `measured`: true if
+// pictures show that error; one that only laws say may be larger, and gets a margin.
+double flipOf(double error, bool inside, bool measured);
+double errorOf(double flip, bool inside, bool measured); // its inverse
 
 // The next coarser settings under overload. `step`, from 0, selects a kind in turn: along rays, across rays, shadow
 // map. A kind that cannot become coarser, or whose settings are not `allowed`, is passed over. Nothing if no kind is

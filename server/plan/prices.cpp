@@ -46,7 +46,7 @@ Prices::Prices(const PlanInputs& inputs, const CostModel& model)
     }
     for (const PlanScene::Shadow& shadow : scene_.shadows)
         shadow_ms_.push_back(scene_.renewed * shadowWork(scene_, shadow).ms(model));
-    allowed_.assign(views_.size(), double(scene_.wanted.error));
+    allowed_.assign(views_.size(), 1);
 }
 
 void Prices::setAllowed(const std::vector<RenderSettings>& ways) {
@@ -54,11 +54,12 @@ void Prices::setAllowed(const std::vector<RenderSettings>& ways) {
     for (const PlanScene::Shadow& shadow : scene_.shadows)
         if (shadow.wanted <= scene_.wanted.shadow_error) light = std::min(light, lightError(shadow.resolution.error));
     for (size_t i = 0; i < views_.size(); ++i) {
-        double least_of_all = HUGE_VAL;
-        for (const RenderSettings& way : ways)
-            least_of_all = std::min(least_of_all, corrected(i, way, errorIn(views_[i], way).value_or(HUGE_VAL), light));
-        const double budget = std::min(double(scene_.wanted.error), errorOf(scene_.wanted.flip, views_[i].inside()));
-        allowed_[i] = least_of_all <= budget ? budget : kNearBest * least_of_all;
+        double least_of_all = HUGE_VAL; // budgets
+        for (const RenderSettings& way : ways) {
+            const double error = corrected(i, way, errorIn(views_[i], way).value_or(HUGE_VAL), light);
+            least_of_all = std::min(least_of_all, error / budgetOf(i, way));
+        }
+        allowed_[i] = least_of_all <= 1 ? 1 : kNearBest * least_of_all;
     }
 }
 
@@ -136,6 +137,14 @@ double Prices::corrected(size_t i, const RenderSettings& way, double rays, doubl
            std::hypot(rays, std::min(views_[i].shown().lightFactor() * light, kMostLight));
 }
 
+bool Prices::isMeasured(size_t i, const RenderSettings& way) const {
+    return inputs_.corrections && inputs_.corrections->knows(inputs_.views[i].viewer, way.method);
+}
+
+double Prices::budgetOf(size_t i, const RenderSettings& way) const {
+    return std::min(double(scene_.wanted.error), errorOf(scene_.wanted.flip, views_[i].inside(), isMeasured(i, way)));
+}
+
 Candidate Prices::withoutShadow(const RenderSettings& way) {
     Candidate c{.settings = way, .shared_ms = scene_.renewed * sharedWork(scene_, way).ms(model_)};
     errors_.clear();
@@ -155,10 +164,11 @@ Candidate Prices::with(Candidate c, size_t shadow) const {
         if (errors_[i] <= 0) continue; // nothing is seen
         const double error = corrected(i, c.settings, errors_[i], light);
         c.error = std::max(c.error, bounded(error));
-        c.excess = std::max(c.excess, error / allowed_[i]);
+        c.excess = std::max(c.excess, error / budgetOf(i, c.settings) / allowed_[i]);
+        c.flip = std::max(c.flip, flipOf(bounded(error), inside_, isMeasured(i, c.settings)));
     }
-    if (!c.predicted) c.error = 1, c.excess = scene_.wanted.error >= 1 ? 1 : HUGE_VAL; // 1: any error is allowed
-    c.flip = c.predicted ? flipOf(c.error, inside_) : 1;
+    if (!c.predicted)
+        c.error = c.flip = 1, c.excess = scene_.wanted.error >= 1 ? 1 : HUGE_VAL; // 1: any error is allowed
     c.shared_ms += shadow_ms_[shadow];
     return c;
 }

@@ -53,6 +53,9 @@ private:
     std::optional<double> errorIn(const ViewWork& view, const RenderSettings& way) const;
     // The error of view `i`, of both parts that the laws predict, as measuring corrects it.
     double corrected(size_t i, const RenderSettings& way, double rays, double light) const;
+    bool isMeasured(size_t i, const RenderSettings& way) const;
+    // The error that view `i` may have, by both budgets.
+    double budgetOf(size_t i, const RenderSettings& way) const;
     // errors_ are those of the last call.
     Candidate withoutShadow(const RenderSettings& way);
     Candidate with(Candidate c, size_t shadow) const;
@@ -65,7 +68,7 @@ private:
     bool compiled_only_ = false;
     double deviation_ = 0; // Plan::reference_deviation_px
     std::vector<double> shadow_ms_;
-    std::vector<double> allowed_, errors_; // by view: what it may have; without the light's error
+    std::vector<double> allowed_, errors_; // by view: budgets that it may have; error without the light's
 };
 
 } // namespace brume

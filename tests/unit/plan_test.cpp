@@ -271,6 +271,22 @@ TEST(Plan, AViewInWhichNothingHoldsDoesNotMakeOthersCoarse) {
     EXPECT_LE(makePlan(alone, builtInCosts()).chosen.error, double(inputs.scene.wanted.error));
 }
 
+// FLIP that only laws say gets a margin. What the pictures show needs none.
+TEST(Plan, WhatIsMeasuredMayUseTheWholeBudgetOfFlip) {
+    PlanInputs inputs = inputsOf(cube());
+    inputs.scene.wanted.method = "slabs";
+    inputs.scene.wanted.flip = 5e-3f;
+    const Plan predicted = makePlan(inputs, builtInCosts());
+    Corrections corrections;
+    corrections.learn(inputs.views.front().viewer, "slabs", {1, 1, 1}, Corrections::Time{} + std::chrono::seconds(1));
+    inputs.corrections = &corrections;
+    const Plan measured = makePlan(inputs, builtInCosts());
+    EXPECT_TRUE(predicted.within && measured.within);
+    EXPECT_GT(measured.chosen.error, predicted.chosen.error) << summary(measured);
+    EXPECT_LE(measured.chosen.error, errorOf(5e-3, false, true));
+    EXPECT_LT(measured.chosen.ms(), predicted.chosen.ms());
+}
+
 // No map of the light holds the budget, by far. That is no reason to make rays and slabs coarse.
 TEST(Plan, ALightThatIsAllWrongDoesNotHideCoarseRays) {
     PlanInputs inputs = inputsOf(cube(60, 1));
