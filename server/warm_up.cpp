@@ -5,6 +5,19 @@
 #include "server/methods/plans.h"
 
 namespace brume {
+namespace {
+
+// Shaders depend neither on a picture's size nor on a shadow map's. Small ones are drawn in a fraction of the time.
+constexpr uint32_t kWidth = 64, kHeight = 36;
+constexpr uint32_t kShadowSize = 32, kShadowSlices = 17;
+
+RenderSettings smallShadows(RenderSettings settings) {
+    settings.shadow_size = kShadowSize;
+    settings.shadow_slices = kShadowSlices;
+    return settings;
+}
+
+} // namespace
 
 WarmUp::WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, const Simulation& simulation)
     : renderer_(renderer), submission_(submission), simulation_(simulation), own_(ownView(scene)), inside_(own_),
@@ -23,9 +36,10 @@ void WarmUp::drawForEveryCamera(const RenderSettings& settings, bool still) {
 }
 
 void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still) {
-    const EyeRequest eye{view.pose, view.width, view.height};
+    const EyeRequest eye{view.pose, std::min(view.width, kWidth), std::min(view.height, kHeight)};
+    const RenderSettings shown = smallShadows(settings);
     submission_.probe.pixels = {glm::uvec2(0)}; // its shader, too
-    renderer_.submit(submission_, simulation_, {&eye, 1}, &settings, still);
+    renderer_.submit(submission_, simulation_, {&eye, 1}, &shown, still);
     while (!submission_.commands.wait(1'000'000'000)) {
     }
 }
