@@ -19,7 +19,7 @@ namespace {
 
 // What is in use stays while it is at most so much dearer, and its error so much larger, than what would be chosen
 // anew: a camera on the edge between two ways does not change them every tick.
-constexpr double kDearer = 1.25, kWorse = 1.1;
+constexpr double kDearer = 1.12, kWorse = 1.1;
 // While shaders of what would be chosen are compiled, it stays with so much more error.
 constexpr double kWorseMeanwhile = 1.5;
 // Overload trades error away up to so many times the budget.
