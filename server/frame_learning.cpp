@@ -96,7 +96,7 @@ void FrameLoop::learn(Clock::time_point now) {
     for (const ViewError& one : errors_) {
         const ErrorEstimate& e = one.newest;
         if (!e.known() || e.law <= 0) continue;
-        corrections.learn(one.viewer, one.method, {e.rmse / e.law, e.low / e.law, e.high / e.law}, now);
+        corrections.learn(one.viewer, one.method, e.law, {e.rmse / e.law, e.low / e.law, e.high / e.law}, now);
     }
     corrections.fade(now);
 }

@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "server/error/accuracy.h"
 #include "server/inputs/eye_request.h"
 #include "server/sim/random.h"
 #include "tools/reference/camera.h"
@@ -185,7 +186,7 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
     }
     const std::scoped_lock lock(mutex_);
     if (found.empty() || job.epoch != epoch_ || !last_.contains(job.viewer)) return;
-    const int accuracy = job.law > 0 ? int(std::lround(2 * std::log2(job.law))) : 0;
+    const int accuracy = job.law > 0 ? accuracyOf(job.law) : 0;
     const auto now = ErrorWindow::Time::clock::now();
     windows_[{job.viewer, job.method, accuracy}].add(found, job.law, now);
     std::erase_if(windows_, [&](const auto& one) { return now - one.second.last() > ErrorWindow::kKept; });

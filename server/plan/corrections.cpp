@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
+
+#include "server/error/accuracy.h"
 
 namespace brume {
 namespace {
@@ -18,10 +21,13 @@ constexpr double kSafety = 0.25;
 
 } // namespace
 
-void Corrections::learn(uint32_t viewer, const std::string& method, const Ratio& measured, Time now) {
-    const auto [one, is_new] = of_.try_emplace({viewer, method});
+void Corrections::learn(uint32_t viewer, const std::string& method, double law, const Ratio& measured, Time now) {
+    const double expected = factor(viewer, method, law);
+    OfMethod& known = of_[{viewer, method}];
+    const bool is_first = known.empty();
+    const auto [one, is_new] = known.try_emplace(accuracyOf(law));
     Learnt& l = one->second;
-    if (is_new) l.factor = factor(viewer, method), l.learnt = l.risen = now;
+    if (is_new) l.factor = expected, l.learnt = l.risen = now;
     const double passed = std::clamp(Seconds(now - l.learnt).count(), 0.0, 1.0);
     l.learnt = now;
     const double target = std::clamp(measured.middle + kSafety * (measured.high - measured.middle), kLeast, kMost);
@@ -32,6 +38,8 @@ void Corrections::learn(uint32_t viewer, const std::string& method, const Ratio&
             l.risen = now;
         }
         l.factor *= certain ? target / l.factor : std::pow(target / l.factor, -std::expm1(-passed / kCreep));
+    } else if (is_new && !is_first) { // that of another accuracy was a guess
+        l.factor = target;
     } else if (measured.high < l.factor && now - l.risen >= l.wait) {
         l.fallen = true;
         l.factor *= std::pow(target / l.factor, -std::expm1(-passed / kFall));
@@ -39,27 +47,42 @@ void Corrections::learn(uint32_t viewer, const std::string& method, const Ratio&
 }
 
 void Corrections::fade(Time now) {
-    for (auto& [of, l] : of_) {
-        if (now - l.learnt <= kStale) continue;
-        l.factor = std::pow(l.factor, std::exp2(-Seconds(now - l.learnt - kStale).count() / kFade));
-        l.learnt = now - kStale;
+    for (auto& [of, known] : of_) {
+        for (auto& [accuracy, l] : known) {
+            if (now - l.learnt <= kStale) continue;
+            const double half = std::max(kFade, Seconds(l.wait).count());
+            l.factor = std::pow(l.factor, std::exp2(-Seconds(now - l.learnt - kStale).count() / half));
+            l.fallen = l.fallen || l.factor > 1;
+            l.learnt = now - kStale;
+        }
+        std::erase_if(known, [&](const auto& one) {
+            return now - one.second.learnt >= kStale && std::abs(std::log(one.second.factor)) < kNothing;
+        });
     }
-    std::erase_if(of_, [&](const auto& one) {
-        return now - one.second.learnt >= kStale && std::abs(std::log(one.second.factor)) < kNothing;
-    });
+    std::erase_if(of_, [](const auto& one) { return one.second.empty(); });
 }
 
 bool Corrections::knows(uint32_t viewer, std::string_view method) const {
-    const auto one = of_.find({viewer, std::string(method)});
-    return one != of_.end() && one->second.learnt != Time{};
+    return of_.contains({viewer, std::string(method)});
 }
 
-double Corrections::factor(uint32_t viewer, std::string_view method) const {
+double Corrections::between(const OfMethod& known, double law) {
+    const double accuracy = exactAccuracyOf(law);
+    const auto above = known.lower_bound(int(std::ceil(accuracy)));
+    if (above == known.end()) return std::prev(above)->second.factor;
+    if (above == known.begin()) return above->second.factor;
+    const auto below = std::prev(above);
+    const double part = (accuracy - below->first) / (above->first - below->first);
+    return below->second.factor * std::pow(above->second.factor / below->second.factor, part);
+}
+
+double Corrections::factor(uint32_t viewer, std::string_view method, double law) const {
     double largest = 0;
-    for (const auto& [of, l] : of_) {
+    for (const auto& [of, known] : of_) {
         if (of.second != method) continue;
-        if (of.first == viewer && l.learnt != Time{}) return l.factor;
-        if (of.first != viewer) largest = std::max(largest, l.factor);
+        const double one = between(known, law);
+        if (of.first == viewer) return one;
+        largest = std::max(largest, one);
     }
     return largest > 0 ? largest : 1;
 }

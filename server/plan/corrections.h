@@ -1,5 +1,6 @@
-// Corrections: what measuring says of the plan's laws. A factor on the predicted error for each viewer and method,
-// which follows the measured error over that of the laws.
+// Corrections: what measuring says of the plan's laws. A factor on the predicted error for each viewer, method and
+// accuracy, which follows the measured error over that of the laws. Laws may be too low for coarse settings and too
+// high for fine ones.
 #pragma once
 
 #include <chrono>
@@ -24,15 +25,17 @@ public:
     struct Ratio {
         double middle = 1, low = 1, high = 1;
     };
-    void learn(uint32_t viewer, const std::string& method, const Ratio& measured, Time now);
+    // `law`: the error that the laws predicted for what was measured.
+    void learn(uint32_t viewer, const std::string& method, double law, const Ratio& measured, Time now);
     // Viewers that are not measured any more go back to 1, by half in a minute. To be called now and then.
     void fade(Time now);
     // Another scene or other settings: nothing is known.
     void forget() { of_.clear(); }
 
-    // Where nothing is known of the method: 1. A viewer who is new has the largest factor of the others, which see the
-    // same medium.
-    double factor(uint32_t viewer, std::string_view method) const;
+    // On an error of the laws. Where nothing is known of the method: 1. Between accuracies that were measured: between
+    // their factors; beyond them: as the nearest. A viewer who is new has the largest factor of the others, which see
+    // the same medium.
+    double factor(uint32_t viewer, std::string_view method, double law) const;
 
     // True: that viewer's pictures by that method were measured.
     bool knows(uint32_t viewer, std::string_view method) const;
@@ -44,7 +47,9 @@ private:
         Time learnt{}, risen{};
         bool fallen = false; // True: it has fallen since the last rise
     };
-    std::map<std::pair<uint32_t, std::string>, Learnt> of_; // by viewer and method
+    using OfMethod = std::map<int, Learnt>; // by accuracyOf() the law
+    static double between(const OfMethod& known, double law);
+    std::map<std::pair<uint32_t, std::string>, OfMethod> of_; // by viewer and method; none is empty
 };
 
 } // namespace brume

@@ -132,9 +132,9 @@ std::optional<double> Prices::errorIn(const ViewWork& view, const RenderSettings
 }
 
 double Prices::corrected(size_t i, const RenderSettings& way, double rays, double light) const {
-    const double factor = inputs_.corrections ? inputs_.corrections->factor(inputs_.views[i].viewer, way.method) : 1;
-    return inputs_.law_factor * factor *
-           std::hypot(rays, std::min(views_[i].shown().lightFactor() * light, kMostLight));
+    const double law =
+        inputs_.law_factor * std::hypot(rays, std::min(views_[i].shown().lightFactor() * light, kMostLight));
+    return inputs_.corrections ? law * inputs_.corrections->factor(inputs_.views[i].viewer, way.method, law) : law;
 }
 
 bool Prices::isMeasured(size_t i, const RenderSettings& way) const {
