@@ -27,7 +27,7 @@ class Compiling {
 public:
     Compiling(const Scene& scene, const gpu::Device& device, const Simulation& simulation, std::ostream& out)
         : renderer_(device, scene, simulation.capacity()), submission_(device, "ahead"),
-          pictures_(renderer_, submission_, scene, simulation), out_(out) {}
+          pictures_(renderer_, submission_, scene, simulation, true), out_(out) {}
     ~Compiling() { tell(); }
 
     void compile(const RenderSettings& settings, bool still) {

@@ -60,20 +60,24 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
     report(Clock::now()); // viewers who come before the first tick are told the scene's own settings
 }
 
-// Drivers compile shaders when they are first used: for viewers' pictures, wherever their cameras are, and for a
-// picture at rest, which snapshots are. What may be needed later: ahead.h.
+// Drivers compile shaders when they are first used. Where they are compiled behind, only those of the first pictures
+// are compiled here, wherever cameras are; else also those of measuring and of a picture at rest, which snapshots are.
+// What may be needed later: ahead.h.
 void FrameLoop::warmUp() {
     const Notice notice(kLongStart, "compiling shaders: a driver does so once, and then has them in its cache");
-    WarmUp pictures(*renderer_, batches_.front()->submission, scene_, simulation_);
+    const bool all = ways_.hasAll();
+    WarmUp pictures(*renderer_, batches_.front()->submission, scene_, simulation_, all);
     const PlanView& own = pictures.own();
     const RenderSettings planned = planner_->settings(simulation_, {&own, 1}, false, Clock::now());
-    if (ways_.has(planned, false)) {
+    if (all) {
+        pictures.draw(planned, false);
+        pictures.draw(planner_->once(simulation_, own).settings, true);
+    } else if (ways_.has(planned, false)) {
         pictures.draw(planned, false);
     } else { // cameras that go anywhere are drawn this way until others are compiled
         pictures.drawForEveryCamera(planned, false);
         ways_.add(shadersOf(planned, false));
     }
-    pictures.draw(planner_->once(simulation_, own).settings, true);
 }
 
 // Goes on from another state of the same scene.

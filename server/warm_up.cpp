@@ -19,9 +19,10 @@ RenderSettings smallShadows(RenderSettings settings) {
 
 } // namespace
 
-WarmUp::WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, const Simulation& simulation)
+WarmUp::WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, const Simulation& simulation,
+               bool probed)
     : renderer_(renderer), submission_(submission), simulation_(simulation), own_(ownView(scene)), inside_(own_),
-      coarse_(!featuresOf(scene, scene.medium).opaque) {
+      probed_(probed), coarse_(!featuresOf(scene, scene.medium).opaque) {
     const MediumExtent extent = planScene(scene, simulation).extent;
     inside_.pose.position = 0.5f * (extent.lo + extent.hi);
 }
@@ -38,7 +39,8 @@ void WarmUp::drawForEveryCamera(const RenderSettings& settings, bool still) {
 void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still) {
     const EyeRequest eye{view.pose, std::min(view.width, kWidth), std::min(view.height, kHeight)};
     const RenderSettings shown = smallShadows(settings);
-    submission_.probe.pixels = {glm::uvec2(0)}; // its shader, too
+    submission_.probe.pixels.clear();
+    if (probed_) submission_.probe.pixels = {glm::uvec2(0)};
     renderer_.submit(submission_, simulation_, {&eye, 1}, &shown, still);
     while (!submission_.commands.wait(1'000'000'000)) {
     }

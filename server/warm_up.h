@@ -8,8 +8,9 @@ namespace brume {
 
 class WarmUp {
 public:
-    // All outlive this. Precondition: nothing is on the device.
-    WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, const Simulation& simulation);
+    // All outlive this. Precondition: nothing is on the device. `probed`: true if the shader that reads pixels back is
+    // compiled, too; it takes as long as all others of a picture.
+    WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, const Simulation& simulation, bool probed);
 
     // One picture of the scene's own camera. Waits for the device, as all do here.
     void draw(const RenderSettings& settings, bool still) { draw(own_, settings, still); }
@@ -27,6 +28,7 @@ private:
     const Simulation& simulation_;
     const PlanView own_;
     PlanView inside_;
+    const bool probed_;
     const bool coarse_; // True: distant pixels may be shaded, and what lies between interpolated
 };
 

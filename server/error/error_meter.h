@@ -71,8 +71,8 @@ private:
     Time credited_{};                   // time up to which credit was given
     std::map<uint32_t, uint64_t> last_; // by viewer: number of its last job
     uint64_t jobs_ = 0, epoch_ = 0;     // epoch_: number of scenes that were forgotten
-    // By viewer, method and accuracyOf() the law. So a finer plan, and finer pictures of cameras that rest, have windows
-    // of their own.
+    // By viewer, method and accuracyOf() the law. So a finer plan, and finer pictures of cameras that rest, have
+    // windows of their own.
     std::map<std::tuple<uint32_t, std::string, int>, ErrorWindow> windows_;
     std::jthread thread_; // the last member: it uses the others
 };

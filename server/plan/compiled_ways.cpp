@@ -34,6 +34,11 @@ void CompiledWays::setAll(bool all) {
     ++version_;
 }
 
+bool CompiledWays::hasAll() const {
+    const std::scoped_lock lock(mutex_);
+    return all_;
+}
+
 void CompiledWays::clear() {
     const std::scoped_lock lock(mutex_);
     compiled_.clear();

@@ -39,6 +39,7 @@ public:
 
     // True, as it is at first: every way may be used at once; nothing is compiled behind.
     void setAll(bool all);
+    bool hasAll() const;
     // Forgets all ways, for another scene.
     void clear();
     void add(const WayShaders& way);
