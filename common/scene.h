@@ -48,8 +48,12 @@ struct Medium {
     float extinction = 15;   // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
     Range multiplier{5, 10}; // per particle, uniform
     glm::vec3 albedo{0.9f};  // rho, in [0, 1]
-    float anisotropy = 0;    // a in [0, 1]: p = (1-a)/4pi + a HG(g)
-    float asymmetry = 0;     // g in (-1, 1)
+    // The phase function: mixture (1-a)/4pi + a HG(g), double (1-a) HG(h) + a HG(g), rayleigh, or droplets of water.
+    std::string phase = "mixture";
+    float anisotropy = 0;       // a in [0, 1]; mixture, double
+    float asymmetry = 0;        // g in (-1, 1); mixture, double
+    float second_asymmetry = 0; // h in (-1, 1); double
+    float droplet = 20;         // micrometres, diameter, 5 ... 50; droplets
     uint64_t seed = 1;
     Emitter emitter; // layout emitter only
     // Layouts file and sequence only, resolved against the scene's folder. Of a sequence its name has a run of #, each

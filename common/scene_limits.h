@@ -29,6 +29,7 @@ inline constexpr Limits kMultiplier{0, 1e3};
 inline constexpr Limits kSigmaT{0, 1e4}; // 1/m, a point's own
 inline constexpr Limits kAnisotropy{0, 1};
 inline constexpr Limits kAsymmetry{-0.99, 0.99};
+inline constexpr Limits kDroplet{5, 50}; // micrometres; the fit's range
 inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0}; // 2^53: every double between is a whole number
 
 inline constexpr Limits kRate{1e-3, 1e6}, kLife{0.1, 120}, kGrowth{0, 100}, kAcceleration{-100, 100},

@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "common/phase_lobes.h"
+
 namespace brume {
 namespace {
 
@@ -26,6 +28,7 @@ constexpr Limits kNone{0, 0};                              // of what has no ran
 
 constexpr std::string_view kLayouts[]{"cube", "tubes",    "cumulus", "emitter",
                                       "file", "sequence", "live"}; // in the order of Layout
+constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase, kDropletPhase};
 constexpr std::string_view kLights[]{"directional"};
 constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
 constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
@@ -76,10 +79,19 @@ constexpr SceneSetting kSettings[]{
      "Factor of each particle, uniform in this range"},
     {"medium.albedo", at<&P::medium, &Medium::albedo>, "", limits::kColour,
      "Single-scattering albedo; a factor where points have their own", kControllers, Form::colour},
+    {"medium.phase", at<&P::medium, &Medium::phase>, "", kNone,
+     "Phase function: `mixture` (1 − a) / 4π + a HG(g), `double` (1 − a) HG(h) + a HG(g), `rayleigh`, or `droplets` of "
+     "water",
+     kControllers, Form::plain, kPhases},
     {"medium.anisotropy", at<&P::medium, &Medium::anisotropy>, "", limits::kAnisotropy,
-     "Part a of the scattered light that prefers a direction: p = (1 − a) / 4π + a HG(g)", kControllers},
+     "Part a of the scattered light that prefers a direction, with phases `mixture` and `double`", kControllers},
     {"medium.asymmetry", at<&P::medium, &Medium::asymmetry>, "", limits::kAsymmetry,
-     "g of the Henyey-Greenstein function: backward (below 0) or forward scattering", kControllers},
+     "g of its Henyey-Greenstein function: backward (below 0) or forward scattering", kControllers},
+    {"medium.second_asymmetry", at<&P::medium, &Medium::second_asymmetry>, "", limits::kAsymmetry,
+     "h of the other part's, with phase `double`", kControllers},
+    {"medium.droplet", at<&P::medium, &Medium::droplet>, "µm", limits::kDroplet,
+     "Diameter of the droplets, with phase `droplets`: a bright rim toward the sun, a fog bow away from it",
+     kControllers},
     {"medium.seed", at<&P::medium, &Medium::seed>, "", limits::kSeed, "Seed of all random numbers of the scene"},
     {"medium.file", at<&P::medium, &Medium::file>, "", kPaths,
      "PLY file beside the scene, with layout `file`; with `sequence` files, a # for each digit: `smoke-####.ply`"},

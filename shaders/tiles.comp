@@ -11,7 +11,6 @@
 // slow as one load per lane.)
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
-#include "shaders/shared/phase.h"
 #include "shaders/shared/splat.h"
 
 layout(local_size_x_id = kIdTileLanes) in;
@@ -39,6 +38,7 @@ layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = false;
 layout(constant_id = kIdCached) const bool kCached = true;
 layout(constant_id = kIdPixelsPerLane) const uint kPixels = 16;
 
+#include "shaders/lib/medium_phase.glsl"
 #include "shaders/lib/splat_run.glsl"
 #include "shaders/lib/tiles.glsl"
 #include "shaders/lib/frustum.glsl"
@@ -182,7 +182,7 @@ void main() {
         if (changed && all(lessThan(at, ivec2(eye.size)))) {
             float phase = 0.07957747154594767;
             if (kHasLobe)
-                phase = phaseMixture(-tick.sun.to_light, -normalize(rayAt(p)), tick.anisotropy, tick.asymmetry);
+                phase = mediumPhase(-tick.sun.to_light, -normalize(rayAt(p)));
             vec3 medium = tick.sun.irradiance * phase * (kOneAlbedo ? albedo * scattered[p].x : scattered[p]);
             if (kHasAmbient) medium += tick.ambient * (kOneAlbedo ? albedo * (1 - transmittance[p]) : hidden[p]);
             imageStore(radiance, at, vec4(medium, 0) + transmittance[p] * imageLoad(radiance, at));

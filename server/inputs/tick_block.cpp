@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/phase_lobes.h"
 #include "server/light/shadow_resolution.h"
 #include "shaders/shared/support.h"
 
@@ -75,8 +76,8 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.x = glm::normalize(glm::cross(helper, tick.sun.to_light));
     tick.map.y = glm::cross(tick.sun.to_light, tick.map.x);
     tick.falloff = now.medium.falloff;
-    tick.anisotropy = now.medium.anisotropy;
-    tick.asymmetry = now.medium.asymmetry;
+    const PhaseLobes lobes = lobesOf(now.medium);
+    tick.phase = {float(lobes.part), float(lobes.asymmetry), float(lobes.draine), float(lobes.second)};
     tick.sun.irradiance = now.light.irradiance;
     if (tick.sun.to_light.y <= 0 && !scene.planes.empty())
         tick.sun.irradiance = glm::vec3(0); // the light is below the ground

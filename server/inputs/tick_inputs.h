@@ -16,8 +16,8 @@ struct TickInputs {
     const gpu::Buffer* planes = nullptr;       // bytes of all finished pictures, each laid out as PlaneLayout says
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;
-    float asymmetry = 0; // g of the phase function's lobe
-    bool lobe = true;    // True: shaders are compiled with the lobe
+    float lobe_width = 1; // rad, PhaseLobes::width()
+    bool lobe = true;     // True: shaders are compiled with the lobe
     // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one.
     bool uses_target = false;
 };

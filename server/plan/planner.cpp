@@ -6,6 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/phase_lobes.h"
 #include "server/inputs/tick_block.h"
 #include "server/medium/band_limit.h"
 #include "server/opaque/objects.h"
@@ -49,6 +50,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     PlanScene out;
     out.wanted = now.render;
     out.features = featuresOf(scene, now.medium);
+    out.lobe_width = lobesOf(now.medium).width();
     out.objects = uint32_t(objects.size());
     out.casters = uint32_t(scene.boxes.size() + scene.spheres.size());
     out.tick = makeTick(scene, now, particles, objects);

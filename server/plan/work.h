@@ -30,6 +30,7 @@ struct PlanView {
 struct PlanScene {
     RenderSettings wanted; // settings of the scene and of commands; method may be kAutoMethod
     SceneFeatures features;
+    double lobe_width = 1; // rad, PhaseLobes::width()
     uint32_t objects = 0, casters = 0;
     gpu::Tick tick{}; // light, falloff, cut, bounds of the shadow volume
     uint32_t particles = 0;

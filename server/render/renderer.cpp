@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/phase_lobes.h"
 #include "server/inputs/eye_block.h"
 #include "server/opaque/objects.h"
 
@@ -108,7 +109,7 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
     const MethodPlan* plan = planOf(settings.method);
     const uint32_t variant = plan ? plan->variant(settings) : 0;
     SceneFeatures features = features_;
-    features.lobe = features.lobe || now_.medium.anisotropy > 0;
+    features.lobe = features.lobe || hasLobe(now_.medium);
     const auto made = std::find_if(methods_.begin(), methods_.end(), [&](const Made& m) {
         return m.plan == plan && m.variant == variant && m.lobe == features.lobe;
     });
@@ -191,8 +192,8 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
                .planes = &planes_,
                .linear = &linear_,
                .nearest = &nearest_,
-               .asymmetry = now_.medium.asymmetry,
-               .lobe = features_.lobe || now_.medium.anisotropy > 0,
+               .lobe_width = float(lobesOf(now_.medium).width()),
+               .lobe = features_.lobe || hasLobe(now_.medium),
                .uses_target = features_.opaque || compose_.keepsRadiance()};
     inputs_.clear();
     for (uint32_t i = 0; i < eyes.size(); ++i) {

@@ -1,6 +1,6 @@
 // Puts the medium in front of the background in a run of pixels, from a field of coarse rays. Include after the tick,
 // lib/view.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate, kSunColours and kAmbientColours are declared.
-#include "shaders/shared/phase.h"
+#include "shaders/lib/medium_phase.glsl"
 #include "shaders/shared/transmittance.h"
 #include "shaders/lib/slab_field.glsl"
 
@@ -47,7 +47,7 @@ void wholeRay(MediumRun run, vec4 across, out float ray[kMostFieldQuantities]) {
 // Radiance of the medium in front of `behind` and its transmittance, along `dir`. `ray`: the ray's quantities.
 vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities]) {
     float phase = 0.07957747154594767;
-    if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -normalize(dir), tick.anisotropy, tick.asymmetry);
+    if (kHasLobe) phase = mediumPhase(-tick.sun.to_light, -normalize(dir));
     const float opaque_part = opacity(ray[kFieldDepth]);
     vec3 light;
     if (kSunColours == 1) {

@@ -1,7 +1,7 @@
 // Shading of one particle's interval on a pixel's ray, shared by all raster methods. Declares the bindings of the
 // light, the opaque depth and the target. Include after the tick's and the eye's blocks.
 #include "shaders/shared/constants.h"
-#include "shaders/shared/phase.h"
+#include "shaders/lib/medium_phase.glsl"
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
 
@@ -62,7 +62,7 @@ float lightArriving(RayParticle ray, float t) {
 vec4 composed(RayParticle ray, vec3 albedo, float scattered, float depth) {
     const float opaque_part = opacity(depth);
     float phase = 0.07957747154594767;
-    if (kHasLobe) phase = phaseMixture(-tick.sun.to_light, -ray.w, tick.anisotropy, tick.asymmetry);
+    if (kHasLobe) phase = mediumPhase(-tick.sun.to_light, -ray.w);
     vec3 radiance = albedo * tick.sun.irradiance * (phase * scattered);
     if (kHasAmbient) radiance += albedo * tick.ambient * opaque_part;
     return vec4(radiance, 1 - opaque_part);

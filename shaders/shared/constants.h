@@ -36,8 +36,8 @@ const uint kIdTileLanes = 15u;     // lanes of a workgroup
 // Methods `slabs` and `grid`: the field of rays.
 const uint kIdSheet = 16u;          // slabs that one workgroup works on together: its lanes
 const uint kIdCubic = 17u;          // bool: the grid is interpolated by cubics; else linearly, and it is finer
-const uint kIdCoarse = 26u;        // bool: the grid's coarse nodes are filled; else the others
-const uint kIdHasCoarse = 27u;     // bool: the grid has coarse nodes
+const uint kIdCoarse = 26u;         // bool: the grid's coarse nodes are filled; else the others
+const uint kIdHasCoarse = 27u;      // bool: the grid has coarse nodes
 const uint kIdRate = 18u;           // pixels between neighbouring rays
 const uint kIdSunColours = 19u;     // FieldColours::sun (field.h)
 const uint kIdAmbientColours = 20u; // FieldColours::ambient

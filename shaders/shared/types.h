@@ -45,15 +45,22 @@ struct LightMap {
     vec4 plane;   // and the slice plane dot(plane, (p, 1)), 0 ... slices - 1
 };
 
+// Numbers of phaseOfLobes(), shared/phase.h.
+struct Phase {
+    float part;
+    float asymmetry;
+    float draine;
+    float second;
+};
+
 // Values that all viewers share in one tick.
 struct Tick {
-    Light sun;        // the first directional light; only it has maps
-    LightMap map;     // of the sun
-    float falloff;    // f
-    float anisotropy; // a
-    float asymmetry;  // g
-    float cut;        // optical depth that one particle may leave out: total of the setting / particle_count
-    vec3 ambient;     // uniform radiance scattered in without shadowing
+    Light sun;     // the first directional light; only it has maps
+    LightMap map;  // of the sun
+    float falloff; // f
+    Phase phase;
+    float cut;    // optical depth that one particle may leave out: total of the setting / particle_count
+    vec3 ambient; // uniform radiance scattered in without shadowing
     uint particle_count;
     uint opaque_count; // number of objects
     vec3 sky_zenith;
@@ -182,7 +189,7 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(Tick) == 216 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
+static_assert(sizeof(Tick) == 224 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);

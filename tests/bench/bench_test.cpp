@@ -50,7 +50,7 @@ TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
         [](auto& w) { w.obstacles[0].yaw = 1; },
         [](auto& w) { w.sky_horizon.x = 1; },
         [](auto& w) { w.haze = 0.1; },
-        [](auto& w) { w.asymmetry = 0.5; },
+        [](auto& w) { w.phase.asymmetry = 0.5; },
     };
     std::set<std::string> names{name(world)};
     for (size_t i = 0; i < changes.size(); ++i) {

@@ -24,9 +24,9 @@ void main() {
     put(tick.sun.to_light.x);
     put(tick.falloff);
     put(tick.map.x.x);
-    put(tick.anisotropy);
+    put(tick.phase.part);
     put(tick.map.y.x);
-    put(tick.asymmetry);
+    put(tick.phase.second);
     put(tick.sun.irradiance.x);
     put(tick.cut);
     put(tick.ambient.x);

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/phase_lobes.h"
+#include "shaders/shared/phase.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/quadrature.h"
 #include "tools/reference/medium_reference.h"
@@ -295,22 +297,31 @@ TEST_F(MediumTest, TheLobeScalesEveryPixel) {
     const Pose pose = lookAt({0, 0, 9}, {0, 0, 0}, 1.3f);
     for (const Way& way : {kWays[0], kWays[2], kWays[3], kWays[6]}) {
         choose(scene, way);
+        scene.medium.phase = kMixturePhase;
         scene.medium.anisotropy = 0;
         const Picture isotropic = plain().see(scene, pose, kWidth, kHeight);
-        const struct { float a, g; } lobes[] = {{1, 0.7f}, {0.4f, 0.9f}, {0.6f, -0.5f}, {1, 0}};
+        const struct {
+            std::string_view phase;
+            float a, g, second;
+        } lobes[] = {{kMixturePhase, 1, 0.7f, 0},        {kMixturePhase, 0.4f, 0.9f, 0},
+                     {kMixturePhase, 0.6f, -0.5f, 0},    {kMixturePhase, 1, 0, 0},
+                     {kDoublePhase, 0, 0, 0.8f},         {kDoublePhase, 0.5f, 0.9f, -0.4f},
+                     {kRayleighPhase, 0.3f, 0.3f, 0.3f}, {kDropletPhase, 0, 0, 0}};
         for (const auto& lobe : lobes) {
+            scene.medium.phase = lobe.phase;
             scene.medium.anisotropy = lobe.a;
             scene.medium.asymmetry = lobe.g;
+            scene.medium.second_asymmetry = lobe.second;
+            const PhaseLobes p = lobesOf(scene.medium);
             const Picture picture = plain().see(scene, pose, kWidth, kHeight);
             forPixels(picture, pose, [&](glm::dvec4 got, const Ray& ray, uint32_t x, uint32_t y) {
-                const double a = double(lobe.a), g = double(lobe.g);
                 // Light travels along -to_light and then along -w.
-                const double cosine = glm::dot(glm::normalize(glm::dvec3(scene.lights[0].to_light)), ray.w),
-                             d = 1 + g * g - 2 * g * cosine;
-                const double ratio = 1 - a + a * (1 - g * g) / (d * std::sqrt(d));
+                const double ratio = 4 * kPi *
+                                     physics::phaseOfLobes(-glm::normalize(glm::dvec3(scene.lights[0].to_light)),
+                                                           -ray.w, p.part, p.asymmetry, p.draine, p.second);
                 const double plain_one = double(isotropic.at(x, y).r);
                 ASSERT_NEAR(got.r, plain_one * ratio, 1e-5 * plain_one * ratio)
-                    << a << ' ' << g << ' ' << x << ' ' << y;
+                    << lobe.phase << ' ' << lobe.a << ' ' << lobe.g << ' ' << x << ' ' << y;
                 ASSERT_EQ(float(got.a), isotropic.at(x, y).a);
             });
         }

@@ -199,8 +199,7 @@ TEST(Ambient, IsWhatTheMediumHides) {
 TEST(Reciprocity, ViewAndLightChangePlaces) {
     World world;
     world.blobs = cloud(12, 2, 4, 0.8, glm::dvec3(0.9));
-    world.anisotropy = 0.7;
-    world.asymmetry = 0.4;
+    world.phase = {0.7, 0.4};
     const glm::dvec3 a = glm::normalize(glm::dvec3(0.3, 0.4, 1)), b = glm::normalize(glm::dvec3(-0.9, 0.7, 0.2));
     const auto sumOf = [&](glm::dvec3 view, glm::dvec3 light) {
         world.lights = {distant(light)};
@@ -215,12 +214,31 @@ TEST(Reciprocity, ViewAndLightChangePlaces) {
     expectRelative("reciprocity", sumOf(a, b), sumOf(b, a));
 }
 
+// Written down a second time, from the papers' own forms.
+TEST(PhaseFunction, OfDropletsAndOfAirAsPrinted) {
+    World world;
+    brume::Medium medium;
+    medium.phase = brume::kDropletPhase;
+    medium.droplet = 10;
+    for (const double cosine : {-1.0, -0.5, 0.0, 0.7, 1.0}) {
+        const auto printed = [&](double g, double alpha) {
+            return 1 / (4 * kPi) * (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5) *
+                   (1 + alpha * cosine * cosine) / (1 + alpha * (1 + 2 * g * g) / 3);
+        };
+        const glm::dvec3 out{std::sqrt(1 - cosine * cosine), 0, cosine};
+        world.phase = brume::lobesOf(medium);
+        const double droplets = 0.481955 * printed(0.555671, 21.99552) + (1 - 0.481955) * printed(0.988177, 0);
+        EXPECT_NEAR(phase(world, {0, 0, 1}, out), droplets, 1e-4 * droplets) << cosine;
+        world.phase = {1, 0, 1, 0};
+        EXPECT_NEAR(phase(world, {0, 0, 1}, out), 3 / (16 * kPi) * (1 + cosine * cosine), 1e-14);
+    }
+}
+
 TEST(PhaseFunction, NormalisedWithItsMeanCosine) {
     World world;
     for (const double g : {-0.99, -0.5, 0.0, 0.3, 0.9, 0.999})
         for (const double a : {1.0, 0.4}) {
-            world.anisotropy = a;
-            world.asymmetry = g;
+            world.phase = {a, g};
             // Over the cosine, in panels that halve toward the peak at +1 and at -1.
             const GaussLegendre rule(16);
             double whole = 0, mean = 0;

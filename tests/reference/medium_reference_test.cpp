@@ -306,7 +306,7 @@ TEST(World, OfASceneAsItIsNow) {
     const World world = worldOf(scene, particles, medium, light);
     ASSERT_EQ(world.blobs.size(), 3u);
     EXPECT_NEAR(world.blobs[1].k, std::sqrt(50.0) / (2 * particles[1].scale), 1e-12);
-    EXPECT_EQ(world.asymmetry, 0.5);
+    EXPECT_EQ(world.phase.asymmetry, 0.5);
     EXPECT_EQ(world.lights.at(0).to_light, glm::dvec3(0, 0, 1));
     EXPECT_EQ(world.ambient, glm::dvec3(0.25));
     ASSERT_EQ(world.obstacles.size(), 3u);

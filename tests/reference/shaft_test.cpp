@@ -42,8 +42,7 @@ World propsWorld() {
     world.sky_zenith = {0.1, 0.2, 0.4};
     world.sky_horizon = {0.3, 0.4, 0.5};
     world.ambient = {0.02, 0.03, 0.04};
-    world.anisotropy = 0.6;
-    world.asymmetry = 0.5;
+    world.phase = {0.6, 0.5};
     return world;
 }
 

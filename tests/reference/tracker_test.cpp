@@ -43,8 +43,7 @@ TEST(Tracker, WhiteFurnace) {
     world.balls = {{{{0, 0, 0}, 1}, {{0.5, 0, 0}, 1}}, 0.7, glm::dvec3(1)};
     world.fogs = {{0.05, glm::dvec3(1), 0.2}};
     world.fogs[0].lo = -6;
-    world.anisotropy = 0.8;
-    world.asymmetry = 0.6;
+    world.phase = {0.8, 0.6};
     world.ambient = world.sky_horizon = world.sky_zenith = glm::dvec3(1, 2, 3);
     TrackSettings settings;
     settings.samples = 20;
@@ -69,6 +68,39 @@ TEST(Tracker, ThinMediumLosesWhatItAbsorbs) {
     EXPECT_GT(picture.standard_error[0].x, 0);
 }
 
+// Paths that scatter downward end on the ground, which is equally bright all over; the others end in a dark sky.
+TEST(Tracker, DirectionsFollowThePhaseFunction) {
+    for (const brume::PhaseLobes& lobes : {brume::PhaseLobes{1, 0.3, 22, 0}, {0, 0, 0, 0.6}, {1, 0, 1, 0}}) {
+        World world;
+        world.blobs = {blob({0, 0, 0}, 2, 1.6, 0.01, glm::dvec3(1))};
+        world.obstacles = {{Obstacle::Kind::plane, {0, -30, 0}, glm::dvec3(0), 0, glm::dvec3(1)}};
+        const glm::dvec3 to_light =
+            glm::normalize(glm::dvec3(1, 1, 0)); // the ground under the blob is not in its shade
+        world.lights = {distant(to_light)};
+        world.phase = lobes;
+        TrackSettings settings;
+        settings.samples = 1'000'000;
+        settings.orders = 1;
+        const double all = track(world, downward(), settings).radiance[0].x;
+        settings.orders = 0;
+        const double straight = track(world, downward(), settings).radiance[0].x;
+        World bare = world;
+        bare.blobs.clear();
+        settings.samples = 1;
+        const double ground = track(bare, downward(), settings).radiance[0].x;
+        const double single = phase(world, -to_light, {0, 1, 0}); // from the sun to the eye
+        double downward_part = 0;
+        const int n = 2000;
+        for (int i = 0; i < n; ++i) {
+            const double cosine = (i + 0.5) / n, sine = std::sqrt(1 - cosine * cosine);
+            downward_part += 2 * kPi / n * phase(world, {0, -1, 0}, {sine, -cosine, 0});
+        }
+        const double scattered = 1 - straight / ground; // the part of paths that collide
+        EXPECT_NEAR((all - straight) / scattered, single + downward_part * ground, 0.02 * ground)
+            << lobes.draine << ' ' << lobes.second;
+    }
+}
+
 // The first order by paths is single scattering by closed forms, pixel by pixel, with every kind of light, medium and
 // object.
 TEST(Tracker, FirstOrderIsSingleScattering) {
@@ -76,8 +108,7 @@ TEST(Tracker, FirstOrderIsSingleScattering) {
     world.blobs = cloud(12, 5, 4, 0.6, {0.9, 0.8, 0.7});
     world.balls = {{{{-2, 0, 0}, 1}, {{-1.2, 0.3, 0}, 1}}, 0.4, glm::dvec3(0.6)};
     world.fogs = {{0.03, glm::dvec3(0.8), 0.1}};
-    world.anisotropy = 0.6;
-    world.asymmetry = 0.5;
+    world.phase = {0.6, 0.5};
     world.sky_horizon = {0.1, 0.2, 0.3};
     world.obstacles = {{Obstacle::Kind::plane, {0, -3, 0}, glm::dvec3(0), 0, glm::dvec3(0)},
                        {Obstacle::Kind::box,

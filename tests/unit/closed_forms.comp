@@ -27,7 +27,8 @@ void main() {
     const float k = gaussianK(x[i], x[i + 1]);
     sum += lightDepth(x[i], k, gaussianAcross(k, x[i + 2]), x[i + 3]) +
            segmentDepth(x[i], k, x[i + 2], x[i + 3], x[i + 4]);
-    sum += phaseMixture(vec3(x[i]), vec3(x[i + 1]), x[i + 2], x[i + 3]) + erf(x[i + 6]) + depthOfOpacity(x[i + 7]);
+    sum += phaseOfLobes(vec3(x[i]), vec3(x[i + 1]), x[i + 2], x[i + 3], x[i + 4], x[i + 5]) +
+           phaseSchlick(vec3(x[i]), vec3(x[i + 1]), x[i + 2]) + erf(x[i + 6]) + depthOfOpacity(x[i + 7]);
     sum += skyZenithPart(x[i]) + skySeen(x[i]) + skyZenithSeen(x[i]);
     x[i] = sum;
 }

@@ -58,10 +58,12 @@ public:
     }
     void add(const reference::World& world) {
         const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, zenith, horizon, haze,
-                     ambient, anisotropy, asymmetry] = world;
+                     ambient, phase] = world;
         add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs),
             add(lights);
-        add(obstacles), add(zenith), add(horizon), add(haze), add(ambient), add(anisotropy), add(asymmetry);
+        add(obstacles), add(zenith), add(horizon), add(haze), add(ambient);
+        const auto& [part, asymmetry, draine, second] = phase;
+        add(part), add(asymmetry), add(draine), add(second);
     }
     void add(const Frustum& frustum) {
         const auto& [left, right, up, down] = frustum;

@@ -44,8 +44,7 @@ World worldOf(const Medium& medium, const Light& light, Model model) {
     World world;
     world.blobs = blobsOf(medium.particles, medium.falloff);
     world.lights = {directional(light)};
-    world.anisotropy = medium.anisotropy;
-    world.asymmetry = medium.asymmetry;
+    world.phase = {medium.anisotropy, medium.asymmetry};
     if (model != Model::overlapping) world.composition = Composition::sequential;
     if (model == Model::sequential_tetrahedron) world.support = Support::tetrahedron;
     return world;

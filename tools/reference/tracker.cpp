@@ -107,12 +107,18 @@ private:
 
     // A direction by the phase function: paths run backwards, which leaves the angle between the directions as it is.
     glm::dvec3 scatteredFrom(glm::dvec3 w, Random& random) const {
-        const double g = world_.asymmetry, u = random.uniform();
-        double cosine = 2 * u - 1;
-        if (random.uniform() < world_.anisotropy && std::abs(g) > 1e-6) {
-            const double s = (1 - g * g) / (1 - g + 2 * g * u);
-            cosine = (1 + g * g - s * s) / (2 * g);
-        }
+        const auto& [part, asymmetry, draine, second] = world_.phase;
+        const bool by_draine = random.uniform() < part;
+        const double g = by_draine ? asymmetry : second, alpha = by_draine ? draine : 0;
+        double cosine;
+        do {
+            const double u = random.uniform();
+            cosine = 2 * u - 1;
+            if (std::abs(g) > 1e-6) {
+                const double s = (1 - g * g) / (1 - g + 2 * g * u);
+                cosine = (1 + g * g - s * s) / (2 * g);
+            }
+        } while (alpha > 0 && random.uniform() * (1 + alpha) > 1 + alpha * cosine * cosine);
         const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0)), turn = 2 * kPi * random.uniform();
         const glm::dvec3 x =
             glm::normalize(glm::cross(w, std::abs(w.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));

@@ -46,8 +46,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     world.sky_horizon = scene.sky.horizon;
     world.haze = double(scene.sky.haze);
     world.ambient = scene.sky.ambient;
-    world.anisotropy = medium.anisotropy;
-    world.asymmetry = medium.asymmetry;
+    world.phase = lobesOf(medium);
     return world;
 }
 
@@ -56,11 +55,17 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles) {
 }
 
 double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out) {
-    const double g = world.asymmetry, size = std::abs(g);
-    const glm::dvec3 apart = g < 0 ? travel_in + travel_out : travel_in - travel_out;
-    const double d = (1 - size) * (1 - size) + size * glm::dot(apart, apart);
-    const double lobe = (1 - size) * (1 + size) / (d * std::sqrt(d));
-    return ((1 - world.anisotropy) + world.anisotropy * lobe) / (4 * kPi);
+    const auto& [part, asymmetry, draine, second] = world.phase;
+    const auto henyeyGreenstein = [&](double g) {
+        const double size = std::abs(g);
+        const glm::dvec3 apart = g < 0 ? travel_in + travel_out : travel_in - travel_out;
+        const double d = (1 - size) * (1 - size) + size * glm::dot(apart, apart);
+        return (1 - size) * (1 + size) / (4 * kPi * d * std::sqrt(d));
+    };
+    const double cosine = glm::dot(travel_in, travel_out);
+    const double wide =
+        (1 + draine * cosine * cosine) / (1 + draine * (1 + 2 * asymmetry * asymmetry) / 3); // Draine over HG
+    return (1 - part) * henyeyGreenstein(second) + part * henyeyGreenstein(asymmetry) * wide;
 }
 
 glm::dvec3 throughHaze(const World& world, glm::dvec3 surface, double distance, glm::dvec3 direction) {

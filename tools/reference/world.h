@@ -8,6 +8,7 @@
 
 #include <glm/glm.hpp>
 
+#include "common/phase_lobes.h"
 #include "common/scene.h"
 #include "shaders/shared/types.h"
 
@@ -103,7 +104,7 @@ struct World {
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
     double haze = 0;                          // 1/m; throughHaze()
     glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
-    double anisotropy = 0, asymmetry = 0;     // p = (1 - a) / 4 pi + a HG(g)
+    PhaseLobes phase;
 };
 
 // The world of a scene as the server renders it. `medium` and `light`: the present ones (Simulation::now()), as

@@ -123,7 +123,7 @@ void RayPlan::addDisplayWork(const ViewWork& view, const RenderSettings& setting
         work[costs::kOpaque] = view.pixels() * (1 + scene.objects);
         work[costs::kRayEnds] = view.pixels();
     }
-    const double lobe = scene.features.lobe ? (1 - std::abs(double(scene.tick.asymmetry))) / view.pixel() : 1e30;
+    const double lobe = scene.features.lobe ? scene.lobe_width / view.pixel() : 1e30;
     const uint32_t step =
         scene.features.opaque ? 1 : shadingStep(settings, settings.rate, float(1 / view.raySpacing(1)), float(lobe));
     if (step > 1) {

@@ -90,8 +90,7 @@ std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
 uint32_t SlabRays::shadingStepOf(const EyeInputs& in, uint32_t rate) const {
     if (in.shared->uses_target) return 1;
     const auto [near, far] = depths(in);
-    const float lobe =
-        in.shared->lobe ? (1 - std::abs(in.shared->asymmetry)) / pixelOf(in) : std::numeric_limits<float>::infinity();
+    const float lobe = in.shared->lobe ? in.shared->lobe_width / pixelOf(in) : std::numeric_limits<float>::infinity();
     return shadingStep(*in.shared->settings, rate, deviationInPixels(in, near, std::max(near, far)), lobe);
 }
 

@@ -1,0 +1,47 @@
+// PhaseLobes: the numbers of a medium's phase function, in double precision.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "common/scene.h"
+
+namespace brume {
+
+inline constexpr std::string_view kMixturePhase = "mixture", kDoublePhase = "double", kRayleighPhase = "rayleigh",
+                                  kDropletPhase = "droplets"; // of Medium::phase
+
+// p = (1 - part) HG(second) + part D(asymmetry, draine): phaseOfLobes() in shaders/shared/phase.h.
+struct PhaseLobes {
+    double part = 0, asymmetry = 0;
+    double draine = 0; // alpha of Draine's function, >= 0
+    double second = 0;
+    bool operator==(const PhaseLobes&) const = default;
+
+    // Least width of what the function has, rad; about 1 where it is smooth.
+    double width() const { return 1 - std::max(std::abs(asymmetry), std::abs(second)); }
+};
+
+// Water droplets of a diameter from 5 to 50 micrometres: the fit to Mie theory of Jendersie, d'Eon, An Approximate Mie
+// Scattering Function for Fog and Cloud Rendering (2023), its part for large droplets.
+inline PhaseLobes dropletLobes(double diameter) {
+    const double d = diameter;
+    return {.part = std::exp(-0.599085 / (d - 0.641583) - 0.665888),
+            .asymmetry = std::exp(-2.20679 / (d + 3.91029) - 0.428934),
+            .draine = std::exp(3.62489 - 8.29288 / (d + 5.52825)),
+            .second = std::exp(-0.0990567 / (d - 1.67154))};
+}
+
+inline PhaseLobes lobesOf(const Medium& medium) {
+    const double a = double(medium.anisotropy), g = double(medium.asymmetry);
+    if (medium.phase == kDoublePhase) return {a, g, 0, double(medium.second_asymmetry)};
+    if (medium.phase == kRayleighPhase) return {1, 0, 1, 0};
+    if (medium.phase == kDropletPhase) return dropletLobes(double(medium.droplet));
+    return {a, g, 0, 0};
+}
+
+// False: light is scattered alike in all directions, whatever the asymmetry.
+inline bool hasLobe(const Medium& medium) { return medium.phase != kMixturePhase || medium.anisotropy > 0; }
+
+} // namespace brume
