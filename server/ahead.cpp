@@ -1,5 +1,6 @@
 #include "server/ahead.h"
 
+#include <ctime>
 #include <optional>
 #include <ostream>
 #include <set>
@@ -8,7 +9,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
+#include <sys/resource.h>
 
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
@@ -21,6 +22,9 @@ namespace {
 constexpr uint32_t kMostParticles = 100'000;                   // those of a second process take as much memory again
 constexpr uint32_t kHeights[] = {360, 180, 720, 90, 270, 540}; // pixels; widths in 16:9
 constexpr uint32_t kMostSteps = 12;                            // of overload
+// s of CPU time with the server's own priority. A driver that knows the shaders is done with most of them, and the
+// server may measure errors; one that compiles them would take a core from the pictures for half a minute.
+constexpr double kSoon = 1.5;
 
 // Compiles ways one by one, each once.
 class Compiling {
@@ -33,6 +37,7 @@ public:
     void compile(const RenderSettings& settings, bool still) {
         const WayShaders way = shadersOf(settings, still);
         if (!done_.insert(way).second) return;
+        if (std::clock() > kSoon * CLOCKS_PER_SEC) stepBehind();
         pictures_.drawForEveryCamera(settings, still);
         tell(); // the driver has had time to write what it compiled before
         drawn_ = way;
@@ -40,6 +45,8 @@ public:
     const PlanView& inside() const { return pictures_.inside(); }
 
 private:
+    // Lowers the priority for good.
+    static void stepBehind() { [[maybe_unused]] const int niceness = ::setpriority(PRIO_PROCESS, 0, 19); }
     void tell() {
         if (const auto way = std::exchange(drawn_, std::nullopt)) out_ << kCompiled << text(*way) << std::endl;
     }
@@ -122,7 +129,5 @@ std::vector<std::string> wayOverrides(const RenderSettings& way) {
     if (way.grid.spacing != kAuto) all.push_back(fmt::format("render.grid.spacing={}", way.grid.spacing));
     return all;
 }
-
-void stepBehind() { [[maybe_unused]] const int niceness = ::nice(19); }
 
 } // namespace brume

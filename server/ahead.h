@@ -26,14 +26,12 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
 
 // False: a second process with the scene may need more memory than it is worth.
 bool isWorthCompiling(const Scene& scene);
-// Starts compileAhead() in a child process of lowest priority. `command`: the server's, for this scene. `overrides`: as
-// for --set. `on_line` is called on another thread when it has compiled something. The process ends with the returned
-// object. Null if no process can be started.
+// Starts compileAhead() in a child process, soon of lowest priority. `command`: the server's, for this scene.
+// `overrides`: as for --set. `on_line` is called on another thread when it has compiled something. The process ends
+// with the returned object. Null if no process can be started.
 std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<const std::string> overrides,
                                     std::function<void()> on_line);
 // The scene's settings for which compileAhead() compiles this way and little else.
 std::vector<std::string> wayOverrides(const RenderSettings& way);
-// Lowers the priority (nice 19). The child process calls it first.
-void stepBehind();
 
 } // namespace brume

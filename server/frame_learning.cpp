@@ -37,8 +37,7 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     const EyeRequest& eye = batch.eyes[of->first_eye];
     RenderSettings own = settings;
     if (eye.rate > 0) own.rate = eye.rate;
-    // Who compiles behind compiles what reads pixels back, too. This thread has compiled the pictures of one way alone.
-    if (!ways_.has(own, false) || !ways_.has(own, true)) return meter_.drop(std::move(job));
+    if (!ways_.mayProbe(own)) return meter_.drop(std::move(job));
     job->method = own.method;
     job->law = planner_->predictedError(own, {eye.pose, eye.width, eye.height});
     job->scene = shown_scene_;

@@ -16,6 +16,7 @@ namespace brume {
 namespace {
 
 constexpr auto kLongStart = std::chrono::seconds(1);
+constexpr std::chrono::milliseconds kKnown{700}; // within which shaders are drawn with that are compiled already
 
 // Logs its text unless it is gone before that time is over.
 class Notice {
@@ -75,8 +76,11 @@ void FrameLoop::warmUp() {
     } else if (ways_.has(planned, false)) {
         pictures.draw(planned, false);
     } else { // cameras that go anywhere are drawn this way until others are compiled
+        const Clock::time_point begun = Clock::now();
         pictures.drawForEveryCamera(planned, false);
-        ways_.add(shadersOf(planned, false));
+        const bool known = Clock::now() - begun < kKnown; // by the driver, and the shaders of measuring probably, too
+        if (known) WarmUp(*renderer_, batches_.front()->submission, scene_, simulation_, true).draw(planned, false);
+        ways_.add(shadersOf(planned, false), known);
     }
 }
 

@@ -200,7 +200,6 @@ int main(int argc, char** argv) {
     endInOneLine();
     try {
         const ServerOptions& options = *parsed.options;
-        if (options.ahead == "only") stepBehind();
         startLog(options.log_level, options.log_format, options.log_file);
         if (options.replay.empty() || options.look)
             serve(parsed, argc, argv, signals);

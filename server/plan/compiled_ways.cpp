@@ -45,9 +45,11 @@ void CompiledWays::clear() {
     wanted_.clear();
 }
 
-void CompiledWays::add(const WayShaders& way) {
+void CompiledWays::add(const WayShaders& way, bool probed) {
     const std::scoped_lock lock(mutex_);
-    if (!compiled_.insert(way).second) return;
+    const auto [known, is_new] = compiled_.try_emplace(way, probed);
+    known->second = known->second || probed;
+    if (!is_new) return;
     std::erase_if(wanted_, [&](const Wanted& wanted) { return wanted.shaders == way; });
     ++version_;
 }
@@ -55,6 +57,12 @@ void CompiledWays::add(const WayShaders& way) {
 bool CompiledWays::has(const RenderSettings& settings, bool still) const {
     const std::scoped_lock lock(mutex_);
     return all_ || compiled_.contains(shadersOf(settings, still));
+}
+
+bool CompiledWays::mayProbe(const RenderSettings& settings) const {
+    const std::scoped_lock lock(mutex_);
+    const auto known = compiled_.find(shadersOf(settings, false));
+    return all_ || (known != compiled_.end() && known->second);
 }
 
 void CompiledWays::want(const RenderSettings& settings, bool still) {

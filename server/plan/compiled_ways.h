@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 
@@ -42,8 +42,11 @@ public:
     bool hasAll() const;
     // Forgets all ways, for another scene.
     void clear();
-    void add(const WayShaders& way);
+    // `probed`: true if the shader that reads its pixels back is compiled, too.
+    void add(const WayShaders& way, bool probed = true);
     bool has(const RenderSettings& settings, bool still) const;
+    // True: pixels of moving pictures of this way may be read back.
+    bool mayProbe(const RenderSettings& settings) const;
     // Notes a way that is not compiled, and tells who compiles. At most kMostWanted wait.
     void want(const RenderSettings& settings, bool still);
     // `on_want` is called by want(), in its thread, for every new one.
@@ -57,7 +60,7 @@ private:
     static constexpr size_t kMostWanted = 16;
 
     mutable std::mutex mutex_;
-    std::set<WayShaders> compiled_;
+    std::map<WayShaders, bool> compiled_; // true: probed
     std::deque<Wanted> wanted_;
     std::function<void()> on_want_;
     uint64_t version_ = 0;

@@ -44,6 +44,21 @@ TEST(CompiledWays, WaysThatHaveOtherShadersDiffer) {
     EXPECT_NE(shadersOf(one, false), shadersOf(other, false));
 }
 
+TEST(CompiledWays, PixelsAreReadBackWhereThatIsCompiledToo) {
+    NothingCompiled ways;
+    RenderSettings way;
+    way.method = "slabs", way.rate = 12;
+    EXPECT_FALSE(ways.mayProbe(way));
+    ways.add(shadersOf(way, false), false);
+    EXPECT_TRUE(ways.has(way, false));
+    EXPECT_FALSE(ways.mayProbe(way));
+    ways.add(shadersOf(way, false), true);
+    EXPECT_TRUE(ways.mayProbe(way));
+    ways.add(shadersOf(way, false), false);
+    EXPECT_TRUE(ways.mayProbe(way)) << "what is compiled stays so";
+    EXPECT_TRUE(CompiledWays().mayProbe(way)) << "nothing is compiled behind";
+}
+
 TEST(CompiledWays, WhatIsWantedIsToldOnceAndNoMoreWhenItIsCompiled) {
     NothingCompiled ways;
     int told = 0;

@@ -19,7 +19,7 @@ import { sentence } from './sentence';
 import { followAddress, loadSettings, saveSettings, settingsText } from './settings';
 import { Scenes, chooseFile, cloudName, onDrop, saveFile } from './scenes';
 import { PAUSED, changesBack, valuesOf } from './shared-settings';
-import { SIZE_CAPS, defaultCap } from './size';
+import { SIZE_CAPS } from './size';
 import type { Viewer } from './viewer';
 
 const REFRESH_MS = 250;
@@ -50,7 +50,7 @@ let sceneName: string | undefined;
 view.addEventListener('welcome', ({ detail: welcome }) => {
   if (sceneName !== undefined && sceneName !== welcome.scene) notices.note(`Another scene is shown: ${welcome.scene}.`);
   sceneName = welcome.scene;
-  panel.welcome(welcome, settings.cap ?? defaultCap(welcome.device));
+  panel.welcome(welcome, settings.cap);
   setText(find('brand-scene'), welcome.scene);
 });
 view.addEventListener('scenechange', ({ detail: scene }) => {

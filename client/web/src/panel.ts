@@ -11,10 +11,12 @@ import { settingGroups, valuesOf } from './shared-settings';
 import type { SettingGroup, Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
 
+const AUTOMATIC = 'auto'; // of the sizes
+
 export interface PanelHost {
   command(command: Command): void;
   camera(): Camera;
-  setCap(index: number): void;
+  setCap(index: number | undefined): void; // undefined: automatic
   setQuality(quality: number): void;
   setEyes(eyes: string): void;
   setReprojection(way: string): void;
@@ -28,7 +30,7 @@ export interface PanelHost {
 }
 
 export interface Panel {
-  welcome(welcome: Welcome, cap: number): void;
+  welcome(welcome: Welcome, cap: number | undefined): void;
   // `changed`: true if a setting that this viewer may change is not as the scene began.
   follow(values: Values, inUse: Plan | undefined, measured: Measured | undefined, changed: boolean): void;
   follows(own: Settings): void; // what is this viewer's own
@@ -87,10 +89,14 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     nudge('↙', 'Toward you', 0, 0, -1),
   );
 
-  const size = select('Size', (value) => host.setCap(Number(value)));
-  size.options(
-    SIZE_CAPS.map(({ name, width, height }, index) => ({ value: String(index), text: `${name} · ${width}×${height}` })),
-  );
+  const size = select('Size', (value) => host.setCap(value === AUTOMATIC ? undefined : Number(value)));
+  size.options([
+    { value: AUTOMATIC, text: 'Automatic' },
+    ...SIZE_CAPS.map(({ name, width, height }, index) => ({
+      value: String(index),
+      text: `${name} · ${width}×${height}`,
+    })),
+  ]);
   const quality = select('Quality', (value) => host.setQuality(Number(value)));
   quality.options(QUALITIES.map((q) => ({ value: String(q), text: q === 0 ? 'Server’s choice' : String(q) })));
   quality.follow(String(chosen.quality));
@@ -151,7 +157,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
 
   return {
     welcome: (welcome, cap) => {
-      size.follow(String(cap));
+      size.follow(cap === undefined ? AUTOMATIC : String(cap));
       const send = (path: string, value: SettingValue): void =>
         host.command({ kind: 'set', changes: [{ path, value }] });
       const operates = mayOperate(welcome.role);

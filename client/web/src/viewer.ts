@@ -1,4 +1,5 @@
 // One viewer of a server, without a page around it: connection, pictures, camera, pushes, headset.
+import { AutoSize } from './auto-size';
 import { drawBox } from './box';
 import { fitAspect, lookAt, same } from './camera';
 import type { Camera } from './camera';
@@ -17,7 +18,7 @@ import type { Report } from './report';
 import { mayControl } from './role';
 import { valuesOf } from './shared-settings';
 import type { Values } from './shared-settings';
-import { SIZE_CAPS, defaultCap } from './size';
+import { defaultCap } from './size';
 import type { Size } from './size';
 import { Statistics } from './statistics';
 import { placed } from './place';
@@ -54,7 +55,7 @@ export interface ViewerEvents {
 }
 
 export interface Wishes {
-  cap?: Size | undefined; // undefined: by the server's device
+  cap?: Size | undefined; // undefined: by the server's device, and by how fast it answers
   quality: number; // JPEG, 0 = the server's
   predict: boolean;
   control: 'push' | 'look' | 'none'; // what the mouse, touch and keys may do
@@ -86,6 +87,7 @@ export class Viewer {
   // The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
   // pose with the same numbers, since the server draws a still picture only once.
   private sent: { camera: Camera; size: Size; at: number; pose: number; said: string } | undefined;
+  private readonly autoSize = new AutoSize();
   private readonly predictor = new Predictor();
   private readonly picture: Picture;
   private readonly controls: Controls;
@@ -175,7 +177,7 @@ export class Viewer {
   }
 
   get cap(): Size {
-    return this.wishes.cap ?? SIZE_CAPS[defaultCap(this.welcome?.device ?? '')] ?? { width: 640, height: 360 };
+    return this.wishes.cap ?? this.autoSize.cap;
   }
 
   get mayPush(): boolean {
@@ -318,6 +320,7 @@ export class Viewer {
       this.arrived = undefined;
     }
     this.welcome = greeting;
+    this.autoSize.begin(defaultCap(greeting.device));
     this.sent = undefined;
     this.statistics.reset();
     this.predictor.reset();
@@ -338,6 +341,7 @@ export class Viewer {
     switch (message.kind) {
       case 'frame':
         this.picture.show(message);
+        this.followSpeed(message);
         break;
       case 'scene':
         this.scene = message;
@@ -348,6 +352,20 @@ export class Viewer {
         if (message.code !== ERROR_FULL) this.events.note(message.text || 'The server refused that.', 'error');
         break;
     }
+  }
+
+  // Pictures of another size than the one asked for say nothing of it.
+  private followSpeed(frame: Frame): void {
+    if (this.wishes.cap || this.headset || frame.width !== this.size.width || frame.height !== this.size.height) return;
+    const answer = {
+      serverMs: frame.stages.render + frame.stages.encode,
+      relaxed: this.scene?.plan?.relaxed ?? 0,
+      quality: frame.quality,
+      limit: this.limit,
+    };
+    const most = this.viewing.size({ width: Infinity, height: Infinity });
+    const more = most.width > this.size.width || most.height > this.size.height;
+    if (this.autoSize.saw(answer, more, performance.now())) this.resize();
   }
 
   // Once per animation frame.

@@ -81,11 +81,11 @@ export class Viewing implements Surface {
     return true;
   }
 
-  // The size of one eye's picture to ask for.
-  size(): Size {
+  // The size of one eye's picture to ask for, within `cap`.
+  size(cap = this.host.cap): Size {
     const { clientWidth, clientHeight } = this.canvas;
     const grown = this.reprojection === 'off' ? 1 : 1 + MARGIN;
-    return requestedSize(clientWidth / this.views, clientHeight, window.devicePixelRatio * grown, this.host.cap);
+    return requestedSize(clientWidth / this.views, clientHeight, window.devicePixelRatio * grown, cap);
   }
 
   wish(camera: Camera, size: Size): PoseWish {
