@@ -22,7 +22,7 @@ struct WayShaders {
     uint32_t rate = 0;    // pixels
     bool still = false;   // True: of still pictures, which have full colour
 
-    auto operator<=>(const WayShaders&) const = default;
+    auto operator<=>(const WayShaders&) const = default; // NOLINT(modernize-use-nullptr): it takes this for a 0
 };
 WayShaders shadersOf(const RenderSettings& settings, bool still);
 // One line: "METHOD SHADERS RATE moving", or "still"; and back. Nothing: it is no such line.
