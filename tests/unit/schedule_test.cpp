@@ -202,9 +202,10 @@ TEST(Schedule, ANewcomerWaitsForItsPartOfTheTimeAtMost) {
     Schedule schedule;
     std::vector<double> costs(8, 400.0);
     auto requests = requestsOf(costs);
-    for (uint32_t i = 0; i < requests.size(); ++i) {
-        schedule.choose({&requests[i], 1}, {.budget_ms = 1000}, kStart, kTick);
-        schedule.took(i, 400, 400);
+    for (Schedule::DrawRequest alone : requests) {
+        alone.like = 0; // in a list of its own
+        schedule.choose({&alone, 1}, {.budget_ms = 1000}, kStart, kTick);
+        schedule.took(alone.viewer, 400, 400);
     }
     requests.push_back({.viewer = 8, .pixels = 5, .like = 8});
     const auto chosen = schedule.choose(requests, {.budget_ms = 50}, kStart + ms(100), kTick);
