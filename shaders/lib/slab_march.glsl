@@ -10,9 +10,6 @@
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
 
-// Optical depth behind which nothing is lit: what comes from there to the eye is lost in the rounding of sums.
-const float kDark = 20;
-
 // The value before the first four of a row, as they go on: by a cubic where they are smooth, by a parabola where the
 // cubic's term is large. The near plane cuts particles anywhere, and the first slab has no neighbour in front.
 float beforeFirst(vec4 first) {
@@ -75,8 +72,7 @@ void march() {
         // plane or a wall cuts the medium.
         const float curvature = before - 2 * here[kExtinction] + next[kExtinction];
         const float slab = max(here[kExtinction] + curvature / 24, 0) * (ray_length * slabThickness(s));
-        const bool seen = slab > 0 && sum[kFieldDepth] < kDark;
-        if (seen) {
+        if (slab > 0) {
             const float face = faceDepth(s), thick = slabThickness(s);
             if (!known) {
                 light.y = lightAt(volume_dir, face);
@@ -101,10 +97,10 @@ void march() {
                     if (kAmbientColours > 0) sum[fieldAmbient() + c] += albedo * ambient;
                 }
             }
+            sum[kFieldDepth] += slab;
             light.xyz = light.yzw;
         }
-        sum[kFieldDepth] += slab;
-        known = seen;
+        known = slab > 0;
         if (kHasOpaque && inside && s + 1 >= first_face) writeFaces(s + 1, s + 1, mine, sum);
     }
     if (!inside) return;
