@@ -1,12 +1,14 @@
 // AutoSize: how large the pictures should be that nobody chose a size for. It begins with what suits the server's
 // device, and grows while the server has time left. It never gets smaller than it began: methods that trace few rays
 // take hardly less time for a smaller picture.
+import { LINK_QUALITY } from './live';
 import { SIZE_CAPS, type Size } from './size';
 
 export interface Answer {
   serverMs: number; // that the server took for a picture
   relaxed: number; // steps of accuracy given up under overload
-  quality: number; // of the JPEG; lower than the best on a slow link
+  quality: number; // of the JPEG, 100 at rest; at most LINK_QUALITY on a slow link
+  smaller: boolean; // true: the server has sent a smaller picture than the one asked for
   limit: number; // pixels that the server draws at most
 }
 
@@ -24,7 +26,6 @@ export class AutoSize {
   private first = 1;
   private step = 1; // index of SIZE_CAPS
   private mean: number | undefined; // ms
-  private best = 0; // quality
   private looked: number | undefined; // ms
   private tooLarge = -Infinity; // ms, when a size was given up
   private wait = FIRST_WAIT_MS;
@@ -35,18 +36,18 @@ export class AutoSize {
 
   // A connection, to a server whose device suits this index of SIZE_CAPS.
   begin(first: number): void {
-    [this.first, this.step, this.mean, this.looked, this.best] = [first, first, undefined, undefined, 0];
+    [this.first, this.step, this.mean, this.looked] = [first, first, undefined, undefined];
   }
 
-  // Hears of a picture of the present size that came at `now`, ms. `more`: true if the view would show more pixels.
+  // Hears of a picture that came at `now`, ms, asked for in the present size. `more`: true if the view would show more pixels.
   // Returns true if the size has changed.
   saw(answer: Answer, more: boolean, now: number): boolean {
     this.mean = this.mean === undefined ? answer.serverMs : this.mean + NEWEST * (answer.serverMs - this.mean);
-    this.best = Math.max(this.best, answer.quality);
     this.looked ??= now;
     if (now - this.looked < LOOK_MS) return false;
     this.looked = now;
-    const slow = answer.relaxed > 0 || this.mean > FRAME_MS || answer.quality < this.best;
+    const lacking = answer.relaxed > 0 || answer.smaller || answer.quality <= LINK_QUALITY;
+    const slow = lacking || this.mean > FRAME_MS;
     if (slow && this.step > this.first) {
       this.tooLarge = now;
       this.wait = Math.min(2 * this.wait, LONGEST_WAIT_MS);

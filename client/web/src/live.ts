@@ -13,7 +13,7 @@ export interface Seen {
   serverMs: number; // that the server took for the newest
 }
 
-const LINK_QUALITY = 45; // on a slow link the JPEG quality goes down to 40 before the size does
+export const LINK_QUALITY = 45; // on a slow link the JPEG quality goes down to 40 before the size does
 const RARE = 8; // pictures a second below which they no longer look like movement
 const SMALLER = 0.6; // part of the pixels asked for: the server halves both sides
 

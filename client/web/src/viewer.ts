@@ -354,13 +354,14 @@ export class Viewer {
     }
   }
 
-  // Pictures of another size than the one asked for say nothing of it.
+  // Larger pictures than the one asked for are late ones of before, and say nothing of it.
   private followSpeed(frame: Frame): void {
-    if (this.wishes.cap || this.headset || frame.width !== this.size.width || frame.height !== this.size.height) return;
+    if (this.wishes.cap || this.headset || frame.width > this.size.width) return;
     const answer = {
       serverMs: frame.stages.render + frame.stages.encode,
       relaxed: this.scene?.plan?.relaxed ?? 0,
       quality: frame.quality,
+      smaller: frame.width < this.size.width,
       limit: this.limit,
     };
     const most = this.viewing.size({ width: Infinity, height: Infinity });

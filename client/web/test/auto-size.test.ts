@@ -13,6 +13,7 @@ class Session {
   relaxed = 0;
   quality = 80;
   limit = Infinity;
+  smaller = false;
   more = true;
 
   constructor(
@@ -26,7 +27,13 @@ class Session {
     for (const end = this.now + seconds * SECOND; this.now < end; this.now += SECOND / 30) {
       const { width, height } = this.size.cap;
       const serverMs = this.base + (this.each * width * height) / 1e5;
-      const answer = { serverMs, relaxed: this.relaxed, quality: this.quality, limit: this.limit };
+      const answer = {
+        serverMs,
+        relaxed: this.relaxed,
+        quality: this.quality,
+        smaller: this.smaller,
+        limit: this.limit,
+      };
       if (this.size.saw(answer, this.more, this.now)) this.changes += 1;
     }
     return this;
@@ -51,12 +58,21 @@ describe('the size that nobody chose', () => {
     for (const harm of [
       (s: Session) => (s.each = 20),
       (s: Session) => (s.relaxed = 1),
-      (s: Session) => (s.quality = 50),
+      (s: Session) => (s.quality = 40),
+      (s: Session) => (s.smaller = true),
     ]) {
       const session = new Session(1, 0.5).run(20);
       harm(session);
       expect(session.run(20).size.cap).toBe(SIZE_CAPS[MEDIUM]);
     }
+  });
+
+  it('stays after a rest, whose pictures have a higher quality', () => {
+    const session = new Session(1, 0.5).run(20);
+    session.quality = 100;
+    session.run(5);
+    session.quality = 80;
+    expect(session.run(20).size.cap).toBe(SIZE_CAPS[4]);
   });
 
   it('does not swing where a larger size turns out too slow', () => {
