@@ -9,8 +9,9 @@
 
 namespace brume {
 
+// Values of Medium::phase.
 inline constexpr std::string_view kMixturePhase = "mixture", kDoublePhase = "double", kRayleighPhase = "rayleigh",
-                                  kDropletPhase = "droplets"; // of Medium::phase
+                                  kDropletPhase = "droplets";
 
 // p = (1 - part) HG(second) + part D(asymmetry, draine): phaseOfLobes() in shaders/shared/phase.h.
 struct PhaseLobes {

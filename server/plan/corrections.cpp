@@ -38,7 +38,7 @@ void Corrections::learn(uint32_t viewer, const std::string& method, double law, 
             l.risen = now;
         }
         l.factor *= certain ? target / l.factor : std::pow(target / l.factor, -std::expm1(-passed / kCreep));
-    } else if (is_new && !is_first) { // that of another accuracy was a guess
+    } else if (is_new && !is_first) { // the factor so far, of another accuracy, was a guess
         l.factor = target;
     } else if (measured.high < l.factor && now - l.risen >= l.wait) {
         l.fallen = true;

@@ -16,7 +16,7 @@ void* operator new(size_t size) {
     if (void* memory = std::malloc(size ? size : 1)) return memory;
     throw std::bad_alloc();
 }
-void* operator new(size_t size, const std::nothrow_t&) noexcept { // of std::stable_sort
+void* operator new(size_t size, const std::nothrow_t&) noexcept { // what std::stable_sort calls
     ++count;
     return std::malloc(size ? size : 1);
 }

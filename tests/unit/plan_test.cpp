@@ -278,7 +278,8 @@ TEST(Plan, WhatIsMeasuredMayUseTheWholeBudgetOfFlip) {
     inputs.scene.wanted.flip = 5e-3f;
     const Plan predicted = makePlan(inputs, builtInCosts());
     Corrections corrections;
-    corrections.learn(inputs.views.front().viewer, "slabs", 0.005, {1, 1, 1}, Corrections::Time{} + std::chrono::seconds(1));
+    corrections.learn(inputs.views.front().viewer, "slabs", 0.005, {1, 1, 1},
+                      Corrections::Time{} + std::chrono::seconds(1));
     inputs.corrections = &corrections;
     const Plan measured = makePlan(inputs, builtInCosts());
     EXPECT_TRUE(predicted.within && measured.within);

@@ -73,7 +73,8 @@ NativeSlabs::NativeSlabs(const Stage& stage, glm::uvec2 size, uint32_t rate, uin
     : kernel_(kernel), threads_(threads), particles_(stage.particles()), pose_(stage.pose()), size_(size) {
     tick_ = makeTick(stage.scene(), stage.simulation().now(), particles_, opaqueObjects(stage.scene()));
     extent_ = mediumExtent(particles_, tick_.falloff, tick_.cut);
-    if (tick_.opaque_count > 0 || tick_.phase.part > 0 || tick_.phase.second != 0 || tick_.ambient != glm::vec3(0) || !extent_.one_albedo)
+    if (tick_.opaque_count > 0 || tick_.phase.part > 0 || tick_.phase.second != 0 || tick_.ambient != glm::vec3(0) ||
+        !extent_.one_albedo)
         throw std::runtime_error(stage.scene().name +
                                  ": the native slabs have no opaque objects, lobe, ambient light or colours");
 
