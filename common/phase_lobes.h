@@ -1,4 +1,4 @@
-// PhaseLobes: the numbers of a medium's phase function, in double precision.
+// PhaseLobes: the numbers of a phase function, in double precision.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace brume {
 
-// Values of Medium::phase.
+// Values of PhaseSettings::phase.
 inline constexpr std::string_view kMixturePhase = "mixture", kDoublePhase = "double", kRayleighPhase = "rayleigh",
                                   kDropletPhase = "droplets";
 
@@ -34,7 +34,7 @@ inline PhaseLobes dropletLobes(double diameter) {
             .second = std::exp(-0.0990567 / (d - 1.67154))};
 }
 
-inline PhaseLobes lobesOf(const Medium& medium) {
+inline PhaseLobes lobesOf(const PhaseSettings& medium) {
     const double a = double(medium.anisotropy), g = double(medium.asymmetry);
     if (medium.phase == kDoublePhase) return {a, g, 0, double(medium.second_asymmetry)};
     if (medium.phase == kRayleighPhase) return {1, 0, 1, 0};
@@ -43,6 +43,6 @@ inline PhaseLobes lobesOf(const Medium& medium) {
 }
 
 // False: light is scattered alike in all directions, whatever the asymmetry.
-inline bool hasLobe(const Medium& medium) { return medium.phase != kMixturePhase || medium.anisotropy > 0; }
+inline bool hasLobe(const PhaseSettings& medium) { return medium.phase != kMixturePhase || medium.anisotropy > 0; }
 
 } // namespace brume

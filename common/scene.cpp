@@ -117,6 +117,8 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
         in.fail("file", "not used by this layout", "only with layout = \"file\" or \"sequence\"");
     for (const char* key : {"rate", "loop"})
         if (!sequence && in.has(key)) in.fail(key, "not used by this layout", "only with layout = \"sequence\"");
+    if (out.layout == Layout::none && in.has("count"))
+        in.fail("count", "not used by this layout", "none: there are no particles");
     if (from_file && in.has("count"))
         in.fail("count", "not used by this layout", "none: the file says how many points it has");
     if (!emitted && in.has("emitter")) in.fail("emitter", "not used by this layout", "only with layout = \"emitter\"");
@@ -149,6 +151,11 @@ void readRender(TableReader& in, const SettingReader& read, RenderSettings& out)
     }
 }
 
+void readFog(TableReader& in, const SettingReader& read, Fog& out, const glm::dvec3& origin) {
+    read.readTable(in, "fog", {.fog = &out}, &origin);
+    if (!(out.lo < out.hi)) in.fail(in.has("hi") ? "hi" : "lo", "the fog ends below where it begins", "lo below hi");
+}
+
 void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder) {
     const Limits objects{0, 64}; // of a kind: the opaque pass draws each of them
     const SettingReader read(folder);
@@ -159,6 +166,7 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
              [&](TableReader& r) { read.readTable(r, "simulation", {.simulation = &out.simulation}, nullptr); });
     in.tables("light", out.lights, {0, 1},
               [&](TableReader& r, Light& light) { read.readTable(r, "light", {.light = &light}, nullptr); });
+    in.tables("fog", out.fogs, limits::kFogs, [&](TableReader& r, Fog& fog) { readFog(r, read, fog, origin); });
     in.tables("plane", out.planes, objects,
               [&](TableReader& r, Plane& plane) { read.readTable(r, "plane", {.plane = &plane}, &origin); });
     in.tables("box", out.boxes, objects,

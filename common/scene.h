@@ -16,7 +16,7 @@ struct Range {
     float lo = 0, hi = 0;
 };
 
-enum class Layout { cube, tubes, cumulus, emitter, file, sequence, live };
+enum class Layout { cube, tubes, cumulus, emitter, file, sequence, live, none };
 
 // Births per second from a disc; every particle rises, grows, thins (its optical mass is conserved) and dies at its
 // life's end.
@@ -34,7 +34,16 @@ struct Emitter {
     float eddy = 3;              // m, size of the largest eddies
 };
 
-struct Medium {
+// A phase function: mixture (1-a)/4pi + a HG(g), double (1-a) HG(h) + a HG(g), rayleigh, or droplets of water.
+struct PhaseSettings {
+    std::string phase = "mixture";
+    float anisotropy = 0;       // a in [0, 1]; mixture, double
+    float asymmetry = 0;        // g in (-1, 1); mixture, double
+    float second_asymmetry = 0; // h in (-1, 1); double
+    float droplet = 20;         // micrometres, diameter, 5 ... 50; droplets
+};
+
+struct Medium : PhaseSettings {
     Layout layout = Layout::cube;
     uint32_t count = 500; // 1 ... 1,000,000; an emitter's pool size; rows of layout live
     glm::vec3 centre{0};  // m, of the layout; with layouts file, sequence and live what points are moved by
@@ -48,12 +57,6 @@ struct Medium {
     float extinction = 15;   // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
     Range multiplier{5, 10}; // per particle, uniform
     glm::vec3 albedo{0.9f};  // rho, in [0, 1]
-    // The phase function: mixture (1-a)/4pi + a HG(g), double (1-a) HG(h) + a HG(g), rayleigh, or droplets of water.
-    std::string phase = "mixture";
-    float anisotropy = 0;       // a in [0, 1]; mixture, double
-    float asymmetry = 0;        // g in (-1, 1); mixture, double
-    float second_asymmetry = 0; // h in (-1, 1); double
-    float droplet = 20;         // micrometres, diameter, 5 ... 50; droplets
     uint64_t seed = 1;
     Emitter emitter; // layout emitter only
     // Layouts file and sequence only, resolved against the scene's folder. Of a sequence its name has a run of #, each
@@ -61,6 +64,18 @@ struct Medium {
     std::filesystem::path file;
     float rate = 24;  // 1/s, how many numbers of files pass; layout sequence only
     bool loop = true; // True: after the last file comes the first; false: the last one stays. Layout sequence only
+};
+
+// A medium without particles: extinction * e^(-falloff (y - height)) between two heights and within a ball.
+struct Fog : PhaseSettings {
+    float extinction = 0.02f;    // 1/m, at `height`; 0: there is no fog
+    float height = 0;            // m
+    float falloff = 0;           // 1/m; 0: homogeneous
+    float lo = -5e4f, hi = 5e4f; // m, heights where it begins and ends; the ends of limits::kPlace: nowhere
+    glm::vec3 centre{0};         // m, of the ball
+    float radius = 0;            // m, of the ball; 0: there is none
+    glm::vec3 albedo{0.9f};      // in [0, 1]
+    glm::vec3 emission{0};       // W/(m^2 sr): fog that nothing is seen through emits (1 - albedo) * emission
 };
 
 struct SimulationSettings {
@@ -170,6 +185,7 @@ struct Scene {
     Medium medium;
     SimulationSettings simulation;
     std::vector<Light> lights; // at most one today
+    std::vector<Fog> fogs;     // at most limits::kFogs
     std::vector<Plane> planes;
     std::vector<Box> boxes;
     std::vector<Sphere> spheres;

@@ -22,15 +22,17 @@ inline constexpr Limits kColour{0, 1}, kRadiance{0, 1e4}, kSpeed{-100, 100};
 
 inline constexpr Limits kCount{1, 1'000'000};
 inline constexpr Limits kScale{1e-3, 1e3};
-inline constexpr Limits kFalloff{0.1, 10}; // 000's slider ends at 10; at 0 a particle has no extent
-inline constexpr Limits kHaze{0, 1e3}; // 1/m
+inline constexpr Limits kFalloff{0.1, 10};   // 000's slider ends at 10; at 0 a particle has no extent
+inline constexpr Limits kHaze{0, 1e3};       // 1/m
 inline constexpr Limits kExtinction{0, 1e5}; // 000's slider ends at 100, which is thin for particles of centimetres
 inline constexpr Limits kMultiplier{0, 1e3};
 inline constexpr Limits kSigmaT{0, 1e4}; // 1/m, a point's own
 inline constexpr Limits kAnisotropy{0, 1};
 inline constexpr Limits kAsymmetry{-0.99, 0.99};
-inline constexpr Limits kDroplet{5, 50}; // micrometres; the fit's range
-inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0}; // 2^53: every double between is a whole number
+inline constexpr Limits kDroplet{5, 50};                         // micrometres; the fit's range
+inline constexpr Limits kFogs{0, 4};                             // how many
+inline constexpr Limits kFogFalloff{0, 100}, kFogRadius{0, 1e4}; // 1/m; m
+inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0};       // 2^53: every double between is a whole number
 
 inline constexpr Limits kRate{1e-3, 1e6}, kLife{0.1, 120}, kGrowth{0, 100}, kAcceleration{-100, 100},
     kTurbulence{0, 100};

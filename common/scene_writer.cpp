@@ -58,6 +58,7 @@ public:
         if (scene.lights.empty()) out_ += "light = []\n";
         list("light", scene.lights, &SceneParts::light);
         medium(scene.medium);
+        list("fog", scene.fogs, &SceneParts::fog);
         table("simulation", {.simulation = &scene.simulation}, {.simulation = &by_default.simulation});
         list("plane", scene.planes, &SceneParts::plane);
         list("box", scene.boxes, &SceneParts::box);
@@ -118,7 +119,7 @@ private:
     // Keys that the medium's layout does not allow, or that would say what the server found out by itself.
     bool isNotSaid(const SceneSetting& setting) const {
         const Medium& medium = scene_.medium;
-        if (setting.path == "medium.count") return isFromFiles();
+        if (setting.path == "medium.count") return isFromFiles() || medium.layout == Layout::none;
         if (setting.path == "medium.scale") return medium.scale_by_spacing;
         if (setting.path == "medium.extinction") return medium.extinction_by_depth;
         if (setting.path == "medium.file") return !isFromFiles();

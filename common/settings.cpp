@@ -27,7 +27,7 @@ constexpr Limits kNames{1, kLongestName}, kPaths{1, 4096}; // bytes
 constexpr Limits kNone{0, 0};                              // of what has no range: booleans and choices
 
 constexpr std::string_view kLayouts[]{"cube", "tubes",    "cumulus", "emitter",
-                                      "file", "sequence", "live"}; // in the order of Layout
+                                      "file", "sequence", "live",    "none"}; // in the order of Layout
 constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase, kDropletPhase};
 constexpr std::string_view kLights[]{"directional"};
 constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
@@ -60,7 +60,7 @@ constexpr SceneSetting kSettings[]{
      Form::plain, kLayouts},
     {"medium.count", at<&P::medium, &Medium::count>, "", limits::kCount,
      "Number of particles; of an emitter and with layout `live` the most at a time; not allowed with layouts "
-     "`file` and `sequence`"},
+     "`file`, `sequence` and `none`"},
     {"medium.centre", at<&P::medium, &Medium::centre>, "m", limits::kPlace,
      "Centre of the layout; with layouts `file`, `sequence` and `live` what its points are moved by", kNobody,
      Form::place},
@@ -124,6 +124,29 @@ constexpr SceneSetting kSettings[]{
      "RMS of the divergence-free noise velocity"},
     {"medium.emitter.eddy", at<&P::medium, &Medium::emitter, &Emitter::eddy>, "m", limits::kLength,
      "Size of the largest eddies"},
+
+    {"fog.extinction", at<&P::fog, &Fog::extinction>, "1/m", limits::kSigmaT, "Extinction at `height`; 0: no fog"},
+    {"fog.height", at<&P::fog, &Fog::height>, "m", limits::kPlace, "Height at which it has that extinction", kNobody,
+     Form::height},
+    {"fog.falloff", at<&P::fog, &Fog::falloff>, "1/m", limits::kFogFalloff,
+     "How fast the extinction falls with height: as e^(-falloff · y); 0: it does not"},
+    {"fog.lo", at<&P::fog, &Fog::lo>, "m", limits::kPlace, "Height below which there is none; left out: nowhere",
+     kNobody, Form::height},
+    {"fog.hi", at<&P::fog, &Fog::hi>, "m", limits::kPlace, "Height above which there is none; left out: nowhere",
+     kNobody, Form::height},
+    {"fog.centre", at<&P::fog, &Fog::centre>, "m", limits::kPlace, "Centre of the ball that it fills", kNobody,
+     Form::place},
+    {"fog.radius", at<&P::fog, &Fog::radius>, "m", limits::kFogRadius, "Radius of that ball; 0: there is no ball"},
+    {"fog.albedo", at<&P::fog, &Fog::albedo>, "", limits::kColour, "Single-scattering albedo", kNobody, Form::colour},
+    {"fog.emission", at<&P::fog, &Fog::emission>, "W/(m² sr)", limits::kRadiance,
+     "Fog that nothing is seen through emits (1 − albedo) times this", kNobody, Form::colour},
+    {"fog.phase", at<&P::fog, &Fog::phase>, "", kNone, "Phase function, as `medium.phase`", kNobody, Form::plain,
+     kPhases},
+    {"fog.anisotropy", at<&P::fog, &Fog::anisotropy>, "", limits::kAnisotropy, "a, as `medium.anisotropy`"},
+    {"fog.asymmetry", at<&P::fog, &Fog::asymmetry>, "", limits::kAsymmetry, "g, as `medium.asymmetry`"},
+    {"fog.second_asymmetry", at<&P::fog, &Fog::second_asymmetry>, "", limits::kAsymmetry,
+     "h, as `medium.second_asymmetry`"},
+    {"fog.droplet", at<&P::fog, &Fog::droplet>, "µm", limits::kDroplet, "Diameter, as `medium.droplet`"},
 
     {"simulation.spring", at<&P::simulation, &S::spring>, "1/s²", limits::kSpring,
      "Acceleration toward a particle's home per metre of distance"},

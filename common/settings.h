@@ -20,6 +20,7 @@ struct SceneParts {
     Medium* medium = nullptr;
     SimulationSettings* simulation = nullptr;
     Light* light = nullptr;
+    Fog* fog = nullptr;
     Plane* plane = nullptr;
     Box* box = nullptr;
     Sphere* sphere = nullptr;

@@ -100,6 +100,26 @@ With `medium.layout = "live"` the scene begins empty. An operator's messages (`S
 and all viewers see them. `medium.centre`, `simulation.volume_velocity` and so on move all of them. Pushes do not, and
 are refused. `medium.extinction` and `medium.albedo` are factors, as for point clouds. While the scene is paused,
 particles move no further; messages are still taken. Restart empties the scene, and the sender has to send again.
+
+## Fog
+
+`[[fog]]` is a medium without particles, up to four of them. Its extinction is extinction · e^(−falloff · (y − height))
+between the heights `lo` and `hi`, and within a ball if it has a `radius`. With `medium.layout = "none"` there is nothing
+but fog. It is lit by the sun past itself, the particles and the objects; it hides and shadows what is behind it. Methods
+`slabs` and `grid` draw it; `auto` chooses between them, and others are refused.
+
+```toml
+[[fog]]            # a ground fog that thins out over some 5 m
+extinction = 0.05  # 1/m, at height 0
+falloff = 0.2      # 1/m
+phase = "droplets"
+
+[[fog]]            # smoke in a ball
+extinction = 0.8
+centre = [0, 3, 0]
+radius = 2
+albedo = [0.6, 0.6, 0.6]
+```
 )";
 
 struct Table {
@@ -111,6 +131,9 @@ constexpr Table kTables[]{
     {"medium.emitter", "`[medium.emitter]`",
      "With layout `emitter` only. Births fall on a horizontal disc. Particles rise, grow, thin and die.\n"
      "`medium.count` must hold all that live at a time: at least rate · life."},
+    {"fog", "`[[fog]]`",
+     "A medium without particles; up to 4. It fills everything, or what lies between two heights, or a ball. Methods\n"
+     "`slabs` and `grid` draw it."},
     {"simulation", "`[simulation]`", "How the particles move."},
     {"light", "`[[light]]`",
      "At most one. A file that does not mention lights has one; `light = []` is a scene without."},
@@ -198,8 +221,18 @@ std::string settingsPage() {
     Plane plane;
     Box box;
     Sphere sphere;
-    const SceneParts defaults{&scene, &scene.medium, &scene.simulation, &light,        &plane,
-                              &box,   &sphere,       &scene.sky,        &scene.camera, &scene.render};
+    Fog fog;
+    const SceneParts defaults{.scene = &scene,
+                              .medium = &scene.medium,
+                              .simulation = &scene.simulation,
+                              .light = &light,
+                              .fog = &fog,
+                              .plane = &plane,
+                              .box = &box,
+                              .sphere = &sphere,
+                              .sky = &scene.sky,
+                              .camera = &scene.camera,
+                              .render = &scene.render};
     std::string page(kIntroduction);
     for (const Table& table : kTables) {
         page +=

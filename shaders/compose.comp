@@ -46,7 +46,8 @@ vec3 pixelOf(bool clear, MediumRun run, inout MediumCut cut, uvec2 at, vec3 befo
     if (!clear) {
         const vec4 across = fieldAcross(int(at.x));
         float ray[kMostFieldQuantities];
-        wholeRay(run, across, ray);
+        const float end = kHasFog && kHasOpaque ? texelFetch(view_depth, ivec2(at), 0).r : kEndless;
+        wholeRay(run, across, dir, end, ray);
         if (kHasOpaque) cutRay(cut, run, ivec2(at), dir, across, ray);
         here = mediumOver(here, dir, ray);
     }
@@ -113,17 +114,20 @@ void main() {
             }
             MediumRun run;
             MediumCut cut;
-            bool clear; // True: there is no medium in the run
+            bool clear;   // True: there is no medium in the run
+            uint casters; // of the block
             vec3 rgb = vec3(0);
             for (uint i = 0; i < 8 * blocks; ++i) {
                 const uvec2 at = uvec2(block_x * 8 + i, top + row);
+                if (i % 8 == 0) casters = castersOfPixels(ivec2(at), ivec2(8, 1));
                 if (i % kRunOfBlocks == 0) {
-                    clear = kHasOpaque && isClear(ivec2(at));
+                    clear = kHasOpaque && !kHasFog && isClear(ivec2(at));
                     if (!clear) {
                         run = mediumRun(ivec2(at));
-                        cut = mediumCut(run, ivec2(at), kRunOfBlocks);
+                        cut = mediumCut(run, ivec2(at), casters);
                     }
                 }
+                cut.casters = casters; // a run may go on in the next block
                 rgb = pixelOf(clear, run, cut, at, rgb);
                 luma[row * kMostWords + i / 4] |= lumaByte(rgb, i);
                 if (kFull) keepFull(rgb, row, i);

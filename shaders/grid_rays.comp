@@ -42,7 +42,7 @@ uvec2 startRay(uvec2 tile, uint ray, vec2 pixel) {
     const vec3 inverse = 1 / mix(ray_dir, vec3(1e-12), lessThan(abs(ray_dir), vec3(1e-12)));
     const vec3 a = (kFirst - eye_at) * inverse, b = (beyondLast() - eye_at) * inverse;
     const vec3 enter = min(a, b), leave = max(a, b);
-    const vec2 faces = facesAt(vec2(max(enter.x, max(enter.y, enter.z)), min(leave.x, min(leave.y, leave.z))));
+    const vec2 faces = slabsAt(vec2(max(enter.x, max(enter.y, enter.z)), min(leave.x, min(leave.y, leave.z))));
     if (faces.x > faces.y) return uvec2(grid.slabs);
     // One more slab for the parabola through three middles, and one for rounding.
     return uvec2(clamp(vec2(floor(faces.x) - 2, ceil(faces.y) + 2), 0, float(grid.slabs)));

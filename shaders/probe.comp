@@ -53,9 +53,10 @@ vec4 mediumAt(ivec2 pixel) {
     const MediumRun run = mediumRun(pixel);
     const vec4 across = fieldAcross(pixel.x);
     float ray[kMostFieldQuantities];
-    wholeRay(run, across, ray);
+    const float end = kHasFog && kHasOpaque ? texelFetch(view_depth, pixel, 0).r : kEndless;
+    wholeRay(run, across, dir, end, ray);
     if (kHasOpaque) {
-        MediumCut cut = mediumCut(run, pixel, 1);
+        MediumCut cut = mediumCut(run, pixel, castersOfPixels(pixel, ivec2(1)));
         cutRay(cut, run, pixel, dir, across, ray);
     }
     for (uint c = 0; c < kAmbientColours; ++c) ray[fieldAmbient() + c] = 0;

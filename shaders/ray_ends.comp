@@ -75,13 +75,19 @@ void main() {
     const ivec2 lo = clamp((first - kCellsBefore) * int(grid.rate), ivec2(0), last_pixel);
     const ivec2 hi = clamp((first + int(kSlabTile) - 1 + kCellsBehind) * int(grid.rate) - 1, ivec2(0), last_pixel);
     vec2 range = vec2(0, kMiss);
-    if (!kHasCasters || castersMet(0.5 * vec2(lo + hi + 1), 0.5 * length(vec2(hi - lo + 1))) == 0) {
+    const vec2 middle = 0.5 * vec2(lo + hi + 1);
+    const float radius = 0.5 * length(vec2(hi - lo + 1));
+    if (kHasFog) { // it reaches to what is seen: no ray goes on behind that
+        findDepths(lo, hi);
+        range = uintBitsToFloat(uvec2(nearest, furthest));
+        if (kHasCasters && castersMet(middle, radius, range.y) != 0) range.x = 0;
+    } else if (!kHasCasters || castersMet(middle, radius, kMiss) == 0) {
         findDepths(lo, hi);
         range = uintBitsToFloat(uvec2(nearest, furthest));
     }
     if (gl_LocalInvocationIndex > 0) return;
-    const vec2 below = clamp(floor(facesAt(range)), vec2(0), vec2(grid.slabs - 1));
+    const vec2 below = clamp(floor(facesAt(range)), vec2(0), vec2(lastFace() - 1));
     field[fieldKept(tile)] = max(below.x - 1, 0);
-    field[fieldKept(tile) + 1] = min(below.y + 2, grid.slabs);
+    field[fieldKept(tile) + 1] = min(below.y + 2, lastFace());
     field[fieldKept(tile) + 2] = 0; // the march writes 1
 }

@@ -38,7 +38,7 @@ void main() {
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
     const MediumRun run = mediumRun(pixel);
     float ray[kMostFieldQuantities];
-    wholeRay(run, fieldAcross(pixel.x), ray);
+    wholeRay(run, fieldAcross(pixel.x), dir, kEndless, ray);
     const vec3 shown = displayed(mediumOver(vec4(skyRadiance(normalize(dir)), 1), dir, ray).rgb);
     writeShaded(view.shaded, node, nodes, shown);
 }

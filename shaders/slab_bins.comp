@@ -39,7 +39,7 @@ void main() {
         SlabMember m;
         m.centre = vec3(dot(eye.right, c), -dot(eye.up, c), -dot(eye.back, c));
         const float least = grid.rate > 1 ? kLeastAcross * float(grid.rate) * pixel * m.centre.z : 0;
-        const float across = max(own, least), along = max(own, kLeastAlong * slabThickness(0));
+        const float across = max(own, least), along = max(own, kLeastAlong * slabThickness());
         m.across = 0.5 * kLog2e / (across * across);
         m.along = 0.5 * kLog2e / (along * along);
         m.sigma = p.sigma_t * (own / across) * (own / across) * (own / along);

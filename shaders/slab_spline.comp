@@ -58,16 +58,20 @@ void main() {
     if (n >= fieldNodes()) return;
     const uvec2 node = uvec2(n % grid.nodes.x, n / grid.nodes.x);
     float values[25], deepest = 0;
-    if (kHasOpaque && isClear(max(node, 2) - 2, node + 2)) {
+    if (kHasOpaque && !kHasFog && isClear(max(node, 2) - 2, node + 2)) {
         for (uint q = 0; q < fieldQuantities(); ++q) field[fieldSpline(q) + n] = 0;
     } else {
         valuesAround(node, fieldWhole(kFieldDepth), values);
         uint known = 0;
-        [[unroll]] for (int i = 0; i < 25; ++i) known |= uint(values[i] > 0) << i;
         field[fieldSpline(kFieldDepth) + n] = coefficient(values, all);
         [[unroll]] for (int i = 0; i < 25; ++i) deepest = max(deepest, values[i]);
+        [[unroll]] for (int i = 0; i < 25; ++i) known |= uint(values[i] > 0) << i;
         for (uint q = kFieldSun; q < fieldQuantities(); ++q) {
             valuesAround(node, fieldWhole(q), values);
+            if (kHasFog) {
+                known = 0;
+                [[unroll]] for (int i = 0; i < 25; ++i) known |= uint(values[i] >= 0) << i;
+            }
             field[fieldSpline(q) + n] = coefficient(values, known);
         }
     }

@@ -1,6 +1,9 @@
 // SceneFeatures: features that shaders are compiled for. Code for absent ones is left out, so they cost nothing.
 #pragma once
 
+#include <algorithm>
+#include <span>
+
 #include "common/phase_lobes.h"
 
 namespace brume {
@@ -8,18 +11,32 @@ namespace brume {
 struct SceneFeatures {
     bool opaque = false;  // True: there are opaque objects
     bool casters = false; // True: some of them throw shadows on the medium; ground planes do not
-    bool lobe = false;    // True: hasLobe() the medium
     bool ambient = false; // True: the sky sends uniform light into the medium
+    bool lobe = false;    // True: hasLobe() the medium
+    bool fog = false;     // True: there is fog
+    bool glow = false;    // True: some fog emits light
     bool operator==(const SceneFeatures&) const = default;
+    auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
-        return {opaque || o.opaque, casters || o.casters, lobe || o.lobe, ambient || o.ambient};
+        return {opaque || o.opaque, casters || o.casters, ambient || o.ambient,
+                lobe || o.lobe,     fog || o.fog,         glow || o.glow};
     }
 };
 
-// `medium`: as it is now, since commands change its phase function.
-inline SceneFeatures featuresOf(const Scene& scene, const Medium& medium) {
+inline constexpr float kNoBall = 1e15f; // m, gpu::Fog::radius of a fog that fills no ball, and more
+
+inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
+
+// `medium`, `fogs`: as they are now, since commands change them.
+inline SceneFeatures featuresOf(const Scene& scene, const Medium& medium, std::span<const Fog> fogs) {
     const bool casters = !scene.boxes.empty() || !scene.spheres.empty();
-    return {casters || !scene.planes.empty(), casters, hasLobe(medium), scene.sky.ambient != glm::vec3(0)};
+    const auto glows = [](const Fog& fog) { return isThere(fog) && fog.emission != glm::vec3(0); };
+    return {.opaque = casters || !scene.planes.empty(),
+            .casters = casters,
+            .ambient = scene.sky.ambient != glm::vec3(0),
+            .lobe = hasLobe(medium),
+            .fog = std::ranges::any_of(fogs, isThere),
+            .glow = std::ranges::any_of(fogs, glows)};
 }
 
 } // namespace brume

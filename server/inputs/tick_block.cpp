@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "common/phase_lobes.h"
+#include "common/scene_limits.h"
+#include "server/inputs/scene_features.h"
 #include "server/light/shadow_resolution.h"
 #include "shaders/shared/support.h"
 
@@ -65,6 +67,36 @@ LightBounds mediumBounds(std::span<const gpu::Particle> particles, const gpu::Ti
     return bounds;
 }
 
+gpu::Phase phaseOf(const PhaseSettings& settings) {
+    const PhaseLobes lobes = lobesOf(settings);
+    return {float(lobes.part), float(lobes.asymmetry), float(lobes.draine), float(lobes.second)};
+}
+
+gpu::Fog fogOf(const Fog& fog) {
+    constexpr float kNowhere = 1e30f;
+    return {.centre = fog.centre,
+            .radius = fog.radius > 0 ? fog.radius : kNowhere,
+            .sigma_t = fog.extinction,
+            .falloff = fog.falloff,
+            .base = fog.height,
+            .lo = double(fog.lo) > limits::kPlace.lo ? fog.lo : -kNowhere,
+            .hi = double(fog.hi) < limits::kPlace.hi ? fog.hi : kNowhere,
+            .albedo = fog.albedo,
+            .emission = (1.0f - fog.albedo) * fog.emission,
+            .phase = phaseOf(fog)};
+}
+
+void addFogs(gpu::Tick& tick, std::span<const Fog> fogs) {
+    const Fog* first = nullptr;
+    tick.fog_phases = 1;
+    for (const Fog& fog : fogs) {
+        if (!isThere(fog) || tick.fog_count == gpu::kMostFogs) continue;
+        tick.fogs[tick.fog_count++] = fogOf(fog);
+        if (!first) first = &fog;
+        if (!(lobesOf(fog) == lobesOf(*first))) tick.fog_phases = 2;
+    }
+}
+
 } // namespace
 
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
@@ -76,8 +108,8 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.x = glm::normalize(glm::cross(helper, tick.sun.to_light));
     tick.map.y = glm::cross(tick.sun.to_light, tick.map.x);
     tick.falloff = now.medium.falloff;
-    const PhaseLobes lobes = lobesOf(now.medium);
-    tick.phase = {float(lobes.part), float(lobes.asymmetry), float(lobes.draine), float(lobes.second)};
+    tick.phase = phaseOf(now.medium);
+    addFogs(tick, now.fogs);
     tick.sun.irradiance = now.light.irradiance;
     if (tick.sun.to_light.y <= 0 && !scene.planes.empty())
         tick.sun.irradiance = glm::vec3(0); // the light is below the ground

@@ -4,6 +4,7 @@
 
 #include "common/scene.h"
 #include "server/gpu/resource.h"
+#include "server/inputs/scene_features.h"
 
 namespace brume {
 
@@ -16,8 +17,9 @@ struct TickInputs {
     const gpu::Buffer* planes = nullptr;       // bytes of all finished pictures, each laid out as PlaneLayout says
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;
-    float lobe_width = 1; // rad, PhaseLobes::width()
-    bool lobe = true;     // True: shaders are compiled with the lobe
+    float lobe_width = 1;   // rad, PhaseLobes::width()
+    SceneFeatures features; // that shaders are compiled for
+    bool lone_fog = false;  // True: there is one fog, without a ball: its light needs no slabs
     // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one.
     bool uses_target = false;
 };

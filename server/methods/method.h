@@ -27,8 +27,8 @@ public:
     virtual MethodNeeds needs() const { return {}; }
 
     // Grows buffers for a submission's eyes and returns its groups in the order of drawing. Called once per submission,
-    // before recordTick(), while nothing of the method is on the device. Precondition: there are eyes and particles.
-    // The result is valid until the next call.
+    // before recordTick(), while nothing of the method is on the device. Precondition: there are eyes, and particles or
+    // fog. The result is valid until the next call.
     virtual std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) {
         drawnOneByOne(eyes, groups_);
         return groups_;

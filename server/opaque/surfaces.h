@@ -14,11 +14,19 @@ public:
     Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw);
 
     // Writes all of the eye's target, with transmittance 1. Every kind of pass may read and write it afterwards.
-    void record(gpu::Commands& commands, const EyeInputs& in) const;
+    void record(gpu::Commands& commands, const EyeInputs& in);
 
 private:
-    gpu::GraphicsProgram draw_; // either this or the other is made
-    gpu::ComputeProgram compute_;
+    struct Programs {
+        gpu::GraphicsProgram draw; // either this or the other is made
+        gpu::ComputeProgram compute;
+    };
+    const Programs& programsFor(bool fog);
+
+    const gpu::Device& device_;
+    const gpu::SpecConstant planes_, boxes_, spheres_;
+    const bool by_draw_;
+    Programs programs_[2]; // without fog, and with it
 };
 
 } // namespace brume

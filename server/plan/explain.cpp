@@ -54,6 +54,8 @@ std::string absent(const SceneFeatures& f) {
     add(f.casters, "shadows of objects");
     add(f.lobe, "an anisotropic lobe");
     add(f.ambient, "ambient light");
+    add(f.fog, "fog");
+    add(f.glow, "fog that emits light");
     return all;
 }
 

@@ -54,6 +54,8 @@ public:
     virtual std::optional<double> error(const RenderSettings& /*settings*/, const ViewWork& /*view*/) const {
         return {};
     }
+    // True: it draws fog.
+    virtual bool drawsFog() const { return false; }
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
     // The next coarser settings in a direction; nothing if there are none.
@@ -63,5 +65,10 @@ public:
     // Settings with a fraction of the error, for still pictures.
     virtual RenderSettings finer(const RenderSettings& settings) const { return settings; }
 };
+
+// Why a scene with fog is not for a method that draws none, one line.
+inline std::string fogRefusal(const MethodPlan& method) {
+    return std::string(method.name()) + ": it draws no fog; use slabs or grid";
+}
 
 } // namespace brume

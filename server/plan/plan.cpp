@@ -36,6 +36,10 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
         if (wanted_method != kAutoMethod && !asked) continue;
         RenderSettings way = inputs.scene.wanted;
         way.method = method->name();
+        if (inputs.scene.features.fog && !method->drawsFog()) {
+            if (asked) refused = fogRefusal(*method);
+            continue;
+        }
         method->addWays(inputs.scene, way, asked, ways, refused);
     }
     return ways;

@@ -85,6 +85,7 @@ public:
     Work of(const RenderSettings& settings) const;
 
     const PlanScene& scene() const { return scene_; }
+    glm::vec3 eye() const { return view_.pose.position; }
     uint32_t width() const { return width_; } // pixels
     uint32_t height() const { return height_; }
     double pixels() const { return double(width_) * height_; }

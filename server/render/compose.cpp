@@ -9,9 +9,8 @@
 
 namespace brume {
 
-Compose::Compose(const gpu::Device& device, const SceneFeatures& features)
-    : device_(device), features_(features),
-      none_(device, 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no field") {}
+Compose::Compose(const gpu::Device& device)
+    : device_(device), none_(device, 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no field") {}
 
 void Compose::prepare(std::span<const ViewGroup> groups) {
     VkDeviceSize words = 0;
@@ -24,25 +23,27 @@ void Compose::prepare(std::span<const ViewGroup> groups) {
 
 // Blocks of 8x2 pixels that a lane of compose.comp makes: whole cells of the field, so that its pixels share their
 // look-ups.
-uint32_t Compose::blocksOf(uint32_t rate) const {
-    return features_.opaque && (rate == 3 || rate == 6 || rate == 12) ? 3 : 1;
+uint32_t Compose::blocksOf(const SceneFeatures& features, uint32_t rate) {
+    return features.opaque && (rate == 3 || rate == 6 || rate == 12) ? 3 : 1;
 }
 
 const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
     gpu::ComputeProgram& program = every_pixel_[v];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"},
-                                      {{gpu::kIdHasOpaque, features_.opaque},
-                                       {gpu::kIdHasCasters, features_.casters},
-                                       {gpu::kIdHasLobe, v.lobe},
-                                       {gpu::kIdHasAmbient, features_.ambient},
+                                      {{gpu::kIdHasOpaque, v.features.opaque},
+                                       {gpu::kIdHasCasters, v.features.casters},
+                                       {gpu::kIdHasLobe, v.features.lobe},
+                                       {gpu::kIdHasAmbient, v.features.ambient},
+                                       {gpu::kIdHasFog, v.features.fog},
+                                       {gpu::kIdHasGlow, v.features.glow},
                                        {gpu::kIdRate, v.rate},
                                        {gpu::kIdSunColours, v.colours.sun},
                                        {gpu::kIdAmbientColours, v.colours.ambient},
                                        {gpu::kIdDrawn, v.drawn},
                                        {gpu::kIdKeep, v.keep},
                                        {gpu::kIdFull, v.full},
-                                       {gpu::kIdBlocks, v.drawn ? 1 : blocksOf(v.rate)}});
+                                       {gpu::kIdBlocks, v.drawn ? 1 : blocksOf(v.features, v.rate)}});
     return program;
 }
 
@@ -50,8 +51,8 @@ const gpu::ComputeProgram& Compose::someNodes(const Variant& v) {
     gpu::ComputeProgram& program = some_nodes_[v];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_comp, "shade"},
-                                      {{gpu::kIdHasLobe, v.lobe},
-                                       {gpu::kIdHasAmbient, features_.ambient},
+                                      {{gpu::kIdHasLobe, v.features.lobe},
+                                       {gpu::kIdHasAmbient, v.features.ambient},
                                        {gpu::kIdStep, v.step},
                                        {gpu::kIdRate, v.rate},
                                        {gpu::kIdSunColours, v.colours.sun},
@@ -70,15 +71,17 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
     const VkCommandBuffer cmd = commands.handle();
     const EyeInputs& in = *group.any;
     const bool drawn = !group.field;
+    SceneFeatures features = in.shared->features;
+    if (drawn) features.lobe = features.fog = features.glow = false;
     gpu::computeToCompute(cmd);
     const gpu::ComputeProgram& program = everyPixel({.drawn = drawn,
                                                      .keep = !drawn && keep_,
-                                                     .lobe = !drawn && in.shared->lobe,
                                                      .full = full_,
                                                      .rate = drawn ? 8 : group.rate,
                                                      .step = 1,
-                                                     .colours = drawn ? gpu::FieldColours{1, 0} : group.colours});
-    const uint32_t blocks = drawn ? 1 : blocksOf(group.rate);
+                                                     .colours = drawn ? gpu::FieldColours{1, 0, 0, 0} : group.colours,
+                                                     .features = features});
+    const uint32_t blocks = drawn ? 1 : blocksOf(features, group.rate);
     for (uint32_t i = 0; i < group.count(); ++i) {
         program.bind(commands,
                      {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
@@ -99,11 +102,11 @@ void Compose::shadeField(gpu::Commands& commands, const ViewGroup& group) {
     gpu::computeToCompute(cmd);
     someNodes({.drawn = false,
                .keep = false,
-               .lobe = in.shared->lobe,
                .full = false,
                .rate = group.rate,
                .step = group.step,
-               .colours = group.colours})
+               .colours = group.colours,
+               .features = in.shared->features})
         .bind(commands,
               {in.medium->tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, *group.field)});
     vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8),

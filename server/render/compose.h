@@ -11,7 +11,7 @@ namespace brume {
 
 class Compose {
 public:
-    Compose(const gpu::Device& device, const SceneFeatures& features);
+    explicit Compose(const gpu::Device& device);
 
     // True: RenderTarget::radiance holds the composed picture afterwards; every group is then of one view, with step 1.
     // A medium that was drawn is always there.
@@ -30,13 +30,14 @@ public:
 
 private:
     struct Variant {
-        bool drawn, keep, lobe, full;
+        bool drawn, keep, full;
         uint32_t rate, step;
         gpu::FieldColours colours;
+        SceneFeatures features;
         auto
         operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14 takes it for a 0
     };
-    uint32_t blocksOf(uint32_t rate) const;
+    static uint32_t blocksOf(const SceneFeatures& features, uint32_t rate);
     const gpu::ComputeProgram& everyPixel(const Variant& variant);
     const gpu::ComputeProgram& someNodes(const Variant& variant);
     void recordEveryPixel(gpu::Commands& commands, const ViewGroup& group);
@@ -46,7 +47,6 @@ private:
     void present(gpu::Commands& commands, const ViewGroup& group);
 
     const gpu::Device& device_;
-    const SceneFeatures features_;
     bool keep_ = false, full_ = false;
     gpu::Buffer none_; // bound where there is no field
     gpu::Buffer shaded_;

@@ -23,13 +23,15 @@ void Probe::prepare(ProbeReading& reading) const {
     reading.where_.flush();
 }
 
-const gpu::ComputeProgram& Probe::programFor(bool drawn, bool lobe) {
-    gpu::ComputeProgram& program = programs_[{drawn, lobe}];
+const gpu::ComputeProgram& Probe::programFor(bool drawn, const SceneFeatures& features) {
+    gpu::ComputeProgram& program = programs_[{drawn, features}];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, probe_comp, "probe"},
-                                      {{gpu::kIdHasOpaque, features_.opaque && !drawn},
-                                       {gpu::kIdHasCasters, features_.casters && !drawn},
-                                       {gpu::kIdHasLobe, lobe},
+                                      {{gpu::kIdHasOpaque, features.opaque},
+                                       {gpu::kIdHasCasters, features.casters},
+                                       {gpu::kIdHasLobe, features.lobe},
+                                       {gpu::kIdHasFog, features.fog},
+                                       {gpu::kIdHasGlow, features.glow},
                                        {gpu::kIdDrawn, drawn}});
     return program;
 }
@@ -46,7 +48,7 @@ void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading
                                   .sun_colours = group.colours.sun,
                                   .ambient_colours = group.colours.ambient,
                                   .step = group.step};
-        programFor(reading.drawn, !reading.drawn && in.shared->lobe)
+        programFor(reading.drawn, reading.drawn ? SceneFeatures{} : in.shared->features)
             .bind(commands,
                   {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
                    gpu::storageBuffer(3, reading.where_),

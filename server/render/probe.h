@@ -30,7 +30,7 @@ private:
 
 class Probe {
 public:
-    Probe(const gpu::Device& device, const SceneFeatures& features) : device_(device), features_(features) {}
+    explicit Probe(const gpu::Device& device) : device_(device) {}
 
     // Makes room, and copies the pixels. Precondition: the device does not use `reading`.
     void prepare(ProbeReading& reading) const;
@@ -38,11 +38,10 @@ public:
     void record(gpu::Commands& commands, const ViewGroup& group, ProbeReading& reading, const gpu::View& eye);
 
 private:
-    const gpu::ComputeProgram& programFor(bool drawn, bool lobe);
+    const gpu::ComputeProgram& programFor(bool drawn, const SceneFeatures& features);
 
     const gpu::Device& device_;
-    const SceneFeatures features_;
-    std::map<std::pair<bool, bool>, gpu::ComputeProgram> programs_; // by the arguments of programFor()
+    std::map<std::pair<bool, SceneFeatures>, gpu::ComputeProgram> programs_; // by the arguments of programFor()
 };
 
 } // namespace brume

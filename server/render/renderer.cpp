@@ -9,10 +9,11 @@
 namespace brume {
 namespace {
 
-SceneFeatures compiledFor(const Scene& scene, const SceneFeatures& besides) {
-    SceneFeatures features = featuresOf(scene, scene.medium) | besides;
-    features.lobe = besides.lobe; // commands turn the scene's lobe on and off: methodFor() decides
-    return features;
+// What commands do not turn on and off.
+SceneFeatures lasting(const Scene& scene, const SceneFeatures& besides) {
+    SceneFeatures features = featuresOf(scene, scene.medium, {});
+    features.lobe = false;
+    return features | besides;
 }
 
 } // namespace
@@ -28,11 +29,11 @@ void Submission::giveBack() {
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
-    : device_(device), scene_(scene), objects_(opaqueObjects(scene)), features_(compiledFor(scene, besides)),
+    : device_(device), scene_(scene), objects_(opaqueObjects(scene)), features_(lasting(scene, besides)),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device),
-      particle_light_(device, capacity), surfaces_(device, scene), depth_order_(device, capacity),
-      compose_(device, features_), probe_(device, features_), cells_(device), linear_(device, VK_FILTER_LINEAR),
-      nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {
+      particle_light_(device, capacity), surfaces_(device, scene), depth_order_(device, capacity), compose_(device),
+      probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST),
+      targets_(device), coarse_targets_(device) {
     objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                   gpu::Memory::upload, "objects");
@@ -47,7 +48,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                       const RenderSettings* settings, bool full) {
     now_ = simulation.now();
     if (settings) now_.render = *settings;
-    Method& method = methodFor(now_.render);
+    const SceneFeatures features = features_ | featuresOf(scene_, now_.medium, now_.fogs);
+    Method& method = methodFor(now_.render, features);
     const MethodNeeds needs = method.needs();
     if (needs.one_medium) now_.render.merge = 0;
     step_ = drawingStep(needs);
@@ -65,11 +67,11 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.record(s.commands, s.particles_);
     recordLight(s, needs);
 
-    gatherInputs(blocks, eyes);
+    gatherInputs(blocks, eyes, features);
     s.uniforms_.flush();
     const std::span<const ViewGroup> groups = groupsOf(method);
     compose_.prepare(groups);
-    const bool has_medium = !upload_.all().empty();
+    const bool has_medium = hasMedium();
     if (has_medium) method.recordTick(s.commands, shared_, *inputs_.front().medium);
     const EyeInputs* before = nullptr;
     for (const ViewGroup& group : groups) {
@@ -105,13 +107,11 @@ void Renderer::giveBack() {
 
 // The method compiled for these settings. The two methods used last are kept: switching between two costs nothing, and
 // memory is bounded.
-Method& Renderer::methodFor(const RenderSettings& settings) {
+Method& Renderer::methodFor(const RenderSettings& settings, const SceneFeatures& features) {
     const MethodPlan* plan = planOf(settings.method);
     const uint32_t variant = plan ? plan->variant(settings) : 0;
-    SceneFeatures features = features_;
-    features.lobe = features.lobe || hasLobe(now_.medium);
     const auto made = std::find_if(methods_.begin(), methods_.end(), [&](const Made& m) {
-        return m.plan == plan && m.variant == variant && m.lobe == features.lobe;
+        return m.plan == plan && m.variant == variant && m.features == features;
     });
     if (made != methods_.end()) {
         std::rotate(methods_.begin(), made, made + 1);
@@ -119,7 +119,7 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
     }
     if (methods_.size() >= most_methods_) methods_.resize(most_methods_ - 1); // before the new one: memory is bounded
     auto method = makeMethod({device_, depth_order_, settings, features});
-    methods_.insert(methods_.begin(), {plan, variant, features.lobe, std::move(method)});
+    methods_.insert(methods_.begin(), {plan, variant, features, std::move(method)});
     return *methods_.front().method;
 }
 
@@ -183,7 +183,8 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     }
 }
 
-void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequest> eyes) {
+void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequest> eyes,
+                            const SceneFeatures& features) {
     shared_ = {.settings = &now_.render,
                .objects = &objects_buffer_,
                .first_caster = uint32_t(scene_.planes.size()),
@@ -193,7 +194,8 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
                .linear = &linear_,
                .nearest = &nearest_,
                .lobe_width = float(lobesOf(now_.medium).width()),
-               .lobe = features_.lobe || hasLobe(now_.medium),
+               .features = features,
+               .lone_fog = upload_.tick().fog_count == 1 && upload_.tick().fogs[0].radius > kNoBall,
                .uses_target = features_.opaque || compose_.keepsRadiance()};
     inputs_.clear();
     for (uint32_t i = 0; i < eyes.size(); ++i) {
@@ -237,7 +239,7 @@ void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequ
 
 // The groups of views that are drawn together; without a medium each eye is a group.
 std::span<const ViewGroup> Renderer::groupsOf(Method& method) {
-    if (!upload_.all().empty()) return method.prepare(inputs_);
+    if (hasMedium()) return method.prepare(inputs_);
     drawnOneByOne(inputs_, no_medium_);
     return no_medium_;
 }

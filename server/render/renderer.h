@@ -92,13 +92,14 @@ public:
     std::vector<glm::vec4> readRadiance();
 
 private:
-    Method& methodFor(const RenderSettings& settings);
+    Method& methodFor(const RenderSettings& settings, const SceneFeatures& features);
     uint32_t drawingStep(const MethodNeeds& needs) const;
+    bool hasMedium() { return !upload_.all().empty() || shared_.features.fog; }
     // True: surfaces are drawn at every pixel and the medium at every step_-th, with what lies between interpolated.
     bool drawsCoarsely() const { return step_ > 1 && features_.opaque; }
     void fitPictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
     void recordLight(Submission& submission, const MethodNeeds& needs);
-    void gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
+    void gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequest> eyes, const SceneFeatures& features);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
     void recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye);
@@ -107,7 +108,7 @@ private:
     const gpu::Device& device_;
     const Scene scene_;
     const std::vector<gpu::Opaque> objects_;
-    const SceneFeatures features_; // of the scene file; `lobe` is decided per submission, since commands change it
+    const SceneFeatures features_; // those that commands do not change
     TickUpload upload_;
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
@@ -125,7 +126,7 @@ private:
     struct Made {
         const MethodPlan* plan = nullptr;
         uint32_t variant = 0;
-        bool lobe = false;
+        SceneFeatures features;
         std::unique_ptr<Method> method;
     };
     std::vector<Made> methods_; // the newest first

@@ -40,7 +40,8 @@ public:
     }
 
 private:
-    static constexpr VkDeviceSize kBlockBytes = 256; // the largest alignment that Vulkan lets a device ask for
+    static constexpr VkDeviceSize kBlockBytes =
+        768; // a multiple of 256, the largest alignment that a device may ask for
     static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::View) <= kBlockBytes &&
                   offsetof(gpu::View, eye) == 0);
     static VkDeviceSize at(uint32_t block) { return (block + 1) * kBlockBytes; }

@@ -44,6 +44,7 @@ Placement beforeMoving(const Medium& medium, glm::dvec3 origin) {
     case Layout::cube:
     case Layout::emitter:
     case Layout::live:
+    case Layout::none:
     case Layout::sequence:
         break;
     }

@@ -91,13 +91,13 @@ struct Simulation::State {
 };
 
 Simulation::State::State(const Scene& scene, uint64_t most_bytes)
-    : now{scene.medium, sunOf(scene), scene.render, scene.simulation} {
+    : now{scene.medium, sunOf(scene), scene.fogs, scene.render, scene.simulation} {
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);
         motion = std::make_unique<Plume>(scene.medium);
-    } else if (scene.medium.layout == Layout::live) {
-        rows = scene.medium.count;
+    } else if (scene.medium.layout == Layout::live || scene.medium.layout == Layout::none) {
+        rows = scene.medium.layout == Layout::live ? scene.medium.count : 1; // nobody sets the one
         columns.emplace(rows);
         motion = std::make_unique<Live>(scene.medium, *columns);
     } else if (scene.medium.layout == Layout::sequence) {

@@ -24,6 +24,7 @@ struct Bounds {
 struct SceneNow {
     Medium medium;
     Light light;
+    std::vector<Fog> fogs;
     RenderSettings render;
     SimulationSettings simulation;
 };

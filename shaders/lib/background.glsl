@@ -13,6 +13,7 @@ layout(constant_id = kIdSpheres) const uint kSpheres = 1;
 
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/light.glsl"
+#include "shaders/lib/fog.glsl"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"
 
@@ -71,6 +72,7 @@ vec3 lit(Hit hit, vec3 x) {
         }
     const vec3 at = toShadowVolume(x); // there is no medium beside and above the map
     if (direct > 0 && at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5)))) direct *= exp(-lightDepth(at));
+    if (kHasFog && direct > 0) direct *= exp(-fogTowardSun(x));
     return hit.albedo * (skyLight(n) + tick.sun.irradiance * direct);
 }
 

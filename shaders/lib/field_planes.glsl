@@ -3,12 +3,16 @@
 #include "shaders/shared/field.h"
 #include "shaders/shared/scatter.h"
 
-FieldColours fieldColours() { return FieldColours(kSunColours, kAmbientColours); }
+FieldColours fieldColours() {
+    return FieldColours(kSunColours, kAmbientColours, kHasFog ? 3 : 0, kHasGlow ? 3 : 0);
+}
 uint fieldAmbient() { return fieldAmbient(fieldColours()); }
+uint fieldFog() { return fieldFog(fieldColours()); }
+uint fieldGlow() { return fieldGlow(fieldColours()); }
 uint fieldQuantities() { return fieldQuantities(fieldColours()); }
 
 uint fieldNodes() { return grid.nodes.x * grid.nodes.y; }
-FieldPlanes fieldPlanes() { return FieldPlanes(fieldQuantities(), kHasOpaque ? grid.slabs + 1 : 0); }
+FieldPlanes fieldPlanes() { return FieldPlanes(fieldQuantities(), kHasOpaque ? lastFace() + 1 : 0); }
 // Index of a plane's first node.
 uint planeAt(uint plane) { return field_at + plane * fieldNodes(); }
 uint fieldFace(uint quantity, uint face) { return planeAt(facePlane(fieldPlanes(), quantity, face)); }
@@ -24,12 +28,12 @@ uint fieldKept(uvec2 tile) {
 
 // The four faces whose values betweenFaces() takes, around the one of index `near` and the next. At the ends of a ray
 // the outermost is missing, and its neighbour takes its place.
-uvec4 facesAround(uint near) { return uvec4(max(near, 1) - 1, near, near + 1, min(near + 2, grid.slabs)); }
+uvec4 facesAround(uint near) { return uvec4(max(near, 1) - 1, near, near + 1, min(near + 2, lastFace())); }
 
-// A quantity at the part `at` of the way from the second face to the third.
-float betweenFaces(vec4 values, float at) {
+// A quantity at the part `at` of the way from the second face, of index `face`, to the third.
+float betweenFaces(vec4 values, float at, uint face) {
     const vec3 added = values.yzw - values.xyz;
-    return values.y + added.y * addedBefore(added.x, added.y, added.z, at);
+    return values.y + added.y * (isFogAlone(face) ? at : addedBefore(added.x, added.y, added.z, at));
 }
 
 // True if no ray of the nodes `lo` ... `hi` has medium. At most 8 nodes each way; hi may lie beyond the last.

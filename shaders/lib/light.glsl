@@ -18,6 +18,12 @@ float lightDepth(vec3 in_volume) {
     return depth.x + dot(part, depth.yzw - depth.xyz);
 }
 
+// The same anywhere: there is no medium beside the map and before its first plane.
+float lightDepthAnywhere(vec3 in_volume) {
+    const bool inside = in_volume.z > 0 && all(lessThan(abs(in_volume.xy - 0.5), vec2(0.5)));
+    return inside ? lightDepth(in_volume) : 0;
+}
+
 // Visibility of the light past opaque objects from a light-space point: 1 or 0, from one texel without filter.
 float visibility(vec3 at) {
     const vec2 texel =

@@ -4,6 +4,7 @@
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/casters_met.glsl"
 
+const float kSameHeight = 1e-2; // of a plane: most that its points differ by, as a part of their height
 const float kSameFace = 0.1; // of a slab: most distance of the pixel's surface from that of its rays
 
 // Values that a run of pixels shares.
@@ -11,15 +12,42 @@ struct MediumCut {
     vec4 ends;    // the face at which whole rays end
     bool steep;   // true: the ends of the rays around are steep (shared/field.h)
     uint casters; // bits of casters whose shadow the run may meet; see kFurther
-    FieldFaces ended[kMostFieldQuantities], shadow_begin[3], shadow_end[3]; // shadows: each colour of the sun
+    FieldFaces ended[kMostFieldQuantities], shadow_begin[6], shadow_end[6]; // shadows: each colour of the sun
 };
 
-// The shared values of `pixels` pixels from `pixel` on.
-MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
+// Quantities that shadows take from: the sun's colours on particles, then on fog.
+uint shadowedQuantities() { return kSunColours + (kHasFog ? 3 : 0); }
+uint shadowedQuantity(uint n) { return n < kSunColours ? kFieldSun + n : fieldFog() + n - kSunColours; }
+
+// The face of a view depth, clamped, and the part of a slab, of a pixel's own ray. In slabs of fog alone the part is
+// that of the opacity, with which light grows.
+float faceOnRay(float depth, vec3 dir) {
+    const float at = clamp(faceAt(depth), 0, float(lastFace()));
+    const float face = min(floor(at), float(lastFace() - 1));
+    if (!isFogAlone(uint(face))) return at;
+    const float near = faceDepth(uint(face)), far = faceDepth(uint(face) + 1), metres = length(dir);
+    const float whole = opacity(fogBetween(eye.position, dir, metres, near, far));
+    const float part = opacity(fogBetween(eye.position, dir, metres, near, clamp(depth, near, far)));
+    return face + min(part / max(whole, 1e-30), 1);
+}
+
+// Bits of casters whose shadow the `pixels` pixels from `pixel` on may meet.
+uint castersOfPixels(ivec2 pixel, ivec2 pixels) {
+    if (!kHasCasters) return 0;
+    float far = 0;
+    if (kHasFog)
+        for (int y = 0; y < pixels.y; ++y)
+            for (int x = 0; x < pixels.x; ++x)
+                far = max(far, texelFetch(view_depth, min(pixel + ivec2(x, y), ivec2(eye.size) - 1), 0).r);
+    return castersMet(vec2(pixel) + 0.5 * vec2(pixels), 0.5 * length(vec2(pixels)), far);
+}
+
+// The shared values of pixels from `pixel` on, with `casters` of them.
+MediumCut mediumCut(MediumRun run, ivec2 pixel, uint casters) {
     MediumCut cut;
-    cut.casters = kHasCasters ? castersMet(vec2(pixel) + 0.5 * vec2(pixels, 1), 0.5 * float(pixels)) : 0;
+    cut.casters = casters;
     for (uint q = 0; q < fieldQuantities(); ++q) cut.ended[q].below = -1;
-    for (uint c = 0; c < kSunColours; ++c) cut.shadow_begin[c].below = cut.shadow_end[c].below = -1;
+    for (uint n = 0; n < shadowedQuantities(); ++n) cut.shadow_begin[n].below = cut.shadow_end[n].below = -1;
     cut.steep = false;
     if (kHasOpaque) {
         cut.ends = fieldColumns(kRate == 1 ? fieldEnd() : fieldEndSpline(), run.at, spline(run.at.down));
@@ -30,40 +58,59 @@ MediumCut mediumCut(MediumRun run, ivec2 pixel, uint pixels) {
     return cut;
 }
 
-// Subtracts the sun's light that objects' shadows remove before `end` (face). Shadows are visited nearest first, so
-// that overlaps count once: the nearest two, then those that begin behind them.
-void leaveOutShadows(inout float ray[kMostFieldQuantities], inout MediumCut cut, MediumRun run, vec3 dir,
-                     float end, float part) {
-    const vec2 none = vec2(1e30, 0);
-    vec2 first = none, second = none;
-    float from = 0;
-    bool more = true;
-    while (true) { // a loop, so that the code exists once: it takes long to compile
-        if (!(first.x < first.y)) {
-            if (!more) break;
-            uint found = 0;
-            for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
-                if ((cut.casters >> min(o - grid.first_caster, 31) & 1) == 0) continue;
-                vec2 range = facesAt(shadowOf(objects[o], eye.position, dir));
-                range = vec2(max(range.x, from), min(range.y, end));
-                if (!(range.x < range.y)) continue;
-                ++found;
-                if (range.x < first.x || !(first.x < first.y)) second = first, first = range;
-                else if (range.x < second.x) second = range;
+vec2 shadows[kMostObjects]; // of the pixel's ray: view depths where they begin and end
+
+// Subtracts the sun's light that objects' shadows remove before view depth `end`. Shadows that overlap are joined, so
+// that they count once.
+void leaveOutShadows(inout float ray[kMostFieldQuantities], inout MediumCut cut, MediumRun run, vec3 dir, float end,
+                     float part) {
+    const float begin = kHasFog ? eye.near_depth : grid.depth;
+    end = min(end, faceDepth(lastFace()));
+    uint count = 0;
+    for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
+        if ((cut.casters >> min(o - grid.first_caster, 31) & 1) == 0) continue;
+        vec2 range = shadowOf(objects[o], eye.position, dir);
+        range = vec2(max(range.x, begin), min(range.y, end));
+        if (range.x < range.y) shadows[count++] = range;
+    }
+    while (count > 0) {
+        vec2 joined = shadows[--count];
+        for (uint i = 0; i < count;) {
+            const vec2 other = shadows[i];
+            if (other.x > joined.y || other.y < joined.x) {
+                ++i;
+                continue;
             }
-            more = found > 2;
-            if (found == 0) break;
+            joined = vec2(min(joined.x, other.x), max(joined.y, other.y));
+            shadows[i] = shadows[--count];
+            i = 0; // what is longer now may meet those before
         }
-        for (uint c = 0; c < kSunColours; ++c) {
-            const uint q = kFieldSun + c;
-            const float lost = fieldAt(cut.shadow_end[c], q, run.at, first.y, part) -
-                               fieldAt(cut.shadow_begin[c], q, run.at, first.x, part);
+        const vec2 faces = kHasFog ? vec2(faceOnRay(joined.x, dir), faceOnRay(joined.y, dir)) : facesAt(joined);
+        for (uint n = 0; n < shadowedQuantities(); ++n) {
+            const uint q = shadowedQuantity(n);
+            const float lost = fieldAt(cut.shadow_end[n], q, run.at, faces.y, part) -
+                               fieldAt(cut.shadow_begin[n], q, run.at, faces.x, part);
             ray[q] = max(ray[q] - lost, 0);
         }
-        from = first.y;
-        first = vec2(max(second.x, from), second.y);
-        second = none;
     }
+}
+
+// True if the four nearest rays end on the same horizontal plane as the pixel, `height` above the eye, or in the sky.
+// `behind`: true if all of them, and the pixel's own, at face `own`, end behind the particles.
+bool isLevel(MediumRun run, ivec2 pixel, float height, float own, out bool behind) {
+    const uvec2 first = fieldNode(pixel) + 1;
+    const float last = float(grid.front + grid.slabs);
+    bool level = true;
+    behind = own >= last;
+    for (uint n = 0; n < 4; ++n) {
+        const uvec2 node = first + uvec2(n & 1, n >> 1);
+        const float face = field[fieldEnd() + node.y * grid.nodes.x + node.x];
+        const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;
+        behind = behind && face >= last;
+        const float there = faceDepth(face) * rayDirection(at).y;
+        level = level && (face >= float(lastFace()) || abs(there - height) < kSameHeight * abs(height));
+    }
+    return level;
 }
 
 // Changes the quantities of a whole ray (wholeRay()) to those of the pixel's own ray. `dir`: ray direction of unit view
@@ -71,9 +118,20 @@ void leaveOutShadows(inout float ray[kMostFieldQuantities], inout MediumCut cut,
 void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 across,
             inout float ray[kMostFieldQuantities]) {
     const float part = fieldPart(pixel.x), z = texelFetch(view_depth, pixel, 0).r;
-    const float end = clamp(faceAt(z), 0, float(grid.slabs));
-    if (cut.steep || abs(dot(across, cut.ends) - end) > kSameFace)
+    const float linear = clamp(faceAt(z), 0, float(lastFace()));
+    const bool differs = abs(dot(across, cut.ends) - linear) > kSameFace;
+    bool keep_fog = false, keep_all = false; // True: what is before the surface is that of the whole rays
+    if (kHasFog && (cut.steep || differs)) keep_fog = !differs;
+    if (kHasFog && kRate > 1 && (cut.steep || differs)) {
+        const bool level = isLevel(run, pixel, z * dir.y, linear, keep_all);
+        keep_fog = keep_fog || level;
+        keep_all = keep_all && level;
+    }
+    if ((cut.steep || differs) && !keep_all) {
+        const float end = kHasFog ? faceOnRay(z, dir) : linear;
         for (uint q = 0; q < fieldQuantities(); ++q)
-            ray[q] = max(fieldAt(cut.ended[q], q, run.at, end, part), 0);
-    if (kHasCasters && cut.casters != 0 && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, end, part);
+            if (!(keep_fog && q >= fieldFog())) ray[q] = max(fieldAt(cut.ended[q], q, run.at, end, part), 0);
+        if (kHasFog) ray[kFieldDepth] += fogBefore(dir, z);
+    }
+    if (kHasCasters && cut.casters != 0 && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, z, part);
 }

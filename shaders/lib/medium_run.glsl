@@ -1,8 +1,11 @@
 // Puts the medium in front of the background in a run of pixels, from a field of coarse rays. Include after the tick,
-// lib/view.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate, kSunColours and kAmbientColours are declared.
+// lib/view.glsl, lib/eye.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate, kSunColours and kAmbientColours are
+// declared.
 #include "shaders/lib/medium_phase.glsl"
 #include "shaders/shared/transmittance.h"
 #include "shaders/lib/slab_field.glsl"
+#include "shaders/lib/fog.glsl"
+#include "shaders/lib/field_scale.glsl"
 
 // A run with the node columns of whole rays: the quantities of the field. Arrays have the largest size, since GLSL does
 // not copy arrays of specialised sizes.
@@ -37,9 +40,22 @@ void mediumRuns(ivec2 pixel, out MediumRun run, out MediumRun next) {
     }
 }
 
-// The quantities of a pixel's whole ray.
-void wholeRay(MediumRun run, vec4 across, out float ray[kMostFieldQuantities]) {
+// Optical depth of fog between the eye and view depth `end` of a pixel's own ray: exact, so that no edge is smeared.
+float fogBefore(vec3 dir, float end) {
+    return kHasFog ? fogBetween(eye.position, dir, length(dir), eye.near_depth, end) : 0;
+}
+
+// The quantities of a pixel's whole ray; its depth is that of particles and fog. `dir`: of unit view depth; `end`: view
+// depth where it ends.
+void wholeRay(MediumRun run, vec4 across, vec3 dir, float end, out float ray[kMostFieldQuantities]) {
     ray[kFieldDepth] = max(dot(across, run.whole[kFieldDepth]), 0);
+    if (kHasFog) {
+        float scale[kMostFieldQuantities];
+        const float fog = fieldScale(dir, end, ray[kFieldDepth], scale);
+        for (uint q = kFieldSun; q < fieldQuantities(); ++q) ray[q] = max(dot(across, run.whole[q]), 0) * scale[q];
+        ray[kFieldDepth] += fog;
+        return;
+    }
     for (uint q = kFieldSun; q < fieldQuantities(); ++q)
         ray[q] = max(dot(across, run.whole[q]), 0) * opacity(ray[kFieldDepth]);
 }
@@ -52,10 +68,19 @@ vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities]) {
     vec3 light;
     if (kSunColours == 1) {
         light = grid.albedo * tick.sun.irradiance * (phase * ray[kFieldSun]);
-        if (kHasAmbient) light += grid.albedo * tick.ambient * opaque_part;
+        if (kHasAmbient && !kHasFog) light += grid.albedo * tick.ambient * opaque_part;
     } else {
         for (uint c = 0; c < 3; ++c) light[c] = tick.sun.irradiance[c] * phase * ray[kFieldSun + c];
-        for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
+    }
+    for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
+    if (kHasFog) {
+        const Phase p = tick.fogs[0].phase; // fogPhase() left it out
+        float fog_phase = 1;
+        if (tick.fog_phases == 1)
+            fog_phase = phaseOfLobes(-tick.sun.to_light, -normalize(dir), p.part, p.asymmetry, p.draine, p.second);
+        for (uint c = 0; c < 3; ++c) light[c] += tick.sun.irradiance[c] * fog_phase * ray[fieldFog() + c];
+        if (kHasGlow)
+            for (uint c = 0; c < 3; ++c) light[c] += ray[fieldGlow() + c];
     }
     return vec4(light, 0) + (1 - opaque_part) * behind;
 }

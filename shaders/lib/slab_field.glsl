@@ -63,7 +63,7 @@ struct FieldFaces {
 
 // A quantity up to `face`, a fractional index, at `part` of the cell's width.
 float fieldAt(inout FieldFaces faces, uint quantity, FieldRun run, float face, float part) {
-    const float below = min(floor(face), float(grid.slabs - 1));
+    const float below = min(floor(face), float(lastFace() - 1));
     if (below != faces.below) {
         const uvec4 around = facesAround(nearestWhole(below));
         [[dont_unroll]] for (uint i = 0; i < 4; ++i) // compiles in half the time
@@ -71,5 +71,5 @@ float fieldAt(inout FieldFaces faces, uint quantity, FieldRun run, float face, f
         faces.below = below;
     }
     const vec4 across = kRate == 1 ? vec4(1, 0, 0, 0) : through(part);
-    return betweenFaces(across * faces.columns, face - below);
+    return betweenFaces(across * faces.columns, face - below, nearestWhole(below));
 }

@@ -19,6 +19,8 @@ const uint kIdOneAlbedo = 5u;  // bool: all particles have the same albedo
 const uint kIdPlanes = 6u;     // objects of each kind
 const uint kIdBoxes = 7u;
 const uint kIdSpheres = 8u;
+const uint kIdHasFog = 28u;  // bool: there is fog
+const uint kIdHasGlow = 29u; // bool: some fog emits light
 
 // The volumetric shadow map.
 const uint kIdShadowLanes = 9u; // lanes that work on one tile together, texels of its width; a power of two, at most 8

@@ -22,18 +22,23 @@ BRUME_INLINE uint mediumQuantities(bool one_albedo) { return one_albedo ? kScatt
 // Colours of the light in a field. If all particles have the same albedo, light is without albedo and thus colour.
 struct FieldColours {
     uint sun;     // 1 if all particles have the same albedo; otherwise 3: red, green and blue
-    uint ambient; // 3 if albedos differ and there is ambient light; otherwise 0
+    uint ambient; // 3 if there is ambient light, and albedos differ or there is fog; otherwise 0
+    uint fog;     // 3 if there is fog; otherwise 0
+    uint glow;    // 3 if some fog emits light; otherwise 0
 #ifdef __cplusplus
     auto operator<=>(const FieldColours&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
 #endif
 };
 
 // Quantities of the field, numbered. A light's colours follow each other.
-const uint kFieldDepth = 0u; // optical depth
+const uint kFieldDepth = 0u; // optical depth of the particles
 const uint kFieldSun = 1u;   // scattered light of the sun, for p E = 1
 BRUME_INLINE uint fieldAmbient(FieldColours colours) { return kFieldSun + colours.sun; } // scattered ambient light
-BRUME_INLINE uint fieldQuantities(FieldColours colours) { return fieldAmbient(colours) + colours.ambient; }
-const uint kMostFieldQuantities = 7u;
+// Scattered light of the sun by fogs, for E = 1: with their albedo, and with their phase functions where those differ.
+BRUME_INLINE uint fieldFog(FieldColours colours) { return fieldAmbient(colours) + colours.ambient; }
+BRUME_INLINE uint fieldGlow(FieldColours colours) { return fieldFog(colours) + colours.fog; } // emitted radiance
+BRUME_INLINE uint fieldQuantities(FieldColours colours) { return fieldGlow(colours) + colours.glow; }
+const uint kMostFieldQuantities = 13u;
 
 // The planes of a field. A plane has a float for each ray.
 //
@@ -47,8 +52,11 @@ const uint kMostFieldQuantities = 7u;
 //
 //   a quantity:  | up to face 0 (near) | up to face 1 | ... | up to face `slabs` (far) | whole ray |
 //
+// With fog, `slabs` counts those before and behind the particles, too (lib/slab_depth.glsl).
 // A whole ray ends at the surface that it hits. Its light is stored divided by its opacity: both are then smooth where
-// the medium is band-limited, however dense it is. The ends are steep where those of rays around differ by more than a
+// the medium is band-limited, however dense it is. In scenes with fog it is divided by what the light would be without
+// shadows (lib/field_scale.glsl), which is exact at every pixel and has the sharp edges of fogs; where that is 0, -1 is
+// stored. The ends are steep where those of rays around differ by more than a
 // slab in the medium, such as on a ground that is seen along it. Whole rays are not smooth there; the planes of faces
 // are.
 //
@@ -58,7 +66,7 @@ const uint kMostFieldQuantities = 7u;
 const uint kFieldKept = 3u; // numbers of a tile
 struct FieldPlanes {
     uint quantities;
-    uint faces; // slabs + 1 in scenes with opaque objects; otherwise 0: there are only whole rays
+    uint faces; // all slabs + 1 in scenes with opaque objects; otherwise 0: there are only whole rays
 };
 
 BRUME_INLINE uint facePlane(FieldPlanes field, uint quantity, uint face) {
@@ -76,7 +84,7 @@ BRUME_INLINE uint steepPlane(FieldPlanes field) { return endSplinePlane(field) +
 BRUME_INLINE uint planesOf(FieldPlanes field) { return steepPlane(field) + endPlanes(field); }
 
 #ifdef __cplusplus
-static_assert(fieldQuantities({.sun = 3, .ambient = 3}) == kMostFieldQuantities);
+static_assert(fieldQuantities({.sun = 3, .ambient = 3, .fog = 3, .glow = 3}) == kMostFieldQuantities);
 } // namespace brume::gpu
 #endif
 #undef BRUME_INLINE

@@ -8,6 +8,14 @@
 
 BRUME_PHYSICS_BEGIN
 
+// C / (rho p E) of one medium among several in an interval, if the optical depth that is passed, to the light and from
+// the interval's begin toward the eye together, is linear in the medium's own. own: its own depth; in_depth, out_depth:
+// those sums at its entry and exit. Exact for height fog and for homogeneous fog, lit past themselves, of any depth.
+BRUME_FN real scatterOwn(real own, real in_depth, real out_depth) {
+    const real from = min(in_depth, real(1e18)), to = min(out_depth, real(1e18));
+    return min(own, real(1e18)) * exp(-min(from, to)) * phi(abs(to - from));
+}
+
 // C / (rho p E) if light depth is linear in view depth. depth: of the interval; light_in, light_out: light depth at
 // its entry and exit. Exact for a homogeneous interval.
 BRUME_FN real scatterAnalytic(real depth, real light_in, real light_out) {

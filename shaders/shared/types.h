@@ -53,6 +53,21 @@ struct Phase {
     float second;
 };
 
+const uint kMostFogs = 4u;
+
+// Extinction sigma_t e^(-falloff (y - base)) between two heights and in a ball (shared/fog.h).
+struct Fog {
+    vec3 centre;
+    float radius;  // from 1e15 on: no ball
+    float sigma_t; // 1/m, at y = base
+    float falloff; // 1/m
+    float base;    // m
+    float lo, hi;  // m; -1e30 and 1e30: no limit
+    vec3 albedo;
+    vec3 emission; // W/(m^2 sr), radiance that it emits per optical depth
+    Phase phase;
+};
+
 // Values that all viewers share in one tick.
 struct Tick {
     Light sun;     // the first directional light; only it has maps
@@ -66,6 +81,9 @@ struct Tick {
     vec3 sky_zenith;
     vec3 sky_horizon;
     float haze; // 1/m
+    uint fog_count;
+    uint fog_phases; // 1: all fogs have the same phase function; else they differ
+    Fog fogs[kMostFogs];
 };
 
 // One eye of one viewer. Affine functions of the pixel: value at pixel (0, 0), and steps to the right and down.
@@ -124,7 +142,8 @@ struct SlabMember {
     vec3 albedo;
 };
 
-const uint kSlabTile = 8u; // rays along a side of a tile
+const uint kSlabTile = 8u;             // rays along a side of a tile
+const float kLogFogGrowth = 0.2630344; // log2(1.2): each slab before and behind the particles is a fifth thicker
 
 // Grid of rays and slabs of one eye, or of a band of its rows. Node (0, 0) is `margin` spacings up and left of the
 // picture's first pixel.
@@ -140,6 +159,10 @@ struct SlabGrid {
     uvec3 lines;       // columns of tiles, rows of tiles, sheets
     uint first_caster; // index of the first object that is no plane
     vec3 albedo;       // of all particles
+    // With fog: slabs before and behind those of the particles, which grow (lib/slab_depth.glsl).
+    uint front, back;
+    float front_unit, back_unit; // m
+    float fog_step; // m of view depth; most that the light in fog is taken as linear on where particles shadow it
 };
 
 // One picture, or a band of its rows, whose passes run together with others. Its data begins at these indices, in
@@ -155,6 +178,7 @@ struct View {
     uint added;
     uint field;
     uint shaded;
+    uint padding[59]; // any view may be bound alone: offsets are multiples of 256 bytes
 };
 
 // Which pixels probe.comp reads, and how they were drawn.
@@ -189,11 +213,11 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(Tick) == 224 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
+static_assert(sizeof(Tick) == 536 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
-static_assert(sizeof(SlabGrid) == 64 && sizeof(View) == 256 && sizeof(MediumGrid) == 36);
+static_assert(sizeof(SlabGrid) == 84 && sizeof(View) == 512 && sizeof(MediumGrid) == 36);
 static_assert(sizeof(LightParticle) == 28 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif

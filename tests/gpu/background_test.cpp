@@ -24,9 +24,9 @@ protected:
         const std::vector<gpu::Particle> particles = particlesOf(scene);
         const std::vector<gpu::Opaque> all = opaqueObjects(scene);
         const gpu::Tick tick = tickOf(scene, particles);
-        const gpu::Buffer uniforms(device(), 512, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
+        const gpu::Buffer uniforms(device(), 1024, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
         uniforms.mapped<gpu::Tick>(1)[0] = tick;
-        gpu::Eye& eye = uniforms.mapped<gpu::Eye>(1, 256)[0];
+        gpu::Eye& eye = uniforms.mapped<gpu::Eye>(1, 768)[0];
         eye = {};
         eye.position = pose.position;
         eye.near_depth = float(kNearDepth);
@@ -47,7 +47,7 @@ protected:
         const gpu::Sampler linear(device(), VK_FILTER_LINEAR), nearest(device(), VK_FILTER_NEAREST);
         ShadowVolume volume(device(), uint32_t(particles.size()));
         OpaqueShadow casters(device());
-        const Surfaces surfaces(device(), scene, by_draw);
+        Surfaces surfaces(device(), scene, by_draw);
 
         gpu::Commands commands(device(), "background");
         const VkCommandBuffer cmd = commands.begin();
@@ -63,7 +63,7 @@ protected:
                                 .nearest = &nearest};
         const MediumView view{.tick = block};
         EyeInputs in{.shared = &shared, .medium = &view, .target = &target, .size = {width, height}};
-        in.eye = gpu::uniformBuffer(1, uniforms, 256, sizeof(gpu::Eye));
+        in.eye = gpu::uniformBuffer(1, uniforms, 768, sizeof(gpu::Eye));
         surfaces.record(commands, in);
         commands.submit();
         waitFor(commands);

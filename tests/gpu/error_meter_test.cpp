@@ -70,8 +70,8 @@ protected:
         const EyeRequest eye{poseOf(scene), kSize.x, kSize.y};
         submitAndWait(renderer, submission, simulation, {&eye, 1});
         const std::vector<glm::vec4> drawn = renderer.readRadiance();
-        const reference::World world =
-            reference::worldOf(scene, particlesOf(simulation), simulation.now().medium, simulation.now().light);
+        const reference::World world = reference::worldOf(scene, particlesOf(simulation), simulation.now().medium,
+                                                          simulation.now().light, simulation.now().fogs);
         const reference::Picture truth = reference::render(
             world, reference::perspective(eye.pose, int(kSize.x), int(kSize.y), kNearDepth), {.tolerance = 1e-5});
         std::vector<glm::dvec3> values, references;

@@ -228,9 +228,9 @@ TEST(PhaseFunction, OfDropletsAndOfAirAsPrinted) {
         const glm::dvec3 out{std::sqrt(1 - cosine * cosine), 0, cosine};
         world.phase = brume::lobesOf(medium);
         const double droplets = 0.481955 * printed(0.555671, 21.99552) + (1 - 0.481955) * printed(0.988177, 0);
-        EXPECT_NEAR(phase(world, {0, 0, 1}, out), droplets, 1e-4 * droplets) << cosine;
+        EXPECT_NEAR(phase(world.phase, {0, 0, 1}, out), droplets, 1e-4 * droplets) << cosine;
         world.phase = {1, 0, 1, 0};
-        EXPECT_NEAR(phase(world, {0, 0, 1}, out), 3 / (16 * kPi) * (1 + cosine * cosine), 1e-14);
+        EXPECT_NEAR(phase(world.phase, {0, 0, 1}, out), 3 / (16 * kPi) * (1 + cosine * cosine), 1e-14);
     }
 }
 
@@ -248,7 +248,7 @@ TEST(PhaseFunction, NormalisedWithItsMeanCosine) {
                     for (int i = 0; i < rule.size(); ++i) {
                         const double below = (outer + inner) / 2 + (outer - inner) / 2 * rule.node(i); // 1 - |cosine|
                         const double cosine = side * (1 - below), sine = std::sqrt(below * (2 - below));
-                        const double p_of = phase(world, {0, 0, 1}, {sine, 0, cosine});
+                        const double p_of = phase(world.phase, {0, 0, 1}, {sine, 0, cosine});
                         const double weight = rule.weight(i) * (outer - inner) / 2 * 2 * kPi;
                         whole += weight * p_of;
                         mean += weight * p_of * cosine;

@@ -42,7 +42,7 @@ World propsWorld() {
     world.sky_zenith = {0.1, 0.2, 0.4};
     world.sky_horizon = {0.3, 0.4, 0.5};
     world.ambient = {0.02, 0.03, 0.04};
-    world.phase = {0.6, 0.5};
+    world.phase = world.fogs[0].phase = {0.6, 0.5};
     return world;
 }
 
@@ -97,8 +97,8 @@ Brute bruteForce(const World& world, const Ray& ray, double end, int samples) {
                                                                                    : Interval{0, arrival.distance}));
         for (const Fog& fog : world.fogs) light_depth += depthOn(fog, toward);
         glm::dvec3 value = world.ambient * scattering;
-        const glm::dvec3 lit =
-            arrival.irradiance * phase(world, -arrival.to_light, -ray.direction) * std::exp(-light_depth) * scattering;
+        const glm::dvec3 lit = arrival.irradiance * phase(world.phase, -arrival.to_light, -ray.direction) *
+                               std::exp(-light_depth) * scattering;
         if (seen.back()) value += lit;
         const double f = std::exp(-depth - extinction * h / 2);
         depth += extinction * h;

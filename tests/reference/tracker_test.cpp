@@ -88,12 +88,12 @@ TEST(Tracker, DirectionsFollowThePhaseFunction) {
         bare.blobs.clear();
         settings.samples = 1;
         const double ground = track(bare, downward(), settings).radiance[0].x;
-        const double single = phase(world, -to_light, {0, 1, 0}); // from the sun to the eye
+        const double single = phase(world.phase, -to_light, {0, 1, 0}); // from the sun to the eye
         double downward_part = 0;
         const int n = 2000;
         for (int i = 0; i < n; ++i) {
             const double cosine = (i + 0.5) / n, sine = std::sqrt(1 - cosine * cosine);
-            downward_part += 2 * kPi / n * phase(world, {0, -1, 0}, {sine, -cosine, 0});
+            downward_part += 2 * kPi / n * phase(world.phase, {0, -1, 0}, {sine, -cosine, 0});
         }
         const double scattered = 1 - straight / ground; // the part of paths that collide
         EXPECT_NEAR((all - straight) / scattered, single + downward_part * ground, 0.02 * ground)

@@ -1,6 +1,7 @@
 // Every closed form once, so that the build proves that the shared headers are GLSL as well as C++.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/shared/fog.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/scatter.h"
 #include "shaders/shared/sky.h"
@@ -29,6 +30,10 @@ void main() {
            segmentDepth(x[i], k, x[i + 2], x[i + 3], x[i + 4]);
     sum += phaseOfLobes(vec3(x[i]), vec3(x[i + 1]), x[i + 2], x[i + 3], x[i + 4], x[i + 5]) +
            phaseSchlick(vec3(x[i]), vec3(x[i + 1]), x[i + 2]) + erf(x[i + 6]) + depthOfOpacity(x[i + 7]);
+    const FogPart part =
+        insideFog(x[i], x[i + 1], vec3(x[i + 2]), x[i + 3], vec3(x[i + 4]), vec3(x[i + 5]), 0, x[i + 6]);
+    sum += fogDistance(x[i], x[i + 1], x[i + 2], x[i + 3], x[i + 4], x[i + 5], x[i + 6]);
+    sum += scatterOwn(fogDepth(x[i], x[i + 1], x[i + 2], x[i + 3], x[i + 4], part.begin, part.end), x[i + 5], x[i + 6]);
     sum += skyZenithPart(x[i]) + skySeen(x[i]) + skyZenithSeen(x[i]);
     x[i] = sum;
 }

@@ -395,6 +395,41 @@ TEST(Plan, WorkOfTheSampleStandsForAllParticles) {
         EXPECT_NEAR(some[*cost], all[*cost], 0.1 * all[*cost]) << cost->key;
 }
 
+TEST(Plan, FogIsLeftToMethodsThatDrawIt) {
+    Scene scene = cube();
+    scene.fogs.emplace_back();
+    PlanInputs inputs = inputsOf(scene);
+    const CostModel model;
+    EXPECT_EQ(makePlan(inputs, model).refused, "");
+    for (const char* method : {"slabs", "grid"}) {
+        inputs.scene.wanted.method = method;
+        EXPECT_EQ(makePlan(inputs, model).chosen.settings.method, method);
+    }
+    inputs.scene.wanted.method = "tiles";
+    const Plan plan = makePlan(inputs, model);
+    EXPECT_EQ(plan.refused, "tiles: it draws no fog; use slabs or grid");
+    EXPECT_TRUE(planOf(plan.chosen.settings.method)->drawsFog());
+}
+
+// Between rays an edge is smeared: fogs with a ball or ends in height ask for more of them.
+TEST(ErrorLaws, OfFogsWithEdges) {
+    Scene scene = cube();
+    const auto errorAt = [&](uint32_t rate) {
+        const PlanInputs inputs = inputsOf(scene);
+        return fogError(ViewWork(inputs.scene, inputs.views[0]), rate);
+    };
+    EXPECT_EQ(errorAt(4), 0);
+    scene.fogs.emplace_back();
+    scene.fogs[0].falloff = 0.1f;
+    EXPECT_EQ(errorAt(4), 0);
+    scene.fogs[0].radius = 3;
+    EXPECT_EQ(errorAt(1), 0);
+    EXPECT_NEAR(errorAt(4), 0.0042, 2e-4); // 640x360
+    EXPECT_GT(errorAt(8), errorAt(4));
+    scene.fogs[0].extinction = 0;
+    EXPECT_EQ(errorAt(4), 0);
+}
+
 TEST(Plan, AnEmptyMediumIsPlannedToo) {
     Scene scene = cube(1);
     scene.medium.extinction = 0;

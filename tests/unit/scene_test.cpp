@@ -1,5 +1,6 @@
 // Loading scenes: what is shipped, what is taken over, and a clear message for everything that is not allowed.
 #include "common/scene.h"
+#include "common/scene_limits.h"
 
 #include <cctype>
 #include <cmath>
@@ -57,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, WrongScene,
     testing::Values(
         Wrong{"nam = \"x\"", 1, "nam", "unknown key",
-              "box, camera, light, medium, name, origin, plane, render, simulation, sky, sphere"},
+              "box, camera, fog, light, medium, name, origin, plane, render, simulation, sky, sphere"},
         Wrong{"[medium]\nlayout = \"cube\"\n\ncuont = 3", 4, "medium.cuont", "unknown key", "count"},
         Wrong{"[[light]]\ncolour = [1, 1, 1]", 2, "light[0].colour", "unknown key", "irradiance"},
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 9000\n[medium.emitter]\nspeed = 3", 5, "medium.emitter.speed",
@@ -94,6 +95,11 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[light]]\n[[light]]\n", 1, "light", "an array of 2", "[[light]], from 0 to 1 of them"},
         Wrong{"[[light]]\nto_light = [0, 0, 0]", 2, "light[0].to_light", "no direction", "any vector"},
         Wrong{"[[light]]\ntype = \"point\"", 2, "light[0].type", "\"point\"", "\"directional\""},
+        Wrong{"[[fog]]\nextinction = -1", 2, "fog[0].extinction", "-1 is not", "from 0 to 10000"},
+        Wrong{"[[fog]]\nlo = 3\nhi = 2", 3, "fog[0].hi", "ends below where it begins", "lo below hi"},
+        Wrong{"[[fog]]\nphase = \"schlick\"", 2, "fog[0].phase", "\"schlick\"", "\"droplets\""},
+        Wrong{"[[fog]]\n[[fog]]\n[[fog]]\n[[fog]]\n[[fog]]", 1, "fog", "5", "0 to 4"},
+        Wrong{"[medium]\nlayout = \"none\"\ncount = 3", 3, "medium.count", "not used", "no particles"},
         Wrong{"[[sphere]]\n\n[[sphere]]\nradius = -1", 4, "sphere[1].radius", "-1 is not", "from 0.001"},
         Wrong{"[[box]]\nsize = [1, 0, 1]", 2, "box[0].size", "is not", "from 0.001"},
         Wrong{"[camera]\nposition = [1, 2, 3]\ntarget = [1, 2, 3]", 3, "camera.target", "is where the camera stands",
@@ -148,6 +154,15 @@ type = "directional"
 to_light = [0, 3, 4]
 irradiance = [1, 2, 3]
 rotate = -0.5
+[[fog]]
+[[fog]]
+extinction = 0.5
+height = 2
+lo = -1
+radius = 3
+phase = "double"
+second_asymmetry = -0.25
+emission = [1, 0.5, 0]
 [[plane]]
 height = -1
 [[box]]
@@ -187,6 +202,16 @@ spacing = "auto"
     ASSERT_EQ(scene.lights.size(), 1u);
     EXPECT_LT(glm::distance(scene.lights[0].to_light, glm::vec3(0, 0.6f, 0.8f)), 1e-6f);
     EXPECT_EQ(scene.lights[0].rotate, -0.5f);
+    ASSERT_EQ(scene.fogs.size(), 2u);
+    EXPECT_EQ(scene.fogs[0].extinction, Fog().extinction);
+    EXPECT_EQ(scene.fogs[1].extinction, 0.5f);
+    EXPECT_EQ(scene.fogs[1].height, 2);
+    EXPECT_EQ(scene.fogs[1].lo, -1);
+    EXPECT_EQ(double(scene.fogs[1].hi), limits::kPlace.hi);
+    EXPECT_EQ(scene.fogs[1].radius, 3);
+    EXPECT_EQ(scene.fogs[1].phase, "double");
+    EXPECT_EQ(scene.fogs[1].second_asymmetry, -0.25f);
+    EXPECT_EQ(scene.fogs[1].emission, glm::vec3(1, 0.5f, 0));
     EXPECT_EQ(scene.planes.at(0).height, -1);
     EXPECT_EQ(scene.boxes.size(), 2u);
     EXPECT_EQ(scene.spheres.at(0).radius, 2);
@@ -246,6 +271,12 @@ TEST(Scene, AnEmptyFileIsTheDefaultScene) {
     EXPECT_EQ(scene.medium.count, 500u);
     ASSERT_EQ(scene.lights.size(), 1u);
     EXPECT_NEAR(glm::length(scene.lights[0].to_light), 1, 1e-6f);
+}
+
+TEST(Scene, MayHaveNoParticles) {
+    const Simulation simulation(loadScene(written("[medium]\nlayout = \"none\"\n[[fog]]")));
+    EXPECT_EQ(simulation.liveCount(), 0u);
+    EXPECT_EQ(simulation.now().fogs.size(), 1u);
 }
 
 TEST(Scene, MayHaveNoLight) {
@@ -310,8 +341,9 @@ TEST(Scene, IsFoundByNameOrPath) {
         findScene("clod", kScenes);
         FAIL() << "found a scene that is not there";
     } catch (const SceneError& error) {
-        EXPECT_NE(std::string(error.what()).find("cloud, cloud-5000, cloud-65535, cumulus, plume, props, tubes"),
-                  std::string::npos)
+        EXPECT_NE(
+            std::string(error.what()).find("cloud, cloud-5000, cloud-65535, cumulus, morning, plume, props, tubes"),
+            std::string::npos)
             << error.what();
     }
     EXPECT_THROW(findScene("cloud", "no/such/folder"), SceneError);
@@ -354,7 +386,8 @@ TEST_P(ShippedScene, LoadsAndHoldsItsMedium) {
 INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
                          testing::Values(Shipped{"cloud", 500, 3}, Shipped{"cloud-5000", 5000, 4},
                                          Shipped{"cloud-65535", 65535, 4}, Shipped{"tubes", 0, 0},
-                                         Shipped{"props", 0, 0}, Shipped{"cumulus", 0, 0}, Shipped{"plume", 0, 0}),
+                                         Shipped{"props", 0, 0}, Shipped{"cumulus", 0, 0}, Shipped{"plume", 0, 0},
+                                         Shipped{"morning", 0, 0}),
                          [](const auto& scene) {
                              std::string name = scene.param.name;
                              std::erase(name, '-');
@@ -365,7 +398,7 @@ TEST(Shipped, EverySceneIsTestedHere) {
     size_t scenes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(kScenes))
         scenes += entry.path().extension() == ".toml";
-    EXPECT_EQ(scenes, 7u);
+    EXPECT_EQ(scenes, 8u);
 }
 
 } // namespace

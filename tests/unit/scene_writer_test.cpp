@@ -60,6 +60,7 @@ void expectSame(Scene a, Scene b) {
     expectSame(a.lights, b.lights, &SceneParts::light, "light");
     expectSame({.medium = &a.medium}, {.medium = &b.medium}, "medium");
     EXPECT_EQ(a.medium.scale_by_spacing, b.medium.scale_by_spacing);
+    expectSame(a.fogs, b.fogs, &SceneParts::fog, "fog");
     expectSame({.simulation = &a.simulation}, {.simulation = &b.simulation}, "simulation");
     expectSame(a.planes, b.planes, &SceneParts::plane, "plane");
     expectSame(a.boxes, b.boxes, &SceneParts::box, "box");
@@ -115,6 +116,13 @@ position = [1000000.5, -2.9, 77001.3]
 wind = [0.1, 0.2, 0.3]
 [simulation]
 paused = true
+[[fog]]
+[[fog]]
+height = 1.25
+hi = 4.5
+centre = [1000000.5, -2.5, 77000.5]
+radius = 2.25
+phase = "droplets"
 [[plane]]
 height = -3.7
 [[box]]

@@ -28,7 +28,7 @@ constexpr Compiled kCompiled[] = {
     {"a lobe besides", {.lobe = true}},
     {"objects besides", {.opaque = true}},
     {"objects that cast shadows besides", {.opaque = true, .casters = true}},
-    {"everything", {.opaque = true, .casters = true, .lobe = true, .ambient = true}},
+    {"everything", {.opaque = true, .casters = true, .ambient = true, .lobe = true}},
 };
 
 struct Times {

@@ -40,8 +40,9 @@ public:
         add(balls), add(sigma_t), add(albedo);
     }
     void add(const reference::Fog& fog) {
-        const auto& [sigma_t, albedo, falloff, lo, hi, centre, radius] = fog;
-        add(sigma_t), add(albedo), add(falloff), add(lo), add(hi), add(centre), add(radius);
+        const auto& [sigma_t, albedo, falloff, lo, hi, centre, radius, base, phase, emission] = fog;
+        add(sigma_t), add(albedo), add(falloff), add(lo), add(hi), add(centre), add(radius), add(base);
+        add(phase), add(emission);
     }
     void add(const reference::LightSource& light) {
         const auto& [kind, colour, to_light, position, axis, cos_outer, cos_inner] = light;
@@ -62,6 +63,9 @@ public:
         add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs),
             add(lights);
         add(obstacles), add(zenith), add(horizon), add(haze), add(ambient);
+        add(phase);
+    }
+    void add(const PhaseLobes& phase) {
         const auto& [part, asymmetry, draine, second] = phase;
         add(part), add(asymmetry), add(draine), add(second);
     }
@@ -80,7 +84,7 @@ public:
 reference::World worldOf(const Stage& stage) {
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
-    return reference::worldOf(stage.scene(), particles, now.medium, now.light);
+    return reference::worldOf(stage.scene(), particles, now.medium, now.light, now.fogs);
 }
 
 // When to stop: no pixel is begun later than `seconds` after the start, once `least` are.

@@ -100,11 +100,11 @@ double depthOn(const Fog& fog, const Ray& ray) {
     const Interval part = common(insideFog(fog, ray), {ray.begin, ray.end});
     if (part.empty() || fog.sigma_t == 0) return 0;
     const double length = part.end - part.begin, slope = fog.falloff * ray.direction.y;
-    if (slope == 0) return fog.sigma_t * std::exp(-fog.falloff * ray.origin.y) * length;
+    if (slope == 0) return fog.sigma_t * std::exp(-fog.falloff * (ray.origin.y - fog.base)) * length;
     // From the denser end, so that the exponent is never positive.
     const double densest = slope > 0 ? part.begin : part.end;
     if (std::isinf(densest)) return kInfinity;
-    const double density = fog.sigma_t * std::exp(-fog.falloff * ray.at(densest).y);
+    const double density = fog.sigma_t * std::exp(-fog.falloff * (ray.at(densest).y - fog.base));
     return density * -std::expm1(-std::abs(slope) * length) / std::abs(slope);
 }
 
@@ -112,7 +112,7 @@ double distanceOfDepth(const Fog& fog, const Ray& ray, double depth) {
     const Interval part = common(insideFog(fog, ray), {ray.begin, ray.end});
     if (part.empty() || fog.sigma_t == 0) return kInfinity;
     const double slope = fog.falloff * ray.direction.y;
-    const double density = fog.sigma_t * std::exp(-fog.falloff * ray.at(part.begin).y);
+    const double density = fog.sigma_t * std::exp(-fog.falloff * (ray.at(part.begin).y - fog.base));
     const double x = depth * slope / density;
     if (x >= 1) return kInfinity;
     const double t = part.begin + (slope == 0 ? depth / density : -std::log1p(-x) / slope);

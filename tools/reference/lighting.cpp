@@ -67,14 +67,15 @@ double Lighting::depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip)
     return sum;
 }
 
-glm::dvec3 Lighting::scattered(glm::dvec3 x, glm::dvec3 w) const {
-    glm::dvec3 sum(0);
+void Lighting::scattered(glm::dvec3 x, glm::dvec3 w, std::span<const PhaseLobes> phases,
+                         std::span<glm::dvec3> sums) const {
+    std::fill(sums.begin(), sums.end(), glm::dvec3(0));
     for (size_t i = 0; i < world_.lights.size(); ++i) {
         const Arrival arrival = arrivalAt(world_.lights[i], x);
         if (arrival.irradiance == glm::dvec3(0)) continue;
-        sum += arrival.irradiance * (phase(world_, -arrival.to_light, -w) * std::exp(-depth(i, x, arrival)));
+        const glm::dvec3 light = arrival.irradiance * std::exp(-depth(i, x, arrival));
+        for (size_t p = 0; p < phases.size(); ++p) sums[p] += light * phase(phases[p], -arrival.to_light, -w);
     }
-    return sum;
 }
 
 glm::dvec3 Lighting::surface(int object, glm::dvec3 x, glm::dvec3 normal) const {

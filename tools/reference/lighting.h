@@ -23,9 +23,9 @@ public:
     // `cells`: Settings::light_cells.
     Lighting(const World& world, double reach, bool shadows, double cells = 8);
 
-    // Sum over lights of E p T_L Vis: radiance scattered at x toward -w per unit of scattering, where w is the ray's
-    // direction.
-    glm::dvec3 scattered(glm::dvec3 x, glm::dvec3 w) const;
+    // Of each phase function the sum over lights of E p T_L Vis: radiance scattered at x toward -w per unit of
+    // scattering, where w is the ray's direction. `sums` is as long as `phases`.
+    void scattered(glm::dvec3 x, glm::dvec3 w, std::span<const PhaseLobes> phases, std::span<glm::dvec3> sums) const;
     // Radiance that a surface point of obstacle `object` reflects, by Lambert's law: of the lights, past objects and
     // medium, and of the whole sky above the horizon (shaders/shared/sky.h).
     glm::dvec3 surface(int object, glm::dvec3 x, glm::dvec3 normal) const;

@@ -27,6 +27,15 @@ Stage::Stage(const World& w, const Settings& s)
         throw std::invalid_argument("cut_light needs the support to be the tetrahedron");
 }
 
+RayTracer::RayTracer(const Stage& stage) : stage_(stage), world_(stage.world), phases_{stage.world.phase} {
+    for (const Fog& fog : world_.fogs) {
+        const auto same = std::find(phases_.begin(), phases_.end(), fog.phase);
+        fog_phases_.push_back(size_t(same - phases_.begin()));
+        if (same == phases_.end()) phases_.push_back(fog.phase);
+    }
+    sources_.resize(phases_.size());
+}
+
 RayResult RayTracer::trace(const Ray& ray) {
     RayResult result;
     ray_ = ray;
@@ -171,6 +180,10 @@ void RayTracer::layPanels() {
     }
 }
 
+double RayTracer::fogAt(const Fog& fog, double t) const {
+    return fog.sigma_t * std::exp(-fog.falloff * (ray_.at(t).y - fog.base));
+}
+
 void RayTracer::addMedia(Panel& panel) const {
     const int n = panel.rule->size();
     double passed = 0;
@@ -194,9 +207,8 @@ void RayTracer::addMedia(Panel& panel) const {
         for (size_t f = 0; f < world_.fogs.size(); ++f) {
             const Fog& fog = world_.fogs[f];
             panel.depth[i] += depthOn(fog, {ray_.origin, ray_.direction, ray_.begin, t});
-            if (!(middle > fog_parts_[f].begin && middle < fog_parts_[f].end)) continue;
-            const double sigma = fog.sigma_t * std::exp(-fog.falloff * ray_.at(t).y);
-            panel.scattering[i] += sigma * fog.albedo;
+            if (fog_phases_[f] == 0 && middle > fog_parts_[f].begin && middle < fog_parts_[f].end)
+                panel.scattering[i] += fogAt(fog, t) * fog.albedo;
         }
         for (const Interval part : ball_parts_) {
             panel.depth[i] += world_.balls.sigma_t * std::max(std::min(t, part.end) - part.begin, 0.0);
@@ -206,7 +218,7 @@ void RayTracer::addMedia(Panel& panel) const {
     }
 }
 
-RayTracer::Panel RayTracer::panelOn(double t0, double t1, double k) const {
+RayTracer::Panel RayTracer::panelOn(double t0, double t1, double k) {
     const double width = k > 0 ? k * (t1 - t0) : 1e300;
     Panel panel{t0, t1, &stage_.rules[width < 0.15 ? 0 : width < 0.8 ? 1 : 2], {}, {}, {}, {}, {}, 0, 0};
     addMedia(panel);
@@ -217,11 +229,23 @@ RayTracer::Panel RayTracer::panelOn(double t0, double t1, double k) const {
     const double before = world_.composition == Composition::sequential ? panel.depth[0] : 0;
     Values<double> integrand{};
     for (int i = 0; i < n; ++i) {
-        panel.source[i] = stage_.lighting.scattered(ray_.at(panel.at(i)), ray_.direction);
-        const glm::dvec3 seen = std::exp(before - panel.depth[i]) * panel.scattering[i];
-        panel.light += rule.weight(i) * half * seen * panel.source[i];
-        panel.ambient += rule.weight(i) * half * seen * world_.ambient;
-        integrand[i] = sum(seen * (panel.source[i] + world_.ambient));
+        stage_.lighting.scattered(ray_.at(panel.at(i)), ray_.direction, phases_, sources_);
+        panel.source[i] = sources_[0];
+        glm::dvec3 light = panel.scattering[i] * panel.source[i], scattering = panel.scattering[i];
+        for (size_t f = 0; f < world_.fogs.size(); ++f) {
+            const double middle = (t0 + t1) / 2;
+            if (!(middle > fog_parts_[f].begin && middle < fog_parts_[f].end)) continue;
+            const Fog& fog = world_.fogs[f];
+            const double sigma = fogAt(fog, panel.at(i));
+            light += sigma * (1.0 - fog.albedo) * fog.emission;
+            if (fog_phases_[f] == 0) continue;
+            light += sigma * fog.albedo * sources_[fog_phases_[f]];
+            scattering += sigma * fog.albedo;
+        }
+        const double seen = std::exp(before - panel.depth[i]), part = rule.weight(i) * half * seen;
+        panel.light += part * light;
+        panel.ambient += part * scattering * world_.ambient;
+        integrand[i] = sum(seen * (light + scattering * world_.ambient));
     }
     panel.size = sum(panel.light + panel.ambient);
     // The rule errs by coefficients from 2n on: as many again further on, at the rate of the last half.

@@ -49,7 +49,7 @@ struct Stage {
 // Each thread has its own. It keeps its memory from ray to ray.
 class RayTracer {
 public:
-    explicit RayTracer(const Stage& stage) : stage_(stage), world_(stage.world) {}
+    explicit RayTracer(const Stage& stage);
     RayResult trace(const Ray& ray);
 
 private:
@@ -70,8 +70,8 @@ private:
         double t0, t1;
         const GaussLegendre* rule;
         Values<double> depth;          // from the ray's begin
-        Values<glm::dvec3> scattering; // sum of albedo * extinction
-        Values<glm::dvec3> source;     // sum of E p T_L Vis
+        Values<glm::dvec3> scattering; // sum of albedo * extinction, of media with World::phase
+        Values<glm::dvec3> source;     // sum of E p T_L Vis, with that phase function
         glm::dvec3 light, ambient;     // the panel's part of the ray's radiance
         double size, error;            // of light + ambient, channels summed; error: an upper estimate
         double at(int i) const { return (t0 + t1) / 2 + (t1 - t0) / 2 * rule->node(i); }
@@ -82,7 +82,8 @@ private:
     double endOfFog() const;
     double depthFromBegin(double t) const;
     double finest(double t0, double t1, bool& empty) const; // largest k of the particles there
-    Panel panelOn(double t0, double t1, double k) const;
+    Panel panelOn(double t0, double t1, double k);
+    double fogAt(const Fog& fog, double t) const; // 1/m, where the ray is in it
     void addMedia(Panel& panel) const;
     void layPanels();
     void refine();
@@ -96,6 +97,9 @@ private:
     std::vector<Crossing> crossings_;
     std::vector<Interval> fog_parts_, ball_parts_;
     double smallest_ball_ = kInfinity; // m
+    std::vector<PhaseLobes> phases_;   // that of the world, then those of fogs that differ
+    std::vector<size_t> fog_phases_;   // of each fog, in phases_
+    std::vector<glm::dvec3> sources_;  // sum of E p T_L Vis with each of phases_
     std::vector<double> breaks_;
     std::vector<Panel> panels_, refined_;
 };

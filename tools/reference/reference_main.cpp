@@ -53,7 +53,8 @@ int main(int argc, char** argv) {
         for (int i = 0; i < ticks; ++i) simulation.step({});
         std::vector<gpu::Particle> particles(simulation.liveCount());
         simulation.write(particles);
-        reference::World world = reference::worldOf(scene, particles, simulation.now().medium, simulation.now().light);
+        reference::World world = reference::worldOf(scene, particles, simulation.now().medium, simulation.now().light,
+                                                    simulation.now().fogs);
         if (sequential) world.composition = reference::Composition::sequential;
         if (tetrahedron) world.support = reference::Support::tetrahedron;
         const reference::Camera camera = reference::perspective(

@@ -49,6 +49,7 @@ public:
                     radiance += weight * (order == 0 ? skyRadiance(world_, ray.direction) : world_.ambient);
                 return radiance;
             }
+            radiance += weight * collision.emitted;
             if (order == orders_) return radiance;
             weight *= collision.albedo;
             const glm::dvec3 x = ray.at(collision.t);
@@ -56,21 +57,22 @@ public:
                 const Arrival arrival = arrivalAt(light, x);
                 const Ray toward{x, arrival.to_light, 0, arrival.distance};
                 if (arrival.irradiance == glm::dvec3(0) || occluded(world_.obstacles, toward)) continue;
-                radiance += weight * arrival.irradiance * phase(world_, -arrival.to_light, -ray.direction) *
+                radiance += weight * arrival.irradiance * phase(*collision.phase, -arrival.to_light, -ray.direction) *
                             transmittance(toward, random);
             }
             // Dim paths end by chance, brighter ones in their place.
             const double bright = std::max({weight.x, weight.y, weight.z}), survive = std::min(bright / 0.25, 1.0);
             if (survive < 1 && random.uniform() >= survive) return radiance;
             weight /= survive;
-            ray = {x, scatteredFrom(ray.direction, random)};
+            ray = {x, scatteredFrom(ray.direction, *collision.phase, random)};
         }
     }
 
 private:
     struct Collision {
         double t = kInfinity;
-        glm::dvec3 albedo{0};
+        glm::dvec3 albedo{0}, emitted{0}; // emitted: radiance per collision
+        const PhaseLobes* phase = nullptr;
     };
 
     // The first of the media's own collisions: they are independent.
@@ -78,7 +80,7 @@ private:
         Collision first;
         for (const Fog& fog : world_.fogs)
             if (const double t = ray.begin + distanceOfDepth(fog, ray, random.depth()); t < first.t)
-                first = {t, fog.albedo};
+                first = {t, fog.albedo, (1.0 - fog.albedo) * fog.emission, &fog.phase};
         grid_.walk({ray.origin, ray.direction, ray.begin, std::min(ray.end, first.t)},
                    [&](size_t cell, double t0, double t1, double majorant) {
                        for (double t = t0;;) {
@@ -86,7 +88,7 @@ private:
                            if (t >= t1) return true;
                            const DensityGrid::Density density = grid_.at(cell, ray.at(t));
                            if (random.uniform() * majorant >= density.extinction) continue;
-                           first = {t, density.scattering / density.extinction};
+                           first = {t, density.scattering / density.extinction, glm::dvec3(0), &world_.phase};
                            return false;
                        }
                    });
@@ -106,8 +108,8 @@ private:
     }
 
     // A direction by the phase function: paths run backwards, which leaves the angle between the directions as it is.
-    glm::dvec3 scatteredFrom(glm::dvec3 w, Random& random) const {
-        const auto& [part, asymmetry, draine, second] = world_.phase;
+    static glm::dvec3 scatteredFrom(glm::dvec3 w, const PhaseLobes& phase, Random& random) {
+        const auto& [part, asymmetry, draine, second] = phase;
         const bool by_draine = random.uniform() < part;
         const double g = by_draine ? asymmetry : second, alpha = by_draine ? draine : 0;
         double cosine;

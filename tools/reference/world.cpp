@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/scene_limits.h"
 #include "shaders/shared/sky.h"
 
 namespace brume::reference {
@@ -31,11 +32,25 @@ LightSource directional(const brume::Light& light) {
     return source;
 }
 
+Fog fogOf(const brume::Fog& fog) {
+    Fog out{.sigma_t = double(fog.extinction), .albedo = fog.albedo, .falloff = double(fog.falloff)};
+    if (fog.lo > limits::kPlace.lo) out.lo = double(fog.lo);
+    if (fog.hi < limits::kPlace.hi) out.hi = double(fog.hi);
+    out.centre = fog.centre;
+    if (fog.radius > 0) out.radius = double(fog.radius);
+    out.base = double(fog.height);
+    out.phase = lobesOf(fog);
+    out.emission = fog.emission;
+    return out;
+}
+
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
-              const brume::Light& light) {
+              const brume::Light& light, std::span<const brume::Fog> fogs) {
     World world;
     world.blobs = blobsOf(particles, medium.falloff);
     world.lights = {directional(light)};
+    for (const brume::Fog& fog : fogs)
+        if (fog.extinction > 0) world.fogs.push_back(fogOf(fog));
     for (const Plane& p : scene.planes)
         world.obstacles.push_back({Obstacle::Kind::plane, {0, p.height, 0}, glm::dvec3(0), 0, p.albedo});
     for (const Box& b : scene.boxes)
@@ -51,11 +66,11 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
 }
 
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles) {
-    return worldOf(scene, particles, scene.medium, sunOf(scene));
+    return worldOf(scene, particles, scene.medium, sunOf(scene), scene.fogs);
 }
 
-double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out) {
-    const auto& [part, asymmetry, draine, second] = world.phase;
+double phase(const PhaseLobes& lobes, glm::dvec3 travel_in, glm::dvec3 travel_out) {
+    const auto& [part, asymmetry, draine, second] = lobes;
     const auto henyeyGreenstein = [&](double g) {
         const double size = std::abs(g);
         const glm::dvec3 apart = g < 0 ? travel_in + travel_out : travel_in - travel_out;

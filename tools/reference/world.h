@@ -63,14 +63,17 @@ struct UnionMedium {
 UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t,
                     glm::dvec3 albedo);
 
-// extinction = sigma_t e^(-falloff y) where lo <= y <= hi and |x - centre| <= radius.
+// extinction = sigma_t e^(-falloff (y - base)) where lo <= y <= hi and |x - centre| <= radius.
 struct Fog {
-    double sigma_t = 0; // 1/m at y = 0
+    double sigma_t = 0; // 1/m at y = base
     glm::dvec3 albedo{1};
     double falloff = 0;                     // 1/m; 0: homogeneous
     double lo = -kInfinity, hi = kInfinity; // m
     glm::dvec3 centre{0};
     double radius = kInfinity; // m
+    double base = 0;           // m
+    PhaseLobes phase;
+    glm::dvec3 emission{0}; // radiance; the fog emits (1 - albedo) * emission * extinction per metre
 };
 
 struct LightSource {
@@ -104,21 +107,22 @@ struct World {
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
     double haze = 0;                          // 1/m; throughHaze()
     glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
-    PhaseLobes phase;
+    PhaseLobes phase;                         // of everything but fogs, which have their own
 };
 
-// The world of a scene as the server renders it. `medium` and `light`: the present ones (Simulation::now()), as
+// The world of a scene as the server renders it. `medium`, `light` and `fogs`: the present ones (Simulation::now()), as
 // commands changed them.
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
-              const brume::Light& light);
+              const brume::Light& light, std::span<const brume::Fog> fogs);
 // The world of a scene at its start.
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles);
 
 LightSource directional(const brume::Light& light);
+Fog fogOf(const brume::Fog& fog);
 
 // Phase function, 1/sr, of unit directions of propagation. Henyey-Greenstein without cancellation: |in - out|^2 in
 // place of 2 - 2 cos.
-double phase(const World& world, glm::dvec3 travel_in, glm::dvec3 travel_out);
+double phase(const PhaseLobes& lobes, glm::dvec3 travel_in, glm::dvec3 travel_out);
 
 // Radiance of the sky: blends from the horizon's to the zenith's as the height of the unit direction goes from -0.15
 // to 0.85.

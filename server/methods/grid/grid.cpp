@@ -26,6 +26,8 @@ private:
         program(grid_rays_comp, "grid_rays", 2 * gpu::fieldQuantities(group.colours) + cubic,
                 {{gpu::kIdHasOpaque, features_.opaque},
                  {gpu::kIdCubic, cubic},
+                 {gpu::kIdHasFog, features_.fog},
+                 {gpu::kIdHasGlow, features_.glow},
                  {gpu::kIdSunColours, group.colours.sun},
                  {gpu::kIdAmbientColours, group.colours.ambient}})
             .bind(commands,

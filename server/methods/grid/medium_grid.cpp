@@ -41,8 +41,10 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
     one_albedo_ = in.extent->one_albedo;
     const uint32_t words = gpu::groups(in.count, 32), quantities = gpu::mediumQuantities(one_albedo_);
     const glm::uvec3 bricks = grid.bricks, coarse = coarseBricks(grid);
-    members_.atLeast(device_, in.count * sizeof(gpu::SlabMember), kScratch, gpu::Memory::device, "grid members");
-    const VkDeviceSize bin_bytes = lineBinBytes(linesOf(bricks) + linesOf(coarse), in.count);
+    const VkDeviceSize member_bytes = std::max<VkDeviceSize>(in.count * sizeof(gpu::SlabMember), 256);
+    members_.atLeast(device_, member_bytes, kScratch, gpu::Memory::device, "grid members");
+    const VkDeviceSize bin_bytes =
+        std::max<VkDeviceSize>(lineBinBytes(linesOf(bricks) + linesOf(coarse), in.count), 256);
     bins_.atLeast(device_, bin_bytes, kScratch, gpu::Memory::device, "grid bins");
     nodes_.atLeast(device_, gridBytes(grid, one_albedo_), kScratch, gpu::Memory::device, "grid nodes");
     if (hasCoarse(grid))

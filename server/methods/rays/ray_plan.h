@@ -27,6 +27,8 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened = true); //
 
 // Of particles of one size. `spacing`: of rays, in projected standard deviations.
 double rayError(double spacing);
+// Of the edges of fogs, between rays that are `rate` pixels apart: fogs with a ball or heights where they end.
+double fogError(const ViewWork& view, uint32_t rate);
 // `thickness`: of slabs, in standard deviations. `bend`: depth of a deviation's length and more (ShownMedium::bendOf).
 // `light_depth`: ShownMedium::lightDepth().
 double slabError(double thickness, double bend, double light_depth);
@@ -47,6 +49,7 @@ double cutError(double thickness, double light_depth);
 class RayPlan : public MethodPlan {
 public:
     bool hasRays() const override { return true; }
+    bool drawsFog() const override { return true; }
     std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.

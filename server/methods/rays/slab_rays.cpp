@@ -14,6 +14,10 @@
 namespace brume {
 namespace {
 
+constexpr float kFogLength = 1; // m, of slabs before the eye where there are no particles
+constexpr double kFogFar = 1e7; // m, view depth behind which fog is one piece
+// Standard deviations of the medium in which the light that it lets through to fog is taken as linear.
+constexpr float kFogStep = 1;
 constexpr VkDeviceSize kMostBytes = 96 << 20; // of a buffer: every device can bind 128 MiB
 
 void coarsen(gpu::SlabGrid& grid) {
@@ -24,6 +28,7 @@ void coarsen(gpu::SlabGrid& grid) {
 
 // View depths between which the medium lies before the eye.
 DepthRange depths(const EyeInputs& in) {
+    if (in.medium->count == 0) return {kNearDepth, kNearDepth + kFogLength}; // only fog, if that
     const DepthRange all = depthRange(*in.medium->extent, in.pose.position, in.pose.orientation * glm::vec3(0, 0, -1));
     return {std::max(all.near, kNearDepth), all.far};
 }
@@ -35,6 +40,30 @@ float pixelOf(const EyeInputs& in) {
 // The medium's standard deviation in pixels, in the middle of the depths where it is.
 float deviationInPixels(const EyeInputs& in, float near, float far) {
     return in.medium->extent->deviation / (pixelOf(in) * 0.5f * (near + far));
+}
+
+// How many slabs before or behind the particles make `length` m, each a fifth thicker than the one before it, where
+// the first is no thicker than `thickness`; and the unit of their thickness (shaders/lib/slab_depth.glsl).
+struct Grown {
+    uint32_t slabs = 0;
+    float unit = 1;
+};
+Grown grown(double length, double thickness) {
+    if (!(length > 0)) return {};
+    const double growth = std::exp2(double(gpu::kLogFogGrowth)), unit = thickness / (growth - 1);
+    const double slabs = std::max(std::ceil(std::log2(1 + length / unit) / double(gpu::kLogFogGrowth)), 1.0);
+    return {uint32_t(slabs), float(length / (std::pow(growth, slabs) - 1))};
+}
+
+// Slabs of fog, around those of the particles.
+void addFogSlabs(gpu::SlabGrid& grid, const EyeInputs& in) {
+    const double end = double(grid.depth) + double(grid.thickness) * grid.slabs;
+    const bool slabs = in.medium->count > 0 || in.shared->features.opaque || !in.shared->lone_fog;
+    const double first = slabs ? double(grid.thickness) : kFogFar;
+    const Grown front = grown(double(grid.depth) - double(kNearDepth), first), back = grown(kFogFar - end, first);
+    grid.front = front.slabs, grid.front_unit = front.unit;
+    grid.back = back.slabs, grid.back_unit = back.unit;
+    grid.fog_step = kFogStep * in.medium->extent->deviation;
 }
 
 // The grid of the whole picture, but for its rows.
@@ -64,6 +93,7 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
     grid.thickness = (far - near) / float(grid.slabs);
     grid.first_caster = in.shared->first_caster;
     grid.albedo = in.medium->extent->albedo;
+    if (in.shared->features.fog) addFogSlabs(grid, in);
     return grid;
 }
 
@@ -90,7 +120,8 @@ std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
 uint32_t SlabRays::shadingStepOf(const EyeInputs& in, uint32_t rate) const {
     if (in.shared->uses_target) return 1;
     const auto [near, far] = depths(in);
-    const float lobe = in.shared->lobe ? in.shared->lobe_width / pixelOf(in) : std::numeric_limits<float>::infinity();
+    if (features_.fog) return 1; // its edges are sharp
+    const float lobe = features_.lobe ? in.shared->lobe_width / pixelOf(in) : std::numeric_limits<float>::infinity();
     return shadingStep(*in.shared->settings, rate, deviationInPixels(in, near, std::max(near, far)), lobe);
 }
 
@@ -184,6 +215,8 @@ void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
     const EyeInputs& in = *group.any;
     program(ray_ends_comp, "ray_ends", gpu::fieldQuantities(group.colours),
             {{gpu::kIdHasCasters, features_.casters},
+             {gpu::kIdHasFog, features_.fog},
+             {gpu::kIdHasGlow, features_.glow},
              {gpu::kIdSunColours, group.colours.sun},
              {gpu::kIdAmbientColours, group.colours.ambient}})
         .bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, field_),
@@ -198,6 +231,8 @@ void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
     const gpu::Commands::Pass pass(commands, "spline", group.view());
     program(slab_spline_comp, "slab_spline", gpu::fieldQuantities(group.colours),
             {{gpu::kIdHasOpaque, features_.opaque},
+             {gpu::kIdHasFog, features_.fog},
+             {gpu::kIdHasGlow, features_.glow},
              {gpu::kIdSunColours, group.colours.sun},
              {gpu::kIdAmbientColours, group.colours.ambient}})
         .bind(commands, {group.block, gpu::storageBuffer(2, field_)});
@@ -207,13 +242,16 @@ void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
 }
 
 gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
-    if (in.medium->extent->one_albedo) return {.sun = 1, .ambient = 0};
-    return {.sun = 3, .ambient = features_.ambient ? 3u : 0u};
+    const bool one = in.medium->extent->one_albedo;
+    return {.sun = one ? 1u : 3u,
+            .ambient = features_.ambient && !(one && !features_.fog) ? 3u : 0u,
+            .fog = features_.fog ? 3u : 0u,
+            .glow = features_.glow ? 3u : 0u};
 }
 
 VkDeviceSize SlabRays::fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid) const {
     const gpu::FieldPlanes planes{.quantities = gpu::fieldQuantities(coloursOf(in)),
-                                  .faces = features_.opaque ? grid.slabs + 1 : 0};
+                                  .faces = features_.opaque ? grid.front + grid.slabs + grid.back + 1 : 0};
     return VkDeviceSize(grid.nodes.x) * grid.nodes.y * gpu::planesOf(planes) +
            gpu::endPlanes(planes) * gpu::kFieldKept * grid.lines.x * grid.lines.y;
 }
@@ -241,8 +279,8 @@ SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
 }
 
 void SlabRays::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
-    buffer.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                   gpu::Memory::device, name);
+    buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, 256),
+                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, name);
 }
 
 const gpu::ComputeProgram& SlabRays::program(std::span<const uint32_t> code, const char* name, uint32_t variant,

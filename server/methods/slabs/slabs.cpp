@@ -39,7 +39,7 @@ private:
         {
             const gpu::Commands::Pass pass(commands, "bin", group.view());
             gpu::everythingBefore(cmd);
-            vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
+            if (group.bins > 0) vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
             gpu::transferToCompute(cmd);
             bins_program_.bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, *in.medium->particles),
                                           gpu::storageBuffer(3, members_), gpu::storageBuffer(4, bins_)});
@@ -64,6 +64,8 @@ private:
             const gpu::Commands::Pass pass(commands, "slab light", group.view());
             program(slab_light_comp, "slab_light", gpu::fieldQuantities(group.colours),
                     {{gpu::kIdHasOpaque, features_.opaque},
+                     {gpu::kIdHasFog, features_.fog},
+                     {gpu::kIdHasGlow, features_.glow},
                      {gpu::kIdSunColours, group.colours.sun},
                      {gpu::kIdAmbientColours, group.colours.ambient}})
                 .bind(commands,
