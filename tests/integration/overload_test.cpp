@@ -38,8 +38,11 @@ TEST(OverloadedServer, ABudgetThatCannotBeMetCostsAccuracyAndIsLogged) {
     const double exact = metric(server.port(), "brume_plan_error").value_or(0);
     Watcher watcher(server.endpoint(), kHuge);
     watcher.look(fromFront());
-    EXPECT_GE(relaxedWhen(server, watcher, [](double steps) { return steps >= 2; }), 2);
-    EXPECT_GT(metric(server.port(), "brume_plan_error").value_or(0), exact);
+    // A step that is measured may err by less than its law says, so the first one or two need not raise the error.
+    const auto costsAccuracy = [&](double steps) {
+        return steps >= 2 && metric(server.port(), "brume_plan_error").value_or(0) > exact;
+    };
+    EXPECT_GE(relaxedWhen(server, watcher, costsAccuracy), 2);
     const std::string said = server.process().out() + server.process().err();
     EXPECT_NE(said.find("frames take too long"), said.npos) << said;
     EXPECT_NE(said.find("coarser by"), said.npos) << said;

@@ -1,5 +1,6 @@
 #include "tests/integration/watcher.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -18,7 +19,13 @@ uint32_t Watcher::look(const Pose& pose) {
 }
 
 void Watcher::poll(milliseconds timeout) {
-    for (auto message = session.next(timeout); message; message = session.next(milliseconds(0))) {
+    const auto deadline = std::chrono::steady_clock::now() + timeout;
+    // What is left is rounded up: the last wait is for 1 ms, and one of 0 ms takes what is there.
+    const auto left = [&] {
+        const auto rest = std::chrono::ceil<milliseconds>(deadline - std::chrono::steady_clock::now());
+        return std::max(rest, milliseconds(0));
+    };
+    for (auto message = session.next(timeout); message; message = session.next(left())) {
         if (const auto* frame = message->as<wire::Frame>()) {
             Seen seen{
                 frame->id(), frame->pose_seq(), frame->tick(), frame->state_hash(), frame->width(), frame->height(), {},
