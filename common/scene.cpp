@@ -39,7 +39,6 @@ private:
         const glm::dvec3* origin;
         const std::filesystem::path& folder;
 
-        void operator()(std::monostate) const { in.choice(setting.key(), setting.choices); }
         void operator()(bool* out) const { in.boolean(setting.key(), *out); }
         void operator()(float* out) const {
             if (setting.form == Form::height && origin)
@@ -156,6 +155,32 @@ void readFog(TableReader& in, const SettingReader& read, Fog& out, const glm::dv
     if (!(out.lo < out.hi)) in.fail(in.has("hi") ? "hi" : "lo", "the fog ends below where it begins", "lo below hi");
 }
 
+// Checks that the light has no keys of other types.
+void readLight(TableReader& in, const SettingReader& read, Light& out, const glm::dvec3& origin) {
+    read.readTable(in, "light", {.light = &out}, &origin);
+    const auto refuse = [&](std::initializer_list<const char*> keys, const char* allowed) {
+        for (const char* key : keys)
+            if (in.has(key)) in.fail(key, "not used by this type of light", allowed);
+    };
+    if (isLocal(out)) refuse({"to_light", "irradiance", "rotate"}, "only with type = \"directional\"");
+    else
+        refuse({"position", "intensity", "range", "radius", "shadows", "orbit", "pivot"},
+               "only with type = \"point\" or \"spot\"");
+    if (out.type != kSpot) refuse({"axis", "inner", "outer"}, "only with type = \"spot\"");
+    if (!(out.inner < out.outer))
+        in.fail(in.has("outer") ? "outer" : "inner", "the outer cone is not outside the inner one", "inner below outer");
+}
+
+void readLights(TableReader& in, const SettingReader& read, std::vector<Light>& out, const glm::dvec3& origin) {
+    in.tables("light", out, {0, limits::kLocalLights.hi + 1},
+              [&](TableReader& r, Light& light) { readLight(r, read, light, origin); });
+    const auto local = size_t(std::ranges::count_if(out, isLocal));
+    if (out.size() - local > 1) in.fail("light", "more than one is directional", "one, the others points or spots");
+    if (!limits::kLocalLights.holds(double(local)))
+        in.fail("light", std::to_string(local) + " points and spots",
+                "up to " + std::to_string(int(limits::kLocalLights.hi)));
+}
+
 void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder) {
     const Limits objects{0, 64}; // of a kind: the opaque pass draws each of them
     const SettingReader read(folder);
@@ -164,8 +189,7 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     in.table("medium", [&](TableReader& r) { readMedium(r, read, out.medium, origin); });
     in.table("simulation",
              [&](TableReader& r) { read.readTable(r, "simulation", {.simulation = &out.simulation}, nullptr); });
-    in.tables("light", out.lights, {0, 1},
-              [&](TableReader& r, Light& light) { read.readTable(r, "light", {.light = &light}, nullptr); });
+    readLights(in, read, out.lights, origin);
     in.tables("fog", out.fogs, limits::kFogs, [&](TableReader& r, Fog& fog) { readFog(r, read, fog, origin); });
     in.tables("plane", out.planes, objects,
               [&](TableReader& r, Plane& plane) { read.readTable(r, "plane", {.plane = &plane}, &origin); });

@@ -89,12 +89,29 @@ struct SimulationSettings {
     bool paused = false;
 };
 
-// One directional light today; the scene holds a list so that more kinds fit.
+inline constexpr const char *kDirectional = "directional", *kPoint = "point", *kSpot = "spot";
+
+// A light. A local one, a point or a spot, sends intensity / (d^2 + radius^2) to a place d metres away: without a
+// radius that is the inverse square law. With a range the light ends there, by the factor (1 - (d / range)^4)^2.
 struct Light {
+    std::string type = kDirectional;
+    // Directional.
     glm::vec3 to_light{0.4f, 0.8f, 0.45f}; // unit after loading
     glm::vec3 irradiance{10};              // E, W/m^2 per channel, perpendicular to the light
     float rotate = 0;                      // rad/s about +Y
+    // Point and spot.
+    glm::vec3 position{0, 3, 0};
+    glm::vec3 intensity{100}; // I, W/sr per channel; of a spot within its inner cone
+    float range = 0;          // m; 0: without end
+    float radius = 0;         // m
+    bool shadows = true;      // True: objects and the medium's particles shadow it
+    float orbit = 0;          // rad/s about the vertical through `pivot`
+    glm::vec3 pivot{0};
+    // Spot: smoothstep of the cosine from the outer cone to the inner one.
+    glm::vec3 axis{0, -1, 0};           // unit after loading, the way that the light goes
+    float inner = 0.3f, outer = 0.5f;   // rad between the axis and the cone
 };
+inline bool isLocal(const Light& light) { return light.type != kDirectional; }
 
 struct Plane { // horizontal ground, seen from above
     float height = 0;
@@ -184,7 +201,7 @@ struct Scene {
     glm::dvec3 origin{0};
     Medium medium;
     SimulationSettings simulation;
-    std::vector<Light> lights; // at most one today
+    std::vector<Light> lights; // at most one that is directional, and limits::kLocalLights others
     std::vector<Fog> fogs;     // at most limits::kFogs
     std::vector<Plane> planes;
     std::vector<Box> boxes;
@@ -195,9 +212,17 @@ struct Scene {
     RenderSettings render;
 };
 
-// The first light. A scene without lights has one of irradiance 0 here, which commands can turn on.
+// The directional light. A scene without one has one of irradiance 0 here, which commands can turn on.
 inline Light sunOf(const Scene& scene) {
-    return scene.lights.empty() ? Light{.to_light = {0, 1, 0}, .irradiance = glm::vec3(0)} : scene.lights.front();
+    for (const Light& light : scene.lights)
+        if (!isLocal(light)) return light;
+    return {.to_light = {0, 1, 0}, .irradiance = glm::vec3(0)};
+}
+inline std::vector<Light> localLightsOf(const Scene& scene) {
+    std::vector<Light> local;
+    for (const Light& light : scene.lights)
+        if (isLocal(light)) local.push_back(light);
+    return local;
 }
 
 // What is wrong with a scene: "file:line: key: what, and what is allowed".

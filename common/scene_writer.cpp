@@ -26,7 +26,6 @@ struct Written {
     const SceneSetting& setting;
     const glm::dvec3& origin; // that places count from; 0 for displacements
 
-    std::string operator()(std::monostate) const { return {}; }
     std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
     std::string operator()(const float* value) const {
         if (setting.form == Form::or_auto && *value == kAuto) return "\"auto\"";

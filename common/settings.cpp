@@ -17,7 +17,6 @@ template <auto Part, auto... Members>
 Member at(const SceneParts& parts) {
     return &((*(parts.*Part)).*....*Members);
 }
-Member nothing(const SceneParts&) { return {}; }
 
 using P = SceneParts;
 using S = SimulationSettings;
@@ -29,7 +28,7 @@ constexpr Limits kNone{0, 0};                              // of what has no ran
 constexpr std::string_view kLayouts[]{"cube", "tubes",    "cumulus", "emitter",
                                       "file", "sequence", "live",    "none"}; // in the order of Layout
 constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase, kDropletPhase};
-constexpr std::string_view kLights[]{"directional"};
+constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
 constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
 constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
@@ -48,13 +47,32 @@ constexpr SceneSetting kSettings[]{
     {"origin", at<&P::scene, &Scene::origin>, "m", limits::kOrigin,
      "World coordinates of the point that the server counts places from; give it where the scene is far from zero"},
 
-    {"light.type", nothing, "", kNone, "Kind of light", kNobody, Form::plain, kLights},
+    {"light.type", at<&P::light, &Light::type>, "", kNone, "Kind of light", kNobody, Form::plain, kLights},
     {"light.to_light", at<&P::light, &Light::to_light>, "", limits::kPlace,
      "Direction to the light, of any length but zero", kControllers, Form::direction},
     usually({0, 40}, {"light.irradiance", at<&P::light, &Light::irradiance>, "W/m²", limits::kRadiance,
                       "Irradiance of each channel on a surface that faces the light", kControllers, Form::colour}),
     usually({-2, 2}, {"light.rotate", at<&P::light, &Light::rotate>, "rad/s", limits::kRotate,
                       "Turning of the light about the vertical", kControllers}),
+    {"light.position", at<&P::light, &Light::position>, "m", limits::kPlace, "Point and spot: where it is", kNobody,
+     Form::place},
+    {"light.intensity", at<&P::light, &Light::intensity>, "W/sr", limits::kIntensity,
+     "Point and spot: radiant intensity of each channel; of a spot within its inner cone", kNobody, Form::colour},
+    {"light.range", at<&P::light, &Light::range>, "m", limits::kLightRange,
+     "Point and spot: where its light ends, by the factor (1 − (d / range)⁴)²; 0: nowhere"},
+    {"light.radius", at<&P::light, &Light::radius>, "m", limits::kLightRadius,
+     "Point and spot: its light falls as 1 / (d² + radius²)"},
+    {"light.shadows", at<&P::light, &Light::shadows>, "", kNone,
+     "Point and spot. True: objects and particles shadow its light; fog always dims it"},
+    {"light.orbit", at<&P::light, &Light::orbit>, "rad/s", limits::kRotate,
+     "Point and spot: how fast it goes round the vertical through `pivot`"},
+    {"light.pivot", at<&P::light, &Light::pivot>, "m", limits::kPlace, "What it goes round", kNobody, Form::place},
+    {"light.axis", at<&P::light, &Light::axis>, "", limits::kPlace,
+     "Spot: the way that its light goes, of any length but zero", kNobody, Form::direction},
+    {"light.inner", at<&P::light, &Light::inner>, "rad", limits::kCone,
+     "Spot: angle between the axis and the cone that has all of the intensity"},
+    {"light.outer", at<&P::light, &Light::outer>, "rad", limits::kCone,
+     "Spot: angle between the axis and the cone outside which there is no light"},
 
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
      Form::plain, kLayouts},
@@ -258,10 +276,7 @@ struct Read {
                       std::is_same_v<T, glm::vec3> || std::is_same_v<T, std::string>)
             return *member;
         else
-            return (*this)(std::monostate());
-    }
-    SettingValue operator()(std::monostate) const {
-        throw std::logic_error("a live setting of a type that no command has");
+            throw std::logic_error("a live setting of a type that no command has");
     }
 };
 

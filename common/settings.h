@@ -29,8 +29,8 @@ struct SceneParts {
     RenderSettings* render = nullptr;
 };
 
-// A setting's member in its struct; nothing for a key that is only checked.
-using Member = std::variant<std::monostate, bool*, float*, uint32_t*, uint64_t*, glm::vec3*, glm::dvec3*, Range*,
+// A setting's member in its struct.
+using Member = std::variant<bool*, float*, uint32_t*, uint64_t*, glm::vec3*, glm::dvec3*, Range*,
                             std::string*, Layout*, std::filesystem::path*>;
 
 enum class Form : uint8_t {

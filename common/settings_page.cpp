@@ -136,7 +136,8 @@ constexpr Table kTables[]{
      "`slabs` and `grid` draw it."},
     {"simulation", "`[simulation]`", "How the particles move."},
     {"light", "`[[light]]`",
-     "At most one. A file that does not mention lights has one; `light = []` is a scene without."},
+     "One that is directional at most, and up to 1,024 points and spots. A file that does not mention lights has a\n"
+     "directional one; `light = []` is a scene without. Commands change the directional one."},
     {"plane", "`[[plane]]`", "Horizontal ground, seen from above; up to 64."},
     {"box", "`[[box]]`", "Up to 64."},
     {"sphere", "`[[sphere]]`", "Up to 64."},
@@ -155,7 +156,6 @@ struct Cells {
     const SceneSetting& setting;
     std::string values{}, standard{};
 
-    void operator()(std::monostate) { values = names(), standard = code(setting.choices[0]); }
     void operator()(const bool* value) { values = "true or false", standard = fmt::format("{}", *value); }
     void operator()(const float* value) {
         values = setting.form == Form::height ? "a number" : "a number, " + rangeOf(setting.allowed);

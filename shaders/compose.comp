@@ -27,6 +27,7 @@ layout(rgba32f, binding = 2) uniform image2D radiance;
 layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // bytes: Y, then Cb, then Cr
 layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // shared/field.h
 layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
+layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
 layout(binding = 8) uniform sampler2D view_depth;
 
 #include "shaders/lib/eye.glsl"
@@ -52,6 +53,7 @@ vec3 pixelOf(bool clear, MediumRun run, inout MediumCut cut, uvec2 at, vec3 befo
         here = mediumOver(here, dir, ray);
     }
     if (at.x >= eye.size.x) return before;
+    if (kHasLocalLights) here.rgb += lit[at.y * eye.size.x + at.x];
     if (kKeep) imageStore(radiance, ivec2(at), here);
     return displayed(here.rgb);
 }

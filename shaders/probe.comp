@@ -28,6 +28,7 @@ layout(scalar, binding = 3) readonly buffer Pixels { uvec2 pixels[]; };
 layout(scalar, binding = 4) readonly buffer Field { float field[]; }; // shared/field.h
 layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
 layout(scalar, binding = 6) writeonly buffer Values { vec4 values[]; };
+layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
 layout(binding = 8) uniform sampler2D view_depth;
 
 #include "shaders/lib/eye.glsl"
@@ -60,7 +61,9 @@ vec4 mediumAt(ivec2 pixel) {
         cutRay(cut, run, pixel, dir, across, ray);
     }
     for (uint c = 0; c < kAmbientColours; ++c) ray[fieldAmbient() + c] = 0;
-    return mediumOver(vec4(0, 0, 0, 1), dir, ray);
+    vec4 medium = mediumOver(vec4(0, 0, 0, 1), dir, ray);
+    if (kHasLocalLights) medium.rgb += lit[uint(pixel.y) * eye.size.x + uint(pixel.x)];
+    return medium;
 }
 
 void main() {

@@ -85,6 +85,7 @@ void main() {
         findDepths(lo, hi);
         range = uintBitsToFloat(uvec2(nearest, furthest));
     }
+    if (kHasLocalLights && tick.particle_count > 0) range.x = min(range.x, grid.depth); // pixels read all of them
     if (gl_LocalInvocationIndex > 0) return;
     const vec2 below = clamp(floor(facesAt(range)), vec2(0), vec2(lastFace() - 1));
     field[fieldKept(tile)] = max(below.x - 1, 0);

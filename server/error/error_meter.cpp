@@ -36,7 +36,9 @@ double threadSeconds() {
 }
 
 reference::World worldOf(const MeterJob& job) {
-    reference::World world = reference::worldOf(*job.scene, job.particles, job.now.medium, job.now.light, job.now.fogs);
+    const SceneNow& now = job.now;
+    reference::World world =
+        reference::worldOf(*job.scene, job.particles, {now.medium, now.light, now.local_lights, now.fogs});
     // Sky, ambient light and haze would dilute the error. What was drawn has them in it.
     if (!job.drawn) world.sky_zenith = world.sky_horizon = world.ambient = glm::dvec3(0), world.haze = 0;
     return world;

@@ -15,11 +15,12 @@ struct SceneFeatures {
     bool lobe = false;    // True: hasLobe() the medium
     bool fog = false;     // True: there is fog
     bool glow = false;    // True: some fog emits light
+    bool local_lights = false; // True: there are points or spots
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
-        return {opaque || o.opaque, casters || o.casters, ambient || o.ambient,
-                lobe || o.lobe,     fog || o.fog,         glow || o.glow};
+        return {opaque || o.opaque, casters || o.casters, ambient || o.ambient, lobe || o.lobe,
+                fog || o.fog,       glow || o.glow,       local_lights || o.local_lights};
     }
 };
 
@@ -27,16 +28,22 @@ inline constexpr float kNoBall = 1e15f; // m, gpu::Fog::radius of a fog that fil
 
 inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
 
-// `medium`, `fogs`: as they are now, since commands change them.
+// `medium`, `fogs`: as they are now, since commands change them. With local lights pictures always pass through
+// surfaces' targets, as with objects.
 inline SceneFeatures featuresOf(const Scene& scene, const Medium& medium, std::span<const Fog> fogs) {
+    const bool local_lights = std::ranges::any_of(scene.lights, isLocal);
     const bool casters = !scene.boxes.empty() || !scene.spheres.empty();
     const auto glows = [](const Fog& fog) { return isThere(fog) && fog.emission != glm::vec3(0); };
-    return {.opaque = casters || !scene.planes.empty(),
+    return {.opaque = casters || !scene.planes.empty() || local_lights,
             .casters = casters,
             .ambient = scene.sky.ambient != glm::vec3(0),
             .lobe = hasLobe(medium),
             .fog = std::ranges::any_of(fogs, isThere),
-            .glow = std::ranges::any_of(fogs, glows)};
+            .glow = std::ranges::any_of(fogs, glows),
+            .local_lights = local_lights};
 }
+
+// True: only methods that draw fog and local lights can draw the scene.
+inline bool needsFields(const SceneFeatures& features) { return features.fog || features.local_lights; }
 
 } // namespace brume

@@ -12,6 +12,9 @@ struct TickInputs {
     const RenderSettings* settings = nullptr; // in use: every choice is made
     const gpu::Buffer* objects = nullptr;     // gpu::Opaque[gpu::kMostObjects], also as a uniform block
     uint32_t first_caster = 0; // number of the first object that throws shadows: ground planes come first
+    const gpu::Buffer* local_lights = nullptr; // gpu::LocalLight[]
+    const gpu::Buffer* light_bits = nullptr;   // LocalLights::bits()
+    const gpu::Buffer* lit = nullptr;          // LocalLights::lit()
     const gpu::Image* shadow_volume = nullptr; // optical depth of the medium between the light and a place
     const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
     const gpu::Buffer* planes = nullptr;       // bytes of all finished pictures, each laid out as PlaneLayout says

@@ -11,13 +11,13 @@ Surfaces::Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw)
       boxes_{gpu::kIdBoxes, uint32_t(scene.boxes.size())}, spheres_{gpu::kIdSpheres, uint32_t(scene.spheres.size())},
       by_draw_(by_draw) {}
 
-const Surfaces::Programs& Surfaces::programsFor(bool fog) {
-    Programs& made = programs_[fog];
-    const gpu::SpecConstant has_fog{gpu::kIdHasFog, fog};
+const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
+    Programs& made = programs_[{fog, local_lights}];
+    const gpu::SpecConstant has_fog{gpu::kIdHasFog, fog}, has_lights{gpu::kIdHasLocalLights, local_lights};
     if (by_draw_ && !made.draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes_, boxes_, spheres_, has_fog};
+        const gpu::SpecConstant constants[] = {planes_, boxes_, spheres_, has_fog, has_lights};
         gpu::GraphicsInfo graphics;
         graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
         graphics.blend = gpu::Blend::replace;
@@ -25,7 +25,7 @@ const Surfaces::Programs& Surfaces::programsFor(bool fog) {
     }
     if (!by_draw_ && !made.compute)
         made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes_, boxes_, spheres_, has_fog});
+                                           {planes_, boxes_, spheres_, has_fog, has_lights});
     return made;
 }
 
@@ -35,16 +35,18 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
     gpu::everythingBefore(cmd); // the eye before has used the same targets
     const gpu::Resource objects = gpu::uniformBuffer(2, *in.shared->objects, 0, in.shared->objects->size()),
                         light = gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
-                        casters = gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest);
-    const Programs& programs = programsFor(in.shared->features.fog);
+                        casters = gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest),
+                        lights = gpu::storageBuffer(7, *in.shared->local_lights),
+                        bits = gpu::storageBuffer(8, *in.shared->light_bits);
+    const Programs& programs = programsFor(in.shared->features.fog, in.shared->features.local_lights);
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
-        programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters});
+        programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
         programs.compute.bind(commands,
-                              {in.medium->tick, in.eye, objects, light, casters,
+                              {in.medium->tick, in.eye, objects, light, casters, lights, bits,
                                gpu::storageImage(5, in.target->radiance), gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }

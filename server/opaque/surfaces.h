@@ -1,6 +1,9 @@
 // The first pass of every eye: sky and opaque objects, with the shadows that objects and medium throw on them.
 #pragma once
 
+#include <map>
+#include <utility>
+
 #include "server/gpu/commands.h"
 #include "server/inputs/eye_inputs.h"
 
@@ -21,12 +24,12 @@ private:
         gpu::GraphicsProgram draw; // either this or the other is made
         gpu::ComputeProgram compute;
     };
-    const Programs& programsFor(bool fog);
+    const Programs& programsFor(bool fog, bool local_lights);
 
     const gpu::Device& device_;
     const gpu::SpecConstant planes_, boxes_, spheres_;
     const bool by_draw_;
-    Programs programs_[2]; // without fog, and with it
+    std::map<std::pair<bool, bool>, Programs> programs_; // by whether there are fog and local lights
 };
 
 } // namespace brume

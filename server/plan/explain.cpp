@@ -56,6 +56,7 @@ std::string absent(const SceneFeatures& f) {
     add(f.ambient, "ambient light");
     add(f.fog, "fog");
     add(f.glow, "fog that emits light");
+    add(f.local_lights, "points and spots");
     return all;
 }
 

@@ -54,8 +54,8 @@ public:
     virtual std::optional<double> error(const RenderSettings& /*settings*/, const ViewWork& /*view*/) const {
         return {};
     }
-    // True: it draws fog.
-    virtual bool drawsFog() const { return false; }
+    // True: it draws fog, and makes a field that local lights are seen through.
+    virtual bool drawsFogAndLocalLights() const { return false; }
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
     // The next coarser settings in a direction; nothing if there are none.
@@ -66,9 +66,9 @@ public:
     virtual RenderSettings finer(const RenderSettings& settings) const { return settings; }
 };
 
-// Why a scene with fog is not for a method that draws none, one line.
+// Why a scene with fog or local lights is not for a method that draws none, one line.
 inline std::string fogRefusal(const MethodPlan& method) {
-    return std::string(method.name()) + ": it draws no fog; use slabs or grid";
+    return std::string(method.name()) + ": it draws no fog, and no light of points and spots; use slabs or grid";
 }
 
 } // namespace brume

@@ -36,7 +36,7 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
         if (wanted_method != kAutoMethod && !asked) continue;
         RenderSettings way = inputs.scene.wanted;
         way.method = method->name();
-        if (inputs.scene.features.fog && !method->drawsFog()) {
+        if (needsFields(inputs.scene.features) && !method->drawsFogAndLocalLights()) {
             if (asked) refused = fogRefusal(*method);
             continue;
         }

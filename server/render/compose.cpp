@@ -37,6 +37,7 @@ const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
                                        {gpu::kIdHasAmbient, v.features.ambient},
                                        {gpu::kIdHasFog, v.features.fog},
                                        {gpu::kIdHasGlow, v.features.glow},
+                                       {gpu::kIdHasLocalLights, v.features.local_lights},
                                        {gpu::kIdRate, v.rate},
                                        {gpu::kIdSunColours, v.colours.sun},
                                        {gpu::kIdAmbientColours, v.colours.ambient},
@@ -72,14 +73,14 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
     const EyeInputs& in = *group.any;
     const bool drawn = !group.field;
     SceneFeatures features = in.shared->features;
-    if (drawn) features.lobe = features.fog = features.glow = false;
+    if (drawn) features.lobe = features.fog = features.glow = features.local_lights = false;
     gpu::computeToCompute(cmd);
     const gpu::ComputeProgram& program = everyPixel({.drawn = drawn,
                                                      .keep = !drawn && keep_,
                                                      .full = full_,
                                                      .rate = drawn ? 8 : group.rate,
                                                      .step = 1,
-                                                     .colours = drawn ? gpu::FieldColours{1, 0, 0, 0} : group.colours,
+                                                     .colours = drawn ? gpu::FieldColours{1, 0, 0, 0, 0} : group.colours,
                                                      .features = features});
     const uint32_t blocks = drawn ? 1 : blocksOf(features, group.rate);
     for (uint32_t i = 0; i < group.count(); ++i) {
@@ -87,6 +88,7 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
                      {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
                       gpu::storageBuffer(3, *in.shared->planes), gpu::storageBuffer(4, drawn ? none_ : *group.field),
                       gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
+                      gpu::storageBuffer(7, *in.shared->lit),
                       gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64 * blocks), gpu::groups(view.end - view.first, 16), 1);

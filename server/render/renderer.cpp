@@ -4,6 +4,7 @@
 
 #include "common/phase_lobes.h"
 #include "server/inputs/eye_block.h"
+#include "server/inputs/local_light_block.h"
 #include "server/opaque/objects.h"
 
 namespace brume {
@@ -31,7 +32,7 @@ void Submission::giveBack() {
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(opaqueObjects(scene)), features_(lasting(scene, besides)),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device),
-      particle_light_(device, capacity), surfaces_(device, scene), depth_order_(device, capacity), compose_(device),
+      particle_light_(device, capacity), local_lights_(device), surfaces_(device, scene), depth_order_(device, capacity), compose_(device),
       probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST),
       targets_(device), coarse_targets_(device) {
     objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
@@ -57,6 +58,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
     fitPictures(s, eyes, full);
     probe_.prepare(s.probe);
+    writeLocalLights(s, eyes);
     upload_.take(simulation, scene_, now_, objects_, eyes, s.particles_);
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks);
@@ -67,7 +69,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.record(s.commands, s.particles_);
     recordLight(s, needs);
 
-    gatherInputs(blocks, eyes, features);
+    gatherInputs(s, blocks, eyes, features);
     s.uniforms_.flush();
     const std::span<const ViewGroup> groups = groupsOf(method);
     compose_.prepare(groups);
@@ -76,9 +78,13 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     const EyeInputs* before = nullptr;
     for (const ViewGroup& group : groups) {
         targets_.use(cmd, *group.any->target);
-        if (needsSurfaces(group, before)) surfaces_.record(s.commands, *group.any);
+        if (needsSurfaces(group, before)) {
+            if (features.local_lights) local_lights_.recordBins(s.commands, *group.any);
+            surfaces_.record(s.commands, *group.any);
+        }
         if (has_medium && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
         if (has_medium) method.recordGroup(s.commands, group);
+        if (features.local_lights && group.field) local_lights_.record(s.commands, group);
         compose_.record(s.commands, group);
         if (has_medium && !s.probe.pixels.empty()) probe_.record(s.commands, group, s.probe, views_[s.probe.eye]);
         before = group.any;
@@ -101,6 +107,7 @@ void Renderer::giveBack() {
     methods_.clear();
     planes_ = {};
     compose_.giveBack();
+    local_lights_.giveBack();
     targets_.giveBack();
     coarse_targets_.giveBack();
 }
@@ -159,6 +166,17 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
     compose_.fullColour(full);
 }
 
+void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes) {
+    const std::vector<Light>& lights = now_.local_lights;
+    s.local_lights_.atLeast(device_, std::max<size_t>(lights.size(), 1) * sizeof(gpu::LocalLight),
+                            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "local lights");
+    if (!lights.empty()) {
+        std::ranges::transform(lights, s.local_lights_.mapped<gpu::LocalLight>(lights.size()).begin(), localLightBlock);
+        s.local_lights_.flush();
+    }
+    local_lights_.prepare(eyes, uint32_t(lights.size()));
+}
+
 // Records both shadow maps, and the light cached on the particles of every list that some eye sees.
 void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     MediumView& all = upload_.all();
@@ -183,11 +201,14 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     }
 }
 
-void Renderer::gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequest> eyes,
+void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes,
                             const SceneFeatures& features) {
     shared_ = {.settings = &now_.render,
                .objects = &objects_buffer_,
                .first_caster = uint32_t(scene_.planes.size()),
+               .local_lights = &s.local_lights_,
+               .light_bits = &local_lights_.bits(),
+               .lit = &local_lights_.lit(),
                .shadow_volume = &shadow_volume_.image(),
                .opaque_shadow = &opaque_shadow_.image(),
                .planes = &planes_,

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "server/light/local_lights.h"
 #include "server/light/particle_light.h"
 #include "server/light/shadow_volume.h"
 #include "server/methods/method.h"
@@ -39,7 +40,7 @@ public:
 
 private:
     friend class Renderer;
-    gpu::Buffer particles_, uniforms_, planes_;
+    gpu::Buffer particles_, uniforms_, local_lights_, planes_;
     std::vector<PictureView> pictures_;
 };
 
@@ -98,8 +99,9 @@ private:
     // True: surfaces are drawn at every pixel and the medium at every step_-th, with what lies between interpolated.
     bool drawsCoarsely() const { return step_ > 1 && features_.opaque; }
     void fitPictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
+    void writeLocalLights(Submission& submission, std::span<const EyeRequest> eyes);
     void recordLight(Submission& submission, const MethodNeeds& needs);
-    void gatherInputs(const UniformBlocks& blocks, std::span<const EyeRequest> eyes, const SceneFeatures& features);
+    void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes, const SceneFeatures& features);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
     void recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye);
@@ -113,6 +115,7 @@ private:
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
     ParticleLight particle_light_;
+    LocalLights local_lights_;
     Surfaces surfaces_;
     DepthOrder depth_order_;
     Compose compose_;

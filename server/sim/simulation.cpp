@@ -91,7 +91,7 @@ struct Simulation::State {
 };
 
 Simulation::State::State(const Scene& scene, uint64_t most_bytes)
-    : now{scene.medium, sunOf(scene), scene.fogs, scene.render, scene.simulation} {
+    : now{scene.medium, sunOf(scene), localLightsOf(scene), scene.fogs, scene.render, scene.simulation} {
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);

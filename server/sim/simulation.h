@@ -23,7 +23,8 @@ struct Bounds {
 // The parts of the scene that commands and time can change, at their present values.
 struct SceneNow {
     Medium medium;
-    Light light;
+    Light light; // the directional one
+    std::vector<Light> local_lights;
     std::vector<Fog> fogs;
     RenderSettings render;
     SimulationSettings simulation;

@@ -5,6 +5,8 @@
 layout(scalar, binding = 2) uniform Objects { Opaque objects[kMostObjects]; };
 layout(binding = 3) uniform sampler2DArray shadow_volume;
 layout(binding = 4) uniform sampler2D opaque_shadow;
+layout(scalar, binding = 7) readonly buffer Lights { LocalLight local_lights[]; };
+layout(scalar, binding = 8) readonly buffer Bits { uint light_bits[]; };
 
 // Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
 layout(constant_id = kIdPlanes) const uint kPlanes = 1;
@@ -16,6 +18,7 @@ layout(constant_id = kIdSpheres) const uint kSpheres = 1;
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"
+#include "shaders/lib/local_lights.glsl"
 
 const uint kNone = ~0u;
 
@@ -59,7 +62,26 @@ Hit nearest(vec3 dir, uint may) {
     return hit;
 }
 
-// Radiance of a surface by Lambert's law: of the light, past objects and medium, and of the whole sky.
+uint light_bin; // of the pixel
+
+// Irradiance that local lights give a surface.
+vec3 localIrradiance(Hit hit, vec3 x) {
+    vec3 sum = vec3(0);
+    for (uint word = 0; word < lightWords(); ++word)
+        for (uint bits = light_bits[light_bin + word]; bits != 0; bits &= bits - 1) {
+            const LocalLight light = local_lights[32 * word + findLSB(bits)];
+            const vec3 away = x - light.position;
+            const float distance = length(away), cosine = -dot(hit.normal, away) / max(distance, 1e-20);
+            const float sent = cosine > 0 ? sentTo(light, away, distance) : 0;
+            if (!(sent > 0)) continue;
+            if (light.shadows != 0 && isHidden(light, x, kPlanes, hit.object)) continue;
+            const float through = kHasFog ? exp(-fogFrom(light, away, distance)) : 1;
+            sum += light.intensity * (cosine * sent * through / (distance * distance + light.radius * light.radius));
+        }
+    return sum;
+}
+
+// Radiance of a surface by Lambert's law: of the lights, past objects and medium, and of the whole sky.
 vec3 lit(Hit hit, vec3 x) {
     const vec3 n = hit.normal;
     const float cosine = dot(n, tick.sun.to_light);
@@ -73,7 +95,9 @@ vec3 lit(Hit hit, vec3 x) {
     const vec3 at = toShadowVolume(x); // there is no medium beside and above the map
     if (direct > 0 && at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5)))) direct *= exp(-lightDepth(at));
     if (kHasFog && direct > 0) direct *= exp(-fogTowardSun(x));
-    return hit.albedo * (skyLight(n) + tick.sun.irradiance * direct);
+    vec3 light = skyLight(n) + tick.sun.irradiance * direct;
+    if (kHasLocalLights) light += localIrradiance(hit, x) / 3.14159265;
+    return hit.albedo * light;
 }
 
 vec3 shade(vec3 dir, Hit hit) {
@@ -88,6 +112,7 @@ vec3 shade(vec3 dir, Hit hit) {
 vec3 background(vec2 centre, out float view_depth) {
     const vec2 offsets[4] = vec2[](vec2(-0.375, -0.125), vec2(0.125, -0.375), vec2(0.375, 0.125), vec2(-0.125, 0.375));
     const vec3 middle = rayDirection(centre);
+    if (kHasLocalLights) light_bin = binOf(uvec2(centre));
     const uint may = mayHit(middle);
     const Hit hit = nearest(middle, may);
     view_depth = hit.depth;

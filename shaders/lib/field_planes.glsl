@@ -2,13 +2,16 @@
 // kSunColours and kAmbientColours are declared.
 #include "shaders/shared/field.h"
 #include "shaders/shared/scatter.h"
+#include "shaders/lib/has_local_lights.glsl"
 
 FieldColours fieldColours() {
-    return FieldColours(kSunColours, kAmbientColours, kHasFog ? 3 : 0, kHasGlow ? 3 : 0);
+    return FieldColours(kSunColours, kAmbientColours, kHasFog ? 3 : 0, kHasGlow ? 3 : 0,
+                        kHasLocalLights && kSunColours == 3 ? 3 : 0);
 }
 uint fieldAmbient() { return fieldAmbient(fieldColours()); }
 uint fieldFog() { return fieldFog(fieldColours()); }
 uint fieldGlow() { return fieldGlow(fieldColours()); }
+uint fieldScattering() { return fieldScattering(fieldColours()); }
 uint fieldQuantities() { return fieldQuantities(fieldColours()); }
 
 uint fieldNodes() { return grid.nodes.x * grid.nodes.y; }

@@ -108,6 +108,7 @@ void march() {
                     sum[kFieldSun + c] += albedo * sun;
                 }
                 if (kAmbientColours > 0) sum[fieldAmbient() + c] += albedo * ambient;
+                if (kHasLocalLights && kSunColours == 3) sum[fieldScattering() + c] += albedo * slab;
             }
         }
         if (kHasFog && !alone) passFog(sum, face + 1, slab, fog, light.z);

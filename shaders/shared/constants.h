@@ -21,6 +21,7 @@ const uint kIdBoxes = 7u;
 const uint kIdSpheres = 8u;
 const uint kIdHasFog = 28u;  // bool: there is fog
 const uint kIdHasGlow = 29u; // bool: some fog emits light
+const uint kIdHasLocalLights = 30u; // bool: there are points or spots
 
 // The volumetric shadow map.
 const uint kIdShadowLanes = 9u; // lanes that work on one tile together, texels of its width; a power of two, at most 8

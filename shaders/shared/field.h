@@ -25,6 +25,7 @@ struct FieldColours {
     uint ambient; // 3 if there is ambient light, and albedos differ or there is fog; otherwise 0
     uint fog;     // 3 if there is fog; otherwise 0
     uint glow;    // 3 if some fog emits light; otherwise 0
+    uint scattering; // 3 if there are local lights, and albedos differ; otherwise 0
 #ifdef __cplusplus
     auto operator<=>(const FieldColours&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
 #endif
@@ -37,8 +38,10 @@ BRUME_INLINE uint fieldAmbient(FieldColours colours) { return kFieldSun + colour
 // Scattered light of the sun by fogs, for E = 1: with their albedo, and with their phase functions where those differ.
 BRUME_INLINE uint fieldFog(FieldColours colours) { return fieldAmbient(colours) + colours.ambient; }
 BRUME_INLINE uint fieldGlow(FieldColours colours) { return fieldFog(colours) + colours.fog; } // emitted radiance
-BRUME_INLINE uint fieldQuantities(FieldColours colours) { return fieldGlow(colours) + colours.glow; }
-const uint kMostFieldQuantities = 13u;
+// Albedo times optical depth of the particles.
+BRUME_INLINE uint fieldScattering(FieldColours colours) { return fieldGlow(colours) + colours.glow; }
+BRUME_INLINE uint fieldQuantities(FieldColours colours) { return fieldScattering(colours) + colours.scattering; }
+const uint kMostFieldQuantities = 16u;
 
 // The planes of a field. A plane has a float for each ray.
 //
@@ -84,7 +87,7 @@ BRUME_INLINE uint steepPlane(FieldPlanes field) { return endSplinePlane(field) +
 BRUME_INLINE uint planesOf(FieldPlanes field) { return steepPlane(field) + endPlanes(field); }
 
 #ifdef __cplusplus
-static_assert(fieldQuantities({.sun = 3, .ambient = 3, .fog = 3, .glow = 3}) == kMostFieldQuantities);
+static_assert(fieldQuantities({.sun = 3, .ambient = 3, .fog = 3, .glow = 3, .scattering = 3}) == kMostFieldQuantities);
 } // namespace brume::gpu
 #endif
 #undef BRUME_INLINE

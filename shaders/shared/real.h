@@ -16,6 +16,11 @@ using std::log;
 using std::max;
 using std::min;
 using std::sqrt;
+using std::tan;
+template <typename real>
+inline real atan(real y, real x) { // GLSL's name
+    return std::atan2(y, x);
+}
 } // namespace brume::physics
 
 #define BRUME_PHYSICS_BEGIN namespace brume::physics {

@@ -68,6 +68,22 @@ struct Fog {
     Phase phase;
 };
 
+// A point or a spot. A place at the distance d gets intensity / (d^2 + radius^2), within its range and cone.
+struct LocalLight {
+    vec3 position;
+    float range;     // m; 1e15: without end
+    vec3 intensity; // W/sr
+    float radius;   // m
+    vec3 axis;      // unit, the way that the light goes
+    float cos_outer;  // of the angle to the outer cone; a point: -2
+    float cone_width; // cosine of the inner cone less that of the outer one
+    uint shadows;     // 1: objects and particles shadow it; 0: only fog dims it
+    vec3 bound;       // a ball that holds all it lights: its centre,
+    float reach;      // and its radius, m; 1e30: all
+};
+
+const uint kLightBin = 16u; // pixels along a side of a bin of local lights
+
 // Values that all viewers share in one tick.
 struct Tick {
     Light sun;     // the first directional light; only it has maps
@@ -84,6 +100,7 @@ struct Tick {
     uint fog_count;
     uint fog_phases; // 1: all fogs have the same phase function; else they differ
     Fog fogs[kMostFogs];
+    uint local_light_count;
 };
 
 // One eye of one viewer. Affine functions of the pixel: value at pixel (0, 0), and steps to the right and down.
@@ -213,7 +230,7 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(Tick) == 536 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
+static_assert(sizeof(LocalLight) == 72 && sizeof(Tick) == 540 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);

@@ -1,26 +1,17 @@
 // Fog, drawn by the methods that draw it, against the double-precision reference: what it hides, what it scatters, with
 // particles, objects and the eye in it, above it and below it.
-#include <algorithm>
-#include <cmath>
+#include <gtest/gtest.h>
 
-#include "tests/gpu/closed_form.h"
-#include "tools/reference/camera.h"
-#include "tools/reference/pixel.h"
-#include "tools/reference/ray_tracer.h"
+#include "tests/gpu/judged.h"
 
 namespace brume::test {
 namespace {
-
-constexpr uint32_t kWidth = 160, kHeight = 90;
-constexpr double kNear = 0.05;    // m, where pictures begin
-constexpr uint32_t kEvery = 5;    // one pixel of so many is compared, across and down
-constexpr double kAllowed = 5e-3; // relative RMSE
 
 // With rays two pixels apart, where balls' edges are a large part of a small picture: what the plan predicts of edges,
 // 0.5 * 2 / sqrt(pixels) (fogError() of server/methods/rays/ray_plan.h).
 constexpr double kEdges = 8.4e-3;
 
-class FogTest : public GpuTest {
+class FogTest : public JudgedTest {
 protected:
     // A small cloud above the ground, lit from the side.
     static Scene cloudScene() {
@@ -40,54 +31,6 @@ protected:
         Scene scene = cloudScene();
         scene.medium.layout = Layout::none;
         return scene;
-    }
-
-    struct Error {
-        double rmse, worst; // of total radiance; relative to its RMS
-    };
-    static Error errorOf(const Scene& scene, const Pose& pose) {
-        const Picture picture = render(device(), scene, pose, kWidth, kHeight);
-        const Simulation simulation(scene);
-        std::vector<gpu::Particle> particles(simulation.liveCount());
-        simulation.write(particles);
-        const SceneNow& now = simulation.now();
-        const reference::World world = reference::worldOf(scene, particles, now.medium, now.light, now.fogs);
-        const reference::Stage stage(world, {.tolerance = 1e-5});
-        reference::RayTracer tracer(stage);
-        const reference::Camera camera = reference::perspective(pose, kWidth, kHeight, kNear);
-        double errors = 0, values = 0, worst = 0;
-        int count = 0;
-        for (uint32_t y = kEvery / 2; y < kHeight; y += kEvery)
-            for (uint32_t x = kEvery / 2; x < kWidth; x += kEvery) {
-                const auto at = [&](double dx, double dy) {
-                    return tracer.trace(reference::rayThrough(camera, x + dx, y + dy));
-                };
-                const reference::PixelResult truth = reference::pixelOf(at, !world.obstacles.empty());
-                if (truth.edge) continue;
-                const glm::dvec4 got(picture.at(x, y));
-                const glm::dvec3 off = glm::dvec3(got) - truth.total;
-                EXPECT_TRUE(std::isfinite(got.x + got.y + got.z + got.w)) << x << ' ' << y;
-                errors += glm::dot(off, off), values += glm::dot(truth.total, truth.total), ++count;
-                worst = std::max(worst, glm::length(off));
-            }
-        EXPECT_GT(count, 300);
-        return {std::sqrt(errors / values), worst / std::sqrt(values / count)};
-    }
-
-    // Judges slabs and grid from several places.
-    static void judge(Scene scene, std::initializer_list<Pose> poses, double allowed = kAllowed) {
-        for (const char* method : {"slabs", "grid"}) {
-            scene.render.method = method;
-            scene.render.grid.spacing = 0.5f;
-            int number = 0;
-            for (const Pose& pose : poses) {
-                const Error error = errorOf(scene, pose);
-                std::printf("%-6s view %d: %.4f %%, worst pixel %.3f %%\n", method, number, 100 * error.rmse,
-                            100 * error.worst);
-                EXPECT_LE(error.rmse, allowed) << method << ", view " << number;
-                ++number;
-            }
-        }
     }
 };
 
@@ -175,7 +118,8 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
             render(device(), scene, kOutside, kWidth, kHeight);
             ADD_FAILURE() << method << " drew it";
         } catch (const gpu::Error& error) {
-            EXPECT_EQ(error.what(), method + std::string(": it draws no fog; use slabs or grid"));
+            EXPECT_EQ(error.what(),
+                      method + std::string(": it draws no fog, and no light of points and spots; use slabs or grid"));
         }
     }
 }

@@ -303,7 +303,7 @@ TEST(World, OfASceneAsItIsNow) {
     medium.asymmetry = 0.5f;
     brume::Light light = scene.lights[0];
     light.to_light = {0, 0, 1};
-    const World world = worldOf(scene, particles, medium, light, {});
+    const World world = worldOf(scene, particles, {medium, light, {}, {}});
     ASSERT_EQ(world.blobs.size(), 3u);
     EXPECT_NEAR(world.blobs[1].k, std::sqrt(50.0) / (2 * particles[1].scale), 1e-12);
     EXPECT_EQ(world.phase.asymmetry, 0.5);

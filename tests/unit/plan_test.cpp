@@ -407,8 +407,8 @@ TEST(Plan, FogIsLeftToMethodsThatDrawIt) {
     }
     inputs.scene.wanted.method = "tiles";
     const Plan plan = makePlan(inputs, model);
-    EXPECT_EQ(plan.refused, "tiles: it draws no fog; use slabs or grid");
-    EXPECT_TRUE(planOf(plan.chosen.settings.method)->drawsFog());
+    EXPECT_EQ(plan.refused, "tiles: it draws no fog, and no light of points and spots; use slabs or grid");
+    EXPECT_TRUE(planOf(plan.chosen.settings.method)->drawsFogAndLocalLights());
 }
 
 // Between rays an edge is smeared: fogs with a ball or ends in height ask for more of them.

@@ -18,7 +18,6 @@ struct Flat {
     std::string text;
 };
 struct Flatten {
-    Flat operator()(std::monostate) const { return {}; }
     Flat operator()(const bool* v) const { return {{double(*v)}, {}}; }
     Flat operator()(const float* v) const { return {{double(*v)}, {}}; }
     Flat operator()(const uint32_t* v) const { return {{double(*v)}, {}}; }

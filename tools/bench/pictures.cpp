@@ -109,7 +109,7 @@ std::string pictureHashes(const gpu::Device& device, const std::string& only) {
         if (std::filesystem::path(scene).stem().string().find(only) == only.npos) continue;
         const bool fog = !loadScene(findScene(scene, BRUME_SCENES)).fogs.empty();
         for (const std::string& method : all_methods) {
-            if (fog && planOf(method) && !planOf(method)->drawsFog()) continue;
+            if (fog && planOf(method) && !planOf(method)->drawsFogAndLocalLights()) continue;
             Fingerprint fingerprint(device, {.scene = scene, .set = {"render.method=" + method}}, method);
             for (const char* camera : {"outside", "inside"}) out += fingerprint.lines(camera);
         }

@@ -45,8 +45,9 @@ public:
         add(phase), add(emission);
     }
     void add(const reference::LightSource& light) {
-        const auto& [kind, colour, to_light, position, axis, cos_outer, cos_inner] = light;
+        const auto& [kind, colour, to_light, position, axis, cos_outer, cos_inner, radius, range, shadows] = light;
         add(double(kind)), add(colour), add(to_light), add(position), add(axis), add(cos_outer), add(cos_inner);
+        add(radius), add(range), add(double(shadows));
     }
     void add(const reference::Obstacle& obstacle) {
         const auto& [kind, centre, half_size, yaw, albedo] = obstacle;
@@ -84,7 +85,7 @@ public:
 reference::World worldOf(const Stage& stage) {
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
-    return reference::worldOf(stage.scene(), particles, now.medium, now.light, now.fogs);
+    return reference::worldOf(stage.scene(), particles, {now.medium, now.light, now.local_lights, now.fogs});
 }
 
 // When to stop: no pixel is begun later than `seconds` after the start, once `least` are.

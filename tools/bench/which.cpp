@@ -39,7 +39,6 @@ struct AsText {
             return quoted ? '"' + *member + '"' : *member;
         return {};
     }
-    std::string operator()(std::monostate) const { return {}; }
 };
 
 // The same as a table of TOML: numbers as they are, words quoted.

@@ -15,7 +15,9 @@ Arrival arrivalAt(const LightSource& light, glm::dvec3 x) {
     const glm::dvec3 toward = light.position - x;
     const double distance = glm::length(toward);
     const glm::dvec3 to_light = toward / distance;
-    double part = 1 / (distance * distance);
+    const double squares = distance * distance / (light.range * light.range); // 0 without a range
+    const double window = std::max(1 - squares * squares, 0.0);
+    double part = window * window / (distance * distance + light.radius * light.radius);
     if (light.kind == Kind::spot) {
         const double u = (-glm::dot(to_light, light.axis) - light.cos_outer) / (light.cos_inner - light.cos_outer);
         const double v = std::clamp(u, 0.0, 1.0);
@@ -54,11 +56,13 @@ double Lighting::cutDepth(const Ray& toward) const {
 double Lighting::depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip) const {
     if (!shadows_) return 0;
     const Ray toward{x, arrival.to_light, 0, arrival.distance};
-    if (occluded(world_.obstacles, toward, skip)) return kInfinity;
-    double sum = world_.cut_light     ? cutDepth(toward)
-                 : fields_[i].distant ? fields_[i].distant->depth(x)
-                                      : fields_[i].near->depth(x);
+    double sum = 0;
     for (const Fog& fog : world_.fogs) sum += depthOn(fog, toward);
+    if (!world_.lights[i].shadows) return sum;
+    if (occluded(world_.obstacles, toward, skip)) return kInfinity;
+    sum += world_.cut_light     ? cutDepth(toward)
+           : fields_[i].distant ? fields_[i].distant->depth(x)
+                                : fields_[i].near->depth(x);
     if (!world_.balls.balls.empty()) {
         std::vector<Interval> parts;
         insideUnion(world_.balls, toward, parts);
@@ -96,12 +100,18 @@ void Lighting::edges(const Ray& ray, std::vector<double>& t) const {
             coneCrossings(light.position, light.axis, light.cos_outer * light.cos_outer, ray, t);
             coneCrossings(light.position, light.axis, light.cos_inner * light.cos_inner, ray, t);
         }
+        if (!std::isinf(light.range)) {
+            const Interval lit = insideSphere(light.position, light.range, ray);
+            if (!lit.empty()) t.push_back(lit.begin), t.push_back(lit.end);
+        }
         if (!shadows_) continue;
-        for (const Obstacle& obstacle : world_.obstacles) shadowEdges(obstacle, light, ray, t);
-        for (const UnionMedium::Ball& ball : world_.balls.balls)
-            shadowEdges({Obstacle::Kind::sphere, ball.centre, glm::dvec3(ball.radius), 0, {}}, light, ray, t);
-        if (world_.cut_light)
-            for (const Blob& blob : world_.blobs) shadowEdges(blob, light, ray, t);
+        if (light.shadows) {
+            for (const Obstacle& obstacle : world_.obstacles) shadowEdges(obstacle, light, ray, t);
+            for (const UnionMedium::Ball& ball : world_.balls.balls)
+                shadowEdges({Obstacle::Kind::sphere, ball.centre, glm::dvec3(ball.radius), 0, {}}, light, ray, t);
+            if (world_.cut_light)
+                for (const Blob& blob : world_.blobs) shadowEdges(blob, light, ray, t);
+        }
         for (const Fog& fog : world_.fogs) // where the light leaves through its ends
             if (!std::isinf(fog.radius))
                 shadowEdges({Obstacle::Kind::sphere, fog.centre, glm::dvec3(fog.radius), 0, {}}, light, ray, t);

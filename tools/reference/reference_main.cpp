@@ -53,8 +53,9 @@ int main(int argc, char** argv) {
         for (int i = 0; i < ticks; ++i) simulation.step({});
         std::vector<gpu::Particle> particles(simulation.liveCount());
         simulation.write(particles);
-        reference::World world = reference::worldOf(scene, particles, simulation.now().medium, simulation.now().light,
-                                                    simulation.now().fogs);
+        const SceneNow& now = simulation.now();
+        reference::World world =
+            reference::worldOf(scene, particles, {now.medium, now.light, now.local_lights, now.fogs});
         if (sequential) world.composition = reference::Composition::sequential;
         if (tetrahedron) world.support = reference::Support::tetrahedron;
         const reference::Camera camera = reference::perspective(

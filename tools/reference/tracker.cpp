@@ -56,9 +56,10 @@ public:
             for (const LightSource& light : world_.lights) {
                 const Arrival arrival = arrivalAt(light, x);
                 const Ray toward{x, arrival.to_light, 0, arrival.distance};
-                if (arrival.irradiance == glm::dvec3(0) || occluded(world_.obstacles, toward)) continue;
+                if (arrival.irradiance == glm::dvec3(0)) continue;
+                if (light.shadows && occluded(world_.obstacles, toward)) continue;
                 radiance += weight * arrival.irradiance * phase(*collision.phase, -arrival.to_light, -ray.direction) *
-                            transmittance(toward, random);
+                            (light.shadows ? transmittance(toward, random) : throughFogs(toward));
             }
             // Dim paths end by chance, brighter ones in their place.
             const double bright = std::max({weight.x, weight.y, weight.z}), survive = std::min(bright / 0.25, 1.0);
@@ -95,9 +96,14 @@ private:
         return first;
     }
 
+    double throughFogs(const Ray& ray) const {
+        double depth = 0;
+        for (const Fog& fog : world_.fogs) depth += depthOn(fog, ray);
+        return std::exp(-depth);
+    }
+
     double transmittance(const Ray& ray, Random& random) const {
-        double through = 1;
-        for (const Fog& fog : world_.fogs) through *= std::exp(-depthOn(fog, ray));
+        double through = throughFogs(ray);
         if (through == 0) return 0;
         grid_.walk(ray, [&](size_t cell, double t0, double t1, double majorant) {
             for (double t = t0 + random.depth() / majorant; t < t1; t += random.depth() / majorant)

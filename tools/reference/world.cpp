@@ -32,6 +32,20 @@ LightSource directional(const brume::Light& light) {
     return source;
 }
 
+LightSource localLight(const brume::Light& light) {
+    LightSource source;
+    source.kind = light.type == kSpot ? LightSource::Kind::spot : LightSource::Kind::point;
+    source.colour = light.intensity;
+    source.position = light.position;
+    source.axis = glm::normalize(glm::dvec3(light.axis));
+    source.cos_outer = std::cos(double(light.outer));
+    source.cos_inner = std::cos(double(light.inner));
+    source.radius = double(light.radius);
+    if (light.range > 0) source.range = double(light.range);
+    source.shadows = light.shadows;
+    return source;
+}
+
 Fog fogOf(const brume::Fog& fog) {
     Fog out{.sigma_t = double(fog.extinction), .albedo = fog.albedo, .falloff = double(fog.falloff)};
     if (fog.lo > limits::kPlace.lo) out.lo = double(fog.lo);
@@ -44,12 +58,12 @@ Fog fogOf(const brume::Fog& fog) {
     return out;
 }
 
-World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
-              const brume::Light& light, std::span<const brume::Fog> fogs) {
+World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const Present& now) {
     World world;
-    world.blobs = blobsOf(particles, medium.falloff);
-    world.lights = {directional(light)};
-    for (const brume::Fog& fog : fogs)
+    world.blobs = blobsOf(particles, now.medium.falloff);
+    world.lights = {directional(now.light)};
+    for (const brume::Light& light : now.local_lights) world.lights.push_back(localLight(light));
+    for (const brume::Fog& fog : now.fogs)
         if (fog.extinction > 0) world.fogs.push_back(fogOf(fog));
     for (const Plane& p : scene.planes)
         world.obstacles.push_back({Obstacle::Kind::plane, {0, p.height, 0}, glm::dvec3(0), 0, p.albedo});
@@ -61,12 +75,14 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     world.sky_horizon = scene.sky.horizon;
     world.haze = double(scene.sky.haze);
     world.ambient = scene.sky.ambient;
-    world.phase = lobesOf(medium);
+    world.phase = lobesOf(now.medium);
     return world;
 }
 
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles) {
-    return worldOf(scene, particles, scene.medium, sunOf(scene), scene.fogs);
+    const std::vector<brume::Light> local_lights = localLightsOf(scene);
+    const brume::Light sun = sunOf(scene);
+    return worldOf(scene, particles, {scene.medium, sun, local_lights, scene.fogs});
 }
 
 double phase(const PhaseLobes& lobes, glm::dvec3 travel_in, glm::dvec3 travel_out) {

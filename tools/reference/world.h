@@ -84,6 +84,9 @@ struct LightSource {
     glm::dvec3 position{0};              // point, spot
     glm::dvec3 axis{0, -1, 0};           // spot: unit, along the light's travel
     double cos_outer = 0, cos_inner = 1; // spot: I * smoothstep(cos_outer, cos_inner, cosine to the axis)
+    double radius = 0;                   // point, spot, m: I / (d^2 + radius^2)
+    double range = kInfinity;            // point, spot, m: where its light ends, by (1 - (d / range)^4)^2
+    bool shadows = true; // point, spot. True: obstacles, blobs and balls shadow it; fog always dims it
 };
 
 struct Obstacle {
@@ -110,14 +113,21 @@ struct World {
     PhaseLobes phase;                         // of everything but fogs, which have their own
 };
 
-// The world of a scene as the server renders it. `medium`, `light` and `fogs`: the present ones (Simulation::now()), as
-// commands changed them.
-World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const brume::Medium& medium,
-              const brume::Light& light, std::span<const brume::Fog> fogs);
+// The parts of a scene that commands and time change, as they are now (Simulation::now()). `light`: the directional
+// one.
+struct Present {
+    const brume::Medium& medium;
+    const brume::Light& light;
+    std::span<const brume::Light> local_lights;
+    std::span<const brume::Fog> fogs;
+};
+// The world of a scene as the server renders it.
+World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const Present& now);
 // The world of a scene at its start.
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles);
 
 LightSource directional(const brume::Light& light);
+LightSource localLight(const brume::Light& light);
 Fog fogOf(const brume::Fog& fog);
 
 // Phase function, 1/sr, of unit directions of propagation. Henyey-Greenstein without cancellation: |in - out|^2 in

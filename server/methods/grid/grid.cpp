@@ -28,6 +28,7 @@ private:
                  {gpu::kIdCubic, cubic},
                  {gpu::kIdHasFog, features_.fog},
                  {gpu::kIdHasGlow, features_.glow},
+                 {gpu::kIdHasLocalLights, features_.local_lights},
                  {gpu::kIdSunColours, group.colours.sun},
                  {gpu::kIdAmbientColours, group.colours.ambient}})
             .bind(commands,

@@ -49,7 +49,7 @@ double cutError(double thickness, double light_depth);
 class RayPlan : public MethodPlan {
 public:
     bool hasRays() const override { return true; }
-    bool drawsFog() const override { return true; }
+    bool drawsFogAndLocalLights() const override { return true; }
     std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.

@@ -217,6 +217,7 @@ void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
             {{gpu::kIdHasCasters, features_.casters},
              {gpu::kIdHasFog, features_.fog},
              {gpu::kIdHasGlow, features_.glow},
+             {gpu::kIdHasLocalLights, features_.local_lights},
              {gpu::kIdSunColours, group.colours.sun},
              {gpu::kIdAmbientColours, group.colours.ambient}})
         .bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, field_),
@@ -233,6 +234,7 @@ void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
             {{gpu::kIdHasOpaque, features_.opaque},
              {gpu::kIdHasFog, features_.fog},
              {gpu::kIdHasGlow, features_.glow},
+             {gpu::kIdHasLocalLights, features_.local_lights},
              {gpu::kIdSunColours, group.colours.sun},
              {gpu::kIdAmbientColours, group.colours.ambient}})
         .bind(commands, {group.block, gpu::storageBuffer(2, field_)});
@@ -246,7 +248,8 @@ gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
     return {.sun = one ? 1u : 3u,
             .ambient = features_.ambient && !(one && !features_.fog) ? 3u : 0u,
             .fog = features_.fog ? 3u : 0u,
-            .glow = features_.glow ? 3u : 0u};
+            .glow = features_.glow ? 3u : 0u,
+            .scattering = features_.local_lights && !one ? 3u : 0u};
 }
 
 VkDeviceSize SlabRays::fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid) const {

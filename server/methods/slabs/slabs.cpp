@@ -66,6 +66,7 @@ private:
                     {{gpu::kIdHasOpaque, features_.opaque},
                      {gpu::kIdHasFog, features_.fog},
                      {gpu::kIdHasGlow, features_.glow},
+                     {gpu::kIdHasLocalLights, features_.local_lights},
                      {gpu::kIdSunColours, group.colours.sun},
                      {gpu::kIdAmbientColours, group.colours.ambient}})
                 .bind(commands,

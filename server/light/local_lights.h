@@ -1,0 +1,38 @@
+// LocalLights: what points and spots add to one eye's picture. First the bins of pixels that each may reach, which the
+// surfaces' shading reads as well; then, with the medium's field, the light that it scatters toward the eye.
+#pragma once
+
+#include <map>
+#include <span>
+#include <tuple>
+
+#include "server/inputs/eye_request.h"
+#include "server/inputs/view_group.h"
+
+namespace brume {
+
+class LocalLights {
+public:
+    explicit LocalLights(const gpu::Device& device);
+
+    // Makes room for pictures of these sizes and so many lights. Precondition: nothing of it is on the device.
+    void prepare(std::span<const EyeRequest> eyes, uint32_t lights);
+    // Of the eye whose surfaces are drawn next. Ends with its writes visible to compute and fragments.
+    void recordBins(gpu::Commands& commands, const EyeInputs& in);
+    // Precondition: the group has a field, and its eye's bins are recorded. Ends with its writes visible to compute.
+    void record(gpu::Commands& commands, const ViewGroup& group);
+
+    const gpu::Buffer& bits() const { return bits_; } // uint[bins][words], a bit for each light
+    const gpu::Buffer& lit() const { return lit_; }   // vec3[rows][columns] of the last eye's pixels, W/(m^2 sr)
+    void giveBack();
+
+private:
+    void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
+
+    const gpu::Device& device_;
+    gpu::ComputeProgram bins_program_;
+    std::map<std::tuple<uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram> programs_;
+    gpu::Buffer bits_, lit_;
+};
+
+} // namespace brume

@@ -1,0 +1,31 @@
+// Local lights: what arrives from one, and which may matter to a pixel. Include after lib/fog.glsl, lib/objects.glsl,
+// and `eye` and these buffers are declared:
+//   LocalLight local_lights[]
+//   uint light_bits[]: bits of lights for each bin of pixels, written by local_light_bins.comp
+#include "shaders/lib/has_local_lights.glsl"
+
+uint lightWords() { return (tick.local_light_count + 31) / 32; }
+uint binColumns() { return (eye.size.x + kLightBin - 1) / kLightBin; }
+// Index of the first word of a pixel's bin.
+uint binOf(uvec2 pixel) { return (pixel.y / kLightBin * binColumns() + pixel.x / kLightBin) * lightWords(); }
+
+// The part of its intensity that a light sends to a place: by its cone and its range. `away`: from the light, m.
+float sentTo(LocalLight light, vec3 away, float distance) {
+    const float squares = distance * distance / (light.range * light.range), window = max(1 - squares * squares, 0);
+    const float part = (dot(away, light.axis) / max(distance, 1e-20) - light.cos_outer) / light.cone_width;
+    const float inside = clamp(part, 0, 1);
+    return window * window * inside * inside * (3 - 2 * inside);
+}
+
+// Optical depth of fog between a light and a place.
+float fogFrom(LocalLight light, vec3 away, float distance) {
+    return fogBetween(light.position, away / max(distance, 1e-20), 1, 0, distance);
+}
+
+// True if an object other than `skip` hides the light from a place.
+bool isHidden(LocalLight light, vec3 x, uint first_caster, uint skip) {
+    vec3 n;
+    for (uint o = first_caster; o < tick.opaque_count; ++o)
+        if (o != skip && hitObject(objects[o], x, light.position - x, n) < 1) return true;
+    return false;
+}

@@ -1,0 +1,69 @@
+// Points and spots against the double-precision reference: in fog, on surfaces, past objects, among particles.
+#include <gtest/gtest.h>
+
+#include "tests/gpu/judged.h"
+
+namespace brume::test {
+namespace {
+
+class LocalLightTest : public JudgedTest {
+protected:
+    // Dark, but for local lights.
+    static Scene emptyScene() {
+        Scene scene;
+        scene.medium.layout = Layout::none;
+        scene.lights.clear();
+        scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0.002f)};
+        scene.render.rate = 2;
+        scene.render.slabs = 128;
+        return scene;
+    }
+    static Scene foggyScene() {
+        Scene scene = emptyScene();
+        scene.fogs = {{.extinction = 0.05f, .albedo = {0.9f, 0.8f, 0.7f}}};
+        scene.fogs[0].anisotropy = 0.8f;
+        scene.fogs[0].asymmetry = 0.6f;
+        return scene;
+    }
+    static Light point(glm::vec3 position) { return {.type = kPoint, .position = position, .intensity = {90, 80, 60}}; }
+    static Light spot(glm::vec3 position, glm::vec3 axis) {
+        Light light = point(position);
+        light.type = kSpot;
+        light.axis = glm::normalize(axis);
+        return light;
+    }
+};
+
+const Pose kOutside = lookAt({2, 3, 14}, {0, 0, 0}, 0.9f), kInside = lookAt({0.5f, 0.3f, 1}, {0, 0, -5}, 1.0f),
+           kBelow = lookAt({3, -3.5f, 9}, {0, 1, 0}, 0.9f);
+
+TEST_F(LocalLightTest, APointInFog) {
+    Scene scene = foggyScene();
+    scene.lights = {point({1, 1, 0})};
+    judge(scene, {kOutside, kInside, kBelow});
+    scene.lights[0].range = 6;
+    scene.lights[0].radius = 0.3f;
+    judge(scene, {kOutside, kInside});
+}
+
+TEST_F(LocalLightTest, SpotsOfSeveralWidths) {
+    Scene scene = foggyScene();
+    scene.lights = {spot({-3, 5, 0}, {0.3f, -1, 0}), spot({4, 4, -2}, {-1, -0.5f, 0.2f}), spot({0, 1, 6}, {0, 0, -1})};
+    scene.lights[0].inner = 0.05f, scene.lights[0].outer = 0.1f;
+    scene.lights[1].inner = 1.2f, scene.lights[1].outer = 1.4f;
+    scene.lights[2].inner = 0.2f, scene.lights[2].outer = 0.8f, scene.lights[2].range = 12;
+    judge(scene, {kOutside, kInside, kBelow});
+}
+
+TEST_F(LocalLightTest, OverTheGroundPastObjects) {
+    Scene scene = foggyScene();
+    scene.fogs[0].height = -4, scene.fogs[0].falloff = 0.2f;
+    scene.planes = {{-4, glm::vec3(0.4f, 0.35f, 0.3f)}};
+    scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}, {{-4, -3, 3}, {2, 2, 2}, 0, glm::vec3(0.3f)}};
+    scene.spheres = {{{-1, 1, 1}, 0.8f, glm::vec3(0.5f)}};
+    scene.lights = {point({0.5f, 2.5f, 2}), spot({-5, 4, -1}, {1, -0.7f, 0.3f})};
+    judge(scene, {kOutside, kInside, kBelow});
+}
+
+} // namespace
+} // namespace brume::test
