@@ -162,13 +162,15 @@ void readLight(TableReader& in, const SettingReader& read, Light& out, const glm
         for (const char* key : keys)
             if (in.has(key)) in.fail(key, "not used by this type of light", allowed);
     };
-    if (isLocal(out)) refuse({"to_light", "irradiance", "rotate"}, "only with type = \"directional\"");
+    if (isLocal(out))
+        refuse({"to_light", "irradiance", "rotate"}, "only with type = \"directional\"");
     else
         refuse({"position", "intensity", "range", "radius", "shadows", "orbit", "pivot"},
                "only with type = \"point\" or \"spot\"");
     if (out.type != kSpot) refuse({"axis", "inner", "outer"}, "only with type = \"spot\"");
     if (!(out.inner < out.outer))
-        in.fail(in.has("outer") ? "outer" : "inner", "the outer cone is not outside the inner one", "inner below outer");
+        in.fail(in.has("outer") ? "outer" : "inner", "the outer cone is not outside the inner one",
+                "inner below outer");
 }
 
 void readLights(TableReader& in, const SettingReader& read, std::vector<Light>& out, const glm::dvec3& origin) {
@@ -190,6 +192,10 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     in.table("simulation",
              [&](TableReader& r) { read.readTable(r, "simulation", {.simulation = &out.simulation}, nullptr); });
     readLights(in, read, out.lights, origin);
+    const auto shadowed = std::ranges::count_if(out.lights, [](const Light& l) { return isLocal(l) && l.shadows; });
+    if (out.medium.layout != Layout::none && !limits::kShadowedLights.holds(double(shadowed)))
+        in.fail("light", std::to_string(shadowed) + " points and spots with shadows among particles",
+                "up to " + std::to_string(int(limits::kShadowedLights.hi)) + ", others with shadows = false");
     in.tables("fog", out.fogs, limits::kFogs, [&](TableReader& r, Fog& fog) { readFog(r, read, fog, origin); });
     in.tables("plane", out.planes, objects,
               [&](TableReader& r, Plane& plane) { read.readTable(r, "plane", {.plane = &plane}, &origin); });

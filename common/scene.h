@@ -108,8 +108,8 @@ struct Light {
     float orbit = 0;          // rad/s about the vertical through `pivot`
     glm::vec3 pivot{0};
     // Spot: smoothstep of the cosine from the outer cone to the inner one.
-    glm::vec3 axis{0, -1, 0};           // unit after loading, the way that the light goes
-    float inner = 0.3f, outer = 0.5f;   // rad between the axis and the cone
+    glm::vec3 axis{0, -1, 0};         // unit after loading, the way that the light goes
+    float inner = 0.3f, outer = 0.5f; // rad between the axis and the cone
 };
 inline bool isLocal(const Light& light) { return light.type != kDirectional; }
 

@@ -29,13 +29,14 @@ inline constexpr Limits kMultiplier{0, 1e3};
 inline constexpr Limits kSigmaT{0, 1e4}; // 1/m, a point's own
 inline constexpr Limits kAnisotropy{0, 1};
 inline constexpr Limits kAsymmetry{-0.99, 0.99};
-inline constexpr Limits kDroplet{5, 50};                         // micrometres; the fit's range
-inline constexpr Limits kFogs{0, 4};                             // how many
-inline constexpr Limits kFogFalloff{0, 100}, kFogRadius{0, 1e4}; // 1/m; m
-inline constexpr Limits kLocalLights{0, 1024};                   // how many
-inline constexpr Limits kIntensity{0, 1e8};                      // W/sr
+inline constexpr Limits kDroplet{5, 50};                                             // micrometres; the fit's range
+inline constexpr Limits kFogs{0, 4};                                                 // how many
+inline constexpr Limits kFogFalloff{0, 100}, kFogRadius{0, 1e4};                     // 1/m; m
+inline constexpr Limits kLocalLights{0, 1024};                                       // how many
+inline constexpr Limits kShadowedLights{0, 64};                                      // of them, that shadow particles
+inline constexpr Limits kIntensity{0, 1e8};                                          // W/sr
 inline constexpr Limits kLightRange{0, 1e5}, kLightRadius{0, 100}, kCone{0.01, 1.5}; // m; m; rad
-inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0};       // 2^53: every double between is a whole number
+inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0}; // 2^53: every double between is a whole number
 
 inline constexpr Limits kRate{1e-3, 1e6}, kLife{0.1, 120}, kGrowth{0, 100}, kAcceleration{-100, 100},
     kTurbulence{0, 100};

@@ -46,6 +46,13 @@ struct Written {
     std::string operator()(const std::filesystem::path* value) const { return quoted(value->filename().string()); }
 };
 
+// True: both are directions, and differ in their length alone. Loading makes them unit.
+bool sameDirection(const SceneSetting& setting, const Member& a, const Member& b) {
+    if (setting.form != Form::direction) return false;
+    const glm::vec3 apart = glm::normalize(*std::get<glm::vec3*>(a)) - glm::normalize(*std::get<glm::vec3*>(b));
+    return glm::length(apart) < 1e-6f;
+}
+
 class Writer {
 public:
     Writer(const Scene& scene, std::string& out) : scene_(scene), out_(out) {}
@@ -84,7 +91,8 @@ private:
             if (setting.table() != name || isNotSaid(setting)) continue;
             const Written written{setting, origin};
             const std::string value = std::visit(written, setting.member(parts));
-            const bool same = value == std::visit(written, setting.member(by_default));
+            const bool same = value == std::visit(written, setting.member(by_default)) ||
+                              sameDirection(setting, setting.member(parts), setting.member(by_default));
             if (!same || isAlwaysSaid(setting)) lines += fmt::format("{} = {}\n", setting.key(), value);
         }
         if (head == Head::table && lines.empty()) return;

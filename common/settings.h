@@ -30,8 +30,8 @@ struct SceneParts {
 };
 
 // A setting's member in its struct.
-using Member = std::variant<bool*, float*, uint32_t*, uint64_t*, glm::vec3*, glm::dvec3*, Range*,
-                            std::string*, Layout*, std::filesystem::path*>;
+using Member = std::variant<bool*, float*, uint32_t*, uint64_t*, glm::vec3*, glm::dvec3*, Range*, std::string*, Layout*,
+                            std::filesystem::path*>;
 
 enum class Form : uint8_t {
     plain,

@@ -120,6 +120,23 @@ centre = [0, 3, 0]
 radius = 2
 albedo = [0.6, 0.6, 0.6]
 ```
+
+## Points and spots
+
+A `[[light]]` of type `point` or `spot` stands in the scene. It sends intensity / (d² + radius²) to a place d metres
+away. A `range` ends it, and saves the time of all pixels that it does not reach. A file that mentions lights, but none
+that is directional, has no sun. Methods `slabs` and `grid` draw them.
+
+```toml
+[[light]]
+type = "spot"
+position = [0, 8, 0]
+axis = [0.2, -1, 0]
+intensity = [700, 500, 300]  # W/sr
+inner = 0.2                  # rad
+outer = 0.3
+range = 20                   # m
+```
 )";
 
 struct Table {

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 // Background, per eye, as a draw over the whole picture: sky and opaque objects behind the medium. CPU drivers write
 // to targets several times faster than to storage images; GPUs use background.comp, which gives the same picture.
 #include "shaders/shared/types.h"

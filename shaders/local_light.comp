@@ -3,7 +3,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
 // Local light, per eye: radiance of the light of points and spots that the medium scatters toward the eye, up to the
-// pixel's surface. A lane is a pixel. Along its ray each light's part is cut where objects hide the light, where fogs
+// pixel's surface. A workgroup makes a tile of 16x16 pixels; with kStep it computes one of 4x4, and others only where
+// those do not tell them: at edges, and near lights. Along its ray each light's part is cut where objects hide the light, where fogs
 // begin and end, and at the particles' slabs; each piece is integrated over the angle that the light sees
 // (shared/equiangular.h).
 #include "shaders/shared/constants.h"
@@ -16,6 +17,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdRate) const uint kRate = 1;
+layout(constant_id = kIdStep) const uint kStep = 1; // 1 or 4
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 
@@ -25,6 +27,7 @@ layout(scalar, binding = 3) readonly buffer Lights { LocalLight local_lights[]; 
 layout(scalar, binding = 4) readonly buffer Field { float field[]; }; // shared/field.h
 layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
 layout(scalar, binding = 6) readonly buffer Bits { uint light_bits[]; };
+layout(scalar, binding = 7) readonly buffer Depths { float light_depths[]; };
 layout(binding = 8) uniform sampler2D view_depth;
 
 #include "shaders/lib/eye.glsl"
@@ -32,6 +35,7 @@ layout(binding = 8) uniform sampler2D view_depth;
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/local_lights.glsl"
+#include "shaders/lib/local_light_depth.glsl"
 #include "shaders/lib/point_shadow.glsl"
 
 const uint kMostSlabs = 512;
@@ -44,8 +48,12 @@ const float kMostDepth = 2;    // optical depth
 const float kRangeBreak = 0.4;
 const vec2 kFogBreaks = vec2(1, 3);
 const uint kMostPanels = 8;    // of a piece
-// A piece of two nodes: shorter than this part of its distance from the light, and as thin.
-const float kShort = 0.4;
+// Pieces of two nodes and of one: shorter than this part of their distance from the light, and as thin.
+const float kShort = 0.4, kTiny = 0.1;
+// Between the nodes of a tile: how far a light's image is from pixels that are not computed, in pixels; half the width of
+// cones that nodes may miss, in pixels; most difference of the cubic from straight lines, as a part of the largest value;
+// and of inverse depths, as a part of the pixel's.
+const float kCore = 12, kThinCone = 6, kStraight = 0.02, kSamePlane = 2e-3;
 const uint kMostPieces = 700; // of a ray in one light
 
 // The pixel's ray: places in m from the eye.
@@ -67,7 +75,7 @@ void readParticles(ivec2 pixel, float metres) {
     const FieldRun run = fieldRun(pixel);
     const vec4 down = through(run.down), across = kRate == 1 ? vec4(1, 0, 0, 0) : through(fieldPart(pixel.x));
     depth_to[0] = 0;
-    for (uint face = 1; face <= slabs_before; ++face) {
+    [[dont_unroll]] for (uint face = 1; face <= slabs_before; ++face) {
         const float value = dot(across, fieldColumns(fieldFace(kFieldDepth, frontSlabs() + face), run, down));
         depth_to[face] = max(value, depth_to[face - 1]);
     }
@@ -79,7 +87,7 @@ vec3 albedoOf(uint slab, ivec2 pixel) {
     const FieldRun run = fieldRun(pixel);
     const vec4 down = through(run.down), across = kRate == 1 ? vec4(1, 0, 0, 0) : through(fieldPart(pixel.x));
     vec3 scattering;
-    for (uint c = 0; c < 3; ++c) {
+    [[dont_unroll]] for (uint c = 0; c < 3; ++c) {
         const uint q = fieldScattering() + c, face = frontSlabs() + slab;
         scattering[c] = dot(across, fieldColumns(fieldFace(q, face + 1), run, down) -
                                         fieldColumns(fieldFace(q, face), run, down));
@@ -94,7 +102,7 @@ float phaseAt(Phase p, vec3 away) {
 // Optical depth of fogs before a place of the ray.
 float fogTo(float place) {
     float sum = 0;
-    for (uint i = 0; i < tick.fog_count; ++i)
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i)
         sum += depthInFog(i, eye.position, ray_dir, 1, FogPart(fog_parts[i].begin, min(fog_parts[i].end, place)));
     return sum;
 }
@@ -104,7 +112,7 @@ float fogTo(float place) {
 float fadingLength(float place) {
     float fading = 1e-15, falloff = 0;
     const float y = eye.position.y + place * ray_dir.y;
-    for (uint i = 0; i < tick.fog_count; ++i) {
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
         fading += 2 * tick.fogs[i].sigma_t * exp(min(-tick.fogs[i].falloff * (y - tick.fogs[i].base), 60));
         falloff = max(falloff, tick.fogs[i].falloff);
     }
@@ -125,32 +133,33 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
     const float before = in_slab ? depth_to[slab] : from < particle_begin ? 0 : depth_to[slabs_before];
     if (before + fog_before > kDeep) return vec3(0);
     const float nearest = begin > 0 ? begin : end < 0 ? -end : 0;
-    const bool is_short = end - begin < kShort * sqrt(nearest * nearest + h * h) && particles + fog < kShort;
+    const float size = max((end - begin) * inversesqrt(nearest * nearest + h * h), particles + fog);
     const float wanted = max(part.angle / kMostAngle, (particles + fog) / kMostDepth);
-    const uint panels = is_short ? 1 : uint(clamp(ceil(wanted), 1, float(kMostPanels)));
-    const uint nodes = is_short ? 2 : 4;
+    const uint nodes = size < kTiny ? 1 : size < kShort ? 2 : 4; // of a panel
+    const uint panels = nodes < 4 ? 1 : uint(clamp(ceil(wanted), 1, float(kMostPanels)));
     const vec3 albedo = in_slab ? albedoOf(slab, pixel) : vec3(0);
     vec3 sum = vec3(0);
-    for (uint node = 0; node < nodes * panels; ++node) {
+    [[dont_unroll]] for (uint node = 0; node < nodes * panels; ++node) {
         // Gauss and Legendre's: places in a panel of width 1, and weights.
-        const uint panel = node / nodes, i = node % nodes;
-        const bool outer = is_short || i == 0 || i == 3;
-        const float apart = is_short ? 0.288675135 : outer ? 0.430568156 : 0.169990522;
-        const float weight = is_short ? 0.5 : outer ? 0.173927423 : 0.326072577;
-        const float u = (float(panel) + 0.5 + (2 * i < nodes ? -apart : apart)) / float(panels);
+        const uint i = node % nodes;
+        const bool outer = i == 0 || i == 3;
+        const float apart = nodes == 4 ? (outer ? 0.430568156 : 0.169990522) : nodes == 2 ? 0.288675135 : 0;
+        const float weight = nodes == 4 ? (outer ? 0.173927423 : 0.326072577) : 1 / float(nodes);
+        const float u = (float(node / nodes) + 0.5 + (2 * i < nodes ? -apart : apart)) / float(panels);
         const float t = clamp(equiangularPlace(part, u), begin, end), place = closest + t;
         const vec3 away = offset + t * ray_dir;
         const float distance = sqrt(offset2 + t * t);
         const float sent = sentTo(light, away, distance);
         if (!(sent > 0)) continue;
-        float passed = before + fogTo(place) + fogFrom(light, away, distance);
+        float passed = before + fogTo(place) + fogFrom(light, away, distance) +
+                       particlesFrom(light, away, distance);
         const vec3 w = away / max(distance, 1e-20);
         vec3 source = vec3(0);
         if (in_slab) {
             passed += particles * ((place - particle_begin) / slab_length - float(slab));
             source = albedo * (particles / slab_length * phaseAt(tick.phase, w));
         }
-        for (uint f = 0; f < tick.fog_count; ++f) {
+        [[dont_unroll]] for (uint f = 0; f < tick.fog_count; ++f) {
             if (place < fog_parts[f].begin || place > fog_parts[f].end) continue;
             const float height = eye.position.y + place * ray_dir.y - tick.fogs[f].base;
             const float sigma = tick.fogs[f].sigma_t * exp(min(-tick.fogs[f].falloff * height, 60));
@@ -159,6 +168,27 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
         sum += source * (weight * sent * exp(-passed));
     }
     return sum * (equiangularWeight(part) / float(panels));
+}
+
+// Brings `next` to the end of the piece of medium that begins at `at`: where a fog begins or ends, or a slab of
+// particles. Returns the piece's slab; slabs_before: none. Both count from `closest`.
+uint pieceFrom(float at, float closest, inout float next) {
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
+        const vec2 ends = vec2(fog_parts[i].begin, fog_parts[i].end) - closest;
+        if (ends.x > at) next = min(next, ends.x);
+        if (ends.y > at) next = min(next, ends.y);
+    }
+    if (slabs_before == 0) return slabs_before;
+    const float first = particle_begin - closest;
+    if (first > at) {
+        next = min(next, first);
+        return slabs_before;
+    }
+    uint slab = uint(clamp((at - first) / slab_length, 0, float(slabs_before)));
+    if (!(first + float(slab + 1) * slab_length > at)) ++slab; // rounded down to the face that it is at
+    if (slab >= slabs_before) return slabs_before;
+    next = min(next, first + float(slab + 1) * slab_length);
+    return slab;
 }
 
 // The radiance that the ray has of one light.
@@ -181,7 +211,7 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     vec2 hidden[kMostObjects];
     uint count = 0;
     if (light.shadows != 0)
-        for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
+        [[dont_unroll]] for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
             const vec2 range = hiddenFrom(objects[o], light.position, offset, ray_dir);
             if (max(range.x, lit_range.x) < min(range.y, lit_range.y)) hidden[count++] = range;
         }
@@ -190,62 +220,119 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     const vec4 breaks = vec4(-off.y, -off.x, off);
     vec3 sum = vec3(0);
     float at = lit_range.x;
-    for (uint piece = 0; piece < kMostPieces && at < lit_range.y; ++piece) {
+    [[dont_unroll]] for (uint piece = 0; piece < kMostPieces && at < lit_range.y; ++piece) {
         float next = lit_range.y;
-        bool is_hidden = false;
-        for (uint i = 0; i < count; ++i) {
+        bool is_hidden = false; // another object may hide the light where one ends to
+        [[dont_unroll]] for (uint i = 0; i < count; ++i) {
             if (hidden[i].x > at) next = min(next, hidden[i].x);
             else if (hidden[i].y > at) {
                 at = hidden[i].y;
                 is_hidden = true;
             }
         }
-        if (is_hidden) continue; // another one may hide it there
-        for (uint i = 0; i < tick.fog_count; ++i) {
-            const vec2 ends = vec2(fog_parts[i].begin, fog_parts[i].end) - closest;
-            if (ends.x > at) next = min(next, ends.x);
-            if (ends.y > at) next = min(next, ends.y);
+        if (!is_hidden) {
+            const uint slab = pieceFrom(at, closest, next);
+            if (inner.x > at) next = min(next, inner.x);
+            if (inner.y > at) next = min(next, inner.y);
+            [[dont_unroll]] for (uint i = 0; i < 4; ++i)
+                if (breaks[i] > at) next = min(next, breaks[i]);
+            sum += ofPiece(light, closest, offset, at, next, slab, pixel);
+            at = next;
         }
-        for (uint i = 0; i < 4; ++i)
-            if (breaks[i] > at) next = min(next, breaks[i]);
-        if (inner.x > at) next = min(next, inner.x);
-        if (inner.y > at) next = min(next, inner.y);
-        uint slab = slabs_before;
-        if (slabs_before > 0) {
-            const float slabs = (closest + at - particle_begin) / slab_length;
-            if (slabs < 0) next = min(next, particle_begin - closest);
-            else if (slabs < float(slabs_before)) {
-                slab = uint(slabs);
-                float end = particle_begin + float(slab + 1) * slab_length - closest;
-                if (!(end > at)) { // rounded down to the face that it is at
-                    ++slab;
-                    end += slab_length;
-                }
-                next = min(next, end);
-            }
-        }
-        if (!(next > at)) break;
-        sum += ofPiece(light, closest, offset, at, next, slab, pixel);
-        at = next;
     }
     return light.intensity * sum;
 }
 
-void main() {
-    enterView(0);
-    const uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0, views[0].first);
-    if (pixel.x >= eye.size.x || pixel.y >= views[0].end) return;
+// The light of a pixel's ray. near_light: true if a light is so near that nodes may
+// miss what it does.
+vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
     const float metres = length(dir);
     ray_dir = dir / metres;
-    ray_end = texelFetch(view_depth, ivec2(pixel), 0).r * metres;
-    for (uint i = 0; i < tick.fog_count; ++i)
+    ray_end = depth * metres;
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i)
         fog_parts[i] = partInFog(i, eye.position, ray_dir, eye.near_depth * metres, ray_end);
     readParticles(ivec2(pixel), metres);
     vec3 sum = vec3(0);
+    near_light = false;
     const uint bin = binOf(pixel);
-    for (uint word = 0; word < lightWords(); ++word)
-        for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
-            sum += ofLight(local_lights[32 * word + findLSB(bits)], ivec2(pixel));
-    lit[pixel.y * eye.size.x + pixel.x] = sum;
+    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
+        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
+            const LocalLight light = local_lights[32 * word + findLSB(bits)];
+            const vec3 to = light.position - eye.position;
+            const float along = dot(to, ray_dir);
+            const vec3 beside = to - along * ray_dir;
+            const float sine = sqrt(max(1 - light.cos_outer * light.cos_outer, 1e-8));
+            const float core = max(kCore, light.cos_outer > 0 ? kThinCone * light.cos_outer / sine : 0);
+            near_light = near_light || (along > 0 && length(beside) < core * length(eye.ray_down) * along);
+            sum += ofLight(light, ivec2(pixel));
+        }
+    return sum;
+}
+
+// Of a tile first one pixel of kStep x kStep, its nodes, and those beside it.
+const uint kNodes = kLightBin / kStep + 1; // in a row
+shared vec3 node_light[kNodes * kNodes];
+shared float node_inverse[kNodes * kNodes]; // 1 / view depth
+shared uint has_core; // 1: near_light of some node
+
+// Weights of a cubic through four equally spaced values at 0 ... 3.
+vec4 cubicThrough(float t) {
+    const float a = t - 1, b = t - 2, c = t - 3;
+    return vec4(-a * b * c / 6, t * b * c / 2, -t * a * c / 2, t * a * b / 6);
+}
+
+// True if the nodes tell the light of a pixel of the tile: where their cubic hardly differs from straight lines, and the
+// surfaces that they end on are one plane with the pixel's.
+bool isBetweenNodes(uvec2 pixel, float inverse, out vec3 light) {
+    const vec2 at = vec2(pixel) / float(kStep);
+    const uvec2 cell = min(uvec2(at), uvec2(kNodes - 2)), first = clamp(cell, uvec2(1), uvec2(kNodes - 3)) - 1;
+    const vec4 across = cubicThrough(at.x - float(first.x)), down = cubicThrough(at.y - float(first.y));
+    const vec2 part = at - vec2(cell);
+    vec3 straight = vec3(0), most = vec3(0);
+    float depth = 0;
+    light = vec3(0);
+    for (uint j = 0; j < 4; ++j)
+        for (uint i = 0; i < 4; ++i) {
+            const uvec2 node = first + uvec2(i, j);
+            const vec3 value = node_light[node.y * kNodes + node.x];
+            light += across[i] * down[j] * value;
+            depth += across[i] * down[j] * node_inverse[node.y * kNodes + node.x];
+            const vec2 near = max(1 - abs(vec2(node) - vec2(cell) - part), 0); // of the cell's four
+            straight += near.x * near.y * value;
+            most = max(most, value);
+        }
+    return abs(depth - inverse) <= kSamePlane * inverse && all(lessThanEqual(abs(light - straight), kStraight * most));
+}
+
+void main() {
+    enterView(0);
+    const uint lane = gl_LocalInvocationIndex;
+    const uvec2 tile = gl_WorkGroupID.xy * kLightBin + uvec2(0, views[0].first);
+    const uvec2 end = uvec2(eye.size.x, views[0].end);
+    const bool coarse = kStep > 1 && all(lessThan(tile + kLightBin, end)); // True: all nodes are in the picture
+    if (lane == 0) has_core = 0;
+    barrier();
+    [[dont_unroll]] for (uint part = 0; part < 5; ++part) { // the nodes, then all pixels, 8x8 at a time
+        const bool nodes = part == 0;
+        const uvec2 quarter = uvec2((part - 1) & 1, (part - 1) >> 1);
+        const uvec2 in_tile = nodes ? kStep * uvec2(lane % kNodes, lane / kNodes) :
+                                      8 * quarter + gl_LocalInvocationID.xy;
+        const uvec2 pixel = tile + in_tile;
+        if (nodes ? coarse && lane < kNodes * kNodes : all(lessThan(pixel, end))) {
+            const float depth = texelFetch(view_depth, ivec2(pixel), 0).r;
+            vec3 light;
+            bool near_light = false;
+            if (nodes || !coarse || has_core != 0 || !isBetweenNodes(in_tile, 1 / depth, light))
+                light = ofPixel(pixel, depth, near_light);
+            if (nodes) {
+                node_light[lane] = light;
+                node_inverse[lane] = 1 / depth;
+                if (near_light) atomicOr(has_core, 1);
+            } else {
+                lit[pixel.y * eye.size.x + pixel.x] = max(light, 0);
+            }
+        }
+        if (nodes) barrier();
+    }
 }

@@ -1,12 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 // Method `slabs`, third pass, per eye: traces rays through the slabs that slabs.comp has filled.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
 
-layout(local_size_x = 64) in; // kSlabTile * kSlabTile
+layout(local_size_x = 64)  in; // kSlabTile * kSlabTile
 
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;

@@ -28,9 +28,20 @@ gpu::LocalLight localLightBlock(const Light& light) {
                         .cone_width = spot ? std::cos(light.inner) - std::cos(light.outer) : 1,
                         .shadows = light.shadows,
                         .bound = light.position,
-                        .reach = light.range > 0 ? light.range : kEndless};
+                        .reach = light.range > 0 ? light.range : kEndless,
+                        .volume = gpu::kNoVolume,
+                        .volume_step = 1};
     if (spot && light.range > 0) boundSpot(out, light.outer);
     return out;
+}
+
+void setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t volume) {
+    const glm::vec3 from_lo = light.position - extent.lo, from_hi = light.position - extent.hi;
+    const glm::vec3 outside = glm::max(glm::max(-from_lo, from_hi), 0.0f);
+    const glm::vec3 farthest = glm::max(glm::abs(from_lo), glm::abs(from_hi));
+    light.volume = volume;
+    light.volume_near = glm::length(outside);
+    light.volume_step = std::max(glm::length(farthest) - light.volume_near, 1e-3f) / float(gpu::kLightShells - 1);
 }
 
 } // namespace brume

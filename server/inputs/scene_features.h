@@ -9,17 +9,17 @@
 namespace brume {
 
 struct SceneFeatures {
-    bool opaque = false;  // True: there are opaque objects
-    bool casters = false; // True: some of them throw shadows on the medium; ground planes do not
-    bool ambient = false; // True: the sky sends uniform light into the medium
-    bool lobe = false;    // True: hasLobe() the medium
-    bool fog = false;     // True: there is fog
-    bool glow = false;    // True: some fog emits light
+    bool opaque = false;       // True: there are opaque objects
+    bool casters = false;      // True: some of them throw shadows on the medium; ground planes do not
+    bool ambient = false;      // True: the sky sends uniform light into the medium
+    bool lobe = false;         // True: hasLobe() the medium
+    bool fog = false;          // True: there is fog
+    bool glow = false;         // True: some fog emits light
     bool local_lights = false; // True: there are points or spots
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
-        return {opaque || o.opaque, casters || o.casters, ambient || o.ambient, lobe || o.lobe,
+        return {opaque || o.opaque, casters || o.casters, ambient || o.ambient,          lobe || o.lobe,
                 fog || o.fog,       glow || o.glow,       local_lights || o.local_lights};
     }
 };
@@ -28,14 +28,15 @@ inline constexpr float kNoBall = 1e15f; // m, gpu::Fog::radius of a fog that fil
 
 inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
 
-// `medium`, `fogs`: as they are now, since commands change them. With local lights pictures always pass through
-// surfaces' targets, as with objects.
-inline SceneFeatures featuresOf(const Scene& scene, const Medium& medium, std::span<const Fog> fogs) {
+// `medium`, `sun`, `fogs`: as they are now, since commands change them. With local lights pictures always pass through
+// surfaces' targets, as with objects. Without a sun
+// no object shadows its light; those of local lights are found with the lights.
+inline SceneFeatures featuresOf(const Scene& scene, const Medium& medium, const Light& sun, std::span<const Fog> fogs) {
     const bool local_lights = std::ranges::any_of(scene.lights, isLocal);
-    const bool casters = !scene.boxes.empty() || !scene.spheres.empty();
+    const bool objects = !scene.boxes.empty() || !scene.spheres.empty();
     const auto glows = [](const Fog& fog) { return isThere(fog) && fog.emission != glm::vec3(0); };
-    return {.opaque = casters || !scene.planes.empty() || local_lights,
-            .casters = casters,
+    return {.opaque = objects || !scene.planes.empty() || local_lights,
+            .casters = objects && sun.irradiance != glm::vec3(0),
             .ambient = scene.sky.ambient != glm::vec3(0),
             .lobe = hasLobe(medium),
             .fog = std::ranges::any_of(fogs, isThere),

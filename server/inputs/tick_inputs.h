@@ -14,6 +14,7 @@ struct TickInputs {
     uint32_t first_caster = 0; // number of the first object that throws shadows: ground planes come first
     const gpu::Buffer* local_lights = nullptr; // gpu::LocalLight[]
     const gpu::Buffer* light_bits = nullptr;   // LocalLights::bits()
+    const gpu::Buffer* light_depths = nullptr; // LocalLights::depths()
     const gpu::Buffer* lit = nullptr;          // LocalLights::lit()
     const gpu::Image* shadow_volume = nullptr; // optical depth of the medium between the light and a place
     const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster

@@ -12,15 +12,15 @@
 namespace brume {
 
 struct ViewGroup {
-    const EyeInputs* any = nullptr;        // an eye of the group; settings and medium are equal in all eyes
-    std::span<const gpu::View> views;      // on the CPU: whole pictures, or bands of their rows
-    gpu::Resource block;                   // the views on the device: storage buffer, binding 1
-    uint32_t rate = 1;                     // pixels between neighbouring rays of the fields
+    const EyeInputs* any = nullptr;           // an eye of the group; settings and medium are equal in all eyes
+    std::span<const gpu::View> views;         // on the CPU: whole pictures, or bands of their rows
+    gpu::Resource block;                      // the views on the device: storage buffer, binding 1
+    uint32_t rate = 1;                        // pixels between neighbouring rays of the fields
     gpu::FieldColours colours{1, 0, 0, 0, 0}; // of the fields (shaders/shared/field.h)
-    uint32_t step = 1;                     // pixels between those that are shaded
-    VkDeviceSize bins = 0;                 // 32-bit words of bin bits for all views together
-    const gpu::Buffer* field = nullptr;    // rays of these views (shaders/shared/field.h), written by the method;
-                                           // null: it draws into RenderTarget::radiance
+    uint32_t step = 1;                        // pixels between those that are shaded
+    VkDeviceSize bins = 0;                    // 32-bit words of bin bits for all views together
+    const gpu::Buffer* field = nullptr;       // rays of these views (shaders/shared/field.h), written by the method;
+                                              // null: it draws into RenderTarget::radiance
 
     // View `i` alone on the device.
     gpu::Resource blockOf(uint32_t i) const {

@@ -1,12 +1,22 @@
 #include "server/light/local_lights.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "shaders/local_light_bins_comp.h"
 #include "shaders/local_light_comp.h"
+#include "shaders/local_light_depth_comp.h"
 
 namespace brume {
 namespace {
+
+constexpr uint32_t kStep = 4; // pixels between those that are computed where light is smooth
+constexpr VkDeviceSize kVolumeBytes =
+    VkDeviceSize(gpu::kLightVolume) * gpu::kLightVolume * gpu::kLightShells * sizeof(float);
+
+bool sameBits(std::span<const gpu::LocalLight> a, std::span<const gpu::LocalLight> b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
 
 uint32_t binsOf(uint32_t width, uint32_t height) {
     return gpu::groups(width, gpu::kLightBin) * gpu::groups(height, gpu::kLightBin);
@@ -14,14 +24,14 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
 
 } // namespace
 
-LocalLights::LocalLights(const gpu::Device& device) : device_(device) { prepare({}, 0); }
+LocalLights::LocalLights(const gpu::Device& device) : device_(device) { prepare({}, 0, 0); }
 
 void LocalLights::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
     buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, 256), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device,
                    name);
 }
 
-void LocalLights::prepare(std::span<const EyeRequest> eyes, uint32_t lights) {
+void LocalLights::prepare(std::span<const EyeRequest> eyes, uint32_t lights, uint32_t volumes) {
     VkDeviceSize bits = 0, lit = 0;
     if (lights > 0)
         for (const EyeRequest& eye : eyes) {
@@ -30,18 +40,39 @@ void LocalLights::prepare(std::span<const EyeRequest> eyes, uint32_t lights) {
         }
     fit(bits_, bits * gpu::groups(lights, 32) * sizeof(uint32_t), "local light bins");
     fit(lit_, lit * sizeof(glm::vec3), "local light");
+    const VkDeviceSize before = depths_.size();
+    fit(depths_, volumes * kVolumeBytes, "local light depths");
+    if (depths_.size() != before) last_lights_.clear();
 }
 
 void LocalLights::giveBack() {
-    bits_ = {}, lit_ = {};
-    prepare({}, 0);
+    bits_ = {}, depths_ = {}, lit_ = {};
+    prepare({}, 0, 0);
+}
+
+void LocalLights::recordDepths(gpu::Commands& commands, const MediumView& medium, const gpu::Buffer& buffer,
+                               std::span<const gpu::LocalLight> lights) {
+    const auto has_volume = [](const gpu::LocalLight& light) { return light.volume != gpu::kNoVolume; };
+    if (std::ranges::none_of(lights, has_volume)) return;
+    if (last_medium_ == medium.version && sameBits(lights, last_lights_)) return;
+    last_medium_ = medium.version;
+    last_lights_.assign(lights.begin(), lights.end());
+    const gpu::Commands::Pass pass(commands, "local light depth");
+    if (!depths_program_)
+        depths_program_ = gpu::ComputeProgram(
+            device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_depth_comp, "local_light_depth"}, {});
+    gpu::everythingBefore(commands.handle());
+    depths_program_.bind(commands, {medium.tick, gpu::storageBuffer(1, *medium.particles),
+                                    gpu::storageBuffer(2, buffer), gpu::storageBuffer(3, depths_)});
+    vkCmdDispatch(commands.handle(), gpu::kLightVolume / 8, gpu::kLightVolume / 8, uint32_t(lights.size()));
+    gpu::everythingBefore(commands.handle());
 }
 
 void LocalLights::recordBins(gpu::Commands& commands, const EyeInputs& in) {
     const gpu::Commands::Pass pass(commands, "local light bins", in.view);
     if (!bins_program_)
-        bins_program_ = gpu::ComputeProgram(
-            device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_bins_comp, "local_light_bins"}, {});
+        bins_program_ =
+            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_bins_comp, "local_light_bins"}, {});
     gpu::everythingBefore(commands.handle()); // the eye before has read its own
     bins_program_.bind(commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.shared->local_lights),
                                   gpu::storageBuffer(3, bits_)});
@@ -53,7 +84,10 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
     const EyeInputs& in = *group.any;
     const SceneFeatures& features = in.shared->features;
     const gpu::Commands::Pass pass(commands, "local light", group.view());
-    gpu::ComputeProgram& program = programs_[{group.rate, group.colours, features}];
+    const uint32_t asked = in.shared->settings->shading;
+    const bool smooth = in.medium->count == 0 || group.rate >= kStep; // True: particles are no smaller than the step
+    const uint32_t step = smooth && (asked == kAuto || asked >= kStep) ? kStep : 1;
+    gpu::ComputeProgram& program = programs_[{group.rate, step, group.colours, features}];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_comp, "local_light"},
                                       {{gpu::kIdHasOpaque, features.opaque},
@@ -61,18 +95,19 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
                                        {gpu::kIdHasGlow, features.glow},
                                        {gpu::kIdHasLocalLights, true},
                                        {gpu::kIdRate, group.rate},
+                                       {gpu::kIdStep, step},
                                        {gpu::kIdSunColours, group.colours.sun},
                                        {gpu::kIdAmbientColours, group.colours.ambient}});
     gpu::computeToCompute(commands.handle());
     for (uint32_t i = 0; i < group.count(); ++i) {
-        program.bind(commands,
-                     {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, lit_),
-                      gpu::storageBuffer(3, *in.shared->local_lights), gpu::storageBuffer(4, *group.field),
-                      gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
-                      gpu::storageBuffer(6, bits_),
-                      gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        program.bind(commands, {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, lit_),
+                                gpu::storageBuffer(3, *in.shared->local_lights), gpu::storageBuffer(4, *group.field),
+                                gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
+                                gpu::storageBuffer(6, bits_), gpu::storageBuffer(7, depths_),
+                                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
         const gpu::View& view = group.views[i];
-        vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, 8), gpu::groups(view.end - view.first, 8), 1);
+        vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kLightBin),
+                      gpu::groups(view.end - view.first, gpu::kLightBin), 1);
     }
     gpu::computeToCompute(commands.handle());
 }

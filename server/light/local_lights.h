@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 #include <tuple>
+#include <vector>
 
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
@@ -15,24 +16,31 @@ class LocalLights {
 public:
     explicit LocalLights(const gpu::Device& device);
 
-    // Makes room for pictures of these sizes and so many lights. Precondition: nothing of it is on the device.
-    void prepare(std::span<const EyeRequest> eyes, uint32_t lights);
+    // Makes room for pictures of these sizes and so many lights, `volumes` of which have one of the particles' depth.
+    // Precondition: nothing of it is on the device.
+    void prepare(std::span<const EyeRequest> eyes, uint32_t lights, uint32_t volumes);
+    // The volumes, unless particles and lights are those of the last call. Ends with its writes visible to all.
+    void recordDepths(gpu::Commands& commands, const MediumView& medium, const gpu::Buffer& buffer,
+                      std::span<const gpu::LocalLight> lights);
     // Of the eye whose surfaces are drawn next. Ends with its writes visible to compute and fragments.
     void recordBins(gpu::Commands& commands, const EyeInputs& in);
     // Precondition: the group has a field, and its eye's bins are recorded. Ends with its writes visible to compute.
     void record(gpu::Commands& commands, const ViewGroup& group);
 
-    const gpu::Buffer& bits() const { return bits_; } // uint[bins][words], a bit for each light
-    const gpu::Buffer& lit() const { return lit_; }   // vec3[rows][columns] of the last eye's pixels, W/(m^2 sr)
+    const gpu::Buffer& bits() const { return bits_; }     // uint[bins][words], a bit for each light
+    const gpu::Buffer& depths() const { return depths_; } // float[volumes][kLightVolume^2][kLightShells]
+    const gpu::Buffer& lit() const { return lit_; }       // vec3[rows][columns] of the last eye's pixels, W/(m^2 sr)
     void giveBack();
 
 private:
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
 
     const gpu::Device& device_;
-    gpu::ComputeProgram bins_program_;
-    std::map<std::tuple<uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram> programs_;
-    gpu::Buffer bits_, lit_;
+    gpu::ComputeProgram bins_program_, depths_program_;
+    std::map<std::tuple<uint32_t, uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram> programs_;
+    gpu::Buffer bits_, depths_, lit_;
+    std::vector<gpu::LocalLight> last_lights_; // that depths_ are of,
+    uint64_t last_medium_ = 0;                 // and MediumView::version of their particles
 };
 
 } // namespace brume

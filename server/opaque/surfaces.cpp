@@ -37,16 +37,17 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
                         light = gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
                         casters = gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest),
                         lights = gpu::storageBuffer(7, *in.shared->local_lights),
-                        bits = gpu::storageBuffer(8, *in.shared->light_bits);
+                        bits = gpu::storageBuffer(8, *in.shared->light_bits),
+                        depths = gpu::storageBuffer(9, *in.shared->light_depths);
     const Programs& programs = programsFor(in.shared->features.fog, in.shared->features.local_lights);
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
-        programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits});
+        programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
         programs.compute.bind(commands,
-                              {in.medium->tick, in.eye, objects, light, casters, lights, bits,
+                              {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths,
                                gpu::storageImage(5, in.target->radiance), gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }

@@ -12,8 +12,8 @@ namespace {
 
 // What commands do not turn on and off.
 SceneFeatures lasting(const Scene& scene, const SceneFeatures& besides) {
-    SceneFeatures features = featuresOf(scene, scene.medium, {});
-    features.lobe = false;
+    SceneFeatures features = featuresOf(scene, scene.medium, sunOf(scene), {});
+    features.lobe = features.casters = false;
     return features | besides;
 }
 
@@ -32,9 +32,10 @@ void Submission::giveBack() {
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(opaqueObjects(scene)), features_(lasting(scene, besides)),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device),
-      particle_light_(device, capacity), local_lights_(device), surfaces_(device, scene), depth_order_(device, capacity), compose_(device),
-      probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST),
-      targets_(device), coarse_targets_(device) {
+      particle_light_(device, capacity), local_lights_(device), surfaces_(device, scene),
+      depth_order_(device, capacity), compose_(device), probe_(device), cells_(device),
+      linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
+      coarse_targets_(device) {
     objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                   gpu::Memory::upload, "objects");
@@ -49,7 +50,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                       const RenderSettings* settings, bool full) {
     now_ = simulation.now();
     if (settings) now_.render = *settings;
-    const SceneFeatures features = features_ | featuresOf(scene_, now_.medium, now_.fogs);
+    const SceneFeatures features = features_ | featuresOf(scene_, now_.medium, now_.light, now_.fogs);
     Method& method = methodFor(now_.render, features);
     const MethodNeeds needs = method.needs();
     if (needs.one_medium) now_.render.merge = 0;
@@ -58,8 +59,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
     fitPictures(s, eyes, full);
     probe_.prepare(s.probe);
-    writeLocalLights(s, eyes);
     upload_.take(simulation, scene_, now_, objects_, eyes, s.particles_);
+    writeLocalLights(s, eyes);
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks);
 
@@ -167,14 +168,17 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
 }
 
 void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes) {
-    const std::vector<Light>& lights = now_.local_lights;
-    s.local_lights_.atLeast(device_, std::max<size_t>(lights.size(), 1) * sizeof(gpu::LocalLight),
-                            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "local lights");
-    if (!lights.empty()) {
-        std::ranges::transform(lights, s.local_lights_.mapped<gpu::LocalLight>(lights.size()).begin(), localLightBlock);
-        s.local_lights_.flush();
+    light_blocks_.clear();
+    uint32_t volumes = 0;
+    for (const Light& light : now_.local_lights) {
+        gpu::LocalLight& block = light_blocks_.emplace_back(localLightBlock(light));
+        if (upload_.tick().particle_count > 0 && light.shadows) setVolume(block, upload_.extent(), volumes++);
     }
-    local_lights_.prepare(eyes, uint32_t(lights.size()));
+    s.local_lights_.atLeast(device_, std::max<size_t>(light_blocks_.size(), 1) * sizeof(gpu::LocalLight),
+                            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "local lights");
+    std::ranges::copy(light_blocks_, s.local_lights_.mapped<gpu::LocalLight>(light_blocks_.size()).begin());
+    s.local_lights_.flush();
+    local_lights_.prepare(eyes, uint32_t(light_blocks_.size()), volumes);
 }
 
 // Records both shadow maps, and the light cached on the particles of every list that some eye sees.
@@ -185,6 +189,7 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
         particle_light_.invalidate();
         upload_.invalidateLight();
     }
+    local_lights_.recordDepths(s.commands, all, s.local_lights_, light_blocks_);
     all.light = nullptr;
     if (!needs.particle_light) return;
     const auto record = [&](ParticleLight& light, MediumView& medium) {
@@ -208,6 +213,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .first_caster = uint32_t(scene_.planes.size()),
                .local_lights = &s.local_lights_,
                .light_bits = &local_lights_.bits(),
+               .light_depths = &local_lights_.depths(),
                .lit = &local_lights_.lit(),
                .shadow_volume = &shadow_volume_.image(),
                .opaque_shadow = &opaque_shadow_.image(),

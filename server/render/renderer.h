@@ -101,7 +101,8 @@ private:
     void fitPictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
     void writeLocalLights(Submission& submission, std::span<const EyeRequest> eyes);
     void recordLight(Submission& submission, const MethodNeeds& needs);
-    void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes, const SceneFeatures& features);
+    void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes,
+                      const SceneFeatures& features);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
     void recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye);
@@ -137,6 +138,7 @@ private:
 
     // Of the present submission.
     SceneNow now_;
+    std::vector<gpu::LocalLight> light_blocks_;
     uint32_t step_ = 1;             // one pixel is drawn for step_ x step_ of the finished pictures
     std::vector<EyeRequest> drawn_; // the pixels that are drawn: all, or every step_-th
     std::vector<gpu::View> views_;  // the finished pictures

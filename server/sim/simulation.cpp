@@ -54,7 +54,7 @@ glm::vec3 quotient(glm::vec3 a, glm::vec3 b) {
 glm::vec3 turned(glm::vec3 v, float angle) {
     const float a2 = angle * angle, sine = angle * (1 - a2 / 6 * (1 - a2 / 20)),
                 cosine = 1 - a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30));
-    return glm::normalize(glm::vec3(v.x * cosine + v.z * sine, v.y, v.z * cosine - v.x * sine));
+    return {v.x * cosine + v.z * sine, v.y, v.z * cosine - v.x * sine};
 }
 
 } // namespace
@@ -131,7 +131,8 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
     }
     first_step = motion->runUp();
     while (steps < first_step) advance();
-    now.light = sunOf(scene); // which the run-up has turned
+    now.light = sunOf(scene); // which the run-up has turned,
+    now.local_lights = localLightsOf(scene);
     StateHash all;
     all.add(scene.medium.seed);
     for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c)
@@ -180,6 +181,7 @@ void Simulation::State::apply(const Restart&) {
     motion->restart();
     steps = first_step;
     moved = glm::vec3(0);
+    now.local_lights = first_now.local_lights;
     for (const SceneSetting* setting : liveSettings()) copy(*setting, partsOf(first_now), partsOf(now));
     ++settings_version;
 }
@@ -202,7 +204,9 @@ glm::vec3 Simulation::State::volume() const {
 void Simulation::State::advance() {
     ++steps;
     motion->step(*columns, {.number = steps, .volume = volume(), .settings = now.simulation});
-    if (now.light.rotate != 0) now.light.to_light = turned(now.light.to_light, now.light.rotate * kDt);
+    if (now.light.rotate != 0) now.light.to_light = glm::normalize(turned(now.light.to_light, now.light.rotate * kDt));
+    for (Light& light : now.local_lights)
+        if (light.orbit != 0) light.position = light.pivot + turned(light.position - light.pivot, light.orbit * kDt);
 }
 
 void Simulation::State::settle() {

@@ -7,6 +7,7 @@ layout(binding = 3) uniform sampler2DArray shadow_volume;
 layout(binding = 4) uniform sampler2D opaque_shadow;
 layout(scalar, binding = 7) readonly buffer Lights { LocalLight local_lights[]; };
 layout(scalar, binding = 8) readonly buffer Bits { uint light_bits[]; };
+layout(scalar, binding = 9) readonly buffer Depths { float light_depths[]; };
 
 // Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
 layout(constant_id = kIdPlanes) const uint kPlanes = 1;
@@ -19,6 +20,7 @@ layout(constant_id = kIdSpheres) const uint kSpheres = 1;
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"
 #include "shaders/lib/local_lights.glsl"
+#include "shaders/lib/local_light_depth.glsl"
 
 const uint kNone = ~0u;
 
@@ -33,7 +35,7 @@ struct Hit {
 // count as hit.
 uint mayHit(vec3 middle) {
     // Samples are at most 3/8 pixels from the centre in x and y.
-    const float pixel = 0.6 * (length(eye.ray_right) + length(eye.ray_down));
+    const float pixel = 0.61 * (length(eye.ray_right) + length(eye.ray_down));
     uint may = 0;
     for (uint i = 0; i < min(kBoxes + kSpheres, 32); ++i) {
         const Opaque o = objects[kPlanes + i];
@@ -75,7 +77,8 @@ vec3 localIrradiance(Hit hit, vec3 x) {
             const float sent = cosine > 0 ? sentTo(light, away, distance) : 0;
             if (!(sent > 0)) continue;
             if (light.shadows != 0 && isHidden(light, x, kPlanes, hit.object)) continue;
-            const float through = kHasFog ? exp(-fogFrom(light, away, distance)) : 1;
+            const float fog = kHasFog ? fogFrom(light, away, distance) : 0;
+            const float through = exp(-fog - particlesFrom(light, away, distance));
             sum += light.intensity * (cosine * sent * through / (distance * distance + light.radius * light.radius));
         }
     return sum;

@@ -26,7 +26,7 @@ float seenEnd(uint i, vec3 origin, vec3 dir, float metres, FogPart part) {
 // Optical depth of all fogs between `begin` and `end` of the ray origin + t dir.
 float fogBetween(vec3 origin, vec3 dir, float metres, float begin, float end) {
     float sum = 0;
-    for (uint i = 0; i < tick.fog_count; ++i)
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i)
         sum += depthInFog(i, origin, dir, metres, partInFog(i, origin, dir, begin, end));
     return min(sum, 1e18);
 }
@@ -36,7 +36,7 @@ float fogBetween(vec3 origin, vec3 dir, float metres, float begin, float end) {
 // Returns the optical depth of all of them, of which kDeep and more counts as one.
 float fogShares(vec3 origin, vec3 dir, float metres, float begin, float end, out float shares[kMostFogs]) {
     FogPart parts[kMostFogs];
-    for (uint i = 0; i < kMostFogs; ++i) {
+    [[dont_unroll]] for (uint i = 0; i < kMostFogs; ++i) {
         shares[i] = 0;
         parts[i] = FogPart(end, end);
         if (i < tick.fog_count) parts[i] = partInFog(i, origin, dir, begin, end);
@@ -46,25 +46,25 @@ float fogShares(vec3 origin, vec3 dir, float metres, float begin, float end, out
         shares[0] = opacity(depth);
         return depth;
     }
-    for (uint i = 0; i < tick.fog_count; ++i) { // nothing is seen behind a deep one
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) { // nothing is seen behind a deep one
         const float seen_end = seenEnd(i, origin, dir, metres, parts[i]);
         if (parts[i].end > parts[i].begin && seen_end < parts[i].end) end = min(end, seen_end);
     }
     float from = begin, passed = 0;
-    for (uint piece = 0; piece < 2 * kMostFogs + 1 && from < end; ++piece) {
+    [[dont_unroll]] for (uint piece = 0; piece < 2 * kMostFogs + 1 && from < end; ++piece) {
         float to = end; // the next place where a fog begins or ends
-        for (uint i = 0; i < tick.fog_count; ++i) {
+        [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
             if (parts[i].begin > from && parts[i].begin < parts[i].end) to = min(to, parts[i].begin);
             if (parts[i].end > from && parts[i].begin < parts[i].end) to = min(to, parts[i].end);
         }
         float own[kMostFogs], all = 0;
-        for (uint i = 0; i < tick.fog_count; ++i) {
+        [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
             const bool inside = parts[i].begin <= from && parts[i].end >= to && to > from;
             own[i] = inside ? depthInFog(i, origin, dir, metres, FogPart(from, to)) : 0;
             all = min(all + own[i], 1e18);
         }
         const float seen = exp(-passed) * phi(all);
-        for (uint i = 0; i < tick.fog_count; ++i) shares[i] += seen * own[i];
+        [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) shares[i] += seen * own[i];
         passed += all;
         from = to;
     }

@@ -45,7 +45,7 @@ void startFog(float end) {
     fog_passed = 0;
     fog_ended = false;
     fog_light = lightAt(faceDepth(0u));
-    for (uint i = 0; i < tick.fog_count; ++i) fog_phase[i] = fogPhase(i, march_dir / march_length);
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) fog_phase[i] = fogPhase(i, march_dir / march_length);
 }
 
 // The part of `part` in which particles may stand between the ray and the sun.
@@ -86,12 +86,12 @@ void addFog(inout float sum[kMostFieldQuantities], float from, float to, float p
             float light_from, float light_to) {
     if (before > kOpaque) return;
     const float transmittance = exp(-before), per_depth = particles / (to - from);
-    for (uint i = 0; i < tick.fog_count; ++i) {
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
         const FogPart part = partInFog(i, eye.position, march_dir, from, to);
         if (!(part.end > part.begin)) continue;
         FogPart fine = shadowedPart(part); // where it is cut into steps
         float most = fine.end > fine.begin ? grid.fog_step : kEndless;
-        for (uint j = 0; j < tick.fog_count; ++j) {
+        [[dont_unroll]] for (uint j = 0; j < tick.fog_count; ++j) {
             FogPart other = part; // where fog j makes the depth that light passes vary
             float step = tick.fogs[j].radius / (kStepsOfRadius * march_length);
             if (tick.fogs[j].radius < kNoBall && j != i) other = behindBall(j, part);
@@ -109,9 +109,9 @@ void addFog(inout float sum[kMostFieldQuantities], float from, float to, float p
             depth_a = fogOnRay(from, a) + per_depth * (a - from);
             light_a = lightAt(a);
         }
-        for (uint n = 0; n < kMostFogSteps + 2 * kMostFogs + 2 && a < part.end; ++n) {
+        [[dont_unroll]] for (uint n = 0; n < kMostFogSteps + 2 * kMostFogs + 2 && a < part.end; ++n) {
             float b = a < fine.begin ? fine.begin : a < fine.end ? min(a + step, fine.end) : part.end;
-            for (uint j = 0; j < tick.fog_count; ++j) { // the depth has kinks where other fogs begin or end
+            [[dont_unroll]] for (uint j = 0; j < tick.fog_count; ++j) { // the depth has kinks where other fogs begin or end
                 const FogPart other = partInFog(j, eye.position, march_dir, a, part.end);
                 if (other.begin > a) b = min(b, other.begin);
                 if (other.end > a) b = min(b, other.end);
@@ -145,7 +145,7 @@ void passFog(inout float sum[kMostFieldQuantities], uint face, float particles, 
     const float near = faceDepth(fog_face), far = faceDepth(face);
     const bool ends = kHasOpaque && isFogAlone(fog_face) && isFogAlone(face - 1) && surface > near && surface < far;
     float from = near;
-    for (uint piece = 0; piece < (ends ? 2 : 1); ++piece) {
+    [[dont_unroll]] for (uint piece = 0; piece < (ends ? 2 : 1); ++piece) {
         const float to = ends && piece == 0 ? surface : far, depth = ends ? fogOnRay(from, to) : passed;
         const float light = particles > 0 ? light_known : lightAt(to);
         if (depth > 0) addFog(sum, from, to, particles, sum[kFieldDepth] + fog_passed, fog_light, light);

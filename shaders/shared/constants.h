@@ -19,8 +19,8 @@ const uint kIdOneAlbedo = 5u;  // bool: all particles have the same albedo
 const uint kIdPlanes = 6u;     // objects of each kind
 const uint kIdBoxes = 7u;
 const uint kIdSpheres = 8u;
-const uint kIdHasFog = 28u;  // bool: there is fog
-const uint kIdHasGlow = 29u; // bool: some fog emits light
+const uint kIdHasFog = 28u;         // bool: there is fog
+const uint kIdHasGlow = 29u;        // bool: some fog emits light
 const uint kIdHasLocalLights = 30u; // bool: there are points or spots
 
 // The volumetric shadow map.

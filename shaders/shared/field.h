@@ -21,10 +21,10 @@ BRUME_INLINE uint mediumQuantities(bool one_albedo) { return one_albedo ? kScatt
 
 // Colours of the light in a field. If all particles have the same albedo, light is without albedo and thus colour.
 struct FieldColours {
-    uint sun;     // 1 if all particles have the same albedo; otherwise 3: red, green and blue
-    uint ambient; // 3 if there is ambient light, and albedos differ or there is fog; otherwise 0
-    uint fog;     // 3 if there is fog; otherwise 0
-    uint glow;    // 3 if some fog emits light; otherwise 0
+    uint sun;        // 1 if all particles have the same albedo; otherwise 3: red, green and blue
+    uint ambient;    // 3 if there is ambient light, and albedos differ or there is fog; otherwise 0
+    uint fog;        // 3 if there is fog; otherwise 0
+    uint glow;       // 3 if some fog emits light; otherwise 0
     uint scattering; // 3 if there are local lights, and albedos differ; otherwise 0
 #ifdef __cplusplus
     auto operator<=>(const FieldColours&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0

@@ -71,18 +71,23 @@ struct Fog {
 // A point or a spot. A place at the distance d gets intensity / (d^2 + radius^2), within its range and cone.
 struct LocalLight {
     vec3 position;
-    float range;     // m; 1e15: without end
-    vec3 intensity; // W/sr
-    float radius;   // m
-    vec3 axis;      // unit, the way that the light goes
-    float cos_outer;  // of the angle to the outer cone; a point: -2
-    float cone_width; // cosine of the inner cone less that of the outer one
-    uint shadows;     // 1: objects and particles shadow it; 0: only fog dims it
-    vec3 bound;       // a ball that holds all it lights: its centre,
-    float reach;      // and its radius, m; 1e30: all
+    float range;                    // m; 1e15: without end
+    vec3 intensity;                 // W/sr
+    float radius;                   // m
+    vec3 axis;                      // unit, the way that the light goes
+    float cos_outer;                // of the angle to the outer cone; a point: -2
+    float cone_width;               // cosine of the inner cone less that of the outer one
+    uint shadows;                   // 1: objects and particles shadow it; 0: only fog dims it
+    vec3 bound;                     // a ball that holds all it lights: its centre,
+    float reach;                    // and its radius, m; 1e15 and more: all
+    uint volume;                    // number of its volume of the particles' depth; kNoVolume: it has none
+    float volume_near, volume_step; // m, distance of the volume's first shell, and between two
 };
 
 const uint kLightBin = 16u; // pixels along a side of a bin of local lights
+const uint kNoVolume = 0xffffffffu;
+const uint kLightVolume = 64u; // directions of a volume along a side of its octahedron's square
+const uint kLightShells = 48u; // distances
 
 // Values that all viewers share in one tick.
 struct Tick {
@@ -230,7 +235,8 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 72 && sizeof(Tick) == 540 && offsetof(Tick, map) == 24 && offsetof(Tick, falloff) == 152);
+static_assert(sizeof(LocalLight) == 84 && sizeof(Tick) == 540 && offsetof(Tick, map) == 24 &&
+              offsetof(Tick, falloff) == 152);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);

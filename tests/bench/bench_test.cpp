@@ -41,6 +41,9 @@ TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
         [](auto& w) { w.fogs[0].sigma_t = 0.1; },
         [](auto& w) { w.fogs[0].falloff = 0.1; },
         [](auto& w) { w.fogs.emplace_back(); },
+        [](auto& w) { w.lights[0].range = 5; },
+        [](auto& w) { w.lights[0].radius = 0.5; },
+        [](auto& w) { w.lights[0].shadows = false; },
         [](auto& w) { w.lights[0].kind = reference::LightSource::Kind::point; },
         [](auto& w) {
             w.lights[0].axis = {1, 0, 0};

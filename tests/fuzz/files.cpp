@@ -37,8 +37,11 @@ void scene(Bytes input) {
                 "sizes within limits");
         promise((medium.layout == Layout::file || medium.layout == Layout::sequence) == !medium.file.empty(),
                 "a file only where it is used");
-        promise(scene.lights.size() == 1 && std::abs(glm::length(scene.lights[0].to_light) - 1) < 1e-3f,
-                "one light, its direction unit");
+        for (const Light& light : scene.lights)
+            promise(std::abs(glm::length(light.to_light) - 1) < 1e-3f &&
+                        std::abs(glm::length(light.axis) - 1) < 1e-3f && light.inner < light.outer,
+                    "lights with unit directions, and cones that are not empty");
+        promise(scene.lights.size() - localLightsOf(scene).size() <= 1, "one directional light at most");
         promise(scene.planes.size() <= 64 && scene.boxes.size() <= 64 && scene.spheres.size() <= 64,
                 "no endless lists of objects");
         promise(isUsable(lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y)), "a camera is usable");

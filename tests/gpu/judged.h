@@ -46,7 +46,6 @@ protected:
                 const glm::dvec3 off = glm::dvec3(got) - truth.total;
                 EXPECT_TRUE(std::isfinite(got.x + got.y + got.z + got.w)) << x << ' ' << y;
                 errors += glm::dot(off, off), values += glm::dot(truth.total, truth.total), ++count;
-                if (getenv("DBG") && glm::length(off)>0.004*glm::length(truth.total)) std::printf("  %u %u got %.5f truth %.5f\n",x,y,got.x,truth.total.x);
                 worst = std::max(worst, glm::length(off));
             }
         EXPECT_GT(count, 300);

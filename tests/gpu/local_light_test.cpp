@@ -6,6 +6,8 @@
 namespace brume::test {
 namespace {
 
+constexpr double kAmongParticles = 1e-2;
+
 class LocalLightTest : public JudgedTest {
 protected:
     // Dark, but for local lights.
@@ -63,6 +65,24 @@ TEST_F(LocalLightTest, OverTheGroundPastObjects) {
     scene.spheres = {{{-1, 1, 1}, 0.8f, glm::vec3(0.5f)}};
     scene.lights = {point({0.5f, 2.5f, 2}), spot({-5, 4, -1}, {1, -0.7f, 0.3f})};
     judge(scene, {kOutside, kInside, kBelow});
+}
+
+TEST_F(LocalLightTest, AmongParticles) {
+    Scene scene = sceneOf(randomPoints(60, 5, 1.6f, 0.35f), 1.6f);
+    scene.lights.clear();
+    scene.medium.anisotropy = 0.7f;
+    scene.medium.asymmetry = 0.5f;
+    scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0.002f)};
+    scene.render.rate = 1; // the light of near particles is seen alone
+    scene.render.slabs = 128;
+    scene.lights = {point({4, 3, 2})};
+    judge(scene, {kOutside, kBelow}, kAmongParticles);
+    scene.lights = {point({0.2f, 0.3f, -0.2f})};
+    judge(scene, {kOutside, kInside, kBelow}, kAmongParticles);
+    scene.planes = {{-4, glm::vec3(0.4f, 0.35f, 0.3f)}};
+    scene.fogs = {{.extinction = 0.05f, .height = -4, .falloff = 0.2f}};
+    scene.lights.push_back(spot({-5, 4, -1}, {1, -0.7f, 0.3f}));
+    judge(scene, {kOutside, kBelow}, kAmongParticles);
 }
 
 } // namespace

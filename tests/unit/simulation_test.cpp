@@ -367,5 +367,16 @@ TEST(Light, TurnsAboutY) {
     EXPECT_LT(glm::distance(simulation.now().light.to_light, expected), 1e-4f);
 }
 
+TEST(Light, OrbitsItsPivotAndStartsAnew) {
+    Scene scene = cubeScene(1);
+    scene.lights.push_back({.type = kPoint, .position = {3, 2, 1}, .orbit = 0.5f, .pivot = {1, 0, 1}});
+    Simulation simulation(scene);
+    run(simulation, 120); // 1 rad
+    const glm::vec3 expected(1 + 2 * std::cos(1.0f), 2, 1 - 2 * std::sin(1.0f));
+    EXPECT_LT(glm::distance(simulation.now().local_lights.at(0).position, expected), 1e-4f);
+    give(simulation, {command(Set{{"simulation.paused", true}}), command(Restart{})});
+    EXPECT_EQ(simulation.now().local_lights.at(0).position, glm::vec3(3, 2, 1));
+}
+
 } // namespace
 } // namespace brume

@@ -107,9 +107,10 @@ std::string pictureHashes(const gpu::Device& device, const std::string& only) {
     std::string out;
     for (const std::string& scene : scenes()) {
         if (std::filesystem::path(scene).stem().string().find(only) == only.npos) continue;
-        const bool fog = !loadScene(findScene(scene, BRUME_SCENES)).fogs.empty();
+        const Scene loaded = loadScene(findScene(scene, BRUME_SCENES));
+        const bool needs_fields = !loaded.fogs.empty() || !localLightsOf(loaded).empty();
         for (const std::string& method : all_methods) {
-            if (fog && planOf(method) && !planOf(method)->drawsFogAndLocalLights()) continue;
+            if (needs_fields && planOf(method) && !planOf(method)->drawsFogAndLocalLights()) continue;
             Fingerprint fingerprint(device, {.scene = scene, .set = {"render.method=" + method}}, method);
             for (const char* camera : {"outside", "inside"}) out += fingerprint.lines(camera);
         }

@@ -86,7 +86,7 @@ struct LightSource {
     double cos_outer = 0, cos_inner = 1; // spot: I * smoothstep(cos_outer, cos_inner, cosine to the axis)
     double radius = 0;                   // point, spot, m: I / (d^2 + radius^2)
     double range = kInfinity;            // point, spot, m: where its light ends, by (1 - (d / range)^4)^2
-    bool shadows = true; // point, spot. True: obstacles, blobs and balls shadow it; fog always dims it
+    bool shadows = true;                 // point, spot. True: obstacles, blobs and balls shadow it; fog always dims it
 };
 
 struct Obstacle {
