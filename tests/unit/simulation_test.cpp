@@ -374,8 +374,8 @@ TEST(Light, OrbitsItsPivotAndStartsAnew) {
     run(simulation, 120); // 1 rad
     const glm::vec3 expected(1 + 2 * std::cos(1.0f), 2, 1 - 2 * std::sin(1.0f));
     EXPECT_LT(glm::distance(simulation.now().local_lights.at(0).position, expected), 1e-4f);
-    give(simulation, {command(Set{{"simulation.paused", true}}), command(Restart{})});
-    EXPECT_EQ(simulation.now().local_lights.at(0).position, glm::vec3(3, 2, 1));
+    give(simulation, {command(Restart{})}); // and one step
+    EXPECT_LT(glm::distance(simulation.now().local_lights.at(0).position, glm::vec3(3, 2, 1)), 0.02f);
 }
 
 } // namespace
