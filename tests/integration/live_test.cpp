@@ -52,7 +52,7 @@ TEST_F(Live, WhatAnOperatorSetsEverybodySees) {
     Watcher sender(server.endpoint()), viewer(server.endpoint(), jpeg);
     const std::vector<Watcher*> all{&sender, &viewer};
     viewer.look(kPose);
-    ASSERT_TRUE(watch(all, [&] { return viewer.frames.size() >= 1; }));
+    ASSERT_TRUE(watch(all, [&] { return !viewer.frames.empty() && viewer.last().width == kSmall.width; }));
     const client::Picture empty = pictureOf(viewer.last());
     EXPECT_EQ(metric(server.port(), "brume_particles"), 0);
 
