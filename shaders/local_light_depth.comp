@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Local light depth, once a tick: the optical depth of the particles from a point or a spot to kLightShells distances in
-// kLightVolume^2 directions. A lane is a direction; a workgroup has 8x8 neighbouring ones, and tests each particle once
-// for all of them.
+// Local light depth, once a tick: the optical depth of the particles from a point or a spot to kLightShells distances
+// in kLightVolume^2 directions. A lane is a direction. A workgroup has 8x8 neighbouring ones, and tests each particle
+// once for all of them.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/transmittance.h"

@@ -14,7 +14,8 @@ namespace brume {
 
 std::unique_ptr<Method> makeMethod(const MethodContext& context) {
     const MethodPlan* wanted = planOf(context.settings.method);
-    if (wanted && needsFields(context.features) && !wanted->drawsFogAndLocalLights()) throw gpu::Error(fogRefusal(*wanted));
+    if (wanted && needsFields(context.features) && !wanted->drawsFogAndLocalLights())
+        throw gpu::Error(fogRefusal(*wanted));
 #define BRUME_METHOD(name)                                                                                             \
     if (wanted == &methods::name::plan()) return methods::name::make(context);
 #include "server/methods/list.h"

@@ -75,13 +75,14 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
     SceneFeatures features = in.shared->features;
     if (drawn) features.lobe = features.fog = features.glow = features.local_lights = false;
     gpu::computeToCompute(cmd);
-    const gpu::ComputeProgram& program = everyPixel({.drawn = drawn,
-                                                     .keep = !drawn && keep_,
-                                                     .full = full_,
-                                                     .rate = drawn ? 8 : group.rate,
-                                                     .step = 1,
-                                                     .colours = drawn ? gpu::FieldColours{1, 0, 0, 0, 0} : group.colours,
-                                                     .features = features});
+    const gpu::ComputeProgram& program =
+        everyPixel({.drawn = drawn,
+                    .keep = !drawn && keep_,
+                    .full = full_,
+                    .rate = drawn ? 8 : group.rate,
+                    .step = 1,
+                    .colours = drawn ? gpu::FieldColours{1, 0, 0, 0, 0} : group.colours,
+                    .features = features});
     const uint32_t blocks = drawn ? 1 : blocksOf(features, group.rate);
     for (uint32_t i = 0; i < group.count(); ++i) {
         program.bind(commands,

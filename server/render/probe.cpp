@@ -55,8 +55,7 @@ void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading
                    gpu::storageBuffer(3, reading.where_),
                    gpu::storageBuffer(4, reading.drawn ? reading.where_ : *group.field),
                    gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
-                   gpu::storageBuffer(6, reading.values_),
-                   gpu::storageBuffer(7, *in.shared->lit),
+                   gpu::storageBuffer(6, reading.values_), gpu::storageBuffer(7, *in.shared->lit),
                    gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(push.count, 64), 1, 1);

@@ -111,7 +111,8 @@ void addFog(inout float sum[kMostFieldQuantities], float from, float to, float p
         }
         [[dont_unroll]] for (uint n = 0; n < kMostFogSteps + 2 * kMostFogs + 2 && a < part.end; ++n) {
             float b = a < fine.begin ? fine.begin : a < fine.end ? min(a + step, fine.end) : part.end;
-            [[dont_unroll]] for (uint j = 0; j < tick.fog_count; ++j) { // the depth has kinks where other fogs begin or end
+            // The depth has kinks where other fogs begin or end.
+            [[dont_unroll]] for (uint j = 0; j < tick.fog_count; ++j) {
                 const FogPart other = partInFog(j, eye.position, march_dir, a, part.end);
                 if (other.begin > a) b = min(b, other.begin);
                 if (other.end > a) b = min(b, other.end);

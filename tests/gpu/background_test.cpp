@@ -56,7 +56,11 @@ protected:
         const gpu::Resource block = gpu::uniformBuffer(0, uniforms, 0, sizeof(gpu::Tick));
         casters.record(commands, block, tick, objects, all);
         volume.record(commands, block, tick, medium);
+        const gpu::Buffer none(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no lights");
         const TickInputs shared{.objects = &objects,
+                                .local_lights = &none,
+                                .light_bits = &none,
+                                .light_depths = &none,
                                 .shadow_volume = &volume.image(),
                                 .opaque_shadow = &casters.image(),
                                 .linear = &linear,

@@ -35,12 +35,14 @@ double relaxedWhen(const RunningServer& server, Watcher& watcher, const std::fun
 TEST(OverloadedServer, ABudgetThatCannotBeMetCostsAccuracyAndIsLogged) {
     RunningServer server({"--frame-budget", "1", "--max-pixels", kMaxPixels}); // ms: far less than these pictures take
     EXPECT_EQ(relaxed(server), 0);
-    const double exact = metric(server.port(), "brume_plan_error").value_or(0);
     Watcher watcher(server.endpoint(), kHuge);
     watcher.look(fromFront());
-    // A step that is measured may err by less than its law says, so the first one or two need not raise the error.
+    // The error is that of these pictures, which are larger than those that are planned for before anybody is there.
+    double least = 1;
     const auto costsAccuracy = [&](double steps) {
-        return steps >= 2 && metric(server.port(), "brume_plan_error").value_or(0) > exact;
+        const double error = metric(server.port(), "brume_plan_error").value_or(0);
+        if (error > 0) least = std::min(least, error);
+        return steps >= 2 && error > 1.2 * least;
     };
     EXPECT_GE(relaxedWhen(server, watcher, costsAccuracy), 2);
     const std::string said = server.process().out() + server.process().err();

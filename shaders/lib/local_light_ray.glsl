@@ -1,0 +1,236 @@
+// The light of points and spots that the medium scatters along a pixel's ray. Each light's part of the ray is cut where
+// objects hide the light, where fogs begin and end, and at the particles' slabs. Each piece is integrated over the
+// angle that the light sees (shared/equiangular.h). Include after lib/slab_field.glsl, lib/fog.glsl, lib/objects.glsl,
+// lib/local_lights.glsl, lib/local_light_depth.glsl and lib/point_shadow.glsl.
+#include "shaders/shared/equiangular.h"
+#include "shaders/shared/phase.h"
+
+const uint kMostSlabs = 512;
+// The largest panels of four nodes; docs/methods.md has the errors.
+const float kMostAngle = 1.3; // rad
+const float kMostDepth = 2;   // optical depth
+// Breaks on both sides of the place closest to the light: as parts of the half chord in the range, and of the length in
+// which the fog's light fades. Far from the light the angle hardly changes any more, but window and fog do.
+const float kRangeBreak = 0.4;
+const vec2 kFogBreaks = vec2(1, 3);
+const uint kMostPanels = 8; // of a piece
+// Pieces of two nodes and of one: shorter than this part of their distance from the light, and as thin.
+const float kShort = 0.4, kTiny = 0.1;
+const float kCore = 12;    // pixels around a light's image in which its glow is no polynomial
+const float kThinCone = 6; // pixels, half the width of cones that fall between nodes
+const uint kMostPieces = 700; // of a ray in one light
+
+// The pixel's ray: places in m from the eye.
+vec3 ray_dir; // unit
+float ray_end;
+FogPart fog_parts[kMostFogs];
+float particle_begin, slab_length; // of the first slab
+uint slabs_before;                 // the number of slabs that the ray enters
+float depth_to[kMostSlabs + 2];    // optical depth of the particles before each face
+
+// Fills what belongs to particles, as the pixel's neighbours among the rays have it.
+void readParticles(ivec2 pixel, float metres) {
+    particle_begin = grid.depth * metres;
+    slab_length = grid.thickness * metres;
+    slabs_before = 0;
+    if (tick.particle_count == 0) return;
+    const float passed = ceil((ray_end - particle_begin) / slab_length);
+    slabs_before = uint(clamp(passed, 0, float(grid.slabs)));
+    const FieldRun run = fieldRun(pixel);
+    const vec4 down = through(run.down), across = kRate == 1 ? vec4(1, 0, 0, 0) : through(fieldPart(pixel.x));
+    depth_to[0] = 0;
+    [[dont_unroll]] for (uint face = 1; face <= slabs_before; ++face) {
+        const float value = dot(across, fieldColumns(fieldFace(kFieldDepth, frontSlabs() + face), run, down));
+        depth_to[face] = max(value, depth_to[face - 1]);
+    }
+}
+
+// Albedo of the particles in a slab.
+vec3 albedoOf(uint slab, ivec2 pixel) {
+    if (kSunColours == 1) return grid.albedo;
+    const FieldRun run = fieldRun(pixel);
+    const vec4 down = through(run.down), across = kRate == 1 ? vec4(1, 0, 0, 0) : through(fieldPart(pixel.x));
+    vec3 scattering;
+    [[dont_unroll]] for (uint c = 0; c < 3; ++c) {
+        const uint q = fieldScattering() + c, face = frontSlabs() + slab;
+        scattering[c] = dot(across, fieldColumns(fieldFace(q, face + 1), run, down) -
+                                        fieldColumns(fieldFace(q, face), run, down));
+    }
+    return clamp(scattering / max(depth_to[slab + 1] - depth_to[slab], 1e-20), 0, 1);
+}
+
+float phaseAt(Phase p, vec3 away) {
+    return phaseOfLobes(away, -ray_dir, p.part, p.asymmetry, p.draine, p.second);
+}
+
+// Optical depth of fogs before a place of the ray.
+float fogTo(float place) {
+    float sum = 0;
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i)
+        sum += depthInFog(i, eye.position, ray_dir, 1, FogPart(fog_parts[i].begin, min(fog_parts[i].end, place)));
+    return sum;
+}
+
+// Length in which the light that fog scatters at a place of the ray fades: by the extinction, on its way from the light
+// and to the eye, and by the fog's falloff. m; 1e15 and more without fog.
+float fadingLength(float place) {
+    float fading = 1e-15, falloff = 0;
+    const float y = eye.position.y + place * ray_dir.y;
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
+        fading += 2 * tick.fogs[i].sigma_t * exp(min(-tick.fogs[i].falloff * (y - tick.fogs[i].base), 60));
+        falloff = max(falloff, tick.fogs[i].falloff);
+    }
+    return 1 / (fading + falloff * abs(ray_dir.y));
+}
+
+// What a piece of the ray scatters of a light of intensity 1. The piece lies within each fog or outside it, and within
+// one slab or outside all. `closest`: the place closest to the light; begin and end count from there; slab:
+// slabs_before for none.
+vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float end, uint slab, ivec2 pixel) {
+    const float offset2 = dot(offset, offset), h = sqrt(offset2 + light.radius * light.radius);
+    const EquiangularPart part = equiangularPart(h, begin, end);
+    const bool in_slab = slab < slabs_before;
+    const float particles = in_slab ? depth_to[slab + 1] - depth_to[slab] : 0;
+    const float from = closest + begin, fog_before = fogTo(from), fog = fogTo(closest + end) - fog_before;
+    if (!(particles + fog > 0)) return vec3(0);
+    // Optical depth of the particles before the piece.
+    const float before = in_slab ? depth_to[slab] : from < particle_begin ? 0 : depth_to[slabs_before];
+    if (before + fog_before > kDeep) return vec3(0);
+    const float nearest = begin > 0 ? begin : end < 0 ? -end : 0;
+    const float size = max((end - begin) * inversesqrt(nearest * nearest + h * h), particles + fog);
+    const float wanted = max(part.angle / kMostAngle, (particles + fog) / kMostDepth);
+    const uint nodes = size < kTiny ? 1 : size < kShort ? 2 : 4; // of a panel
+    const uint panels = nodes < 4 ? 1 : uint(clamp(ceil(wanted), 1, float(kMostPanels)));
+    const vec3 albedo = in_slab ? albedoOf(slab, pixel) : vec3(0);
+    vec3 sum = vec3(0);
+    [[dont_unroll]] for (uint node = 0; node < nodes * panels; ++node) {
+        // Gauss and Legendre's: places in a panel of width 1, and weights.
+        const uint i = node % nodes;
+        const bool outer = i == 0 || i == 3;
+        const float apart = nodes == 4 ? (outer ? 0.430568156 : 0.169990522) : nodes == 2 ? 0.288675135 : 0;
+        const float weight = nodes == 4 ? (outer ? 0.173927423 : 0.326072577) : 1 / float(nodes);
+        const float u = (float(node / nodes) + 0.5 + (2 * i < nodes ? -apart : apart)) / float(panels);
+        const float t = clamp(equiangularPlace(part, u), begin, end), place = closest + t;
+        const vec3 away = offset + t * ray_dir;
+        const float distance = sqrt(offset2 + t * t);
+        const float sent = sentTo(light, away, distance);
+        if (!(sent > 0)) continue;
+        float passed = before + fogTo(place) + fogFrom(light, away, distance) +
+                       particlesFrom(light, away, distance);
+        const vec3 w = away / max(distance, 1e-20);
+        vec3 source = vec3(0);
+        if (in_slab) {
+            passed += particles * ((place - particle_begin) / slab_length - float(slab));
+            source = albedo * (particles / slab_length * phaseAt(tick.phase, w));
+        }
+        [[dont_unroll]] for (uint f = 0; f < tick.fog_count; ++f) {
+            if (place < fog_parts[f].begin || place > fog_parts[f].end) continue;
+            const float height = eye.position.y + place * ray_dir.y - tick.fogs[f].base;
+            const float sigma = tick.fogs[f].sigma_t * exp(min(-tick.fogs[f].falloff * height, 60));
+            source += tick.fogs[f].albedo * (sigma * phaseAt(tick.fogs[f].phase, w));
+        }
+        sum += source * (weight * sent * exp(-passed));
+    }
+    return sum * (equiangularWeight(part) / float(panels));
+}
+
+// Brings `next` to the end of the piece of medium that begins at `at`: where a fog begins or ends, or a slab of
+// particles. Returns the piece's slab; slabs_before: none. Both count from `closest`.
+uint pieceFrom(float at, float closest, inout float next) {
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
+        const vec2 ends = vec2(fog_parts[i].begin, fog_parts[i].end) - closest;
+        if (ends.x > at) next = min(next, ends.x);
+        if (ends.y > at) next = min(next, ends.y);
+    }
+    if (slabs_before == 0) return slabs_before;
+    const float first = particle_begin - closest;
+    if (first > at) {
+        next = min(next, first);
+        return slabs_before;
+    }
+    uint slab = uint(clamp((at - first) / slab_length, 0, float(slabs_before)));
+    if (!(first + float(slab + 1) * slab_length > at)) ++slab; // rounded down to the face that it is at
+    if (slab >= slabs_before) return slabs_before;
+    next = min(next, first + float(slab + 1) * slab_length);
+    return slab;
+}
+
+// The radiance that the ray has of one light.
+vec3 ofLight(LocalLight light, ivec2 pixel) {
+    const vec3 to = light.position - eye.position;
+    const float closest = dot(to, ray_dir);
+    const vec3 offset = closest * ray_dir - to;
+    vec2 lit_range = vec2(eye.near_depth - closest, min(ray_end, 1e15) - closest);
+    const float half2 = light.range * light.range - dot(offset, offset);
+    if (half2 <= 0) return vec3(0);
+    const float half_chord = sqrt(half2);
+    lit_range = vec2(max(lit_range.x, -half_chord), min(lit_range.y, half_chord));
+    vec2 inner = kNoneHidden;
+    if (light.cos_outer > -1) {
+        const vec2 outer = insideCone(light.axis, light.cos_outer, offset, ray_dir);
+        lit_range = vec2(max(lit_range.x, outer.x), min(lit_range.y, outer.y));
+        inner = insideCone(light.axis, light.cos_outer + light.cone_width, offset, ray_dir);
+    }
+    if (!(lit_range.x < lit_range.y)) return vec3(0);
+    vec2 hidden[kMostObjects];
+    uint count = 0;
+    if (light.shadows != 0)
+        [[dont_unroll]] for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
+            const vec2 range = hiddenFrom(objects[o], light.position, offset, ray_dir);
+            if (max(range.x, lit_range.x) < min(range.y, lit_range.y)) hidden[count++] = range;
+        }
+    const vec2 off = min(kFogBreaks * fadingLength(clamp(closest, eye.near_depth, ray_end)),
+                         vec2(kRangeBreak, 1) * half_chord);
+    const vec4 breaks = vec4(-off.y, -off.x, off);
+    vec3 sum = vec3(0);
+    float at = lit_range.x;
+    [[dont_unroll]] for (uint piece = 0; piece < kMostPieces && at < lit_range.y; ++piece) {
+        float next = lit_range.y;
+        bool is_hidden = false; // another object may hide the light where one ends to
+        [[dont_unroll]] for (uint i = 0; i < count; ++i) {
+            if (hidden[i].x > at) next = min(next, hidden[i].x);
+            else if (hidden[i].y > at) {
+                at = hidden[i].y;
+                is_hidden = true;
+            }
+        }
+        if (!is_hidden) {
+            const uint slab = pieceFrom(at, closest, next);
+            if (inner.x > at) next = min(next, inner.x);
+            if (inner.y > at) next = min(next, inner.y);
+            [[dont_unroll]] for (uint i = 0; i < 4; ++i)
+                if (breaks[i] > at) next = min(next, breaks[i]);
+            sum += ofPiece(light, closest, offset, at, next, slab, pixel);
+            at = next;
+        }
+    }
+    return light.intensity * sum;
+}
+
+// The light of a pixel's ray. near_light: true if a light is so near that nodes may
+// miss what it does.
+vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
+    const vec3 dir = rayDirection(vec2(pixel) + 0.5);
+    const float metres = length(dir);
+    ray_dir = dir / metres;
+    ray_end = depth * metres;
+    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i)
+        fog_parts[i] = partInFog(i, eye.position, ray_dir, eye.near_depth * metres, ray_end);
+    readParticles(ivec2(pixel), metres);
+    vec3 sum = vec3(0);
+    near_light = false;
+    const uint bin = binOf(pixel);
+    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
+        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
+            const LocalLight light = local_lights[32 * word + findLSB(bits)];
+            const vec3 to = light.position - eye.position;
+            const float along = dot(to, ray_dir);
+            const vec3 beside = to - along * ray_dir;
+            const float sine = sqrt(max(1 - light.cos_outer * light.cos_outer, 1e-8));
+            const float core = max(kCore, light.cos_outer > 0 ? kThinCone * light.cos_outer / sine : 0);
+            near_light = near_light || (along > 0 && length(beside) < core * length(eye.ray_down) * along);
+            sum += ofLight(light, ivec2(pixel));
+        }
+    return sum;
+}
+
