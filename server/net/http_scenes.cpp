@@ -50,8 +50,11 @@ Scene tuned(const SceneFacts& facts, const SceneReport& report) {
                            .sky = &scene.sky,
                            .render = &scene.render};
     for (size_t i = 0; i < report.settings.size(); ++i) apply({liveSettings()[i]->path, report.settings[i]}, parts);
-    if (scene.lights.empty() && light.irradiance != glm::vec3(0)) scene.lights.emplace_back();
-    if (!scene.lights.empty()) scene.lights.front() = light;
+    const auto sun = std::ranges::find_if_not(scene.lights, isLocal);
+    if (sun != scene.lights.end())
+        *sun = light;
+    else if (light.irradiance != glm::vec3(0))
+        scene.lights.push_back(light);
     return scene;
 }
 

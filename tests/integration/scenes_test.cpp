@@ -135,6 +135,27 @@ TEST_F(Scenes, WhatWasTunedIsSavedAndLoadsAsTheSame) {
     EXPECT_EQ(scene.medium.count, loadScene("server/scenes/cloud.toml").medium.count);
 }
 
+TEST_F(Scenes, LightsOfEveryTypeAreSaved) {
+    const fs::path file = write("spots.toml", "[[light]]\ntype = 'spot'\nrange = 7\n[[light]]\ntype = 'point'\n");
+    RunningServer server({"--ahead", "off", "--scene", file.string()});
+    const Scene dark = sceneOf(get(server.port(), "/scene.toml").body, "spots.toml");
+    ASSERT_EQ(dark.lights.size(), 2u);
+    EXPECT_EQ(dark.lights[0].type, kSpot);
+    EXPECT_EQ(dark.lights[0].range, 7);
+    Watcher a(server.endpoint());
+    a.session.sendCommand<wire::SetLight>([&](auto& builder) {
+        const wire::Vec3 irradiance(1, 2, 3);
+        return wire::CreateSetLight(builder, nullptr, &irradiance);
+    });
+    Scene lit;
+    ASSERT_TRUE(watch({&a}, [&] {
+        lit = sceneOf(get(server.port(), "/scene.toml").body, "spots.toml");
+        return lit.lights.size() == 3;
+    }));
+    EXPECT_EQ(lit.lights[0].type, kSpot);
+    EXPECT_EQ(sunOf(lit).irradiance, glm::vec3(1, 2, 3));
+}
+
 TEST_F(Scenes, ASceneWhoseFileHasChangedIsLoadedAgainOnSighup) {
     const fs::path file = write("mine.toml", "[medium]\ncount = 100\n");
     RunningServer server({"--ahead", "off", "--scene", file.string()});
