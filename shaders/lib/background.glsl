@@ -76,7 +76,7 @@ vec3 localIrradiance(Hit hit, vec3 x) {
             const float distance = length(away), cosine = -dot(hit.normal, away) / max(distance, 1e-20);
             const float sent = cosine > 0 ? sentTo(light, away, distance) : 0;
             if (!(sent > 0)) continue;
-            if (light.shadows != 0 && isHidden(light, x, kPlanes, hit.object)) continue;
+            if (light.shadows != 0 && isHidden(light, x, hit.object)) continue;
             const float fog = kHasFog ? fogFrom(light, away, distance) : 0;
             const float through = exp(-fog - particlesFrom(light, away, distance));
             sum += light.intensity * (cosine * sent * through / (distance * distance + light.radius * light.radius));

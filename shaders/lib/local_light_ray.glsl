@@ -175,7 +175,7 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     vec2 hidden[kMostObjects];
     uint count = 0;
     if (light.shadows != 0)
-        [[dont_unroll]] for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
+        [[dont_unroll]] for (uint o = 0; o < tick.opaque_count; ++o) {
             const vec2 range = hiddenFrom(objects[o], light.position, offset, ray_dir);
             if (max(range.x, lit_range.x) < min(range.y, lit_range.y)) hidden[count++] = range;
         }

@@ -23,9 +23,9 @@ float fogFrom(LocalLight light, vec3 away, float distance) {
 }
 
 // True if an object other than `skip` hides the light from a place.
-bool isHidden(LocalLight light, vec3 x, uint first_caster, uint skip) {
+bool isHidden(LocalLight light, vec3 x, uint skip) {
     vec3 n;
-    for (uint o = first_caster; o < tick.opaque_count; ++o)
+    for (uint o = 0; o < tick.opaque_count; ++o)
         if (o != skip && hitObject(objects[o], x, light.position - x, n) < 1) return true;
     return false;
 }

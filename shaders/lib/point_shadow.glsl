@@ -33,7 +33,11 @@ vec2 insideCone(vec3 axis, float cosine, vec3 offset, vec3 w) {
 // The range of t in which `o` hides the light from light + offset + t w (x > y: none). `offset`: perpendicular to the
 // unit vector w.
 vec2 hiddenFrom(Opaque o, vec3 light, vec3 offset, vec3 w) {
-    if (o.kind == kPlane) return kNoneHidden; // a plane is seen and lit from above only
+    if (o.kind == kPlane) { // it hides what is below it from places above it
+        vec2 above = light.y < o.centre.y ? kAllHidden : kNoneHidden;
+        cutTo(above, o.centre.y - light.y - offset.y, -w.y);
+        return above;
+    }
     const vec3 to = o.centre - light;
     if (o.kind == kSphere) { // the ball, and what lies behind it in the cone that touches it
         const float r2 = o.half_size.x * o.half_size.x, square = dot(to, to);
@@ -49,7 +53,7 @@ vec2 hiddenFrom(Opaque o, vec3 light, vec3 offset, vec3 w) {
         return cone.x < cone.y ? vec2(min(cone.x, ball.x), max(cone.y, ball.y)) : ball;
     }
     // The place y, from the light in the box's axes, is hidden if y / s is in the box for some s >= 1. So
-    // s lo <= y <= s hi, mirrored so that hi > 0. Where lo < 0, both are lower bounds of s; else y / lo is an upper one.
+    // s lo <= y <= s hi, mirrored so that hi > 0. Where lo < 0, both are lower bounds of s. Else y / lo is an upper one.
     // Eliminating s leaves one line for every pair of a lower and an upper bound.
     vec3 y = toObject(o, offset), d = toObject(o, w), lo = toObject(o, to) - o.half_size,
          hi = toObject(o, to) + o.half_size;

@@ -67,6 +67,16 @@ TEST_F(LocalLightTest, OverTheGroundPastObjects) {
     judge(scene, {kOutside, kInside, kBelow});
 }
 
+// The ground hides a light below it from all places above it, as its surface is seen from above only.
+TEST_F(LocalLightTest, BelowTheGround) {
+    Scene scene = foggyScene();
+    scene.planes = {{-4, glm::vec3(0.4f, 0.35f, 0.3f)}};
+    scene.lights = {point({1, -5, 0}), point({-3, 2, 0})};
+    judge(scene, {kOutside, lookAt({3, -6, 9}, {0, -3, 0}, 0.9f)});
+    scene.lights[0].shadows = false;
+    judge(scene, {kOutside});
+}
+
 TEST_F(LocalLightTest, AmongParticles) {
     Scene scene = sceneOf(randomPoints(60, 5, 1.6f, 0.35f), 1.6f);
     scene.lights.clear();
