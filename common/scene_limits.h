@@ -33,7 +33,7 @@ inline constexpr Limits kDroplet{5, 50};                                        
 inline constexpr Limits kFogs{0, 4};                                                 // how many
 inline constexpr Limits kFogFalloff{0, 100}, kFogRadius{0, 1e4};                     // 1/m; m
 inline constexpr Limits kLocalLights{0, 1024};                                       // how many
-inline constexpr Limits kShadowedLights{0, 64};                                      // of them, that shadow particles
+inline constexpr Limits kShadowedLights{0, 64};                                      // how many may shadow particles
 inline constexpr Limits kIntensity{0, 1e8};                                          // W/sr
 inline constexpr Limits kLightRange{0, 1e5}, kLightRadius{0, 100}, kCone{0.01, 1.5}; // m; m; rad
 inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0}; // 2^53: every double between is a whole number

@@ -10,7 +10,7 @@ namespace brume {
 
 struct SceneFeatures {
     bool opaque = false;       // True: there are opaque objects
-    bool casters = false;      // True: some of them throw shadows on the medium; ground planes do not
+    bool casters = false;      // True: some of them throw the sun's shadow on the medium; ground planes do not
     bool ambient = false;      // True: the sky sends uniform light into the medium
     bool lobe = false;         // True: hasLobe() the medium
     bool fog = false;          // True: there is fog
@@ -29,8 +29,7 @@ inline constexpr float kNoBall = 1e15f; // m, gpu::Fog::radius of a fog that fil
 inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
 
 // `medium`, `sun`, `fogs`: as they are now, since commands change them. With local lights pictures always pass through
-// surfaces' targets, as with objects. Without a sun
-// no object shadows its light; those of local lights are found with the lights.
+// surfaces' targets, as with objects. A sun without irradiance has no shadows.
 inline SceneFeatures featuresOf(const Scene& scene, const Medium& medium, const Light& sun, std::span<const Fog> fogs) {
     const bool local_lights = std::ranges::any_of(scene.lights, isLocal);
     const bool objects = !scene.boxes.empty() || !scene.spheres.empty();

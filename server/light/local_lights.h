@@ -39,8 +39,8 @@ private:
     gpu::ComputeProgram bins_program_, depths_program_;
     std::map<std::tuple<uint32_t, uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram> programs_;
     gpu::Buffer bits_, depths_, lit_;
-    std::vector<gpu::LocalLight> last_lights_; // that depths_ are of,
-    uint64_t last_medium_ = 0;                 // and MediumView::version of their particles
+    std::vector<gpu::LocalLight> last_lights_; // the lights that depths_ belong to
+    uint64_t last_medium_ = 0;                 // MediumView::version of the particles in depths_
 };
 
 } // namespace brume

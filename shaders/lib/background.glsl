@@ -64,7 +64,7 @@ Hit nearest(vec3 dir, uint may) {
     return hit;
 }
 
-uint light_bin; // of the pixel
+uint light_bin; // index of the pixel's bin in light_bits
 
 // Irradiance that local lights give a surface.
 vec3 localIrradiance(Hit hit, vec3 x) {

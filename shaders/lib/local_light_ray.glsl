@@ -13,18 +13,18 @@ const float kMostDepth = 2;   // optical depth
 // which the fog's light fades. Far from the light the angle hardly changes any more, but window and fog do.
 const float kRangeBreak = 0.4;
 const vec2 kFogBreaks = vec2(1, 3);
-const uint kMostPanels = 8; // of a piece
+const uint kMostPanels = 8; // that a piece is divided into
 // Pieces of two nodes and of one: shorter than this part of their distance from the light, and as thin.
 const float kShort = 0.4, kTiny = 0.1;
 const float kCore = 12;    // pixels around a light's image in which its glow is no polynomial
 const float kThinCone = 6; // pixels, half the width of cones that fall between nodes
-const uint kMostPieces = 700; // of a ray in one light
+const uint kMostPieces = 700; // that a ray's part in one light is divided into
 
 // The pixel's ray: places in m from the eye.
 vec3 ray_dir; // unit
 float ray_end;
 FogPart fog_parts[kMostFogs];
-float particle_begin, slab_length; // of the first slab
+float particle_begin, slab_length; // where the first slab begins, and the length of each
 uint slabs_before;                 // the number of slabs that the ray enters
 float depth_to[kMostSlabs + 2];    // optical depth of the particles before each face
 
@@ -99,7 +99,7 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
     const float nearest = begin > 0 ? begin : end < 0 ? -end : 0;
     const float size = max((end - begin) * inversesqrt(nearest * nearest + h * h), particles + fog);
     const float wanted = max(part.angle / kMostAngle, (particles + fog) / kMostDepth);
-    const uint nodes = size < kTiny ? 1 : size < kShort ? 2 : 4; // of a panel
+    const uint nodes = size < kTiny ? 1 : size < kShort ? 2 : 4; // that a panel has
     const uint panels = nodes < 4 ? 1 : uint(clamp(ceil(wanted), 1, float(kMostPanels)));
     const vec3 albedo = in_slab ? albedoOf(slab, pixel) : vec3(0);
     vec3 sum = vec3(0);
@@ -207,8 +207,7 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     return light.intensity * sum;
 }
 
-// The light of a pixel's ray. near_light: true if a light is so near that nodes may
-// miss what it does.
+// The light of a pixel's ray. near_light: true if a light is so near that nodes may miss what it does.
 vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
     const float metres = length(dir);

@@ -53,8 +53,8 @@ vec2 hiddenFrom(Opaque o, vec3 light, vec3 offset, vec3 w) {
         return cone.x < cone.y ? vec2(min(cone.x, ball.x), max(cone.y, ball.y)) : ball;
     }
     // The place y, from the light in the box's axes, is hidden if y / s is in the box for some s >= 1. So
-    // s lo <= y <= s hi, mirrored so that hi > 0. Where lo < 0, both are lower bounds of s. Else y / lo is an upper one.
-    // Eliminating s leaves one line for every pair of a lower and an upper bound.
+    // s lo <= y <= s hi, mirrored so that hi > 0. Where lo < 0, both are lower bounds of s. Else y / lo is an upper
+    // one. Eliminating s leaves one line for every pair of a lower and an upper bound.
     vec3 y = toObject(o, offset), d = toObject(o, w), lo = toObject(o, to) - o.half_size,
          hi = toObject(o, to) + o.half_size;
     for (int i = 0; i < 3; ++i)

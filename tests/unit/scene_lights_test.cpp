@@ -1,30 +1,16 @@
 // Lights in scene files: which keys each type has, how many there may be, and what a file without the sun means.
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "common/scene.h"
 #include "common/scene_limits.h"
+#include "tests/unit/scene_file.h"
 
 namespace brume {
 namespace {
 
-std::filesystem::path written(const std::string& text) {
-    std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "scene_lights_test.toml";
-    std::ofstream(file, std::ios::binary) << text;
-    return file;
-}
-
-std::string errorOf(const std::string& text) {
-    try {
-        loadScene(written(text));
-    } catch (const SceneError& error) {
-        return error.what();
-    }
-    return "no error";
-}
+using test::errorOf, test::written;
 
 constexpr const char* kSpotText = "[[light]]\ntype = \"spot\"\nposition = [1, 2, 3]\naxis = [0, 0, -5]\ninner = 0.1\n"
                                   "outer = 0.2\nrange = 9\nradius = 0.1\nshadows = false\n";

@@ -11,26 +11,14 @@
 #include <gtest/gtest.h>
 
 #include "server/sim/simulation.h"
+#include "tests/unit/scene_file.h"
 
 namespace brume {
 namespace {
 
 const std::filesystem::path kScenes = "server/scenes"; // tests run in the repository's root
 
-std::filesystem::path written(const std::string& text, const std::string& name = "scene_test.toml") {
-    std::filesystem::path file = std::filesystem::path(testing::TempDir()) / name;
-    std::ofstream(file, std::ios::binary) << text;
-    return file;
-}
-
-std::string errorOf(const std::string& text) {
-    try {
-        loadScene(written(text));
-    } catch (const SceneError& error) {
-        return error.what();
-    }
-    return "no error";
-}
+using test::errorOf, test::written;
 
 struct Wrong {
     const char* text;
