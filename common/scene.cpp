@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "common/object_layout.h"
 #include "common/scene_reader.h"
 #include "common/scene_text.h"
 #include "common/settings.h"
@@ -184,7 +185,6 @@ void readLights(TableReader& in, const SettingReader& read, std::vector<Light>& 
 }
 
 void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder) {
-    const Limits objects{0, 64}; // of a kind: the opaque pass draws each of them
     const SettingReader read(folder);
     const glm::dvec3& origin = out.origin;
     read.readTable(in, "", {.scene = &out}, nullptr);
@@ -197,12 +197,19 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
         in.fail("light", std::to_string(shadowed) + " points and spots with shadows among particles",
                 "up to " + std::to_string(int(limits::kShadowedLights.hi)) + ", others with shadows = false");
     in.tables("fog", out.fogs, limits::kFogs, [&](TableReader& r, Fog& fog) { readFog(r, read, fog, origin); });
-    in.tables("plane", out.planes, objects,
+    in.tables("plane", out.planes, limits::kPlanes,
               [&](TableReader& r, Plane& plane) { read.readTable(r, "plane", {.plane = &plane}, &origin); });
-    in.tables("box", out.boxes, objects,
+    in.tables("box", out.boxes, limits::kObjects,
               [&](TableReader& r, Box& box) { read.readTable(r, "box", {.box = &box}, &origin); });
-    in.tables("sphere", out.spheres, objects,
+    in.tables("sphere", out.spheres, limits::kObjects,
               [&](TableReader& r, Sphere& sphere) { read.readTable(r, "sphere", {.sphere = &sphere}, &origin); });
+    in.table("objects", [&](TableReader& r) { read.readTable(r, "objects", {.objects = &out.objects}, &origin); });
+    const LaidOut laid_out = layOut(out.objects);
+    out.boxes.insert(out.boxes.end(), laid_out.boxes.begin(), laid_out.boxes.end());
+    out.spheres.insert(out.spheres.end(), laid_out.spheres.begin(), laid_out.spheres.end());
+    if (const size_t count = out.boxes.size() + out.spheres.size(); !limits::kObjects.holds(double(count)))
+        in.fail(laid_out.boxes.empty() ? "box" : "objects", std::to_string(count) + " boxes and spheres",
+                "up to " + std::to_string(int(limits::kObjects.hi)));
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
     in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
     out.camera_by_points = !out.medium.file.empty() && !in.has("camera");

@@ -128,6 +128,17 @@ struct Sphere {
     glm::vec3 albedo{0.5f};
 };
 
+inline constexpr const char *kNoObjects = "none", *kCourtyard = "courtyard", *kStreet = "street", *kIslands = "islands",
+                            *kAtrium = "atrium";
+
+// Many boxes and spheres in place of a list of them (common/object_layout.h).
+struct ObjectLayout {
+    std::string layout = kNoObjects;
+    uint32_t count = 1000; // boxes and spheres together, 1 ... limits::kObjects
+    uint64_t seed = 1;
+    glm::vec3 centre{0}; // m, the middle of its ground
+};
+
 struct Sky {
     glm::vec3 zenith{0.18f, 0.32f, 0.62f}; // radiance straight up; blends to the horizon's
     glm::vec3 horizon{0.55f, 0.66f, 0.78f};
@@ -204,7 +215,8 @@ struct Scene {
     std::vector<Light> lights; // at most one that is directional, and limits::kLocalLights others
     std::vector<Fog> fogs;     // at most limits::kFogs
     std::vector<Plane> planes;
-    std::vector<Box> boxes;
+    ObjectLayout objects;
+    std::vector<Box> boxes; // of the file, then those of `objects`
     std::vector<Sphere> spheres;
     Sky sky;
     SceneCamera camera;

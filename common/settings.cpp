@@ -31,6 +31,7 @@ constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase
 constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
 constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
 constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
+constexpr std::string_view kPlacesOfObjects[]{kNoObjects, kCourtyard, kStreet, kIslands, kAtrium};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
 
 constexpr auto kControllers = ChangedBy::controllers, kOperators = ChangedBy::operators;
@@ -195,6 +196,14 @@ constexpr SceneSetting kSettings[]{
      Form::place},
     {"sphere.radius", at<&P::sphere, &Sphere::radius>, "m", limits::kLength, "Radius"},
     {"sphere.albedo", at<&P::sphere, &Sphere::albedo>, "", limits::kColour, "Diffuse albedo"},
+
+    {"objects.layout", at<&P::objects, &ObjectLayout::layout>, "", kNone, "A place made of many boxes and spheres",
+     kNobody, Form::plain, kPlacesOfObjects},
+    {"objects.count", at<&P::objects, &ObjectLayout::count>, "", limits::kObjects,
+     "Boxes and spheres together; a smaller count leaves out details"},
+    {"objects.seed", at<&P::objects, &ObjectLayout::seed>, "", limits::kSeed, "Another seed lays out another place"},
+    {"objects.centre", at<&P::objects, &ObjectLayout::centre>, "m", limits::kPlace, "The middle of its ground", kNobody,
+     Form::place},
 
     {"sky.zenith", at<&P::sky, &Sky::zenith>, "W/(m² sr)", limits::kRadiance,
      "Radiance straight up; it blends to the horizon's"},

@@ -24,6 +24,7 @@ struct SceneParts {
     Plane* plane = nullptr;
     Box* box = nullptr;
     Sphere* sphere = nullptr;
+    ObjectLayout* objects = nullptr;
     Sky* sky = nullptr;
     SceneCamera* camera = nullptr;
     RenderSettings* render = nullptr;

@@ -156,8 +156,11 @@ constexpr Table kTables[]{
      "One that is directional at most, and up to 1,024 points and spots. A file that does not mention lights has a\n"
      "directional one; `light = []` is a scene without. Commands change the directional one."},
     {"plane", "`[[plane]]`", "Horizontal ground, seen from above; up to 64."},
-    {"box", "`[[box]]`", "Up to 64."},
-    {"sphere", "`[[sphere]]`", "Up to 64."},
+    {"box", "`[[box]]`", "Boxes and spheres together: up to 4,096."},
+    {"sphere", "`[[sphere]]`", "Boxes and spheres together: up to 4,096."},
+    {"objects", "`[objects]`",
+     "A place of many boxes and spheres, by a seed: `courtyard` (69 × 27 m), `street` (174 m long), `islands` that\n"
+     "float (95 m wide), or `atrium` (37 × 23 m, 20 m high). Those of the file are there, too; ground is not."},
     {"sky", "`[sky]`", "What is behind everything."},
     {"camera", "`[camera]`", "Where viewers start; position and target differ by more than 1 mm."},
     {"render", "`[render]`", "How the scene is drawn."},
@@ -238,6 +241,7 @@ std::string settingsPage() {
     Plane plane;
     Box box;
     Sphere sphere;
+    ObjectLayout objects;
     Fog fog;
     const SceneParts defaults{.scene = &scene,
                               .medium = &scene.medium,
@@ -247,6 +251,7 @@ std::string settingsPage() {
                               .plane = &plane,
                               .box = &box,
                               .sphere = &sphere,
+                              .objects = &objects,
                               .sky = &scene.sky,
                               .camera = &scene.camera,
                               .render = &scene.render};

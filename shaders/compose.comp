@@ -26,7 +26,7 @@ layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(rgba32f, binding = 2) uniform image2D radiance;
 layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // bytes: Y, then Cb, then Cr
 layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // shared/field.h
-layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
+layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
 layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
 layout(binding = 8) uniform sampler2D view_depth;
 
@@ -116,8 +116,8 @@ void main() {
             }
             MediumRun run;
             MediumCut cut;
-            bool clear;   // True: there is no medium in the run
-            uint casters; // of the block
+            bool clear;          // True: there is no medium in the run
+            TileCasters casters; // of the block
             vec3 rgb = vec3(0);
             for (uint i = 0; i < 8 * blocks; ++i) {
                 const uvec2 at = uvec2(block_x * 8 + i, top + row);

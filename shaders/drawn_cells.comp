@@ -19,12 +19,11 @@ layout(r32f, binding = 3) uniform image2D view_depth;
 // node_medium: one pixel per node; the first node is a step up and left of the picture.
 layout(binding = 4) uniform sampler2D node_medium;
 layout(binding = 5) uniform sampler2D node_depth;
-layout(scalar, binding = 6) uniform Objects { Opaque objects[kMostObjects]; };
+layout(scalar, binding = 6) readonly buffer Objects { Opaque objects[]; };
 
 layout(push_constant, scalar) uniform Push {
     float near, far;    // m, view depths of the medium
     float same;         // m, largest error of a cubic that is accepted
-    uint first_caster;  // index of the first object that is no plane
 } push;
 
 layout(constant_id = kIdStep) const uint kStep = 4;
@@ -44,7 +43,7 @@ vec2 sharpLengths(vec2 pixel, float depth) {
     const float end = clamp(depth, push.near, push.far);
     const vec3 dir = rayDirection(pixel);
     float shadow = 0;
-    for (uint i = push.first_caster; i < tick.opaque_count; ++i) {
+    for (uint i = tick.plane_count; i < tick.opaque_count; ++i) {
         const vec2 range = shadowOf(objects[i], eye.position, dir);
         shadow += max(min(range.y, end) - max(range.x, push.near), 0);
     }

@@ -21,10 +21,11 @@ layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) writeonly buffer Lit { vec3 lit[]; }; // W/(m^2 sr), row by row
 layout(scalar, binding = 3) readonly buffer Lights { LocalLight local_lights[]; };
 layout(scalar, binding = 4) readonly buffer Field { float field[]; }; // shared/field.h
-layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
+layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
 layout(scalar, binding = 6) readonly buffer Bits { uint light_bits[]; };
 layout(scalar, binding = 7) readonly buffer Depths { float light_depths[]; };
 layout(binding = 8) uniform sampler2D view_depth;
+layout(scalar, binding = 9) readonly buffer Nodes { ObjectNode object_nodes[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/slab_field.glsl"
@@ -33,6 +34,7 @@ layout(binding = 8) uniform sampler2D view_depth;
 #include "shaders/lib/local_lights.glsl"
 #include "shaders/lib/local_light_depth.glsl"
 #include "shaders/lib/point_shadow.glsl"
+#include "shaders/lib/shadow_list.glsl"
 #include "shaders/lib/local_light_ray.glsl"
 
 // Of the cubic between nodes: most difference from straight lines, as a part of the largest value.

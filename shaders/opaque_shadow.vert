@@ -5,7 +5,7 @@
 #include "shaders/shared/types.h"
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform Objects { Opaque objects[kMostObjects]; };
+layout(scalar, binding = 1) readonly buffer Objects { Opaque objects[]; };
 layout(push_constant, scalar) uniform Push { uint object; } push;
 
 #include "shaders/lib/objects.glsl"

@@ -16,7 +16,7 @@ const bool kHasOpaque = true;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) buffer Field { float field[]; };
-layout(scalar, binding = 5) uniform Objects { Opaque objects[kMostObjects]; };
+layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
 layout(binding = 8) uniform sampler2D view_depth;
 
 #include "shaders/lib/eye.glsl"
@@ -66,6 +66,28 @@ void findDepths(ivec2 lo, ivec2 hi) {
     barrier();
 }
 
+shared uint some_caster; // 1: some caster is found
+
+// Writes which casters' shadows may be met before view depth `far` in the pixels from `lo` to `hi`, and in others of
+// eight that begin at a multiple of eight. Returns whether there are some. Called by all lanes.
+bool findCasters(uvec2 tile, ivec2 lo, ivec2 hi, float far) {
+    const vec2 first = vec2(lo.x & ~7, lo.y), end = vec2((hi.x | 7) + 1, hi.y + 1);
+    const vec2 middle = 0.5 * (first + end);
+    const float radius = 0.5 * length(end - first);
+    const uint casters = tick.opaque_count - tick.plane_count;
+    if (gl_LocalInvocationIndex == 0) some_caster = 0;
+    barrier();
+    for (uint word = gl_LocalInvocationIndex; word < grid.caster_words; word += gl_WorkGroupSize.x) {
+        uint bits = 0;
+        for (uint i = 0; i < min(kWordCasters, casters - kWordCasters * word); ++i)
+            if (meetsShadow(tick.plane_count + kWordCasters * word + i, middle, radius, far)) bits |= 1u << i;
+        field[fieldKept(tile) + kFieldKept + word] = float(bits);
+        if (bits != 0) atomicOr(some_caster, 1);
+    }
+    barrier();
+    return some_caster != 0;
+}
+
 void main() {
     enterView(gl_WorkGroupID.z);
     const uvec2 tile = gl_WorkGroupID.xy;
@@ -75,13 +97,11 @@ void main() {
     const ivec2 lo = clamp((first - kCellsBefore) * int(grid.rate), ivec2(0), last_pixel);
     const ivec2 hi = clamp((first + int(kSlabTile) - 1 + kCellsBehind) * int(grid.rate) - 1, ivec2(0), last_pixel);
     vec2 range = vec2(0, kMiss);
-    const vec2 middle = 0.5 * vec2(lo + hi + 1);
-    const float radius = 0.5 * length(vec2(hi - lo + 1));
     if (kHasFog) { // it reaches to what is seen: no ray goes on behind that
         findDepths(lo, hi);
         range = uintBitsToFloat(uvec2(nearest, furthest));
-        if (kHasCasters && castersMet(middle, radius, range.y) != 0) range.x = 0;
-    } else if (!kHasCasters || castersMet(middle, radius, kMiss) == 0) {
+        if (kHasCasters && findCasters(tile, lo, hi, range.y)) range.x = 0;
+    } else if (!kHasCasters || !findCasters(tile, lo, hi, kMiss)) {
         findDepths(lo, hi);
         range = uintBitsToFloat(uvec2(nearest, furthest));
     }

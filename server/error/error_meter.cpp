@@ -12,7 +12,7 @@
 
 #include "server/error/accuracy.h"
 #include "server/inputs/eye_request.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 #include "tools/reference/camera.h"
 #include "tools/reference/pixel.h"
 
@@ -60,7 +60,7 @@ bool mayHaveEdge(const reference::Stage& stage, const reference::Camera& camera,
     std::vector<double> shadows;
     for (const glm::dvec2 at : {glm::dvec2(0.5, 0.5), {0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
         reference::Ray ray = reference::rayThrough(camera, corner.x + at.x, corner.y + at.y);
-        const reference::Hit hit = reference::nearest(stage.world.obstacles, ray);
+        const reference::Hit hit = stage.lighting.obstacles().nearest(ray);
         ray.end = std::min(ray.end, hit.t);
         shadows.clear();
         stage.lighting.edges(ray, shadows);

@@ -153,6 +153,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.opaque_lo = glm::vec2(casters.lo) - margin; // a rim of empty texels, so that filtering meets no edge
     tick.map.opaque_hi = glm::vec2(casters.hi) + margin;
     tick.opaque_count = uint32_t(objects.size());
+    tick.plane_count = uint32_t(std::ranges::count(objects, gpu::kPlane, &gpu::Opaque::kind));
     return tick;
 }
 

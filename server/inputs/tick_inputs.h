@@ -9,9 +9,10 @@
 namespace brume {
 
 struct TickInputs {
-    const RenderSettings* settings = nullptr; // in use: every choice is made
-    const gpu::Buffer* objects = nullptr;     // gpu::Opaque[gpu::kMostObjects], also as a uniform block
-    uint32_t first_caster = 0; // number of the first object that throws shadows: ground planes come first
+    const RenderSettings* settings = nullptr;  // in use: every choice is made
+    const gpu::Buffer* objects = nullptr;      // gpu::Opaque[]: planes come first
+    const gpu::Buffer* object_nodes = nullptr; // gpu::ObjectNode[]: the tree of the others
+    uint32_t bodies = 0;                       // number of the others: boxes and spheres
     const gpu::Buffer* local_lights = nullptr; // gpu::LocalLight[]
     const gpu::Buffer* light_bits = nullptr;   // LocalLights::bits()
     const gpu::Buffer* light_depths = nullptr; // LocalLights::depths()

@@ -100,11 +100,12 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
                                        {gpu::kIdAmbientColours, group.colours.ambient}});
     gpu::computeToCompute(commands.handle());
     for (uint32_t i = 0; i < group.count(); ++i) {
-        program.bind(commands, {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, lit_),
-                                gpu::storageBuffer(3, *in.shared->local_lights), gpu::storageBuffer(4, *group.field),
-                                gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
-                                gpu::storageBuffer(6, bits_), gpu::storageBuffer(7, depths_),
-                                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        program.bind(commands,
+                     {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, lit_),
+                      gpu::storageBuffer(3, *in.shared->local_lights), gpu::storageBuffer(4, *group.field),
+                      gpu::storageBuffer(5, *in.shared->objects), gpu::storageBuffer(6, bits_),
+                      gpu::storageBuffer(7, depths_), gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
+                      gpu::storageBuffer(9, *in.shared->object_nodes)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kLightBin),
                       gpu::groups(view.end - view.first, gpu::kLightBin), 1);

@@ -1,8 +1,22 @@
 #include "server/opaque/objects.h"
 
 #include <cmath>
+#include <limits>
+
+#include "common/bounding_tree.h"
 
 namespace brume {
+namespace {
+
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+
+glm::vec3 toward(glm::dvec3 v, float side) {
+    glm::vec3 out;
+    for (int i = 0; i < 3; ++i) out[i] = std::nextafter(float(v[i]), side);
+    return out;
+}
+
+} // namespace
 
 std::vector<gpu::Opaque> opaqueObjects(const Scene& scene) {
     std::vector<gpu::Opaque> objects;
@@ -12,6 +26,26 @@ std::vector<gpu::Opaque> opaqueObjects(const Scene& scene) {
     for (const Sphere& s : scene.spheres)
         objects.push_back({s.centre, gpu::kSphere, glm::vec3(s.radius), 1, s.albedo, 0});
     return objects;
+}
+
+std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects) {
+    std::vector<Bounds3> bounds;
+    uint32_t planes = 0;
+    for (const gpu::Opaque& o : objects) {
+        planes += o.kind == gpu::kPlane;
+        if (o.kind == gpu::kPlane) continue;
+        const glm::dvec3 centre = o.centre, half = o.half_size;
+        const double c = std::abs(double(o.yaw_cos)), s = std::abs(double(o.yaw_sin));
+        const glm::dvec3 reach = o.kind == gpu::kSphere
+                                     ? glm::dvec3(half.x)
+                                     : glm::dvec3(c * half.x + s * half.z, half.y, s * half.x + c * half.z);
+        bounds.push_back({centre - reach, centre + reach});
+    }
+    std::vector<gpu::ObjectNode> nodes;
+    for (const BoundingNode& node : boundingTree(bounds))
+        nodes.push_back({toward(node.bounds.lo, -kInfinite), node.next, toward(node.bounds.hi, kInfinite),
+                         node.item == BoundingNode::kInner ? gpu::kInnerNode : planes + node.item});
+    return nodes;
 }
 
 } // namespace brume

@@ -1,6 +1,7 @@
 // The opaque objects of a scene as the shaders want them. They do not move.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "common/scene.h"
@@ -10,5 +11,8 @@ namespace brume {
 
 // Planes, boxes, spheres, in this order: what throws shadows on the medium comes last.
 std::vector<gpu::Opaque> opaqueObjects(const Scene& scene);
+
+// The tree of all that are no planes. Its boxes are rounded outward.
+std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects);
 
 } // namespace brume

@@ -39,7 +39,7 @@ bool OpaqueShadow::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     gpu::beginDrawing(cmd, size, {&image_});
     for (uint32_t i = 0; i < objects.size(); ++i) {
         if (objects[i].kind == gpu::kPlane) continue; // nothing lies below it
-        program_.bind(commands, {tick_block, gpu::uniformBuffer(1, buffer, 0, buffer.size())}, i);
+        program_.bind(commands, {tick_block, gpu::storageBuffer(1, buffer)}, i);
         vkCmdDraw(cmd, 4, 1, 0, 0);
     }
     vkCmdEndRendering(cmd);

@@ -15,7 +15,7 @@ public:
     explicit OpaqueShadow(const gpu::Device& device);
 
     // Records the map unless light and size are those of the last time; objects do not move. `buffer` holds `objects`
-    // as gpu::Opaque[gpu::kMostObjects]. As ShadowVolume::record otherwise.
+    // as gpu::Opaque[]. As ShadowVolume::record otherwise.
     bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
                 const gpu::Buffer& buffer, std::span<const gpu::Opaque> objects);
 

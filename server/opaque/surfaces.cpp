@@ -1,15 +1,27 @@
 #include "server/opaque/surfaces.h"
 
+#include <algorithm>
+
 #include "shaders/background_comp.h"
 #include "shaders/background_frag.h"
 #include "shaders/background_vert.h"
+#include "shaders/object_bins_comp.h"
 
 namespace brume {
+namespace {
+
+uint32_t binsOf(uint32_t width, uint32_t height) {
+    return gpu::groups(width, gpu::kObjectBin) * gpu::groups(height, gpu::kObjectBin);
+}
+
+} // namespace
 
 Surfaces::Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw)
     : device_(device), planes_{gpu::kIdPlanes, uint32_t(scene.planes.size())},
-      boxes_{gpu::kIdBoxes, uint32_t(scene.boxes.size())}, spheres_{gpu::kIdSpheres, uint32_t(scene.spheres.size())},
-      by_draw_(by_draw) {}
+      has_boxes_{gpu::kIdHasBoxes, !scene.boxes.empty()}, has_spheres_{gpu::kIdHasSpheres, !scene.spheres.empty()},
+      bodies_(uint32_t(scene.boxes.size() + scene.spheres.size())), by_draw_(by_draw) {
+    prepare({});
+}
 
 const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
     Programs& made = programs_[{fog, local_lights}];
@@ -17,7 +29,7 @@ const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
     if (by_draw_ && !made.draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes_, boxes_, spheres_, has_fog, has_lights};
+        const gpu::SpecConstant constants[] = {planes_, has_boxes_, has_spheres_, has_fog, has_lights};
         gpu::GraphicsInfo graphics;
         graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
         graphics.blend = gpu::Blend::replace;
@@ -25,29 +37,52 @@ const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
     }
     if (!by_draw_ && !made.compute)
         made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes_, boxes_, spheres_, has_fog, has_lights});
+                                           {planes_, has_boxes_, has_spheres_, has_fog, has_lights});
     return made;
 }
 
+void Surfaces::prepare(std::span<const EyeRequest> eyes) {
+    const uint32_t words = gpu::groups(bodies_, 32), of_words = gpu::groups(words, 32);
+    VkDeviceSize bytes = 256;
+    for (const EyeRequest& eye : eyes)
+        bytes = std::max(bytes, VkDeviceSize(binsOf(eye.width, eye.height)) * (words + of_words) * sizeof(uint32_t));
+    bins_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "object bins");
+}
+
+// Ends with its writes visible to all.
+void Surfaces::recordBins(gpu::Commands& commands, const EyeInputs& in) {
+    const gpu::Commands::Pass pass(commands, "object bins", in.view);
+    if (!bins_program_)
+        bins_program_ =
+            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, object_bins_comp, "object_bins"}, {});
+    bins_program_.bind(
+        commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.shared->objects), gpu::storageBuffer(3, bins_)});
+    vkCmdDispatch(commands.handle(), gpu::groups(binsOf(in.size.width, in.size.height), 64), 1, 1);
+    gpu::everythingBefore(commands.handle());
+}
+
 void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
-    const gpu::Commands::Pass pass(commands, "opaque", in.view);
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd); // the eye before has used the same targets
-    const gpu::Resource objects = gpu::uniformBuffer(2, *in.shared->objects, 0, in.shared->objects->size()),
+    if (bodies_ > 0) recordBins(commands, in);
+    const gpu::Commands::Pass pass(commands, "opaque", in.view);
+    const gpu::Resource objects = gpu::storageBuffer(2, *in.shared->objects),
                         light = gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
                         casters = gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest),
                         lights = gpu::storageBuffer(7, *in.shared->local_lights),
                         bits = gpu::storageBuffer(8, *in.shared->light_bits),
-                        depths = gpu::storageBuffer(9, *in.shared->light_depths);
+                        depths = gpu::storageBuffer(9, *in.shared->light_depths),
+                        nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_);
     const Programs& programs = programsFor(in.shared->features.fog, in.shared->features.local_lights);
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
-        programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths});
+        programs.draw.bind(commands,
+                           {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes, bins});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
         programs.compute.bind(commands,
-                              {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths,
+                              {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes, bins,
                                gpu::storageImage(5, in.target->radiance), gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <utility>
 
 #include "server/gpu/commands.h"
 #include "server/inputs/eye_inputs.h"
+#include "server/inputs/eye_request.h"
 
 namespace brume {
 
@@ -16,6 +18,8 @@ public:
     Surfaces(const gpu::Device& device, const Scene& scene) : Surfaces(device, scene, device.isCpu()) {}
     Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw);
 
+    // Makes room for pictures of these sizes. Precondition: nothing of it is on the device.
+    void prepare(std::span<const EyeRequest> eyes);
     // Writes all of the eye's target, with transmittance 1. Every kind of pass may read and write it afterwards.
     void record(gpu::Commands& commands, const EyeInputs& in);
 
@@ -25,10 +29,14 @@ private:
         gpu::ComputeProgram compute;
     };
     const Programs& programsFor(bool fog, bool local_lights);
+    void recordBins(gpu::Commands& commands, const EyeInputs& in);
 
     const gpu::Device& device_;
-    const gpu::SpecConstant planes_, boxes_, spheres_;
+    const gpu::SpecConstant planes_, has_boxes_, has_spheres_;
+    const uint32_t bodies_; // boxes and spheres
     const bool by_draw_;
+    gpu::ComputeProgram bins_program_;
+    gpu::Buffer bins_; // uint[bins][words]: which boxes and spheres the rays of a bin of the last eye's pixels may hit
     std::map<std::pair<bool, bool>, Programs> programs_; // by whether there are fog and local lights
 };
 

@@ -51,8 +51,8 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     out.wanted = now.render;
     out.features = featuresOf(scene, now.medium, now.light, now.fogs);
     out.lobe_width = lobesOf(now.medium).width();
-    out.objects = uint32_t(objects.size());
-    out.casters = uint32_t(scene.boxes.size() + scene.spheres.size());
+    out.objects = std::min(uint32_t(objects.size()), kMostCounted);
+    out.casters = std::min(uint32_t(scene.boxes.size() + scene.spheres.size()), kMostCounted);
     out.tick = makeTick(scene, now, particles, objects);
     out.state = stateOf(particles, out.tick);
     out.particles = uint32_t(particles.size());

@@ -26,12 +26,15 @@ struct PlanView {
     uint32_t viewer = 0;            // whose picture, for Corrections; 0: nobody's
 };
 
+// Objects beyond these are thought to lie elsewhere than a pixel's ray: bins leave them out.
+inline constexpr uint32_t kMostCounted = 12;
+
 // The scene as the plan sees it. Its size does not grow with the particle count.
 struct PlanScene {
     RenderSettings wanted; // settings of the scene and of commands; method may be kAutoMethod
     SceneFeatures features;
     double lobe_width = 1; // rad, PhaseLobes::width()
-    uint32_t objects = 0, casters = 0;
+    uint32_t objects = 0, casters = 0; // those that a pixel may meet, by and large: kMostCounted at most
     gpu::Tick tick{}; // light, falloff, cut, bounds of the shadow volume
     uint32_t particles = 0;
     std::vector<gpu::Particle> sample; // evenly chosen; each stands for weight() particles

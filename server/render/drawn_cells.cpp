@@ -29,9 +29,7 @@ void DrawnCells::interpolate(gpu::Commands& commands, const EyeInputs& fine, con
     const DepthRange depths = depthRange(extent, eye.position, -eye.back);
     const struct {
         float near, far, same;
-        uint32_t first_caster;
-    } push{std::max(depths.near, eye.near_depth), std::max(depths.far, eye.near_depth), kSame * extent.deviation,
-           fine.shared->first_caster};
+    } push{std::max(depths.near, eye.near_depth), std::max(depths.far, eye.near_depth), kSame * extent.deviation};
     gpu::ComputeProgram& program = programs_[coarse.step];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"},
@@ -42,7 +40,7 @@ void DrawnCells::interpolate(gpu::Commands& commands, const EyeInputs& fine, con
                  {fine.medium->tick, fine.eye, gpu::storageImage(2, fine.target->radiance),
                   gpu::storageImage(3, fine.target->view_depth), gpu::sampledImage(4, coarse.target->radiance, nearest),
                   gpu::sampledImage(5, coarse.target->view_depth, nearest),
-                  gpu::uniformBuffer(6, *fine.shared->objects, 0, fine.shared->objects->size())},
+                  gpu::storageBuffer(6, *fine.shared->objects)},
                  push);
     const uint32_t side = 8 * coarse.step;
     vkCmdDispatch(cmd, gpu::groups(fine.size.width, side), gpu::groups(fine.size.height, side), 1);

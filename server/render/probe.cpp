@@ -54,7 +54,7 @@ void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading
                   {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
                    gpu::storageBuffer(3, reading.where_),
                    gpu::storageBuffer(4, reading.drawn ? reading.where_ : *group.field),
-                   gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
+                   gpu::storageBuffer(5, *in.shared->objects),
                    gpu::storageBuffer(6, reading.values_), gpu::storageBuffer(7, *in.shared->lit),
                    gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
                   push);

@@ -5,10 +5,11 @@
 #include "common/phase_lobes.h"
 #include "server/inputs/eye_block.h"
 #include "server/inputs/local_light_block.h"
-#include "server/opaque/objects.h"
 
 namespace brume {
 namespace {
+
+constexpr size_t kMostOfCells = 64; // objects
 
 // What commands do not turn on and off.
 SceneFeatures lasting(const Scene& scene, const SceneFeatures& besides) {
@@ -30,18 +31,12 @@ void Submission::giveBack() {
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
-    : device_(device), scene_(scene), objects_(opaqueObjects(scene)), features_(lasting(scene, besides)),
+    : device_(device), scene_(scene), objects_(device, scene), features_(lasting(scene, besides)),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device),
       particle_light_(device, capacity), local_lights_(device), surfaces_(device, scene),
       depth_order_(device, capacity), compose_(device), probe_(device), cells_(device),
       linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
-      coarse_targets_(device) {
-    objects_buffer_ = gpu::Buffer(device, gpu::kMostObjects * sizeof(gpu::Opaque),
-                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-                                  gpu::Memory::upload, "objects");
-    std::copy(objects_.begin(), objects_.end(), objects_buffer_.mapped<gpu::Opaque>(objects_.size()).begin());
-    objects_buffer_.flush();
-}
+      coarse_targets_(device) {}
 
 Renderer::~Renderer() = default;
 
@@ -59,8 +54,9 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
     fitPictures(s, eyes, full);
     probe_.prepare(s.probe);
-    upload_.take(simulation, scene_, now_, objects_, eyes, s.particles_);
+    upload_.take(simulation, scene_, now_, objects_.all, eyes, s.particles_);
     writeLocalLights(s, eyes);
+    surfaces_.prepare(eyes);
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks);
 
@@ -134,7 +130,8 @@ Method& Renderer::methodFor(const RenderSettings& settings, const SceneFeatures&
 // The method draws every so many pixels: 1, 2, 4 or 8, the steps that present.comp is written for.
 uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
     const uint32_t rate = now_.render.rate;
-    if (!needs.draws || rate < 2) return 1;
+    // Between drawn pixels every object's shadow is looked for at each.
+    if (!needs.draws || rate < 2 || objects_.all.size() > kMostOfCells) return 1;
     return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
 }
 
@@ -184,7 +181,7 @@ void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes)
 // Records both shadow maps, and the light cached on the particles of every list that some eye sees.
 void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     MediumView& all = upload_.all();
-    opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_buffer_, objects_);
+    opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects, objects_.all);
     if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved())) {
         particle_light_.invalidate();
         upload_.invalidateLight();
@@ -193,7 +190,7 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     all.light = nullptr;
     if (!needs.particle_light) return;
     const auto record = [&](ParticleLight& light, MediumView& medium) {
-        light.record(s.commands, {medium.tick, &objects_buffer_, medium.particles, &shadow_volume_.image(), &linear_},
+        light.record(s.commands, {medium.tick, &objects_.objects, medium.particles, &shadow_volume_.image(), &linear_},
                      medium.count, now_.render.tiles.light_tolerance);
         medium.light = &light.buffer();
     };
@@ -209,8 +206,9 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
 void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes,
                             const SceneFeatures& features) {
     shared_ = {.settings = &now_.render,
-               .objects = &objects_buffer_,
-               .first_caster = uint32_t(scene_.planes.size()),
+               .objects = &objects_.objects,
+               .object_nodes = &objects_.nodes,
+               .bodies = uint32_t(objects_.all.size() - scene_.planes.size()),
                .local_lights = &s.local_lights_,
                .light_bits = &local_lights_.bits(),
                .light_depths = &local_lights_.depths(),

@@ -12,6 +12,7 @@
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "server/methods/proxies/depth_order.h"
+#include "server/opaque/object_buffers.h"
 #include "server/opaque/shadow_map.h"
 #include "server/opaque/surfaces.h"
 #include "server/render/compose.h"
@@ -110,7 +111,7 @@ private:
 
     const gpu::Device& device_;
     const Scene scene_;
-    const std::vector<gpu::Opaque> objects_;
+    const ObjectBuffers objects_;
     const SceneFeatures features_; // those that commands do not change
     TickUpload upload_;
     ShadowVolume shadow_volume_;
@@ -123,7 +124,7 @@ private:
     Probe probe_;
     DrawnCells cells_;
     gpu::Sampler linear_, nearest_;
-    gpu::Buffer objects_buffer_, planes_;
+    gpu::Buffer planes_;
     Targets targets_, coarse_targets_;
 
     // A method, and the settings that it was compiled for.

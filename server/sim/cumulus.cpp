@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "server/sim/layout.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 
 namespace brume {
 

@@ -1,7 +1,7 @@
 #include "server/sim/layout.h"
 
 #include "server/sim/point_cloud.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 
 namespace brume {
 

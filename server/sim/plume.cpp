@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/sim/random.h"
+#include "common/random.h"
 
 namespace brume {
 

@@ -6,7 +6,7 @@
 
 #include "common/ply.h"
 #include "common/scene_limits.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 #include "server/sim/spacing.h"
 
 namespace brume {

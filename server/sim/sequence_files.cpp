@@ -11,7 +11,7 @@
 
 #include "common/text.h"
 #include "server/sim/point_cloud.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 #include "server/sim/state_hash.h"
 
 namespace brume {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/sim/random.h"
+#include "common/random.h"
 #include "server/sim/sine.h"
 
 namespace brume {

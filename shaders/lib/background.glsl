@@ -2,19 +2,23 @@
 // the tick's and the eye's blocks.
 #include "shaders/shared/constants.h"
 
-layout(scalar, binding = 2) uniform Objects { Opaque objects[kMostObjects]; };
+layout(scalar, binding = 2) readonly buffer Objects { Opaque objects[]; };
 layout(binding = 3) uniform sampler2DArray shadow_volume;
 layout(binding = 4) uniform sampler2D opaque_shadow;
 layout(scalar, binding = 7) readonly buffer Lights { LocalLight local_lights[]; };
 layout(scalar, binding = 8) readonly buffer Bits { uint light_bits[]; };
 layout(scalar, binding = 9) readonly buffer Depths { float light_depths[]; };
+layout(scalar, binding = 10) readonly buffer Nodes { ObjectNode object_nodes[]; };
+layout(scalar, binding = 11) readonly buffer Bins { uint object_bins[]; };
 
-// Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
-layout(constant_id = kIdPlanes) const uint kPlanes = 1;
-layout(constant_id = kIdBoxes) const uint kBoxes = 1;
-layout(constant_id = kIdSpheres) const uint kSpheres = 1;
+// Kinds of objects: code for none is removed. Planes are stored first.
+layout(constant_id = kIdPlanes) const uint kPlanes = 1; // number of planes
+layout(constant_id = kIdHasBoxes) const bool kHasBoxes = true;
+layout(constant_id = kIdHasSpheres) const bool kHasSpheres = true;
+const bool kHasBodies = kHasBoxes || kHasSpheres;
 
 #include "shaders/lib/objects.glsl"
+#include "shaders/lib/object_bins.glsl"
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/eye.glsl"
@@ -31,24 +35,25 @@ struct Hit {
     vec3 normal, albedo;
 };
 
-// Bits of boxes and spheres, counted from 0, that a ray through any point of the pixel may hit. From the 32nd on all
-// count as hit.
+uint object_bin; // index in object_bins of the pixel's bin
+
+// Bits of the bin's first object, its second one ..., that a ray through any point of the pixel may hit. From the 32nd
+// on all count as hit.
 uint mayHit(vec3 middle) {
     // Samples are at most 3/8 pixels from the centre in x and y.
     const float pixel = 0.61 * (length(eye.ray_right) + length(eye.ray_down));
-    uint may = 0;
-    for (uint i = 0; i < min(kBoxes + kSpheres, 32); ++i) {
-        const Opaque o = objects[kPlanes + i];
+    uint may = 0, i;
+    BinWalk walk = walkBin(object_bin);
+    [[dont_unroll]] while (walk.visited < 32 && nextObject(walk, i)) {
+        const Opaque o = objects[i];
         const vec3 off = o.centre - eye.position, across = cross(off, middle);
-        const float reach = (i < kBoxes ? length(o.half_size) : o.half_size.x) + pixel * length(off);
-        if (dot(across, across) <= reach * reach * dot(middle, middle)) may |= 1u << i;
+        const float reach = (kHasBoxes && o.kind == kBox ? length(o.half_size) : o.half_size.x) + pixel * length(off);
+        if (dot(across, across) <= reach * reach * dot(middle, middle)) may |= 1u << (walk.visited - 1);
     }
     return may;
 }
 
-void meet(uint i, uint kind, vec3 dir, inout Hit hit) {
-    Opaque o = objects[i];
-    o.kind = kind;
+void meet(Opaque o, uint i, vec3 dir, inout Hit hit) {
     vec3 n;
     const float t = hitObject(o, eye.position, dir, n);
     if (t >= eye.near_depth && t < hit.depth) hit = Hit(t, i, n, o.albedo);
@@ -56,11 +61,21 @@ void meet(uint i, uint kind, vec3 dir, inout Hit hit) {
 
 Hit nearest(vec3 dir, uint may) {
     Hit hit = Hit(kMiss, kNone, vec3(0, 1, 0), vec3(0));
-    for (uint i = 0; i < kPlanes; ++i) meet(i, kPlane, dir, hit);
-    for (uint i = 0; i < kBoxes; ++i)
-        if (i >= 32 || (may & 1u << i) != 0) meet(kPlanes + i, kBox, dir, hit);
-    for (uint i = 0; i < kSpheres; ++i)
-        if (kBoxes + i >= 32 || (may & 1u << (kBoxes + i)) != 0) meet(kPlanes + kBoxes + i, kSphere, dir, hit);
+    for (uint i = 0; i < kPlanes; ++i) {
+        Opaque o = objects[i];
+        o.kind = kPlane;
+        meet(o, i, dir, hit);
+    }
+    if (!kHasBodies) return hit;
+    uint i;
+    BinWalk walk = walkBin(object_bin);
+    [[dont_unroll]] while (nextObject(walk, i)) {
+        if (walk.visited <= 32 && (may & 1u << (walk.visited - 1)) == 0) continue;
+        Opaque o = objects[i];
+        if (!kHasSpheres) o.kind = kBox;
+        if (!kHasBoxes) o.kind = kSphere;
+        meet(o, i, dir, hit);
+    }
     return hit;
 }
 
@@ -89,7 +104,7 @@ vec3 lit(Hit hit, vec3 x) {
     const vec3 n = hit.normal;
     const float cosine = dot(n, tick.sun.to_light);
     float direct = max(cosine, 0) / 3.14159265;
-    if (kBoxes + kSpheres > 0)
+    if (kHasBodies)
         if (direct > 0) {
             const float texel = (tick.map.opaque_hi.x - tick.map.opaque_lo.x) / float(tick.map.opaque_size);
             const float slope = texel * 2 * sqrt(max(1 - cosine * cosine, 0)) / max(cosine, 0.1);
@@ -116,11 +131,15 @@ vec3 background(vec2 centre, out float view_depth) {
     const vec2 offsets[4] = vec2[](vec2(-0.375, -0.125), vec2(0.125, -0.375), vec2(0.375, 0.125), vec2(-0.125, 0.375));
     const vec3 middle = rayDirection(centre);
     if (kHasLocalLights) light_bin = binOf(uvec2(centre));
-    const uint may = mayHit(middle);
+    uint may = 0;
+    if (kHasBodies) {
+        object_bin = objectBinOf(uvec2(centre));
+        may = mayHit(middle);
+    }
     const Hit hit = nearest(middle, may);
     view_depth = hit.depth;
     bool edge = false;
-    if (kPlanes + kBoxes + kSpheres > 0)
+    if (kPlanes > 0 || kHasBodies)
         edge = nearest(rayDirection(centre + offsets[0]), may).object != hit.object ||
                nearest(rayDirection(centre + offsets[1]), may).object != hit.object ||
                nearest(rayDirection(centre + offsets[2]), may).object != hit.object ||

@@ -26,7 +26,7 @@ uint fieldEndSpline() { return planeAt(endSplinePlane(fieldPlanes())); }
 uint fieldSteep() { return planeAt(steepPlane(fieldPlanes())); }
 // Index of what tells of a tile's rays which faces are written and whether there is medium (shared/field.h).
 uint fieldKept(uvec2 tile) {
-    return planeAt(planesOf(fieldPlanes())) + kFieldKept * (tile.y * grid.lines.x + tile.x);
+    return planeAt(planesOf(fieldPlanes())) + (kFieldKept + grid.caster_words) * (tile.y * grid.lines.x + tile.x);
 }
 
 // The four faces whose values betweenFaces() takes, around the one of index `near` and the next. At the ends of a ray

@@ -155,6 +155,25 @@ uint pieceFrom(float at, float closest, inout float next) {
     return slab;
 }
 
+// Keeps the shadow of object `o` if the ray meets it in `part`.
+void findShadow(uint o, vec3 light, vec3 offset, vec2 part) {
+    const vec2 range = hiddenFrom(objects[o], light, offset, ray_dir);
+    if (max(range.x, part.x) < min(range.y, part.y)) addShadow(range);
+}
+
+// Keeps the shadows that objects under a light throw on a part of the ray.
+void findShadows(LocalLight light, vec3 offset, vec2 part) {
+    [[dont_unroll]] for (uint o = 0; o < tick.plane_count; ++o) findShadow(o, light.position, offset, part);
+    const vec3 from = light.position + offset, normal = cross(offset, ray_dir);
+    const vec3 a = from + part.x * ray_dir, b = from + part.y * ray_dir;
+    [[dont_unroll]] for (uint i = 0; i < objectNodes();) {
+        const ObjectNode node = object_nodes[i];
+        const bool met = meetsTriangle(node, light.position, a, b, normal);
+        if (met && node.object != kInnerNode) findShadow(node.object, light.position, offset, part);
+        i = met ? i + 1 : node.next;
+    }
+}
+
 // The radiance that the ray has of one light.
 vec3 ofLight(LocalLight light, ivec2 pixel) {
     const vec3 to = light.position - eye.position;
@@ -172,13 +191,8 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
         inner = insideCone(light.axis, light.cos_outer + light.cone_width, offset, ray_dir);
     }
     if (!(lit_range.x < lit_range.y)) return vec3(0);
-    vec2 hidden[kMostObjects];
-    uint count = 0;
-    if (light.shadows != 0)
-        [[dont_unroll]] for (uint o = 0; o < tick.opaque_count; ++o) {
-            const vec2 range = hiddenFrom(objects[o], light.position, offset, ray_dir);
-            if (max(range.x, lit_range.x) < min(range.y, lit_range.y)) hidden[count++] = range;
-        }
+    shadow_count = 0;
+    if (light.shadows != 0) findShadows(light, offset, lit_range);
     const vec2 off = min(kFogBreaks * fadingLength(clamp(closest, eye.near_depth, ray_end)),
                          vec2(kRangeBreak, 1) * half_chord);
     const vec4 breaks = vec4(-off.y, -off.x, off);
@@ -187,10 +201,10 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     [[dont_unroll]] for (uint piece = 0; piece < kMostPieces && at < lit_range.y; ++piece) {
         float next = lit_range.y;
         bool is_hidden = false; // another object may hide the light where one ends to
-        [[dont_unroll]] for (uint i = 0; i < count; ++i) {
-            if (hidden[i].x > at) next = min(next, hidden[i].x);
-            else if (hidden[i].y > at) {
-                at = hidden[i].y;
+        [[dont_unroll]] for (uint i = 0; i < shadow_count; ++i) {
+            if (shadows[i].x > at) next = min(next, shadows[i].x);
+            else if (shadows[i].y > at) {
+                at = shadows[i].y;
                 is_hidden = true;
             }
         }

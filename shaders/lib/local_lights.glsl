@@ -2,7 +2,9 @@
 // and `eye` and these buffers are declared:
 //   LocalLight local_lights[]
 //   uint light_bits[]: bits of lights for each bin of pixels, written by local_light_bins.comp
+//   ObjectNode object_nodes[]
 #include "shaders/lib/has_local_lights.glsl"
+#include "shaders/lib/object_tree.glsl"
 
 uint lightWords() { return (tick.local_light_count + 31) / 32; }
 uint binColumns() { return (eye.size.x + kLightBin - 1) / kLightBin; }
@@ -24,8 +26,16 @@ float fogFrom(LocalLight light, vec3 away, float distance) {
 
 // True if an object other than `skip` hides the light from a place.
 bool isHidden(LocalLight light, vec3 x, uint skip) {
+    const vec3 dir = light.position - x, inverse = inverseOf(dir);
     vec3 n;
-    for (uint o = 0; o < tick.opaque_count; ++o)
-        if (o != skip && hitObject(objects[o], x, light.position - x, n) < 1) return true;
+    [[dont_unroll]] for (uint o = 0; o < tick.plane_count; ++o)
+        if (o != skip && hitObject(objects[o], x, dir, n) < 1) return true;
+    [[dont_unroll]] for (uint i = 0; i < objectNodes();) {
+        const ObjectNode node = object_nodes[i];
+        const bool passed = passes(node, x, inverse);
+        const bool leaf = passed && node.object != kInnerNode && node.object != skip;
+        if (leaf && hitObject(objects[node.object], x, dir, n) < 1) return true;
+        i = passed ? i + 1 : node.next;
+    }
     return false;
 }

@@ -3,15 +3,24 @@
 // lib/medium_run.glsl, kHasCasters, `objects` and `view_depth`.
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/casters_met.glsl"
+#include "shaders/lib/shadow_list.glsl"
 
 const float kSameHeight = 1e-2; // of a plane: most that its points differ by, as a part of their height
 const float kSameFace = 0.1; // of a slab: most distance of the pixel's surface from that of its rays
+
+const uint kFurther = 1u << 31; // bit of TileCasters for all casters after the first 31
+
+// Casters whose shadow a run of pixels may meet.
+struct TileCasters {
+    uint words; // index in the field of the words of their tile
+    uint met;   // bits: the tile's first caster, its second one ...; see kFurther
+};
 
 // Values that a run of pixels shares.
 struct MediumCut {
     vec4 ends;    // the face at which whole rays end
     bool steep;   // true: the ends of the rays around are steep (shared/field.h)
-    uint casters; // bits of casters whose shadow the run may meet; see kFurther
+    TileCasters casters;
     FieldFaces ended[kMostFieldQuantities], shadow_begin[6], shadow_end[6]; // shadows: each colour of the sun
 };
 
@@ -31,19 +40,31 @@ float faceOnRay(float depth, vec3 dir) {
     return face + min(part / max(whole, 1e-30), 1);
 }
 
-// Bits of casters whose shadow the `pixels` pixels from `pixel` on may meet.
-uint castersOfPixels(ivec2 pixel, ivec2 pixels) {
-    if (!kHasCasters) return 0;
+// The casters of `pixels` pixels from `pixel` on: those of the first one's tile, which reaches as far as eight pixels
+// do that begin at a multiple of eight.
+TileCasters castersOfPixels(ivec2 pixel, ivec2 pixels) {
+    TileCasters casters = TileCasters(fieldKept(fieldNode(pixel) / kSlabTile) + kFieldKept, 0);
+    if (!kHasCasters) return casters;
     float far = 0;
     if (kHasFog)
         for (int y = 0; y < pixels.y; ++y)
             for (int x = 0; x < pixels.x; ++x)
                 far = max(far, texelFetch(view_depth, min(pixel + ivec2(x, y), ivec2(eye.size) - 1), 0).r);
-    return castersMet(vec2(pixel) + 0.5 * vec2(pixels), 0.5 * length(vec2(pixels)), far);
+    const vec2 middle = vec2(pixel) + 0.5 * vec2(pixels);
+    const float radius = 0.5 * length(vec2(pixels));
+    uint n = 0;
+    for (uint word = 0; word < grid.caster_words; ++word)
+        for (uint bits = uint(field[casters.words + word]); bits != 0; bits &= bits - 1) {
+            const uint o = tick.plane_count + kWordCasters * word + findLSB(bits);
+            if (n < 31 && meetsShadow(o, middle, radius, far)) casters.met |= 1u << n;
+            if (n == 31) casters.met |= kFurther;
+            ++n;
+        }
+    return casters;
 }
 
 // The shared values of pixels from `pixel` on, with `casters` of them.
-MediumCut mediumCut(MediumRun run, ivec2 pixel, uint casters) {
+MediumCut mediumCut(MediumRun run, ivec2 pixel, TileCasters casters) {
     MediumCut cut;
     cut.casters = casters;
     for (uint q = 0; q < fieldQuantities(); ++q) cut.ended[q].below = -1;
@@ -58,31 +79,32 @@ MediumCut mediumCut(MediumRun run, ivec2 pixel, uint casters) {
     return cut;
 }
 
-vec2 shadows[kMostObjects]; // of the pixel's ray: view depths where they begin and end
-
 // Subtracts the sun's light that objects' shadows remove before view depth `end`. Shadows that overlap are joined, so
 // that they count once.
 void leaveOutShadows(inout float ray[kMostFieldQuantities], inout MediumCut cut, MediumRun run, vec3 dir, float end,
                      float part) {
     const float begin = kHasFog ? eye.near_depth : grid.depth;
     end = min(end, faceDepth(lastFace()));
-    uint count = 0;
-    for (uint o = grid.first_caster; o < tick.opaque_count; ++o) {
-        if ((cut.casters >> min(o - grid.first_caster, 31) & 1) == 0) continue;
-        vec2 range = shadowOf(objects[o], eye.position, dir);
-        range = vec2(max(range.x, begin), min(range.y, end));
-        if (range.x < range.y) shadows[count++] = range;
-    }
-    while (count > 0) {
-        vec2 joined = shadows[--count];
-        for (uint i = 0; i < count;) {
+    shadow_count = 0;
+    uint n = 0;
+    for (uint word = 0; word < grid.caster_words; ++word)
+        for (uint bits = uint(field[cut.casters.words + word]); bits != 0; bits &= bits - 1) {
+            if ((cut.casters.met >> min(n++, 31) & 1) == 0) continue;
+            const uint o = tick.plane_count + kWordCasters * word + findLSB(bits);
+            vec2 range = shadowOf(objects[o], eye.position, dir);
+            range = vec2(max(range.x, begin), min(range.y, end));
+            if (range.x < range.y) addShadow(range);
+        }
+    while (shadow_count > 0) {
+        vec2 joined = shadows[--shadow_count];
+        for (uint i = 0; i < shadow_count;) {
             const vec2 other = shadows[i];
             if (other.x > joined.y || other.y < joined.x) {
                 ++i;
                 continue;
             }
             joined = vec2(min(joined.x, other.x), max(joined.y, other.y));
-            shadows[i] = shadows[--count];
+            shadows[i] = shadows[--shadow_count];
             i = 0; // what is longer now may meet those before
         }
         const vec2 faces = kHasFog ? vec2(faceOnRay(joined.x, dir), faceOnRay(joined.y, dir)) : facesAt(joined);
@@ -133,5 +155,5 @@ void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 acro
             if (!(keep_fog && q >= fieldFog())) ray[q] = max(fieldAt(cut.ended[q], q, run.at, end, part), 0);
         if (kHasFog) ray[kFieldDepth] += fogBefore(dir, z);
     }
-    if (kHasCasters && cut.casters != 0 && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, z, part);
+    if (kHasCasters && cut.casters.met != 0 && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, z, part);
 }

@@ -65,8 +65,10 @@ const uint kMostFieldQuantities = 16u;
 //
 // Of a tile of rays only the faces are written that pixels read: those around their surfaces, and all before them where
 // an object throws a shadow. Behind the planes are numbers of each tile: the first and the last face written, and 1
-// where any ray has medium before that one, else 0.
-const uint kFieldKept = 3u; // numbers of a tile
+// where any ray has medium before that one, else 0. Then SlabGrid::caster_words whole numbers follow. Their bits are
+// the objects that may throw a shadow on the medium in the tile's pixels.
+const uint kFieldKept = 3u;
+const uint kWordCasters = 24u; // bits of a number: a float holds whole numbers of so many bits
 struct FieldPlanes {
     uint quantities;
     uint faces; // all slabs + 1 in scenes with opaque objects; otherwise 0: there are only whole rays

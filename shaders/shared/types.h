@@ -99,6 +99,7 @@ struct Tick {
     vec3 ambient; // uniform radiance scattered in without shadowing
     uint particle_count;
     uint opaque_count; // number of objects
+    uint plane_count;  // of them planes, which come first
     vec3 sky_zenith;
     vec3 sky_horizon;
     float haze; // 1/m
@@ -137,7 +138,9 @@ const uint kPlane = 0u;
 const uint kBox = 1u;
 const uint kSphere = 2u;
 
-const uint kMostObjects = 192u; // 64 of each kind
+const uint kMostPlanes = 64u;
+const uint kObjectBin = 16u;   // pixels along a side of a bin of objects
+const uint kMostShadows = 64u; // of objects on a ray that are kept apart
 
 struct Opaque {
     vec3 centre; // of a plane: only y counts
@@ -147,6 +150,15 @@ struct Opaque {
     vec3 albedo;
     float yaw_sin;
 };
+
+// A node of the tree of boxes and spheres (common/bounding_tree.h).
+struct ObjectNode {
+    vec3 lo; // m, world
+    uint next;
+    vec3 hi;
+    uint object; // of a leaf its index; kInnerNode: there are nodes in it
+};
+const uint kInnerNode = 0xffffffffu;
 
 // A particle in cells of the volumetric shadow map, sharpened (shared/sharpen.h).
 struct LightParticle {
@@ -179,7 +191,7 @@ struct SlabGrid {
     uint slabs;
     uint sheet;        // slabs that a workgroup computes together: a power of two, divides slabs
     uvec3 lines;       // columns of tiles, rows of tiles, sheets
-    uint first_caster; // index of the first object that is no plane
+    uint caster_words; // of a tile of rays: which objects' shadows they may meet (shared/field.h)
     vec3 albedo;       // of all particles
     // With fog: slabs before and behind those of the particles, which grow (lib/slab_depth.glsl).
     uint front, back;
@@ -235,8 +247,9 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 84 && sizeof(Tick) == 540 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 84 && sizeof(Tick) == 544 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
+static_assert(sizeof(ObjectNode) == 32);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "server/sim/random.h"
+#include "common/random.h"
 #include "tests/bench/on_device.h"
 #include "tools/bench/error.h"
 #include "tools/bench/promise.h"

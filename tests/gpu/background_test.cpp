@@ -1,7 +1,9 @@
 // What is behind the medium: by draw and by compute, few objects and many, and edges.
+#include <array>
 #include <cmath>
 
 #include "server/light/shadow_volume.h"
+#include "server/opaque/object_buffers.h"
 #include "server/opaque/shadow_map.h"
 #include "server/opaque/surfaces.h"
 #include "shaders/shared/sky.h"
@@ -22,7 +24,7 @@ protected:
 
     static Seen see(const Scene& scene, const Pose& pose, uint32_t width, uint32_t height, bool by_draw) {
         const std::vector<gpu::Particle> particles = particlesOf(scene);
-        const std::vector<gpu::Opaque> all = opaqueObjects(scene);
+        const ObjectBuffers objects(device(), scene);
         const gpu::Tick tick = tickOf(scene, particles);
         const gpu::Buffer uniforms(device(), 1024, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
         uniforms.mapped<gpu::Tick>(1)[0] = tick;
@@ -31,14 +33,13 @@ protected:
         eye.position = pose.position;
         eye.near_depth = float(kNearDepth);
         eye.size = {width, height};
-        eye.ray = glm::vec3(pixelDirection(pose, width, height, 0, 0));
-        eye.ray_right = glm::vec3(pixelDirection(pose, width, height, 1, 0)) - eye.ray;
-        eye.ray_down = glm::vec3(pixelDirection(pose, width, height, 0, 1)) - eye.ray;
-        eye.ray -= 0.5f * (eye.ray_right + eye.ray_down);
-        const gpu::Buffer objects(device(), gpu::kMostObjects * sizeof(gpu::Opaque),
-                                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                                  gpu::Memory::upload, "objects");
-        std::copy(all.begin(), all.end(), objects.mapped<gpu::Opaque>(all.size()).begin());
+        eye.back = pose.orientation * glm::vec3(0, 0, 1);
+        const glm::dvec3 first = pixelDirection(pose, width, height, 0, 0);
+        const glm::dvec3 right = pixelDirection(pose, width, height, 1, 0) - first,
+                         down = pixelDirection(pose, width, height, 0, 1) - first;
+        eye.ray = first - 0.5 * (right + down);
+        eye.ray_right = right;
+        eye.ray_down = down;
         const gpu::Buffer medium(device(), std::max<size_t>(particles.size(), 1) * sizeof(gpu::Particle),
                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "particles");
         std::copy(particles.begin(), particles.end(), medium.mapped<gpu::Particle>(particles.size()).begin());
@@ -48,16 +49,19 @@ protected:
         ShadowVolume volume(device(), uint32_t(particles.size()));
         OpaqueShadow casters(device());
         Surfaces surfaces(device(), scene, by_draw);
+        surfaces.prepare(std::array{EyeRequest{.width = width, .height = height}});
 
         gpu::Commands commands(device(), "background");
         const VkCommandBuffer cmd = commands.begin();
         gpu::toGeneral(cmd, target.radiance);
         gpu::toGeneral(cmd, target.view_depth);
         const gpu::Resource block = gpu::uniformBuffer(0, uniforms, 0, sizeof(gpu::Tick));
-        casters.record(commands, block, tick, objects, all);
+        casters.record(commands, block, tick, objects.objects, objects.all);
         volume.record(commands, block, tick, medium);
         const gpu::Buffer none(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no lights");
-        const TickInputs shared{.objects = &objects,
+        const TickInputs shared{.objects = &objects.objects,
+                                .object_nodes = &objects.nodes,
+                                .bodies = tick.opaque_count - tick.plane_count,
                                 .local_lights = &none,
                                 .light_bits = &none,
                                 .light_depths = &none,
@@ -119,12 +123,13 @@ TEST_F(BackgroundTest, HazeFadesSurfacesToTheSky) {
     }
 }
 
-// As many objects as a scene may have: more than are unrolled, and more than have a bit of their own.
+// More objects than a bin has first ones, and a wall that fills bins in front of others.
 TEST_F(BackgroundTest, ManyObjects) {
     Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});
     Random random(7);
     scene.planes = {{-3, glm::vec3(0.5f)}};
-    for (int i = 0; i < 64; ++i) {
+    scene.boxes = {{{-3, 0, 4}, {5, 6, 0.5f}, 0.3f, glm::vec3(0.5f)}};
+    for (int i = 0; i < 600; ++i) {
         scene.boxes.push_back(
             {random.inCube(6), glm::vec3(0.2f) + random.inCube(0.1f), random.uniform(0, 3), glm::vec3(0.5f)});
         scene.spheres.push_back({random.inCube(6), random.uniform(0.05f, 0.4f), glm::vec3(0.5f)});

@@ -72,7 +72,7 @@ void main() {
     put(views[1].grid.slabs);
     put(views[1].grid.sheet);
     put(views[1].grid.lines.x);
-    put(views[1].grid.first_caster);
+    put(views[1].grid.caster_words);
     put(views[1].grid.albedo.x);
     put(views[1].first);
     put(views[1].end);

@@ -15,12 +15,11 @@ template <class Element, class Record>
 void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, const std::vector<Element>& elements,
                    const Record& record) {
     const gpu::Buffer block(device, sizeof(gpu::Tick), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "tick");
-    const size_t count = std::max<size_t>(elements.size(), gpu::kMostObjects);
-    const gpu::Buffer buffer(device, count * sizeof(Element),
-                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-                             gpu::Memory::upload, "elements");
+    const size_t count = std::max<size_t>(elements.size(), 1);
+    const gpu::Buffer buffer(device, count * sizeof(Element), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
+                             "elements");
     block.mapped<gpu::Tick>(1)[0] = tick;
-    std::copy(elements.begin(), elements.end(), buffer.mapped<Element>(count).begin());
+    std::copy(elements.begin(), elements.end(), buffer.mapped<Element>(elements.size()).begin());
     gpu::Commands commands(device, "light");
     commands.begin();
     record(commands, gpu::uniformBuffer(0, block, 0, sizeof(gpu::Tick)), buffer);

@@ -5,6 +5,7 @@
 
 #include "server/light/particle_light.h"
 #include "server/light/shadow_volume.h"
+#include "server/opaque/object_buffers.h"
 #include "shaders/shared/support.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
@@ -15,11 +16,7 @@ namespace {
 std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& scene,
                                         const std::vector<gpu::Particle>& particles) {
     const gpu::Tick tick = tickOf(scene, particles);
-    const std::vector<gpu::Opaque> opaque = opaqueObjects(scene);
-    const gpu::Buffer objects(device, gpu::kMostObjects * sizeof(gpu::Opaque),
-                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-                              gpu::Memory::upload, "objects");
-    std::copy(opaque.begin(), opaque.end(), objects.mapped<gpu::Opaque>(opaque.size()).begin());
+    const ObjectBuffers objects(device, scene);
     const auto count = uint32_t(particles.size());
     const gpu::Buffer back(device, count * sizeof(gpu::ParticleLight), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                            gpu::Memory::readback, "light readback");
@@ -29,7 +26,7 @@ std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& 
     recordAndWait(device, tick, particles,
                   [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
                       volume.record(commands, block, tick, buffer);
-                      light.record(commands, {block, &objects, &buffer, &volume.image(), &linear}, count,
+                      light.record(commands, {block, &objects.objects, &buffer, &volume.image(), &linear}, count,
                                    scene.render.tiles.light_tolerance);
                       gpu::computeToTransfer(commands.handle());
                       const VkBufferCopy copy{0, 0, back.size()};

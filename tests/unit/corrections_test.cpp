@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sim/random.h"
+#include "common/random.h"
 #include "tests/unit/plan_scenes.h"
 
 namespace brume {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/sim/kernels.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 #include "server/sim/sine.h"
 #include "tests/unit/simulation_scenes.h"
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "server/error/error_meter.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 
 namespace brume {
 namespace {

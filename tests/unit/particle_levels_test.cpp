@@ -10,7 +10,7 @@
 #include "common/scene.h"
 #include "server/medium/levels.h"
 #include "server/plan/memory.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 
 namespace brume {
 namespace {

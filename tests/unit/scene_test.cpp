@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, WrongScene,
     testing::Values(
         Wrong{"nam = \"x\"", 1, "nam", "unknown key",
-              "box, camera, fog, light, medium, name, origin, plane, render, simulation, sky, sphere"},
+              "box, camera, fog, light, medium, name, objects, origin, plane, render, simulation, sky, sphere"},
         Wrong{"[medium]\nlayout = \"cube\"\n\ncuont = 3", 4, "medium.cuont", "unknown key", "count"},
         Wrong{"[[light]]\ncolour = [1, 1, 1]", 2, "light[0].colour", "unknown key", "irradiance"},
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 9000\n[medium.emitter]\nspeed = 3", 5, "medium.emitter.speed",
@@ -330,7 +330,8 @@ TEST(Scene, IsFoundByNameOrPath) {
         FAIL() << "found a scene that is not there";
     } catch (const SceneError& error) {
         EXPECT_NE(std::string(error.what())
-                      .find("cloud, cloud-5000, cloud-65535, cumulus, lamp, morning, plume, props, stage, tubes"),
+                      .find("cloud, cloud-5000, cloud-65535, courtyard, cumulus, dusty-room, islands, lamp, morning, "
+                            "plume, props, smoke-spots, stage, street, tubes"),
                   std::string::npos)
             << error.what();
     }
@@ -375,7 +376,10 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
                          testing::Values(Shipped{"cloud", 500, 3}, Shipped{"cloud-5000", 5000, 4},
                                          Shipped{"cloud-65535", 65535, 4}, Shipped{"tubes", 0, 0},
                                          Shipped{"props", 0, 0}, Shipped{"cumulus", 0, 0}, Shipped{"plume", 0, 0},
-                                         Shipped{"morning", 0, 0}, Shipped{"lamp", 0, 0}, Shipped{"stage", 0, 0}),
+                                         Shipped{"morning", 0, 0}, Shipped{"lamp", 0, 0}, Shipped{"stage", 0, 0},
+                                         Shipped{"courtyard", 0, 0}, Shipped{"dusty-room", 0, 0},
+                                         Shipped{"islands", 0, 0}, Shipped{"smoke-spots", 0, 0},
+                                         Shipped{"street", 0, 0}),
                          [](const auto& scene) {
                              std::string name = scene.param.name;
                              std::erase(name, '-');
@@ -386,7 +390,7 @@ TEST(Shipped, EverySceneIsTestedHere) {
     size_t scenes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(kScenes))
         scenes += entry.path().extension() == ".toml";
-    EXPECT_EQ(scenes, 10u);
+    EXPECT_EQ(scenes, 15u);
 }
 
 } // namespace

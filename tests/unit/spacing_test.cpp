@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sim/random.h"
+#include "common/random.h"
 
 namespace brume {
 namespace {

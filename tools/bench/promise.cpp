@@ -10,7 +10,7 @@
 
 #include "server/methods/plans.h"
 #include "server/methods/rays/ray_plan.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 #include "tools/bench/error.h"
 #include "tools/bench/truth.h"
 #include "tools/bench/which.h"

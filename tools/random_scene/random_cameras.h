@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/scene.h"
-#include "server/sim/random.h"
+#include "common/random.h"
 
 namespace brume {
 

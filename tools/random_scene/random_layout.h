@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "server/sim/random.h"
+#include "common/random.h"
 
 namespace brume {
 

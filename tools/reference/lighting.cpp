@@ -26,7 +26,8 @@ Arrival arrivalAt(const LightSource& light, glm::dvec3 x) {
     return {light.colour * part, to_light, distance};
 }
 
-Lighting::Lighting(const World& world, double reach, bool shadows, double cells) : world_(world), shadows_(shadows) {
+Lighting::Lighting(const World& world, double reach, bool shadows, double cells)
+    : world_(world), obstacles_(world.obstacles), shadows_(shadows) {
     for (const LightSource& light : world.lights) {
         Fields& fields = fields_.emplace_back();
         if (!shadows || world.cut_light) continue;
@@ -59,7 +60,7 @@ double Lighting::depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip)
     double sum = 0;
     for (const Fog& fog : world_.fogs) sum += depthOn(fog, toward);
     if (!world_.lights[i].shadows) return sum;
-    if (occluded(world_.obstacles, toward, skip)) return kInfinity;
+    if (obstacles_.occluded(toward, skip)) return kInfinity;
     sum += world_.cut_light     ? cutDepth(toward)
            : fields_[i].distant ? fields_[i].distant->depth(x)
                                 : fields_[i].near->depth(x);
@@ -106,7 +107,7 @@ void Lighting::edges(const Ray& ray, std::vector<double>& t) const {
         }
         if (!shadows_) continue;
         if (light.shadows) {
-            for (const Obstacle& obstacle : world_.obstacles) shadowEdges(obstacle, light, ray, t);
+            obstacles_.shadowEdges(light, ray, t);
             for (const UnionMedium::Ball& ball : world_.balls.balls)
                 shadowEdges({Obstacle::Kind::sphere, ball.centre, glm::dvec3(ball.radius), 0, {}}, light, ray, t);
             if (world_.cut_light)

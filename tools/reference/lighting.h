@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/reference/light_field.h"
+#include "tools/reference/obstacle_tree.h"
 #include "tools/reference/world.h"
 
 namespace brume::reference {
@@ -35,6 +36,8 @@ public:
     // Every t on the ray at which the light may have a kink or a jump, or is nearest.
     void edges(const Ray& ray, std::vector<double>& t) const;
 
+    const ObstacleTree& obstacles() const { return obstacles_; }
+
 private:
     double cutDepth(const Ray& toward) const; // optical depth of tetrahedra
 
@@ -43,6 +46,7 @@ private:
         std::optional<PointField> near;
     };
     const World& world_;
+    ObstacleTree obstacles_;
     bool shadows_;
     std::vector<Fields> fields_; // per light
     const ErfTable& table_ = ErfTable::shared();

@@ -39,7 +39,7 @@ RayTracer::RayTracer(const Stage& stage) : stage_(stage), world_(stage.world), p
 RayResult RayTracer::trace(const Ray& ray) {
     RayResult result;
     ray_ = ray;
-    const Hit hit = nearest(world_.obstacles, ray);
+    const Hit hit = stage_.lighting.obstacles().nearest(ray);
     ray_.end = std::min(ray.end, hit.t);
     if (hit.object >= 0)
         result.background =

@@ -38,7 +38,7 @@ public:
     glm::dvec3 path(Ray ray, Random& random) const {
         glm::dvec3 radiance(0), weight(1);
         for (int order = 0;; ++order) {
-            const Hit hit = nearest(world_.obstacles, ray);
+            const Hit hit = lighting_.obstacles().nearest(ray);
             ray.end = std::min(ray.end, hit.t);
             const Collision collision = collide(ray, random);
             if (!(collision.t < ray.end)) {
@@ -57,7 +57,7 @@ public:
                 const Arrival arrival = arrivalAt(light, x);
                 const Ray toward{x, arrival.to_light, 0, arrival.distance};
                 if (arrival.irradiance == glm::dvec3(0)) continue;
-                if (light.shadows && occluded(world_.obstacles, toward)) continue;
+                if (light.shadows && lighting_.obstacles().occluded(toward)) continue;
                 radiance += weight * arrival.irradiance * phase(*collision.phase, -arrival.to_light, -ray.direction) *
                             (light.shadows ? transmittance(toward, random) : throughFogs(toward));
             }

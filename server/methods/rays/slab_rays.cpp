@@ -91,7 +91,7 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
     grid.slabs = grid.lines.z * grid.sheet;
     grid.depth = near;
     grid.thickness = (far - near) / float(grid.slabs);
-    grid.first_caster = in.shared->first_caster;
+    if (in.shared->features.casters) grid.caster_words = gpu::groups(in.shared->bodies, gpu::kWordCasters);
     grid.albedo = in.medium->extent->albedo;
     if (in.shared->features.fog) addFogSlabs(grid, in);
     return grid;
@@ -220,9 +220,9 @@ void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
              {gpu::kIdHasLocalLights, features_.local_lights},
              {gpu::kIdSunColours, group.colours.sun},
              {gpu::kIdAmbientColours, group.colours.ambient}})
-        .bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, field_),
-                         gpu::uniformBuffer(5, *in.shared->objects, 0, in.shared->objects->size()),
-                         gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        .bind(commands,
+              {in.medium->tick, group.block, gpu::storageBuffer(2, field_), gpu::storageBuffer(5, *in.shared->objects),
+               gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
     vkCmdDispatch(commands.handle(), group.most([](const gpu::View& v) { return v.grid.lines.x; }),
                   group.most([](const gpu::View& v) { return v.grid.lines.y; }), group.count());
     gpu::computeToCompute(commands.handle());
@@ -256,7 +256,7 @@ VkDeviceSize SlabRays::fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid
     const gpu::FieldPlanes planes{.quantities = gpu::fieldQuantities(coloursOf(in)),
                                   .faces = features_.opaque ? grid.front + grid.slabs + grid.back + 1 : 0};
     return VkDeviceSize(grid.nodes.x) * grid.nodes.y * gpu::planesOf(planes) +
-           gpu::endPlanes(planes) * gpu::kFieldKept * grid.lines.x * grid.lines.y;
+           gpu::endPlanes(planes) * (gpu::kFieldKept + grid.caster_words) * grid.lines.x * grid.lines.y;
 }
 
 SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {

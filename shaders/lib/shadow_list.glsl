@@ -1,0 +1,21 @@
+// Shadows of objects on a ray: where they begin and end, in the order in which they were added.
+vec2 shadows[kMostShadows];
+uint shadow_count;
+
+// One more than there is room for is joined with the one to which it has the least gap: what lies between counts as
+// shadow.
+void addShadow(vec2 range) {
+    if (shadow_count < kMostShadows) {
+        shadows[shadow_count++] = range;
+        return;
+    }
+    uint best = 0;
+    float least = 1e30;
+    for (uint i = 0; i < kMostShadows; ++i) {
+        const float gap = max(range.x - shadows[i].y, shadows[i].x - range.y);
+        if (gap >= least) continue;
+        least = gap;
+        best = i;
+    }
+    shadows[best] = vec2(min(shadows[best].x, range.x), max(shadows[best].y, range.y));
+}
