@@ -95,6 +95,7 @@ private:
         const glm::dvec3 origin = displaced ? glm::dvec3(0) : scene_.origin;
         for (const SceneSetting& setting : sceneSettings()) {
             if (setting.table() != name || isNotSaid(setting)) continue;
+            if (parts.light && !has(*parts.light, setting.key())) continue;
             const Written written{setting, origin};
             const std::string value = std::visit(written, setting.member(parts));
             const bool same = value == std::visit(written, setting.member(by_default)) ||

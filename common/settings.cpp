@@ -2,10 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <stdexcept>
-#include <type_traits>
-#include <utility>
 
 #include "common/phase_lobes.h"
 
@@ -43,37 +39,46 @@ constexpr SceneSetting usually(Limits usual, SceneSetting setting) {
     return setting;
 }
 
+// The same setting, live for controllers in the elements of its list.
+constexpr SceneSetting listed(SceneSetting setting) {
+    setting.changed_by = kControllers;
+    setting.in_list = true;
+    return setting;
+}
+
 constexpr SceneSetting kSettings[]{
     {"name", at<&P::scene, &Scene::name>, "", kNames, "The scene's name; without it the file's"},
     {"origin", at<&P::scene, &Scene::origin>, "m", limits::kOrigin,
      "World coordinates of the point that the server counts places from; give it where the scene is far from zero"},
 
-    {"light.type", at<&P::light, &Light::type>, "", kNone, "Kind of light", kNobody, Form::plain, kLights},
+    listed({"light.type", at<&P::light, &Light::type>, "", kNone, "Kind of light", kNobody, Form::plain, kLights}),
     {"light.to_light", at<&P::light, &Light::to_light>, "", limits::kPlace,
      "Direction to the light, of any length but zero", kControllers, Form::direction},
     usually({0, 40}, {"light.irradiance", at<&P::light, &Light::irradiance>, "W/m²", limits::kRadiance,
                       "Irradiance of each channel on a surface that faces the light", kControllers, Form::colour}),
     usually({-2, 2}, {"light.rotate", at<&P::light, &Light::rotate>, "rad/s", limits::kRotate,
                       "Turning of the light about the vertical", kControllers}),
-    {"light.position", at<&P::light, &Light::position>, "m", limits::kPlace, "Point and spot: where it is", kNobody,
-     Form::place},
-    {"light.intensity", at<&P::light, &Light::intensity>, "W/sr", limits::kIntensity,
-     "Point and spot: radiant intensity of each channel; of a spot within its inner cone", kNobody, Form::colour},
-    {"light.range", at<&P::light, &Light::range>, "m", limits::kLightRange,
-     "Point and spot: where its light ends, by the factor (1 − (d / range)⁴)²; 0: nowhere"},
-    {"light.radius", at<&P::light, &Light::radius>, "m", limits::kLightRadius,
-     "Point and spot: its light falls as 1 / (d² + radius²)"},
-    {"light.shadows", at<&P::light, &Light::shadows>, "", kNone,
-     "Point and spot. True: objects and particles shadow its light; fog always dims it"},
-    {"light.orbit", at<&P::light, &Light::orbit>, "rad/s", limits::kRotate,
-     "Point and spot: how fast it goes round the vertical through `pivot`"},
-    {"light.pivot", at<&P::light, &Light::pivot>, "m", limits::kPlace, "What it goes round", kNobody, Form::place},
-    {"light.axis", at<&P::light, &Light::axis>, "", limits::kPlace,
-     "Spot: the way that its light goes, of any length but zero", kNobody, Form::direction},
-    {"light.inner", at<&P::light, &Light::inner>, "rad", limits::kCone,
-     "Spot: angle between the axis and the cone that has all of the intensity"},
-    {"light.outer", at<&P::light, &Light::outer>, "rad", limits::kCone,
-     "Spot: angle between the axis and the cone outside which there is no light"},
+    listed(usually({-30, 30}, {"light.position", at<&P::light, &Light::position>, "m", limits::kPlace,
+                               "Point and spot: where it is", kNobody, Form::place})),
+    listed(usually({0, 1000}, {"light.intensity", at<&P::light, &Light::intensity>, "W/sr", limits::kIntensity,
+                               "Point and spot: radiant intensity of each channel; of a spot within its inner cone",
+                               kNobody, Form::colour})),
+    listed(usually({0, 100}, {"light.range", at<&P::light, &Light::range>, "m", limits::kLightRange,
+                              "Point and spot: where its light ends, by the factor (1 − (d / range)⁴)²; 0: nowhere"})),
+    listed(usually({0, 5}, {"light.radius", at<&P::light, &Light::radius>, "m", limits::kLightRadius,
+                            "Point and spot: its light falls as 1 / (d² + radius²)"})),
+    listed({"light.shadows", at<&P::light, &Light::shadows>, "", kNone,
+            "Point and spot. True: objects and particles shadow its light; fog always dims it"}),
+    listed(usually({-2, 2}, {"light.orbit", at<&P::light, &Light::orbit>, "rad/s", limits::kRotate,
+                             "Point and spot: how fast it goes round the vertical through `pivot`"})),
+    listed(usually({-30, 30}, {"light.pivot", at<&P::light, &Light::pivot>, "m", limits::kPlace, "What it goes round",
+                               kNobody, Form::place})),
+    listed({"light.axis", at<&P::light, &Light::axis>, "", limits::kPlace,
+            "Spot: the way that its light goes, of any length but zero", kNobody, Form::direction}),
+    listed({"light.inner", at<&P::light, &Light::inner>, "rad", limits::kCone,
+            "Spot: angle between the axis and the cone that has all of the intensity"}),
+    listed({"light.outer", at<&P::light, &Light::outer>, "rad", limits::kCone,
+            "Spot: angle between the axis and the cone outside which there is no light"}),
 
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
      Form::plain, kLayouts},
@@ -144,28 +149,31 @@ constexpr SceneSetting kSettings[]{
     {"medium.emitter.eddy", at<&P::medium, &Medium::emitter, &Emitter::eddy>, "m", limits::kLength,
      "Size of the largest eddies"},
 
-    {"fog.extinction", at<&P::fog, &Fog::extinction>, "1/m", limits::kSigmaT, "Extinction at `height`; 0: no fog"},
-    {"fog.height", at<&P::fog, &Fog::height>, "m", limits::kPlace, "Height at which it has that extinction", kNobody,
-     Form::height},
-    {"fog.falloff", at<&P::fog, &Fog::falloff>, "1/m", limits::kFogFalloff,
-     "How fast the extinction falls with height: as e^(-falloff · y); 0: it does not"},
-    {"fog.lo", at<&P::fog, &Fog::lo>, "m", limits::kPlace, "Height below which there is none; left out: nowhere",
-     kNobody, Form::height},
-    {"fog.hi", at<&P::fog, &Fog::hi>, "m", limits::kPlace, "Height above which there is none; left out: nowhere",
-     kNobody, Form::height},
-    {"fog.centre", at<&P::fog, &Fog::centre>, "m", limits::kPlace, "Centre of the ball that it fills", kNobody,
-     Form::place},
-    {"fog.radius", at<&P::fog, &Fog::radius>, "m", limits::kFogRadius, "Radius of that ball; 0: there is no ball"},
-    {"fog.albedo", at<&P::fog, &Fog::albedo>, "", limits::kColour, "Single-scattering albedo", kNobody, Form::colour},
-    {"fog.emission", at<&P::fog, &Fog::emission>, "W/(m² sr)", limits::kRadiance,
-     "Fog that nothing is seen through emits (1 − albedo) times this", kNobody, Form::colour},
-    {"fog.phase", at<&P::fog, &Fog::phase>, "", kNone, "Phase function, as `medium.phase`", kNobody, Form::plain,
-     kPhases},
-    {"fog.anisotropy", at<&P::fog, &Fog::anisotropy>, "", limits::kAnisotropy, "a, as `medium.anisotropy`"},
-    {"fog.asymmetry", at<&P::fog, &Fog::asymmetry>, "", limits::kAsymmetry, "g, as `medium.asymmetry`"},
-    {"fog.second_asymmetry", at<&P::fog, &Fog::second_asymmetry>, "", limits::kAsymmetry,
-     "h, as `medium.second_asymmetry`"},
-    {"fog.droplet", at<&P::fog, &Fog::droplet>, "µm", limits::kDroplet, "Diameter, as `medium.droplet`"},
+    listed(usually({0, 1}, {"fog.extinction", at<&P::fog, &Fog::extinction>, "1/m", limits::kSigmaT,
+                            "Extinction at `height`; 0: no fog"})),
+    listed(usually({-30, 30}, {"fog.height", at<&P::fog, &Fog::height>, "m", limits::kPlace,
+                               "Height at which it has that extinction", kNobody, Form::height})),
+    listed(usually({0, 2}, {"fog.falloff", at<&P::fog, &Fog::falloff>, "1/m", limits::kFogFalloff,
+                            "How fast the extinction falls with height: as e^(-falloff · y); 0: it does not"})),
+    listed(usually({-30, 30}, {"fog.lo", at<&P::fog, &Fog::lo>, "m", limits::kPlace,
+                               "Height below which there is none; left out: nowhere", kNobody, Form::height})),
+    listed(usually({-30, 30}, {"fog.hi", at<&P::fog, &Fog::hi>, "m", limits::kPlace,
+                               "Height above which there is none; left out: nowhere", kNobody, Form::height})),
+    listed(usually({-30, 30}, {"fog.centre", at<&P::fog, &Fog::centre>, "m", limits::kPlace,
+                               "Centre of the ball that it fills", kNobody, Form::place})),
+    listed(usually({0, 50}, {"fog.radius", at<&P::fog, &Fog::radius>, "m", limits::kFogRadius,
+                             "Radius of that ball; 0: there is no ball"})),
+    listed({"fog.albedo", at<&P::fog, &Fog::albedo>, "", limits::kColour, "Single-scattering albedo", kNobody,
+            Form::colour}),
+    listed(usually({0, 10}, {"fog.emission", at<&P::fog, &Fog::emission>, "W/(m² sr)", limits::kRadiance,
+                             "Fog that nothing is seen through emits (1 − albedo) times this", kNobody, Form::colour})),
+    listed({"fog.phase", at<&P::fog, &Fog::phase>, "", kNone, "Phase function, as `medium.phase`", kNobody, Form::plain,
+            kPhases}),
+    listed({"fog.anisotropy", at<&P::fog, &Fog::anisotropy>, "", limits::kAnisotropy, "a, as `medium.anisotropy`"}),
+    listed({"fog.asymmetry", at<&P::fog, &Fog::asymmetry>, "", limits::kAsymmetry, "g, as `medium.asymmetry`"}),
+    listed({"fog.second_asymmetry", at<&P::fog, &Fog::second_asymmetry>, "", limits::kAsymmetry,
+            "h, as `medium.second_asymmetry`"}),
+    listed({"fog.droplet", at<&P::fog, &Fog::droplet>, "µm", limits::kDroplet, "Diameter, as `medium.droplet`"}),
 
     {"simulation.spring", at<&P::simulation, &S::spring>, "1/s²", limits::kSpring,
      "Acceleration toward a particle's home per metre of distance"},
@@ -268,55 +276,19 @@ constexpr SceneSetting kSettings[]{
      "Distance of the nodes; `auto`: 0.5. Below 0.25 sampling is cubic", kNobody, Form::or_auto},
 };
 
-constexpr size_t kLiveCount = std::count_if(std::begin(kSettings), std::end(kSettings),
-                                            [](const SceneSetting& setting) { return setting.live(); });
-constexpr std::array<const SceneSetting*, kLiveCount> kLive = [] {
-    std::array<const SceneSetting*, kLiveCount> live{};
+// The settings that `Holds` is true for.
+template <bool (*Holds)(const SceneSetting&)>
+constexpr auto kWhere = [] {
+    std::array<const SceneSetting*, std::count_if(std::begin(kSettings), std::end(kSettings), Holds)> found{};
     size_t count = 0;
     for (const SceneSetting& setting : kSettings)
-        if (setting.live()) live[count++] = &setting;
-    return live;
+        if (Holds(setting)) found[count++] = &setting;
+    return found;
 }();
-
-struct Read {
-    template <class T>
-    SettingValue operator()(const T* member) const {
-        if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, float> || std::is_same_v<T, uint32_t> ||
-                      std::is_same_v<T, glm::vec3> || std::is_same_v<T, std::string>)
-            return *member;
-        else
-            throw std::logic_error("a live setting of a type that no command has");
-    }
-};
-
-// Gives a member a value of its type.
-struct Assign {
-    const SceneSetting& setting;
-
-    void operator()(bool* to, bool value) const { *to = value; }
-    void operator()(float* to, float value) const {
-        if (std::isfinite(value)) *to = setting.allowed.clamp(value);
-    }
-    void operator()(uint32_t* to, uint32_t value) const {
-        *to = static_cast<uint32_t>(std::clamp<double>(value, setting.allowed.lo, setting.allowed.hi));
-    }
-    void operator()(glm::vec3* to, glm::vec3 value) const {
-        for (int i = 0; i < 3; ++i) {
-            if (!std::isfinite(value[i])) return;
-            value[i] = setting.allowed.clamp(value[i]);
-        }
-        const float length = glm::length(value);
-        if (setting.form != Form::direction) *to = value;
-        if (setting.form == Form::direction && length > 1e-6f) *to = value / length;
-    }
-    void operator()(std::string* to, const std::string& value) const {
-        const auto& names = setting.choices;
-        const bool known = names.empty() || std::find(names.begin(), names.end(), value) != names.end();
-        if (known && !value.empty() && value.size() <= kLongestName) *to = value;
-    }
-    template <class Member, class Value>
-    void operator()(Member, const Value&) const {} // of another type
-};
+constexpr bool standsAlone(const SceneSetting& setting) { return setting.live() && !setting.in_list; }
+constexpr bool isOfLights(const SceneSetting& setting) { return setting.in_list && setting.table() == "light"; }
+constexpr bool isOfFogs(const SceneSetting& setting) { return setting.in_list && setting.table() == "fog"; }
+constexpr auto& kLive = kWhere<standsAlone>;
 
 } // namespace
 
@@ -324,58 +296,9 @@ std::span<const SceneSetting> sceneSettings() { return kSettings; }
 
 std::span<const SceneSetting* const> liveSettings() { return kLive; }
 
-const SceneSetting* liveSetting(std::string_view path) {
-    const auto* const found = std::find_if(kLive.begin(), kLive.end(), [&](auto* one) { return one->path == path; });
-    return found == kLive.end() ? nullptr : *found;
-}
-
-const SceneSetting* quadratureSetting(const RenderSettings& render) {
-    return liveSetting("render." + render.method + ".quadrature");
-}
-
-const SceneSetting* quadratureSetting(std::string_view quadrature) {
-    for (const SceneSetting* setting : kLive)
-        if (setting->key() == "quadrature" &&
-            std::find(setting->choices.begin(), setting->choices.end(), quadrature) != setting->choices.end())
-            return setting;
-    return nullptr;
-}
-
-SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts) {
-    return std::visit(Read{}, setting.member(parts));
-}
-
-SettingValue defaultOf(const SceneSetting& setting) {
-    Medium medium;
-    SimulationSettings simulation;
-    Light light;
-    Sky sky;
-    RenderSettings render;
-    return valueOf(setting,
-                   {.medium = &medium, .simulation = &simulation, .light = &light, .sky = &sky, .render = &render});
-}
-
-std::vector<SettingValue> defaultValues() {
-    std::vector<SettingValue> values;
-    for (const SceneSetting* setting : kLive) values.push_back(defaultOf(*setting));
-    return values;
-}
-
-Change::Change(std::string_view path, SettingValue to) : setting(liveSetting(path)), value(std::move(to)) {
-    if (!setting) throw std::invalid_argument(std::string(path) + " is not a live setting");
-    if (value.index() != defaultOf(*setting).index())
-        throw std::invalid_argument(std::string(path) + " has values of another type");
-}
-
-void apply(const Change& change, const SceneParts& parts) {
-    std::visit(Assign{*change.setting}, change.setting->member(parts), change.value);
-    if (!parts.render) return;
-    IsvSettings& isv = parts.render->isv;
-    isv.steps = std::min(isv.steps, static_cast<uint32_t>(stepsAllowed(isv).hi));
-}
-
-Limits stepsAllowed(const IsvSettings& isv) {
-    return isv.quadrature == "transmittance" ? limits::kTransmittanceSteps : limits::kSteps;
+std::span<const SceneSetting* const> liveSettings(SceneList list) {
+    if (list == SceneList::lights) return kWhere<isOfLights>;
+    return kWhere<isOfFogs>;
 }
 
 } // namespace brume

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -56,10 +57,11 @@ struct SceneSetting {
     Form form = Form::plain;
     std::span<const std::string_view> choices{}; // the names that are allowed; empty: any
     Limits usual{0, 0};                          // the part of `allowed` that a slider offers; {0, 0}: all of it
+    bool in_list = false; // True: it is live in an element of a SceneList, "fog[1].extinction"; false: as it stands
 
     Limits slider() const { return usual.lo < usual.hi ? usual : allowed; }
     constexpr bool live() const { return changed_by != ChangedBy::nobody; }
-    std::string_view table() const {
+    constexpr std::string_view table() const {
         return path.substr(0, path.find_last_of('.') == path.npos ? 0 : path.find_last_of('.'));
     }
     std::string_view key() const { return path.substr(path.find_last_of('.') + 1); } // npos + 1 is 0
@@ -73,6 +75,9 @@ std::span<const SceneSetting> sceneSettings();
 // The range of render.isv.steps depends on its quadrature; the table has the widest one.
 Limits stepsAllowed(const IsvSettings& isv);
 
+// True: lights of its type have this key, "axis" for example.
+bool has(const Light& light, std::string_view key);
+
 // The choice among quadratures that the method of `render` has: the setting render.NAME.quadrature. Null if it has
 // none.
 const SceneSetting* quadratureSetting(const RenderSettings& render);
@@ -82,11 +87,33 @@ const SceneSetting* quadratureSetting(std::string_view quadrature);
 // The value of a live setting. Live settings have one of these types.
 using SettingValue = std::variant<bool, float, uint32_t, glm::vec3, std::string>;
 
-// All live settings, in the order of the table.
-std::span<const SceneSetting* const> liveSettings();
+// The lists of a scene that commands change: points and spots ([[light]] but the directional one), and fogs ([[fog]]).
+enum class SceneList : uint8_t { lights, fogs };
+inline constexpr SceneList kSceneLists[]{SceneList::lights, SceneList::fogs};
 
-// Null if there is no setting of that path, or none that can be changed while the server runs.
+inline constexpr uint32_t kNoElement = ~0u;
+// An element of a list as paths name it: "fog[1]", or one of its settings, "fog[1].extinction".
+struct ElementPath {
+    SceneList list;
+    uint32_t element;     // counts from 0, in the list as it is now; below 1,000,000
+    std::string_view key; // "extinction"; empty: the path names the element
+};
+// As a scene file calls it: "light", "fog"; and back. Nothing: there is no such list.
+std::string_view nameOf(SceneList list);
+std::optional<SceneList> sceneList(std::string_view name);
+// Nothing: the path names no element of a list.
+std::optional<ElementPath> elementPath(std::string_view path);
+
+// All live settings that stand in no list, in the order of the table.
+std::span<const SceneSetting* const> liveSettings();
+// The live settings of an element, in the order of the table.
+std::span<const SceneSetting* const> liveSettings(SceneList list);
+
+// Null if there is no setting of that path, or none that can be changed while the server runs. Settings in lists have
+// an element in their paths, which may be any.
 const SceneSetting* liveSetting(std::string_view path);
+// The setting "fog.extinction" of an element. Null if there is none that is live.
+const SceneSetting* elementSetting(SceneList list, std::string_view path);
 // Of a live setting. Precondition: its struct is among `parts`.
 SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts);
 // That of a default-constructed struct.
@@ -98,8 +125,13 @@ std::vector<SettingValue> defaultValues();
 struct Change {
     // Throws std::invalid_argument if there is no live setting of that path and type.
     Change(std::string_view path, SettingValue to);
+    // Of an element that is added. Throws likewise; `path`: as for elementSetting().
+    Change(SceneList list, std::string_view path, SettingValue to);
 
-    const SceneSetting* setting; // never null
+    std::string path() const; // as it was given
+
+    const SceneSetting* setting;   // never null
+    uint32_t element = kNoElement; // of a setting in a list; kNoElement: in the element that is added
     SettingValue value;
 };
 

@@ -20,6 +20,10 @@ replaces the setting in every element: `--set 'light.irradiance=[1, 1, 1]'`.
 Units are metres, seconds and radians; colours are linear Rec. 709. Places are world coordinates within 50 km of
 `origin`. *Live* says which role may change a setting while the server runs; others change with a restart.
 
+Commands name a fog, a point or a spot by its number in its list as it is now: `fog[0].extinction`, `light[2].position`.
+They may add and remove them, too. The directional light does not count and has no number: `light.to_light`. A list
+that has changed is restored by Restart and saved by `/scene.toml`.
+
 This page is printed by `brume-server --print-settings`; a test compares the two.
 
 ## Point clouds
@@ -154,7 +158,8 @@ constexpr Table kTables[]{
     {"simulation", "`[simulation]`", "How the particles move."},
     {"light", "`[[light]]`",
      "One that is directional at most, and up to 1,024 points and spots. A file that does not mention lights has a\n"
-     "directional one; `light = []` is a scene without. Commands change the directional one."},
+     "directional one; `light = []` is a scene without. In commands points and spots have numbers, from\n"
+     "`light[0]`; `to_light`, `irradiance` and `rotate` are of the directional one, which has none."},
     {"plane", "`[[plane]]`", "Horizontal ground, seen from above; up to 64."},
     {"box", "`[[box]]`", "Boxes and spheres together: up to 4,096."},
     {"sphere", "`[[sphere]]`", "Boxes and spheres together: up to 4,096."},

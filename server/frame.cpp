@@ -122,10 +122,20 @@ void FrameLoop::tick() {
     });
     if (asked || empty != (simulation_.liveCount() == 0)) changed_ = replan_ = true;
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
+    if (!simulation_.refused().empty()) tellRefused();
     metrics_.ticked(Millis(Clock::now() - begin).count());
     planner_->setFrameBudget(frame_ms_);
     planner_->setLawFactor(law_factor_);
     if (ticked_) ticked_(simulation_, commands_);
+}
+
+// Those who asked for what cannot be.
+void FrameLoop::tellRefused() {
+    audience_.list(viewers_);
+    for (const RefusedCommand& refused : simulation_.refused())
+        for (const auto& viewer : viewers_)
+            if (viewer->id() == refused.viewer) viewer->refuseInput({refused.seq, refused.why});
+    viewers_.clear();
 }
 
 FrameLoop::Batch* FrameLoop::freeBatch() {

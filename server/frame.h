@@ -82,6 +82,7 @@ private:
     void warmUp();
     void run();
     void tick();
+    void tellRefused();
     void takeScene();
     void begin(Simulation simulation);
     Batch* freeBatch();

@@ -22,7 +22,7 @@ RenderSettings smallShadows(RenderSettings settings) {
 WarmUp::WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, const Simulation& simulation,
                bool probed)
     : renderer_(renderer), submission_(submission), simulation_(simulation), own_(ownView(scene)), inside_(own_),
-      probed_(probed), coarse_(!featuresOf(scene, scene.medium, sunOf(scene), scene.fogs).opaque) {
+      probed_(probed), coarse_(!featuresOf(scene, simulation.now()).opaque) {
     const MediumExtent extent = planScene(scene, simulation).extent;
     inside_.pose.position = 0.5f * (extent.lo + extent.hi);
 }

@@ -38,7 +38,7 @@ double threadSeconds() {
 reference::World worldOf(const MeterJob& job) {
     const SceneNow& now = job.now;
     reference::World world =
-        reference::worldOf(*job.scene, job.particles, {now.medium, now.light, now.local_lights, now.fogs});
+        reference::worldOf(*job.scene, job.particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
     // Sky, ambient light and haze would dilute the error. What was drawn has them in it.
     if (!job.drawn) world.sky_zenith = world.sky_horizon = world.ambient = glm::dvec3(0), world.haze = 0;
     return world;

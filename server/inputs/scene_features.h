@@ -2,9 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <span>
 
 #include "common/phase_lobes.h"
+#include "server/sim/simulation.h"
 
 namespace brume {
 
@@ -28,18 +28,17 @@ inline constexpr float kNoBall = 1e15f; // m, gpu::Fog::radius of a fog that fil
 
 inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
 
-// `medium`, `sun`, `fogs`: as they are now, since commands change them. With local lights pictures always pass through
-// surfaces' targets, as with objects. A sun without irradiance has no shadows.
-inline SceneFeatures featuresOf(const Scene& scene, const Medium& medium, const Light& sun, std::span<const Fog> fogs) {
-    const bool local_lights = std::ranges::any_of(scene.lights, isLocal);
-    const bool objects = !scene.boxes.empty() || !scene.spheres.empty();
+// `now`: what commands change. With local lights pictures always pass through surfaces' targets, as with objects. A sun
+// without irradiance has no shadows.
+inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now) {
+    const bool objects = !scene.boxes.empty() || !scene.spheres.empty(), local_lights = !now.lists.lights.empty();
     const auto glows = [](const Fog& fog) { return isThere(fog) && fog.emission != glm::vec3(0); };
     return {.opaque = objects || !scene.planes.empty() || local_lights,
-            .casters = objects && sun.irradiance != glm::vec3(0),
+            .casters = objects && now.light.irradiance != glm::vec3(0),
             .ambient = scene.sky.ambient != glm::vec3(0),
-            .lobe = hasLobe(medium),
-            .fog = std::ranges::any_of(fogs, isThere),
-            .glow = std::ranges::any_of(fogs, glows),
+            .lobe = hasLobe(now.medium),
+            .fog = std::ranges::any_of(now.lists.fogs, isThere),
+            .glow = std::ranges::any_of(now.lists.fogs, glows),
             .local_lights = local_lights};
 }
 

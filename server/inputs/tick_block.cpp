@@ -109,8 +109,8 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.y = glm::cross(tick.sun.to_light, tick.map.x);
     tick.falloff = now.medium.falloff;
     tick.phase = phaseOf(now.medium);
-    addFogs(tick, now.fogs);
-    tick.local_light_count = uint32_t(now.local_lights.size());
+    addFogs(tick, now.lists.fogs);
+    tick.local_light_count = uint32_t(now.lists.lights.size());
     tick.sun.irradiance = now.light.irradiance;
     if (tick.sun.to_light.y <= 0 && !scene.planes.empty())
         tick.sun.irradiance = glm::vec3(0); // the light is below the ground

@@ -19,6 +19,8 @@ std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Pla
     for (size_t i = 0; i < report->settings.size(); ++i)
         report->settings[i] = valueOf(*liveSettings()[i], partsOf(now));
     report->settings_version = simulation.settingsVersion();
+    report->lists = now.lists;
+    report->lists_hash = simulation.listsHash();
 
     RenderSettings used = plan.chosen.settings;
     auto& told = report->plan;

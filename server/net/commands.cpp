@@ -19,10 +19,15 @@ namespace {
 // Why a setting cannot be changed: in one line, without the sender's text unless it is a setting's name.
 std::string whyNotLive(std::string_view path) {
     for (const SceneSetting& setting : sceneSettings())
-        if (setting.path == path) return fmt::format("{} changes only with a restart", path);
+        if (setting.path == path)
+            return setting.in_list ? fmt::format("{} of which? {}[0].{} is the first one's", setting.key(),
+                                                 setting.table(), setting.key())
+                                   : fmt::format("{} changes only with a restart", path);
+    const std::optional<ElementPath> at = elementPath(path);
     std::vector<std::string> names;
-    for (const SceneSetting* setting : liveSettings()) names.emplace_back(setting->path);
-    const std::string near = didYouMean(path, names);
+    for (const SceneSetting* setting : at ? liveSettings(at->list) : liveSettings())
+        names.emplace_back(at ? setting->key() : setting->path);
+    const std::string near = didYouMean(at ? at->key : path, names);
     return "no such live setting" + (near.empty() ? "; docs/scenes.md has those that there are" : near);
 }
 
@@ -54,27 +59,46 @@ public:
         return v / length;
     }
     void change(Set& set, const wire::Change& c) {
-        const SceneSetting* setting = liveSetting(c.path()->string_view());
-        if (!setting) return refuse(wire::ErrorCode::unknown_name, whyNotLive(c.path()->string_view()));
-        SettingValue value = defaultOf(*setting);
-        if (std::visit([&](auto& to) { return read(c, to); }, value))
-            add(set, {setting->path, std::move(value)});
-        else
-            refuse(wire::ErrorCode::out_of_range, fmt::format("{} has a value of another type", setting->key()));
+        const std::string_view path = c.path()->string_view();
+        if (const SceneSetting* setting = liveSetting(path)) {
+            if (auto value = valueOf(*setting, c)) add(set.changes, {path, *std::move(value)});
+        } else {
+            refuse(wire::ErrorCode::unknown_name, whyNotLive(path));
+        }
+    }
+    Add element(const wire::Add& c) {
+        Add out{list(c.list()->string_view()), {}};
+        for (uint32_t i = 0; c.changes() && i < c.changes()->size(); ++i) {
+            const wire::Change& change = *c.changes()->Get(i);
+            const std::string_view path = change.path()->string_view();
+            if (const SceneSetting* setting = elementSetting(out.list, path)) {
+                if (auto value = valueOf(*setting, change)) add(out.changes, {out.list, path, *std::move(value)});
+            } else {
+                refuse(wire::ErrorCode::unknown_name, fmt::format("no setting of a new {}; paths have no index: {}",
+                                                                  nameOf(out.list), liveSettings(out.list)[1]->path));
+            }
+        }
+        return out;
+    }
+    Remove removal(const wire::Remove& c) {
+        const std::optional<ElementPath> at = elementPath(c.path()->string_view());
+        if (at && at->key.empty()) return {at->list, at->element};
+        refuse(wire::ErrorCode::unknown_name, "no such element: fog[0] is the first fog");
+        return {};
     }
     // Adds a change where there is a value.
     void change(Set& set, std::string_view path, const wire::Vec3* value) {
-        if (value) add(set, {path, toGlm(*value)});
+        if (value) add(set.changes, {path, toGlm(*value)});
     }
     void change(Set& set, std::string_view path, const flatbuffers::String* value) {
-        if (value) add(set, {path, value->str()});
+        if (value) add(set.changes, {path, value->str()});
     }
     // A quadrature without its method's name, as SetRender has it.
     void quadrature(Set& set, const flatbuffers::String* value) {
         if (!value) return;
         const SceneSetting* setting = quadratureSetting(value->string_view());
         if (!setting) return refuse(wire::ErrorCode::unknown_name, "no such quadrature; docs/scenes.md has them");
-        add(set, {setting->path, value->str()});
+        add(set.changes, {setting->path, value->str()});
     }
     SetParticles particles(const wire::SetParticles& c) {
         ParticleRows rows;
@@ -99,10 +123,22 @@ public:
     }
     template <class T>
     void change(Set& set, std::string_view path, flatbuffers::Optional<T> value) {
-        if (value) add(set, {path, *value});
+        if (value) add(set.changes, {path, *value});
     }
 
 private:
+    SceneList list(std::string_view name) {
+        const std::optional<SceneList> found = sceneList(name);
+        if (!found) refuse(wire::ErrorCode::unknown_name, "no such list; there are light and fog");
+        return found.value_or(SceneList::fogs);
+    }
+    // Nothing, and refused: it is not of the setting's type.
+    std::optional<SettingValue> valueOf(const SceneSetting& setting, const wire::Change& c) {
+        SettingValue value = defaultOf(setting);
+        if (std::visit([&](auto& to) { return read(c, to); }, value)) return value;
+        refuse(wire::ErrorCode::out_of_range, fmt::format("{} has a value of another type", setting.key()));
+        return {};
+    }
     // False where there are not three numbers for each vector.
     static bool vectors(const flatbuffers::Vector<float>* list, std::vector<glm::vec3>& to) {
         for (uint32_t i = 0; list && i + 2 < list->size(); i += 3)
@@ -133,7 +169,7 @@ private:
         if (c.text()) to = c.text()->str();
         return c.text() != nullptr;
     }
-    void add(Set& set, Change change) {
+    void add(std::vector<Change>& changes, Change change) {
         const SceneSetting& setting = *change.setting;
         const std::string key(setting.key());
         if (auto* value = std::get_if<float>(&change.value)) number(key.c_str(), *value, setting.allowed);
@@ -142,7 +178,7 @@ private:
             *value = setting.form == Form::direction ? direction(key.c_str(), toWire(*value))
                                                      : vector(key.c_str(), toWire(*value), setting.allowed);
         if (auto* value = std::get_if<std::string>(&change.value)) known(setting, *value);
-        set.changes.push_back(std::move(change));
+        changes.push_back(std::move(change));
     }
     void known(const SceneSetting& setting, const std::string& name) {
         const std::vector<std::string> names = facts_.choicesOf(setting);
@@ -212,6 +248,10 @@ CommandBody readBody(const wire::Input& input, Reader& in) {
         return Restart{};
     case wire::Command::SetParticles:
         return in.particles(*input.command_as_SetParticles());
+    case wire::Command::Add:
+        return in.element(*input.command_as_Add());
+    case wire::Command::Remove:
+        return in.removal(*input.command_as_Remove());
     case wire::Command::NONE:
         break; // not from wire::parse
     }
@@ -222,14 +262,13 @@ CommandBody readBody(const wire::Input& input, Reader& in) {
 } // namespace
 
 wire::Role roleFor(const CommandBody& body) {
-    if (std::holds_alternative<Impulse>(body) || std::holds_alternative<MoveVolume>(body))
-        return wire::Role::controller;
     const auto* set = std::get_if<Set>(&body);
-    const bool for_controllers = set && std::all_of(set->changes.begin(), set->changes.end(), [](const Change& one) {
-                                     return one.setting->changed_by == ChangedBy::controllers;
-                                 });
-    // Operators: what a frame costs everyone, Restart, SetParticles.
-    return for_controllers ? wire::Role::controller : wire::Role::operator_;
+    const bool costs_everyone = set && std::ranges::any_of(set->changes, [](const Change& one) {
+                                    return one.setting->changed_by == ChangedBy::operators;
+                                });
+    const bool for_operators =
+        costs_everyone || std::holds_alternative<Restart>(body) || std::holds_alternative<SetParticles>(body);
+    return for_operators ? wire::Role::operator_ : wire::Role::controller;
 }
 
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,

@@ -50,11 +50,10 @@ Scene tuned(const SceneFacts& facts, const SceneReport& report) {
                            .sky = &scene.sky,
                            .render = &scene.render};
     for (size_t i = 0; i < report.settings.size(); ++i) apply({liveSettings()[i]->path, report.settings[i]}, parts);
-    const auto sun = std::ranges::find_if_not(scene.lights, isLocal);
-    if (sun != scene.lights.end())
-        *sun = light;
-    else if (light.irradiance != glm::vec3(0))
-        scene.lights.push_back(light);
+    const bool had_sun = !std::ranges::all_of(scene.lights, isLocal);
+    scene.lights = report.lists.lights;
+    if (had_sun || light.irradiance != glm::vec3(0)) scene.lights.push_back(light);
+    scene.fogs = report.lists.fogs;
     return scene;
 }
 

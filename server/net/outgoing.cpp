@@ -44,11 +44,60 @@ auto packSetting(Builder& b, const SceneSetting& setting, const ServerFacts& fac
     const auto path = packText(b, setting.path), help = packText(b, setting.help);
     const auto unit = setting.unit.empty() ? 0 : packText(b, setting.unit);
     const std::vector<std::string> choices = facts.choicesOf(setting);
+    const bool only_spots = setting.in_list && setting.table() == "light" && !has({.type = kPoint}, setting.key());
+    const auto only_type = only_spots ? packText(b, kSpot) : 0;
     const wire::Role role =
         setting.changed_by == ChangedBy::controllers ? wire::Role::controller : wire::Role::operator_;
     return wire::CreateSetting(b, path, kindOf(setting), unit, help, role, float(setting.allowed.lo),
                                float(setting.allowed.hi), float(setting.slider().lo), float(setting.slider().hi),
-                               choices.empty() ? 0 : packStrings(b, choices));
+                               choices.empty() ? 0 : packStrings(b, choices), only_type);
+}
+
+auto packSettings(Builder& b, std::span<const SceneSetting* const> all, const ServerFacts& facts) {
+    std::vector<flatbuffers::Offset<wire::Setting>> settings;
+    for (const SceneSetting* setting : all) settings.push_back(packSetting(b, *setting, facts));
+    return b.CreateVector(settings);
+}
+
+auto packLists(Builder& b, const ServerFacts& facts) {
+    std::vector<flatbuffers::Offset<wire::List>> lists;
+    for (const SceneList list : kSceneLists) {
+        const auto name = packText(b, nameOf(list));
+        const auto settings = packSettings(b, liveSettings(list), facts);
+        lists.push_back(wire::CreateList(b, name, uint32_t(mostOf(list)), settings));
+    }
+    return b.CreateVector(lists);
+}
+
+// Appends a value as Elements.values has it.
+struct AppendTo {
+    std::vector<float>& values;
+    const std::vector<std::string>& choices;
+
+    void operator()(const glm::vec3& vector) const { values.insert(values.end(), {vector.x, vector.y, vector.z}); }
+    void operator()(const std::string& text) const {
+        values.push_back(float(std::ranges::find(choices, text) - choices.begin()));
+    }
+    template <class Number>
+    void operator()(Number number) const {
+        values.push_back(float(number));
+    }
+};
+
+auto packElements(Builder& b, SceneLists lists, const ServerFacts& facts) {
+    std::vector<flatbuffers::Offset<wire::Elements>> all;
+    std::vector<float> values;
+    for (const SceneList list : kSceneLists) {
+        std::vector<std::vector<std::string>> choices;
+        for (const SceneSetting* setting : liveSettings(list)) choices.push_back(facts.choicesOf(*setting));
+        values.clear();
+        for (uint32_t element = 0; element < lists.size(list); ++element)
+            for (size_t i = 0; i < choices.size(); ++i)
+                std::visit(AppendTo{values, choices[i]},
+                           valueOf(*liveSettings(list)[i], partsOf(lists, list, element)));
+        all.push_back(wire::CreateElements(b, b.CreateVector(values)));
+    }
+    return b.CreateVector(all);
 }
 
 struct PackValue {
@@ -93,20 +142,19 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
         const auto server = b.CreateString("brume " BRUME_VERSION);
         const auto scene = packText(b, shown.scene.name), device = packText(b, facts.device);
         const auto methods = packStrings(b, facts.methods), quadratures = packStrings(b, quadratureNames());
-        std::vector<flatbuffers::Offset<wire::Setting>> settings;
-        for (const SceneSetting* setting : liveSettings()) settings.push_back(packSetting(b, *setting, facts));
-        const auto packed_settings = b.CreateVector(settings);
+        const auto settings = packSettings(b, liveSettings(), facts);
         const auto resume = packText(b, viewer.key());
         const auto starts = packValues(b, shown.starts);
         const auto scenes = packStrings(b, shown.others);
+        const auto lists = packLists(b, facts);
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
                                    float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera,
-                                   methods, quadratures, resume, viewer.resumed(), role, packed_settings, starts,
-                                   scenes);
+                                   methods, quadratures, resume, viewer.resumed(), role, settings, starts, scenes,
+                                   lists);
     });
 }
 
-wire::Packed packSceneState(const SceneReport& report, uint32_t viewers) {
+wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const ServerFacts* lists_for) {
     return wire::pack([&](Builder& b) {
         std::vector<flatbuffers::Offset<wire::PassTime>> passes;
         passes.reserve(report.passes.size());
@@ -115,6 +163,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers) {
         const auto packed_passes = b.CreateVector(passes);
         const auto packed_values = packValues(b, report.settings);
         const auto plan = packPlan(b, report);
+        const auto lists = lists_for ? packElements(b, report.lists, *lists_for) : 0;
         // For viewers older than SceneState.settings: what there was then. New settings need nothing here.
         const auto number = [&](const char* path) { return valueIn<float>(report, path); };
         const auto vector = [&](const char* path) { return toWire(valueIn<glm::vec3>(report, path)); };
@@ -128,7 +177,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers) {
                                       number("light.rotate"), number("medium.extinction"), number("medium.falloff"),
                                       number("medium.anisotropy"), number("medium.asymmetry"), &albedo, method,
                                       quadrature, valueIn<uint32_t>(report, "render.isv.steps"),
-                                      number("render.exposure"), packed_passes, plan, packed_values, &lo, &hi);
+                                      number("render.exposure"), packed_passes, plan, packed_values, &lo, &hi, lists);
     });
 }
 

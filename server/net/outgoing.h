@@ -11,7 +11,8 @@ namespace brume::net {
 // `shown`: the scene that is shown.
 wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience,
                          const SceneFacts& shown, wire::Role role);
-wire::Packed packSceneState(const SceneReport& report, uint32_t viewers);
+// `lists_for`: of the server, to tell the elements of the scene's lists, too; null: they are left out.
+wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const ServerFacts* lists_for = nullptr);
 // A frame's message without its JPEG bytes, which follow it. `queue_ms`: time since the JPEG was ready.
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms);
 wire::Packed packError(wire::ErrorCode code, std::string_view text, uint32_t input_seq);

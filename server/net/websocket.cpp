@@ -12,6 +12,7 @@
 #include "server/net/origin.h"
 #include "server/net/outgoing.h"
 #include "server/net/pings.h"
+#include "server/net/scene_news.h"
 #include "server/net/session_rules.h"
 #include "server/net/tcp_state.h"
 #include "server/net/viewer_handle.h"
@@ -23,7 +24,6 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
 constexpr auto kHeartbeat = std::chrono::milliseconds(100); // how often deadlines and news of the scene are checked
-constexpr auto kStatePeriod = std::chrono::seconds(1);
 constexpr size_t kMaxControl = 64; // control messages that wait for the socket; with so many, run() reads no more
 constexpr auto kCloseHandshake = std::chrono::seconds(1);
 constexpr float kRetryFull = 5, kRetryRestart = 2; // s: Goodbye::retry_after_s of a full and of a stopping server
@@ -43,7 +43,7 @@ public:
           mere_(context_->options.max_message_bytes, ws_.next_layer().received()),
           rules_(context_->options, context_->audience.facts(), Clock::now(), authorization_),
           event_(std::make_shared<Event>(ws_.get_executor())), taken_(std::make_shared<Event>(ws_.get_executor())),
-          heartbeat_(ws_.get_executor()) {}
+          heartbeat_(ws_.get_executor()), news_(context_->audience) {}
 
     void start(const HttpRequest& request) {
         slot_->assign(shared_from_this());
@@ -79,6 +79,7 @@ private:
     void log(const std::string& line) const { context_->log.write(spdlog::level::info, slot_->network(), line); }
 
     void enqueue(wire::Packed message);
+    void tellRefusedInputs();
     bool newsAreDue() const;
     wire::Packed welcome();
     wire::Packed takeNews();
@@ -101,10 +102,8 @@ private:
     std::optional<Clock::time_point> write_began_;
     bool backlog_ = false;                           // true: bytes waited for the link since the last heartbeat
     std::optional<websocket::close_reason> closing_; // set: write() closes once control_ is empty
-    uint64_t revision_told_ = 0;
-    std::shared_ptr<const SceneFacts> shown_; // that the viewer was told of
-    PoseRequest granted_;                     // by the hello
-    Clock::time_point state_told_{};
+    SceneNews news_;
+    PoseRequest granted_; // by the hello
     bool ended_ = false;
 };
 
@@ -171,6 +170,7 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
 asio::awaitable<void> WebSocketSession::write() {
     while (!ended_) {
         error_code error;
+        tellRefusedInputs();
         if (!control_.empty() || ping_due_ || newsAreDue()) {
             wire::Packed message;
             if (ping_due_) {
@@ -357,24 +357,25 @@ void WebSocketSession::enqueue(wire::Packed message) {
     event_->notify();
 }
 
-bool WebSocketSession::newsAreDue() const {
-    return handle_ && !closing_ &&
-           (context_->audience.revision() != revision_told_ || Clock::now() - state_told_ >= kStatePeriod);
+// Of commands that turned out to be impossible at their tick.
+void WebSocketSession::tellRefusedInputs() {
+    if (!handle_) return;
+    for (const Viewer::RefusedInput& input : handle_->viewer().takeRefusedInputs()) {
+        context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::out_of_range));
+        enqueue(packError(wire::ErrorCode::out_of_range, input.why, input.seq));
+    }
 }
 
+bool WebSocketSession::newsAreDue() const { return handle_ && !closing_ && news_.due(Clock::now()); }
+
 wire::Packed WebSocketSession::welcome() {
-    shown_ = context_->audience.scene();
-    rules_.shows({shown_->scene.medium.layout, shown_->scene.medium.count});
-    return packWelcome(handle_->viewer(), granted_, context_->audience, *shown_, authorization_.role);
+    const SceneFacts& shown = news_.takeScene();
+    rules_.shows({shown.scene.medium.layout, shown.scene.medium.count});
+    return packWelcome(handle_->viewer(), granted_, context_->audience, shown, authorization_.role);
 }
 
 // Another scene is told of first, and what changed in it by the next call.
-wire::Packed WebSocketSession::takeNews() {
-    if (context_->audience.scene() != shown_) return welcome();
-    revision_told_ = context_->audience.revision(); // read before the report: a change in between is sent again
-    state_told_ = Clock::now();
-    return packSceneState(*context_->audience.report(), context_->audience.size());
-}
+wire::Packed WebSocketSession::takeNews() { return news_.anotherScene() ? welcome() : news_.takeState(Clock::now()); }
 
 // Ends the session once. Every coroutine then finds ended_ set or its operation aborted.
 void WebSocketSession::finish(std::string_view why) {

@@ -31,7 +31,7 @@ template <class F>
 void eachField(Restart&, F&&) {}
 
 // In the order of CommandBody.
-constexpr const char* kNames[] = {"impulse", "move_volume", "set", "restart", "set_particles"};
+constexpr const char* kNames[] = {"impulse", "move_volume", "set", "restart", "set_particles", "add", "remove"};
 static_assert(std::size(kNames) == std::variant_size_v<CommandBody>);
 
 template <class T>
@@ -74,13 +74,15 @@ json fieldsOf(Body body) {
     return fields;
 }
 // A list of [path, value], since their order counts.
-json fieldsOf(const Set& set) {
-    json changes = json::array();
-    for (const Change& change : set.changes)
-        changes.push_back(
-            {change.setting->path, std::visit([](const auto& value) { return valueOf(value); }, change.value)});
-    return changes;
+json pairsOf(const std::vector<Change>& changes) {
+    json pairs = json::array();
+    for (const Change& change : changes)
+        pairs.push_back({change.path(), std::visit([](const auto& value) { return valueOf(value); }, change.value)});
+    return pairs;
 }
+json fieldsOf(const Set& set) { return pairsOf(set.changes); }
+json fieldsOf(const Add& add) { return {{"list", nameOf(add.list)}, {"changes", pairsOf(add.changes)}}; }
+json fieldsOf(const Remove& remove) { return {{"list", nameOf(remove.list)}, {"element", remove.element}}; }
 
 // The floats of a list, eight hexadecimal digits each: short, and bit for bit.
 template <class T>
@@ -116,12 +118,24 @@ json fieldsOf(const SetParticles& set) {
             {"albedos", digitsOf(rows.albedos)}};
 }
 
-Change changeOf(const std::string& path, const json& in) {
-    const SceneSetting* setting = liveSetting(path);
+SettingValue readValue(const SceneSetting* setting, const std::string& path, const json& in) {
     if (!setting) throw std::runtime_error("no live setting is called " + path);
     SettingValue value = defaultOf(*setting);
     std::visit([&](auto& to) { read(in, to); }, value);
-    return {path, std::move(value)};
+    return value;
+}
+template <class ChangeOf>
+void readPairs(const json& pairs, std::vector<Change>& changes, ChangeOf changeOf) {
+    for (const json& pair : pairs) {
+        if (!pair.is_array() || pair.size() != 2) throw std::runtime_error("a change is [path, value]");
+        changes.push_back(changeOf(pair.at(0).get<std::string>(), pair.at(1)));
+    }
+}
+SceneList listIn(const std::string& name, const json& fields) {
+    if (fields.size() != 2) throw std::runtime_error("a field that " + name + " does not have");
+    const auto list = sceneList(fields.at("list").get<std::string>());
+    if (!list) throw std::runtime_error("no list of that name");
+    return *list;
 }
 
 template <class Body>
@@ -130,11 +144,19 @@ void readFields(const std::string& name, const json& fields, Body& body) {
     eachField(body, reader);
     if (reader.taken != fields.size()) throw std::runtime_error("a field that " + name + " does not have");
 }
-void readFields(const std::string&, const json& changes, Set& set) {
-    for (const json& change : changes) {
-        if (!change.is_array() || change.size() != 2) throw std::runtime_error("a change is [path, value]");
-        set.changes.push_back(changeOf(change.at(0).get<std::string>(), change.at(1)));
-    }
+void readFields(const std::string&, const json& pairs, Set& set) {
+    readPairs(pairs, set.changes, [](const std::string& path, const json& in) {
+        return Change(path, readValue(liveSetting(path), path, in));
+    });
+}
+void readFields(const std::string& name, const json& fields, Add& add) {
+    add.list = listIn(name, fields);
+    readPairs(fields.at("changes"), add.changes, [&](const std::string& path, const json& in) {
+        return Change(add.list, path, readValue(elementSetting(add.list, path), path, in));
+    });
+}
+void readFields(const std::string& name, const json& fields, Remove& remove) {
+    remove = {listIn(name, fields), fields.at("element").get<uint32_t>()};
 }
 
 void readFields(const std::string& name, const json& fields, SetParticles& set) {

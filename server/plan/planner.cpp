@@ -49,7 +49,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     const std::vector<gpu::Opaque> objects = opaqueObjects(scene);
     PlanScene out;
     out.wanted = now.render;
-    out.features = featuresOf(scene, now.medium, now.light, now.fogs);
+    out.features = featuresOf(scene, now);
     out.lobe_width = lobesOf(now.medium).width();
     out.objects = std::min(uint32_t(objects.size()), kMostCounted);
     out.casters = std::min(uint32_t(scene.boxes.size() + scene.spheres.size()), kMostCounted);

@@ -11,13 +11,6 @@ namespace {
 
 constexpr size_t kMostOfCells = 64; // objects
 
-// What commands do not turn on and off.
-SceneFeatures lasting(const Scene& scene, const SceneFeatures& besides) {
-    SceneFeatures features = featuresOf(scene, scene.medium, sunOf(scene), {});
-    features.lobe = features.casters = false;
-    return features | besides;
-}
-
 } // namespace
 
 std::span<const PictureView> Submission::pictures() {
@@ -31,11 +24,10 @@ void Submission::giveBack() {
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
-    : device_(device), scene_(scene), objects_(device, scene), features_(lasting(scene, besides)),
-      upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device),
-      particle_light_(device, capacity), local_lights_(device), surfaces_(device, scene),
-      depth_order_(device, capacity), compose_(device), probe_(device), cells_(device),
-      linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
+    : device_(device), scene_(scene), objects_(device, scene), besides_(besides), upload_(device, capacity),
+      shadow_volume_(device, capacity), opaque_shadow_(device), particle_light_(device, capacity),
+      local_lights_(device), surfaces_(device, scene), depth_order_(device, capacity), compose_(device), probe_(device),
+      cells_(device), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
       coarse_targets_(device) {}
 
 Renderer::~Renderer() = default;
@@ -45,8 +37,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                       const RenderSettings* settings, bool full) {
     now_ = simulation.now();
     if (settings) now_.render = *settings;
-    const SceneFeatures features = features_ | featuresOf(scene_, now_.medium, now_.light, now_.fogs);
-    Method& method = methodFor(now_.render, features);
+    features_ = besides_ | featuresOf(scene_, now_);
+    Method& method = methodFor(now_.render);
     const MethodNeeds needs = method.needs();
     if (needs.one_medium) now_.render.merge = 0;
     step_ = drawingStep(needs);
@@ -66,7 +58,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.record(s.commands, s.particles_);
     recordLight(s, needs);
 
-    gatherInputs(s, blocks, eyes, features);
+    gatherInputs(s, blocks, eyes);
     s.uniforms_.flush();
     const std::span<const ViewGroup> groups = groupsOf(method);
     compose_.prepare(groups);
@@ -76,12 +68,12 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     for (const ViewGroup& group : groups) {
         targets_.use(cmd, *group.any->target);
         if (needsSurfaces(group, before)) {
-            if (features.local_lights) local_lights_.recordBins(s.commands, *group.any);
+            if (features_.local_lights) local_lights_.recordBins(s.commands, *group.any);
             surfaces_.record(s.commands, *group.any);
         }
         if (has_medium && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
         if (has_medium) method.recordGroup(s.commands, group);
-        if (features.local_lights && group.field) local_lights_.record(s.commands, group);
+        if (features_.local_lights && group.field) local_lights_.record(s.commands, group);
         compose_.record(s.commands, group);
         if (has_medium && !s.probe.pixels.empty()) probe_.record(s.commands, group, s.probe, views_[s.probe.eye]);
         before = group.any;
@@ -111,19 +103,19 @@ void Renderer::giveBack() {
 
 // The method compiled for these settings. The two methods used last are kept: switching between two costs nothing, and
 // memory is bounded.
-Method& Renderer::methodFor(const RenderSettings& settings, const SceneFeatures& features) {
+Method& Renderer::methodFor(const RenderSettings& settings) {
     const MethodPlan* plan = planOf(settings.method);
     const uint32_t variant = plan ? plan->variant(settings) : 0;
     const auto made = std::find_if(methods_.begin(), methods_.end(), [&](const Made& m) {
-        return m.plan == plan && m.variant == variant && m.features == features;
+        return m.plan == plan && m.variant == variant && m.features == features_;
     });
     if (made != methods_.end()) {
         std::rotate(methods_.begin(), made, made + 1);
         return *methods_.front().method;
     }
     if (methods_.size() >= most_methods_) methods_.resize(most_methods_ - 1); // before the new one: memory is bounded
-    auto method = makeMethod({device_, depth_order_, settings, features});
-    methods_.insert(methods_.begin(), {plan, variant, features, std::move(method)});
+    auto method = makeMethod({device_, depth_order_, settings, features_});
+    methods_.insert(methods_.begin(), {plan, variant, features_, std::move(method)});
     return *methods_.front().method;
 }
 
@@ -167,7 +159,7 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
 void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes) {
     light_blocks_.clear();
     uint32_t volumes = 0;
-    for (const Light& light : now_.local_lights) {
+    for (const Light& light : now_.lists.lights) {
         gpu::LocalLight& block = light_blocks_.emplace_back(localLightBlock(light));
         if (upload_.tick().particle_count > 0 && light.shadows) setVolume(block, upload_.extent(), volumes++);
     }
@@ -203,8 +195,7 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     }
 }
 
-void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes,
-                            const SceneFeatures& features) {
+void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes) {
     shared_ = {.settings = &now_.render,
                .objects = &objects_.objects,
                .object_nodes = &objects_.nodes,
@@ -219,7 +210,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .linear = &linear_,
                .nearest = &nearest_,
                .lobe_width = float(lobesOf(now_.medium).width()),
-               .features = features,
+               .features = features_,
                .lone_fog = upload_.tick().fog_count == 1 && upload_.tick().fogs[0].radius > kNoBall,
                .uses_target = features_.opaque || compose_.keepsRadiance()};
     inputs_.clear();

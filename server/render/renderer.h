@@ -94,16 +94,15 @@ public:
     std::vector<glm::vec4> readRadiance();
 
 private:
-    Method& methodFor(const RenderSettings& settings, const SceneFeatures& features);
+    Method& methodFor(const RenderSettings& settings);
     uint32_t drawingStep(const MethodNeeds& needs) const;
-    bool hasMedium() { return !upload_.all().empty() || shared_.features.fog; }
+    bool hasMedium() { return !upload_.all().empty() || features_.fog; }
     // True: surfaces are drawn at every pixel and the medium at every step_-th, with what lies between interpolated.
     bool drawsCoarsely() const { return step_ > 1 && features_.opaque; }
     void fitPictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
     void writeLocalLights(Submission& submission, std::span<const EyeRequest> eyes);
     void recordLight(Submission& submission, const MethodNeeds& needs);
-    void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes,
-                      const SceneFeatures& features);
+    void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
     void recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye);
@@ -112,7 +111,7 @@ private:
     const gpu::Device& device_;
     const Scene scene_;
     const ObjectBuffers objects_;
-    const SceneFeatures features_; // those that commands do not change
+    const SceneFeatures besides_; // those that are drawn with, whatever the scene has
     TickUpload upload_;
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
@@ -139,6 +138,7 @@ private:
 
     // Of the present submission.
     SceneNow now_;
+    SceneFeatures features_;
     std::vector<gpu::LocalLight> light_blocks_;
     uint32_t step_ = 1;             // one pixel is drawn for step_ x step_ of the finished pictures
     std::vector<EyeRequest> drawn_; // the pixels that are drawn: all, or every step_-th

@@ -30,8 +30,17 @@ struct Set { // gives live settings new values
     std::vector<Change> changes; // made in this order
 };
 struct Restart {};
+struct Add { // a light or a fog, after those that there are
+    SceneList list = SceneList::fogs;
+    std::vector<Change>
+        changes; // of the new element, which begins with the defaults of a scene file; a light is a point
+};
+struct Remove { // the elements behind it move up
+    SceneList list = SceneList::fogs;
+    uint32_t element = 0;
+};
 
-using CommandBody = std::variant<Impulse, MoveVolume, Set, Restart, SetParticles>;
+using CommandBody = std::variant<Impulse, MoveVolume, Set, Restart, SetParticles, Add, Remove>;
 
 struct Command {
     uint32_t viewer = 0; // who asked

@@ -62,11 +62,16 @@ glm::vec3 turned(glm::vec3 v, float angle) {
 struct Simulation::State {
     State(const Scene& scene, uint64_t most_bytes);
 
-    void apply(const Impulse& c);
-    void apply(const MoveVolume& c);
-    void apply(const Set& c);
-    void apply(const Restart&);
-    void apply(const SetParticles& c);
+    // Each returns why the command is refused, in one line; empty: it is not.
+    std::string apply(const Impulse& c);
+    std::string apply(const MoveVolume& c);
+    std::string apply(const Set& c);
+    std::string apply(const Restart&);
+    std::string apply(const SetParticles& c);
+    std::string apply(const Add& c);
+    std::string apply(const Remove& c);
+    template <class Edit>
+    std::string change(Edit edit);
 
     void advance(); // one step of the particles, the volume and the light
     void settle();  // what follows from the rest: sigma, bounds, hash
@@ -85,13 +90,17 @@ struct Simulation::State {
     std::optional<Columns> first_columns; // as after loading, for Restart
     SceneNow first_now;
 
+    SceneLists tried; // those that a command would make
+    uint64_t lists_hash = 0;
+    std::vector<RefusedCommand> refused; // in this tick
+
     uint64_t tick = 0, hash = 0, origin = 0; // origin: a hash of the seed and all columns at the start
     uint32_t impulses = 0;                   // in this tick
     Bounds bounds;
 };
 
 Simulation::State::State(const Scene& scene, uint64_t most_bytes)
-    : now{scene.medium, sunOf(scene), localLightsOf(scene), scene.fogs, scene.render, scene.simulation} {
+    : now{scene.medium, sunOf(scene), {localLightsOf(scene), scene.fogs}, scene.render, scene.simulation} {
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);
@@ -132,7 +141,8 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
     first_step = motion->runUp();
     while (steps < first_step) advance();
     now.light = sunOf(scene); // which the run-up has turned,
-    now.local_lights = localLightsOf(scene);
+    now.lists.lights = localLightsOf(scene);
+    lists_hash = hashOf(now.lists);
     StateHash all;
     all.add(scene.medium.seed);
     for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c)
@@ -147,11 +157,11 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
     first_now = now;
 }
 
-void Simulation::State::apply(const Impulse& c) {
+std::string Simulation::State::apply(const Impulse& c) {
     const float length = glm::length(c.direction);
     if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-3f && length < 1e3f))
-        return;
-    if (impulses++ >= kMostImpulses) return; // of a recording: CommandQueue refuses them
+        return {};
+    if (impulses++ >= kMostImpulses) return {}; // of a recording: CommandQueue refuses them
     const float strength = limits::kStrength.clamp(c.strength);
     Push p{.origin = clamped(c.origin, limits::kPlace),
            .direction = c.direction / length,
@@ -162,34 +172,66 @@ void Simulation::State::apply(const Impulse& c) {
     } else {
         p.along = clamped(c.push, limits::kSpeed) * strength;
     }
-    if (!motion->yields()) return;
-    for (const Rows run : motion->living()) push(*columns, run, p);
+    if (motion->yields())
+        for (const Rows run : motion->living()) push(*columns, run, p);
+    return {};
 }
 
-void Simulation::State::apply(const MoveVolume& c) {
+std::string Simulation::State::apply(const MoveVolume& c) {
     if (finite(c.offset)) moved = clamped(moved + clamped(c.offset, limits::kPlace), limits::kPlace);
+    return {};
 }
 
-void Simulation::State::apply(const Set& c) {
-    for (const Change& change : c.changes) brume::apply(change, partsOf(now));
+// Changes the lists as `edit` does, or says why that cannot be: then they stay.
+template <class Edit>
+std::string Simulation::State::change(Edit edit) {
+    tried = now.lists;
+    std::string problem = edit(tried);
+    if (problem.empty()) problem = problemOf(tried, now.medium.layout != Layout::none);
+    if (!problem.empty()) return problem;
+    std::swap(now.lists, tried);
+    lists_hash = hashOf(now.lists);
     ++settings_version;
+    return {};
+}
+
+std::string Simulation::State::apply(const Add& c) {
+    return change([&](SceneLists& lists) { return add(lists, c.list, c.changes); });
+}
+
+std::string Simulation::State::apply(const Remove& c) {
+    return change([&](SceneLists& lists) { return remove(lists, c.list, c.element); });
+}
+
+// All changes, or none.
+std::string Simulation::State::apply(const Set& c) {
+    const bool lists = std::ranges::any_of(c.changes, [](const Change& one) { return one.setting->in_list; });
+    std::string problem = lists ? change([&](SceneLists& to) { return set(to, c.changes); }) : "";
+    if (!problem.empty()) return problem;
+    for (const Change& one : c.changes)
+        if (!one.setting->in_list) brume::apply(one, partsOf(now));
+    ++settings_version;
+    return problem;
 }
 
 // Everything as after loading, only the tick goes on.
-void Simulation::State::apply(const Restart&) {
+std::string Simulation::State::apply(const Restart&) {
     columns->copyFrom(*first_columns);
     motion->restart();
     steps = first_step;
     moved = glm::vec3(0);
-    now.local_lights = first_now.local_lights;
+    now.lists = first_now.lists;
+    lists_hash = hashOf(now.lists);
     for (const SceneSetting* setting : liveSettings()) copy(*setting, partsOf(first_now), partsOf(now));
     ++settings_version;
+    return {};
 }
 
 // Of a recording they are not checked yet.
-void Simulation::State::apply(const SetParticles& c) {
+std::string Simulation::State::apply(const SetParticles& c) {
     if (problemOf(c, rows).empty())
         motion->set(*columns, c, {.number = steps, .volume = volume(), .settings = now.simulation});
+    return {};
 }
 
 // Moved by commands, adrift and asway; a closed form of the number of steps, so that no rounding piles up.
@@ -205,7 +247,7 @@ void Simulation::State::advance() {
     ++steps;
     motion->step(*columns, {.number = steps, .volume = volume(), .settings = now.simulation});
     if (now.light.rotate != 0) now.light.to_light = glm::normalize(turned(now.light.to_light, now.light.rotate * kDt));
-    for (Light& light : now.local_lights)
+    for (Light& light : now.lists.lights)
         if (light.orbit != 0) light.position = light.pivot + turned(light.position - light.pivot, light.orbit * kDt);
 }
 
@@ -233,6 +275,9 @@ uint64_t Simulation::State::hashed() {
     eachLive<glm::vec3>(parts, [&](const glm::vec3& value) { out.add(std::span(&value.x, 3)); });
     eachLive<float>(parts, [&](const float& value) { out.add(std::span(&value, 1)); });
     eachLive<std::string>(parts, [&](const std::string& value) { out.add(std::string_view(value)); });
+    out.add(lists_hash);
+    for (const Light& light : now.lists.lights)
+        if (light.orbit != 0) out.add(std::span(&light.position.x, 3));
     out.add(steps);
     out.add(motion->history());
     eachLive<uint32_t>(parts, [&](uint32_t value) { out.add(uint64_t{value}); });
@@ -251,13 +296,18 @@ void Simulation::step(std::span<const Command> commands) {
     State& s = *state_;
     ++s.tick;
     s.impulses = 0;
-    for (const Command& command : commands) std::visit([&](const auto& body) { s.apply(body); }, command.body);
+    s.refused.clear();
+    for (const Command& command : commands)
+        if (std::string why = std::visit([&](const auto& body) { return s.apply(body); }, command.body); !why.empty())
+            s.refused.push_back({command.viewer, command.seq, std::move(why)});
     if (!s.now.simulation.paused) s.advance();
     s.settle();
 }
 
 uint64_t Simulation::tick() const { return state_->tick; }
 uint64_t Simulation::stateHash() const { return state_->hash; }
+std::span<const RefusedCommand> Simulation::refused() const { return state_->refused; }
+uint64_t Simulation::listsHash() const { return state_->lists_hash; }
 uint64_t Simulation::settingsVersion() const { return state_->settings_version; }
 uint32_t Simulation::liveCount() const { return state_->motion->liveCount(); }
 uint32_t Simulation::capacity() const { return state_->rows; }

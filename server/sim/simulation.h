@@ -8,6 +8,7 @@
 #include "common/scene.h"
 #include "common/settings.h"
 #include "server/sim/command.h"
+#include "server/sim/lists.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -24,15 +25,20 @@ struct Bounds {
 struct SceneNow {
     Medium medium;
     Light light; // the directional one
-    std::vector<Light> local_lights;
-    std::vector<Fog> fogs;
+    SceneLists lists;
     RenderSettings render;
     SimulationSettings simulation;
 };
-// Where its settings lie.
+// Where its settings lie that are in no list.
 inline SceneParts partsOf(SceneNow& now) {
     return {.medium = &now.medium, .simulation = &now.simulation, .light = &now.light, .render = &now.render};
 }
+
+// A command that asked for what cannot be: it changed nothing.
+struct RefusedCommand {
+    uint32_t viewer = 0, seq = 0; // Command's
+    std::string why;              // one line
+};
 
 struct PointCloudFacts; // server/sim/layout.h
 
@@ -48,12 +54,17 @@ public:
     // The state before the first step is of this tick, not of tick 0. Precondition: nothing was stepped.
     void countFrom(uint64_t tick);
 
-    // One tick of 1/60 s: applies the commands in order, then moves the particles unless paused. Allocates nothing.
+    // One tick of 1/60 s: applies the commands in order, then moves the particles unless paused. Allocates nothing but
+    // for commands that change lists.
     void step(std::span<const Command> commands);
+    // Of the last step.
+    std::span<const RefusedCommand> refused() const;
 
     uint64_t tick() const;
     // 64-bit hash of the whole state after the last step; equal seeds and commands give equal hashes.
     uint64_t stateHash() const;
+    // Of the lists after the last command that changed them: all live settings of their elements.
+    uint64_t listsHash() const;
     // A number that grows when a command sets settings. What changes by itself (a turning light) leaves it as it is.
     uint64_t settingsVersion() const;
     uint32_t liveCount() const;

@@ -44,7 +44,9 @@ std::shared_ptr<const SceneFacts> sceneFacts(const Scene& scene, std::vector<std
 
 std::vector<std::string> ServerFacts::choicesOf(const SceneSetting& setting) const {
     if (setting.path == "render.method") return methods;
-    return {setting.choices.begin(), setting.choices.end()};
+    std::vector<std::string> choices(setting.choices.begin(), setting.choices.end());
+    if (setting.in_list) std::erase(choices, kDirectional); // stands in no list
+    return choices;
 }
 
 Audience::Audience(ServerFacts facts, std::shared_ptr<const SceneFacts> scene, uint32_t max_viewers,

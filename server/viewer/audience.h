@@ -12,6 +12,7 @@
 #include "common/settings.h"
 #include "server/error/error_window.h"
 #include "server/sim/command.h"
+#include "server/sim/lists.h"
 #include "server/viewer/replay_control.h"
 #include "server/viewer/scene_requests.h"
 #include "server/viewer/viewer.h"
@@ -26,6 +27,8 @@ struct SceneReport {
     // Of liveSettings(), in that order: as the scene and commands ask for.
     std::vector<SettingValue> settings = defaultValues();
     uint64_t settings_version = 0; // Simulation::settingsVersion()
+    SceneLists lists;
+    uint64_t lists_hash = 0; // Simulation::listsHash()
     struct {
         std::string method;
         std::string quadrature;       // empty for a method without a choice

@@ -224,6 +224,21 @@ std::string Viewer::refusal() const {
     return refusal_;
 }
 
+void Viewer::refuseInput(RefusedInput input) {
+    {
+        const std::scoped_lock lock(mutex_);
+        if (refused_inputs_.size() == kMostRefusedInputs) return;
+        refused_inputs_.push_back(std::move(input));
+    }
+    const std::scoped_lock lock(notify_mutex_);
+    if (notify_) notify_();
+}
+
+std::vector<Viewer::RefusedInput> Viewer::takeRefusedInputs() {
+    const std::scoped_lock lock(mutex_);
+    return std::exchange(refused_inputs_, {});
+}
+
 Viewer::Counts Viewer::counts() const {
     const std::scoped_lock lock(mutex_);
     Counts counts = counts_;

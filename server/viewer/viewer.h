@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/viewer/history.h"
 #include "server/viewer/pacing.h"
@@ -59,6 +60,12 @@ public:
     Clock::duration observe(Clock::time_point now, bool backlog = true);
     // The reason why the frame loop refuses this viewer; empty: it does not.
     std::string refusal() const;
+    // Inputs that the simulation refused since the last call.
+    struct RefusedInput {
+        uint32_t seq;
+        std::string why; // one line
+    };
+    std::vector<RefusedInput> takeRefusedInputs();
     // To be called when the connection has ended. Stops rendering and notifying; waits for a running notify.
     void close();
 
@@ -98,6 +105,8 @@ public:
     // This viewer's pictures cannot be drawn. Nothing is due any more, and its connection ends with this reason, one
     // line.
     void refuse(std::string reason);
+    // An input of this viewer was taken, and changed nothing.
+    void refuseInput(RefusedInput input);
 
     struct Counts {
         uint64_t rendered = 0, sent = 0, superseded = 0, acknowledged = 0;
@@ -140,7 +149,9 @@ private:
     Counts counts_;
     History history_;
     std::string refusal_;
-    bool closed_ = false; // True: close() was called
+    static constexpr size_t kMostRefusedInputs = 256;
+    std::vector<RefusedInput> refused_inputs_; // that the connection has not told yet; further ones are not told
+    bool closed_ = false;                      // True: close() was called
 };
 
 } // namespace brume

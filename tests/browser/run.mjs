@@ -417,6 +417,7 @@ test('a full server refuses politely, and lets in who waits when there is room',
 await import('./element.mjs');
 await import('./eyes.mjs');
 await import('./links.mjs');
+await import('./lists.mjs');
 await import('./scenes.mjs');
 await import('./trust.mjs');
 await import('./window.mjs');

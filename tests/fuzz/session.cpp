@@ -83,10 +83,14 @@ public:
     }
     void operator()(const MoveVolume& c) { promise(within(c.offset, limits::kPlace), "a move within limits"); }
     void operator()(const Set& c) {
-        for (const Change& change : c.changes) {
-            promise(change.setting != nullptr && change.setting->live(), "a setting that is live");
-            std::visit([&](const auto& value) { allowed(*change.setting, value); }, change.value);
-        }
+        for (const Change& change : c.changes)
+            promise(change.setting->in_list == (change.element != kNoElement), "an element, where it is of one");
+        areAllowed(c.changes);
+    }
+    void operator()(const Add& c) {
+        for (const Change& change : c.changes)
+            promise(elementSetting(c.list, change.setting->path) && change.element == kNoElement, "of the new element");
+        areAllowed(c.changes);
     }
     void operator()(const SetParticles& c) {
         promise(problemOf(c, medium_.rows).empty(), "rows of particles within limits");
@@ -96,6 +100,12 @@ public:
     void operator()(const Other&) {}
 
 private:
+    void areAllowed(const std::vector<Change>& changes) const {
+        for (const Change& change : changes) {
+            promise(change.setting != nullptr && change.setting->live(), "a setting that is live");
+            std::visit([&](const auto& value) { allowed(*change.setting, value); }, change.value);
+        }
+    }
     void allowed(const SceneSetting&, bool) const {}
     void allowed(const SceneSetting& setting, float value) const {
         promise(setting.allowed.holds(value), "a number within limits");
@@ -159,10 +169,14 @@ wire::Packed input(Numbers& in, const ServerFacts& facts) {
         const float a = number(in), c = number(in), d = number(in), e = number(in);
         if (which >= 250) {
             const auto all = sceneSettings();
-            const std::string path(all[in.take<uint8_t>() % all.size()].path);
+            const SceneSetting& setting = all[in.take<uint8_t>() % all.size()];
+            std::string path(setting.path);
+            if (setting.in_list && which != 254) path.insert(path.find('.'), '[' + name(in, "0") + ']');
             const auto text = name(in, facts.methods[0]);
             const std::vector changes{
                 wire::CreateChangeDirect(b, path.c_str(), a, which % 2 ? &one : nullptr, text.c_str())};
+            if (which == 255) return as(wire::CreateRemoveDirect(b, path.substr(0, path.find('.')).c_str()));
+            if (which == 254) return as(wire::CreateAddDirect(b, std::string(setting.table()).c_str(), &changes));
             return as(wire::CreateSetDirect(b, &changes));
         }
         if (which >= 240) {

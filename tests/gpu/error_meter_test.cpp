@@ -71,8 +71,8 @@ protected:
         submitAndWait(renderer, submission, simulation, {&eye, 1});
         const std::vector<glm::vec4> drawn = renderer.readRadiance();
         const SceneNow& now = simulation.now();
-        const reference::World world =
-            reference::worldOf(scene, particlesOf(simulation), {now.medium, now.light, now.local_lights, now.fogs});
+        const reference::World world = reference::worldOf(scene, particlesOf(simulation),
+                                                          {now.medium, now.light, now.lists.lights, now.lists.fogs});
         const reference::Picture truth = reference::render(
             world, reference::perspective(eye.pose, int(kSize.x), int(kSize.y), kNearDepth), {.tolerance = 1e-5});
         std::vector<glm::dvec3> values, references;

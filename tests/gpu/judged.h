@@ -29,7 +29,7 @@ protected:
         simulation.write(particles);
         const SceneNow& now = simulation.now();
         const reference::World world =
-            reference::worldOf(scene, particles, {now.medium, now.light, now.local_lights, now.fogs});
+            reference::worldOf(scene, particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
         const reference::Stage stage(world, {.tolerance = 1e-5});
         reference::RayTracer tracer(stage);
         const reference::Camera camera = reference::perspective(pose, kWidth, kHeight, kNear);

@@ -29,7 +29,7 @@ void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, const std::
 
 inline gpu::Tick tickOf(const Scene& scene, const std::vector<gpu::Particle>& particles) {
     return makeTick(scene,
-                    {scene.medium, sunOf(scene), localLightsOf(scene), scene.fogs, scene.render, scene.simulation},
+                    {scene.medium, sunOf(scene), {localLightsOf(scene), scene.fogs}, scene.render, scene.simulation},
                     particles, opaqueObjects(scene));
 }
 

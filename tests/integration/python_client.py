@@ -130,6 +130,23 @@ class Package(unittest.TestCase):
         self.assertEqual(view.state.settings['medium.albedo'], (1, 0.5, 0.25))
         self.assertAlmostEqual(view.state.settings['light.to_light'][1], 0.6, places=5)
 
+    def test_fogs_and_lights_are_changed_added_and_removed(self):
+        view = self.viewer()
+        fogs = len(view.state.lists['fog'])
+        view.add('fog', extinction=0.5, centre=(0, 1, 0), radius=3)
+        self.assertEqual(len(view.state.lists['fog']), fogs + 1)
+        self.assertEqual(view.state.lists['fog'][fogs]['centre'], (0, 1, 0))
+        view.set(f'fog[{fogs}].extinction', 0.25)
+        self.assertEqual(view.state.lists['fog'][fogs]['extinction'], 0.25)
+        with self.assertRaisesRegex(brume.BrumeError, r'there is no fog\[9\]'):
+            view.set('fog[9].extinction', 1)
+        view.remove('fog', fogs)
+        self.assertEqual(len(view.state.lists['fog']), fogs)
+        view.add('light', type='spot', axis=(0, -2, 0))
+        self.assertEqual(view.state.lists['light'][-1]['type'], 'spot')
+        self.assertEqual(view.state.lists['light'][-1]['axis'], (0, -1, 0))
+        view.remove('light', len(view.state.lists['light']) - 1)
+
     def test_a_push_changes_the_state(self):
         view, other = self.viewer(), self.viewer()
         for viewer in (view, other):

@@ -48,6 +48,11 @@ void Watcher::poll(milliseconds timeout) {
             paused = state->paused();
             state_tick = state->tick();
             viewers = state->viewers();
+            if (!state->lists()) continue;
+            lists.clear();
+            for (const wire::Elements* list : *state->lists())
+                lists.emplace_back(list->values()->begin(), list->values()->end());
+            lists_tick = state_tick;
         } else if (const auto* error = message->as<wire::Error>()) {
             errors.push_back({error->code(), error->text() ? error->text()->str() : "", error->input_seq()});
         } else if (const auto* bye = message->as<wire::Goodbye>()) {

@@ -47,10 +47,12 @@ public:
 
     std::vector<Seen> frames;
     std::vector<SeenError> errors;
-    std::map<uint64_t, uint64_t> hashes; // state hash by tick, from frames and states
-    std::optional<bool> paused;          // of the newest state
-    uint64_t state_tick = 0;             // of the newest state
-    std::optional<uint32_t> viewers;     // of the newest state
+    std::map<uint64_t, uint64_t> hashes;   // state hash by tick, from frames and states
+    std::optional<bool> paused;            // of the newest state
+    uint64_t state_tick = 0;               // of the newest state
+    std::optional<uint32_t> viewers;       // of the newest state
+    std::vector<std::vector<float>> lists; // Elements::values of the newest state that had them
+    uint64_t lists_tick = 0;               // of that state
     std::optional<std::string> goodbye, go_to;
 
     // The newest frame. Throws std::out_of_range if there is none.

@@ -178,6 +178,59 @@ TEST_F(SessionRulesTest, CommandsBeyondTheirLimitsAreRefused) {
               ErrorCode::unknown_name);
 }
 
+TEST_F(SessionRulesTest, ElementsOfListsAreChangedAddedAndRemoved) {
+    watch();
+    const auto body = [&](uint32_t seq, auto&& build) { return only<EnqueueCommand>(input(seq, build)).body; };
+    const auto changes = [](auto& b, const char* path, const char* text) {
+        return std::vector{wire::CreateChangeDirect(b, path, {}, nullptr, text)};
+    };
+    const auto set = std::get<Set>(body(1, [&](auto& b) {
+        const std::vector all{wire::CreateChangeDirect(b, "fog[1].extinction", 0.5)};
+        return wire::CreateSetDirect(b, &all);
+    }));
+    ASSERT_EQ(set.changes.size(), 1u);
+    EXPECT_EQ(set.changes[0].path(), "fog[1].extinction");
+    EXPECT_EQ(set.changes[0].value, SettingValue(0.5f));
+    const auto add = std::get<Add>(body(2, [&](auto& b) {
+        const auto all = changes(b, "light.type", "spot");
+        return wire::CreateAddDirect(b, "light", &all);
+    }));
+    EXPECT_EQ(add.list, SceneList::lights);
+    ASSERT_EQ(add.changes.size(), 1u);
+    EXPECT_EQ(add.changes[0].value, SettingValue("spot"));
+    EXPECT_TRUE(std::get<Add>(body(3, [](auto& b) { return wire::CreateAddDirect(b, "fog"); })).changes.empty());
+    const auto removal = std::get<Remove>(body(4, [](auto& b) { return wire::CreateRemoveDirect(b, "fog[2]"); }));
+    EXPECT_EQ(removal.list, SceneList::fogs);
+    EXPECT_EQ(removal.element, 2u);
+
+    uint32_t seq = 4;
+    const auto why = [&](auto&& build) { return only<SendError>(input(++seq, build)).text; };
+    const auto whyNotSet = [&](const char* path) {
+        return why([&](auto& b) {
+            const std::vector all{wire::CreateChangeDirect(b, path, 1)};
+            return wire::CreateSetDirect(b, &all);
+        });
+    };
+    EXPECT_EQ(whyNotSet("fog.extinction"), "extinction of which? fog[0].extinction is the first one's");
+    EXPECT_EQ(whyNotSet("fog[0].extincton"), "no such live setting; did you mean extinction?");
+    EXPECT_EQ(whyNotSet("box[0].size"), "no such live setting; docs/scenes.md has those that there are");
+    EXPECT_EQ(whyNotSet("fog[0].droplet"), "droplet must be 5 ... 50");
+    EXPECT_EQ(why([](auto& b) { return wire::CreateAddDirect(b, "box"); }), "no such list; there are light and fog");
+    EXPECT_EQ(why([&](auto& b) {
+                  const auto all = changes(b, "light[0].type", "spot");
+                  return wire::CreateAddDirect(b, "light", &all);
+              }),
+              "no setting of a new light; paths have no index: light.position");
+    EXPECT_EQ(why([&](auto& b) {
+                  const auto all = changes(b, "light.type", "directional");
+                  return wire::CreateAddDirect(b, "light", &all);
+              }),
+              "no such type; there is point, spot");
+    for (const char* path : {"fog", "fog[0].extinction", "box[0]"})
+        EXPECT_EQ(why([&](auto& b) { return wire::CreateRemoveDirect(b, path); }),
+                  "no such element: fog[0] is the first fog");
+}
+
 using Floats = std::vector<float>;
 
 auto setParticles(uint32_t first, const Floats& positions, const Floats& scales, const Floats& extinctions,
@@ -312,6 +365,9 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
     };
     EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "light.rotate"}); }), "controller");
     EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "render.exposure"}); }), "operator");
+    EXPECT_EQ(least([&](auto& b) { return set(b, {"fog[0].extinction"}); }), "controller");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateAddDirect(b, "light"); }), "controller");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateRemoveDirect(b, "light[0]"); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateRestart(b); }), "operator");
     medium.layout = Layout::live;
     EXPECT_EQ(least([](auto& b) { return wire::CreateSetParticles(b); }), "operator");

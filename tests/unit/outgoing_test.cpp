@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "server/net/outgoing.h"
+#include "server/net/scene_news.h"
 
 namespace brume::net {
 namespace {
@@ -21,6 +22,51 @@ TEST(Outgoing, ASceneStateTellsThePlansRaysSlabsAndPromise) {
     EXPECT_EQ(plan->rate(), 6u);
     EXPECT_EQ(plan->slabs(), 48u);
     EXPECT_EQ(plan->promised(), 0.25f);
+}
+
+// A viewer can show and change the lists' elements without knowing any of their settings.
+TEST(Outgoing, ListsAreDescribedAndTheirElementsSentWhereTheyAreNew) {
+    Audience audience({}, sceneFacts({}), 1, 2);
+    const auto viewer = audience.join(nullptr).viewer;
+    SceneNews news(audience);
+    EXPECT_TRUE(news.anotherScene());
+    const wire::Packed greeting = packWelcome(*viewer, {}, audience, news.takeScene(), wire::Role::controller);
+    const auto welcome = wire::parse(wire::bytesOf(greeting));
+    ASSERT_TRUE(welcome);
+    const auto* lists = welcome->as<wire::Welcome>()->lists();
+    ASSERT_EQ(lists->size(), 2u);
+    EXPECT_EQ(lists->Get(0)->name()->str(), "light");
+    EXPECT_EQ(lists->Get(0)->most(), 1024u);
+    EXPECT_EQ(lists->Get(1)->name()->str(), "fog");
+    EXPECT_EQ(lists->Get(1)->settings()->size(), liveSettings(SceneList::fogs).size());
+    const wire::Setting& type = *lists->Get(0)->settings()->Get(0);
+    EXPECT_EQ(type.path()->str(), "light.type");
+    EXPECT_EQ(type.choices()->size(), 2u) << "a point or a spot";
+    for (const wire::Setting* setting : *lists->Get(0)->settings()) {
+        const std::string_view path = setting->path()->string_view();
+        const bool of_spots = path == "light.axis" || path == "light.inner" || path == "light.outer";
+        EXPECT_EQ(setting->only_type() ? setting->only_type()->str() : "", of_spots ? "spot" : "") << path;
+    }
+
+    SceneReport report;
+    report.lists.lights.resize(1024, {.type = kSpot, .position = {1, 2, 3}, .shadows = false});
+    report.lists_hash = 1;
+    const auto elements = [&]() -> std::vector<size_t> {
+        audience.publish(std::make_shared<SceneReport>(report));
+        const wire::Packed state = news.takeState({});
+        const auto parsed = wire::parse(wire::bytesOf(state)); // which bounds the number of tables
+        const auto* told = parsed ? parsed->as<wire::SceneState>()->lists() : nullptr;
+        if (!told) return {};
+        EXPECT_EQ(told->Get(0)->values()->Get(0), 1.0f) << "the second choice";
+        EXPECT_EQ(told->Get(0)->values()->Get(2), 2.0f) << "y of its place";
+        return {told->Get(0)->values()->size(), told->Get(1)->values()->size()};
+    };
+    EXPECT_EQ(elements(), (std::vector<size_t>{1024 * 19, 0}));
+    EXPECT_TRUE(elements().empty()) << "nothing has changed";
+    ++report.lists_hash;
+    EXPECT_FALSE(elements().empty());
+    news.takeScene();
+    EXPECT_FALSE(elements().empty()) << "another scene";
 }
 
 TEST(Outgoing, AFrameTellsItsViewersMeasuredError) {

@@ -80,6 +80,12 @@ std::vector<Example> makeExamples() {
             albedos{0.5f, 0.75f, 1, 0, 0.25f, 1};
         return CreateSetParticlesDirect(b, 4000, &positions, &scales, &extinctions, &albedos, 4002, 0.125f);
     }));
+    all.push_back(input("input_add", 10, [&](Builder& b) {
+        const std::vector<flatbuffers::Offset<Change>> changes{CreateChangeDirect(b, "light.type", {}, nullptr, "spot"),
+                                                               CreateChangeDirect(b, "light.position", {}, &v)};
+        return CreateAddDirect(b, "light", &changes);
+    }));
+    all.push_back(input("input_remove", 11, [](Builder& b) { return CreateRemoveDirect(b, "fog[1]"); }));
     all.push_back(example("ack", [](Builder& b) { return CreateAck(b, 41); }));
     all.push_back(example("ping", [](Builder& b) { return CreatePing(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("pong", [](Builder& b) { return CreatePong(b, 7, 9'007'199'254'740'993); }));
@@ -149,6 +155,27 @@ std::vector<Example> makeExamples() {
         const std::vector values{CreateValue(b, 0.25)};
         return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
                                       "isv", "simpson", 2, 1, nullptr, 0, &values, &lo, &hi);
+    }));
+    all.push_back(example("welcome_lists", [&](Builder& b) {
+        const std::vector choices{b.CreateString("point"), b.CreateString("spot")};
+        const std::vector settings{CreateSettingDirect(b, "light.type", SettingKind::text, nullptr, "Kind of light",
+                                                       Role::controller, 0, 0, 0, 0, &choices),
+                                   CreateSettingDirect(b, "light.position", SettingKind::vector, "m", "Where it is",
+                                                       Role::controller, -50000, 50000, -32, 32),
+                                   CreateSettingDirect(b, "light.outer", SettingKind::number, "rad", "Its cone",
+                                                       Role::controller, 0.125f, 1.5f, 0.125f, 1.5f, nullptr, "spot")};
+        const std::vector lists{CreateListDirect(b, "light", 1024, &settings)};
+        const Vec3 position(0, 2, 26), target(0, 0.5f, 0);
+        const auto camera = CreateCamera(b, &position, &target, 0.75f);
+        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "cloud", "llvmpipe", 1280, 720, 1, 60, 2, camera, nullptr,
+                                   nullptr, nullptr, false, Role::controller, nullptr, nullptr, nullptr, &lists);
+    }));
+    all.push_back(example("scene_state_lists", [&](Builder& b) {
+        // A spot and a point, each with its type, place and cone.
+        const std::vector<float> lights{1, 1.5f, -2.25f, 26, 0.5f, 0, 0.5f, 0, -1, 0.25f};
+        const std::vector lists{CreateElementsDirect(b, &lights)};
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
+                                      "isv", "simpson", 2, 1, nullptr, 0, nullptr, nullptr, nullptr, &lists);
     }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));

@@ -91,15 +91,19 @@ Json of(const SetRender& c) {
 }
 Json of(const SetSimulation& c) { return Json::object({{"paused", maybe(c.paused())}}); }
 Json of(const Restart&) { return Json::object(); }
-Json of(const Set& c) {
+Json changesOf(const flatbuffers::Vector<flatbuffers::Offset<Change>>* all) {
+    if (!all) return nullptr;
     Json changes = Json::array();
-    for (const Change* change : *c.changes())
+    for (const Change* change : *all)
         changes.push_back(Json::object({{"path", text(change->path())},
                                         {"number", maybe(change->number())},
                                         {"vector", vec(change->vector())},
                                         {"text", text(change->text())}}));
-    return Json::object({{"changes", changes}});
+    return changes;
 }
+Json of(const Set& c) { return Json::object({{"changes", changesOf(c.changes())}}); }
+Json of(const Add& c) { return Json::object({{"list", text(c.list())}, {"changes", changesOf(c.changes())}}); }
+Json of(const Remove& c) { return Json::object({{"path", text(c.path())}}); }
 
 Json floats(const flatbuffers::Vector<float>* list) {
     return list ? Json(std::vector<float>(list->begin(), list->end())) : Json(nullptr);
@@ -144,6 +148,12 @@ Json of(const Input& m) {
     case Command::SetParticles:
         command = of(*m.command_as_SetParticles());
         break;
+    case Command::Add:
+        command = of(*m.command_as_Add());
+        break;
+    case Command::Remove:
+        command = of(*m.command_as_Remove());
+        break;
     case Command::NONE:
         break;
     }
@@ -173,6 +183,25 @@ Json values(const flatbuffers::Vector<flatbuffers::Offset<Value>>& all) {
 // Without the underscore that keeps C++'s keyword apart.
 std::string nameOf(Role role) { return role == Role::operator_ ? "operator" : EnumNameRole(role); }
 
+Json settingsOf(const flatbuffers::Vector<flatbuffers::Offset<Setting>>* all) {
+    if (!all) return nullptr;
+    Json out = Json::array();
+    for (const Setting* s : *all) {
+        out.push_back({{"path", text(s->path())},
+                       {"kind", EnumNameSettingKind(s->kind())},
+                       {"unit", text(s->unit())},
+                       {"help", text(s->help())},
+                       {"least_role", nameOf(s->least_role())},
+                       {"lowest", s->lowest()},
+                       {"highest", s->highest()},
+                       {"usual_lowest", s->usual_lowest()},
+                       {"usual_highest", s->usual_highest()},
+                       {"choices", names(s->choices())}});
+        if (s->only_type()) out.back()["only_type"] = text(s->only_type());
+    }
+    return out;
+}
+
 Json of(const Welcome& m) {
     Json out = Json::object({{"viewer", m.viewer()},
                              {"server", text(m.server())},
@@ -189,22 +218,15 @@ Json of(const Welcome& m) {
                                {"fov_y", m.camera()->fov_y()}}},
                              {"methods", names(m.methods())},
                              {"quadratures", names(m.quadratures())}});
-    if (m.settings()) { // later than the first examples
-        out["settings"] = Json::array();
-        for (const Setting* s : *m.settings())
-            out["settings"].push_back({{"path", text(s->path())},
-                                       {"kind", EnumNameSettingKind(s->kind())},
-                                       {"unit", text(s->unit())},
-                                       {"help", text(s->help())},
-                                       {"least_role", nameOf(s->least_role())},
-                                       {"lowest", s->lowest()},
-                                       {"highest", s->highest()},
-                                       {"usual_lowest", s->usual_lowest()},
-                                       {"usual_highest", s->usual_highest()},
-                                       {"choices", names(s->choices())}});
-    }
+    if (m.settings()) out["settings"] = settingsOf(m.settings()); // later than the first examples
     if (m.starts()) out["starts"] = values(*m.starts());
     if (m.scenes()) out["scenes"] = names(m.scenes());
+    if (m.lists()) {
+        out["lists"] = Json::array();
+        for (const List* list : *m.lists())
+            out["lists"].push_back(
+                {{"name", text(list->name())}, {"most", list->most()}, {"settings", settingsOf(list->settings())}});
+    }
     return out;
 }
 
@@ -240,6 +262,10 @@ Json of(const SceneState& m) {
     if (m.settings()) out["settings"] = values(*m.settings());
     if (m.lo()) out["lo"] = vec(m.lo());
     if (m.hi()) out["hi"] = vec(m.hi());
+    if (m.lists()) {
+        out["lists"] = Json::array();
+        for (const Elements* list : *m.lists()) out["lists"].push_back({{"values", floats(list->values())}});
+    }
     return out;
 }
 

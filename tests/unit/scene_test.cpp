@@ -264,7 +264,7 @@ TEST(Scene, AnEmptyFileIsTheDefaultScene) {
 TEST(Scene, MayHaveNoParticles) {
     const Simulation simulation(loadScene(written("[medium]\nlayout = \"none\"\n[[fog]]")));
     EXPECT_EQ(simulation.liveCount(), 0u);
-    EXPECT_EQ(simulation.now().fogs.size(), 1u);
+    EXPECT_EQ(simulation.now().lists.fogs.size(), 1u);
 }
 
 TEST(Scene, MayHaveNoLight) {

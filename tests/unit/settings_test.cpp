@@ -39,11 +39,14 @@ TEST(Settings, TheDocumentationHasThemAll) {
 TEST(Settings, ALiveOneHasAValueThatACommandCanHave) {
     size_t live = 0;
     for (const SceneSetting& setting : sceneSettings()) {
-        EXPECT_EQ(liveSetting(setting.path), setting.live() ? &setting : nullptr);
+        EXPECT_EQ(liveSetting(setting.path), setting.live() && !setting.in_list ? &setting : nullptr);
         if (!setting.live()) continue;
+        std::string path(setting.path);
+        if (setting.in_list) path.insert(path.find('.'), "[0]");
+        EXPECT_EQ(liveSetting(path), &setting) << path;
         ++live;
         EXPECT_NO_THROW(defaultOf(setting)) << setting.path;
-        EXPECT_NO_THROW(Change(setting.path, defaultOf(setting))) << setting.path;
+        EXPECT_NO_THROW(Change(path, defaultOf(setting))) << path;
     }
     EXPECT_GE(live, 13u);
     EXPECT_EQ(liveSetting("medium.cuont"), nullptr);

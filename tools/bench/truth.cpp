@@ -85,7 +85,7 @@ public:
 reference::World worldOf(const Stage& stage) {
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
-    return reference::worldOf(stage.scene(), particles, {now.medium, now.light, now.local_lights, now.fogs});
+    return reference::worldOf(stage.scene(), particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
 }
 
 // When to stop: no pixel is begun later than `seconds` after the start, once `least` are.

@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
         simulation.write(particles);
         const SceneNow& now = simulation.now();
         reference::World world =
-            reference::worldOf(scene, particles, {now.medium, now.light, now.local_lights, now.fogs});
+            reference::worldOf(scene, particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
         if (sequential) world.composition = reference::Composition::sequential;
         if (tetrahedron) world.support = reference::Support::tetrahedron;
         const reference::Camera camera = reference::perspective(

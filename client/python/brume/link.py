@@ -43,6 +43,7 @@ class Link:
         self.changed = threading.Condition()
         self.welcome = None  # the newest Welcome; None: not connected
         self.state = None  # the newest SceneState
+        self.lists = None  # the newest with the scene's lists
         self.frame = None  # the newest Frame that shows the camera as it is
         self.failure = None  # why there is no connection any more
         self.errors = []  # refusals that no waiting command has taken
@@ -248,6 +249,8 @@ class Link:
                     self.frame = frame
             elif kind == 'SceneState':
                 self.state = table
+                if table.ListsLength() > 0:
+                    self.lists = table
             elif kind == 'Ping':
                 self._send(messages.pong(table.Nonce(), table.TimeUs()))
             elif kind == 'Pong':

@@ -10,8 +10,8 @@ from brume.error import BrumeError
 from brume.frame import Frame, Measured
 
 try:
-    from brume.wire import (Ack, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
-                            Message, MoveVolume, Ping, Pong, Pose, Quat, Restart, SceneState, Set, SetParticles, Vec3,
+    from brume.wire import (Ack, Add, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
+                            Message, MoveVolume, Ping, Pong, Pose, Quat, Remove, Restart, SceneState, Set, SetParticles, SettingKind, Vec3,
                             Welcome)
     from brume.wire import Frame as WireFrame
 except ImportError as error:
@@ -128,29 +128,54 @@ def restart():
     return build
 
 
+def _changes(b, values, start):
+    tables = []
+    for path, value in values.items():
+        name = b.CreateString(path)
+        text = b.CreateString(value) if isinstance(value, str) else None
+        Change.Start(b)
+        Change.AddPath(b, name)
+        if text is not None:
+            Change.AddText(b, text)
+        elif hasattr(value, '__len__'):
+            Change.AddVector(b, _vec3(b, value))
+        else:
+            Change.AddNumber(b, float(value))
+        tables.append(Change.End(b))
+    start(b, len(tables))
+    for table in reversed(tables):
+        b.PrependUOffsetTRelative(table)
+    return b.EndVector()
+
+
 def change(values):
     """values: of live settings by path; a number or boolean, three numbers, or a text."""
     def build(b):
-        tables = []
-        for path, value in values.items():
-            name = b.CreateString(path)
-            text = b.CreateString(value) if isinstance(value, str) else None
-            Change.Start(b)
-            Change.AddPath(b, name)
-            if text is not None:
-                Change.AddText(b, text)
-            elif hasattr(value, '__len__'):
-                Change.AddVector(b, _vec3(b, value))
-            else:
-                Change.AddNumber(b, float(value))
-            tables.append(Change.End(b))
-        Set.StartChangesVector(b, len(tables))
-        for table in reversed(tables):
-            b.PrependUOffsetTRelative(table)
-        changes = b.EndVector()
+        changes = _changes(b, values, Set.StartChangesVector)
         Set.Start(b)
         Set.AddChanges(b, changes)
         return Command.Command.Set, Set.End(b)
+    return build
+
+
+def add(name, values):
+    """values: of the new element's settings by key, as for change()."""
+    def build(b):
+        changes = _changes(b, {f'{name}.{key}': value for key, value in values.items()}, Add.StartChangesVector)
+        text = b.CreateString(name)
+        Add.Start(b)
+        Add.AddList(b, text)
+        Add.AddChanges(b, changes)
+        return Command.Command.Add, Add.End(b)
+    return build
+
+
+def remove(path):
+    def build(b):
+        text = b.CreateString(path)
+        Remove.Start(b)
+        Remove.AddPath(b, text)
+        return Command.Command.Remove, Remove.End(b)
     return build
 
 
@@ -252,6 +277,28 @@ def value_of(value):
     if value.Vector() is not None:
         return vector_of(value.Vector())
     return text_of(value.Text())
+
+
+_WIDE = (SettingKind.SettingKind.vector, SettingKind.SettingKind.colour, SettingKind.SettingKind.direction)
+
+
+def elements_of(described, told):
+    """The elements of a list, each a dictionary of its values by key. described: a List, told: its Elements."""
+    settings = [described.Settings(i) for i in range(described.SettingsLength())]
+    elements, at = [], 0
+    while at < told.ValuesLength():
+        element = {}
+        for one in settings:
+            width = 3 if one.Kind() in _WIDE else 1
+            if at + width > told.ValuesLength():
+                raise BrumeError('the server sent half an element of a list: another version?')
+            value = tuple(told.Values(at + i) for i in range(width)) if width == 3 else told.Values(at)
+            if one.Kind() == SettingKind.SettingKind.text:
+                value = text_of(one.Choices(int(value)))
+            element[text_of(one.Path()).rpartition('.')[2]] = value
+            at += width
+        elements.append(element)
+    return elements
 
 
 def error_of(table):

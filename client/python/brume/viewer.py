@@ -24,6 +24,7 @@ class State:
     promised: float  # relative RMSE that the pictures may have; None: nothing is promised, or the server does not say
     method: str  # what is rendered with now, in a few words
     settings: dict = field(repr=False)  # every live setting by its path
+    lists: dict = field(repr=False)  # of each list, 'light' and 'fog', its elements: each a dictionary by key
     box: tuple  # two corners of a box that holds the medium, m; None from an older server
 
 
@@ -99,13 +100,16 @@ class Viewer:
             welcome, state = self._welcome(), self._link.state
         paths = [messages.text_of(welcome.Settings(i).Path()) for i in range(welcome.SettingsLength())]
         values = [messages.value_of(state.Settings(i)) for i in range(state.SettingsLength())]
+        lists = self._link.lists
+        elements = {messages.text_of(welcome.Lists(i).Name()): messages.elements_of(welcome.Lists(i), lists.Lists(i))
+                    for i in range(min(welcome.ListsLength(), lists.ListsLength() if lists else 0))}
         plan = state.Plan()
         lo, hi = state.Lo(), state.Hi()
         method = plan.Text() or plan.Method() if plan else state.Method()
         return State(tick=state.Tick(), hash=f'{state.StateHash():016x}', viewers=state.Viewers(),
                      particles=state.Particles(), paused=bool(state.Paused()), error=plan.Error() if plan else None,
                      promised=(plan.Promised() or None) if plan else None, method=messages.text_of(method),
-                     settings=dict(zip(paths, values)),
+                     settings=dict(zip(paths, values)), lists=elements,
                      box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None)
 
     # ---- camera and pictures ----
@@ -183,15 +187,41 @@ class Viewer:
 
     def set_all(self, values):
         """Changes live settings by path, all or none: set_all({'medium.extinction': 2, 'render.exposure': 1})."""
-        link, before = self._link, self.state.settings
-        link.order([messages.change(values)], self._timeout)
+        before = self._values()
+
+        def adopted():
+            now = self._values()
+            return all(_alike(now.get(path), value) for path, value in values.items()) or now != before
+        self._order(messages.change(values), adopted)
+
+    def _values(self):
+        state = self.state
+        return state.settings | {f'{name}[{i}].{key}': value for name, elements in state.lists.items()
+                                 for i, element in enumerate(elements) for key, value in element.items()}
+
+    def add(self, name, **values):
+        """Adds a light or a fog behind the others: add('fog', centre=(0, 2, 0), radius=3, extinction=0.5)."""
+        self._resize(name, messages.add(name, values))
+
+    def remove(self, name, number):
+        """Removes a light or a fog; those behind it move up: remove('fog', 0)."""
+        self._resize(name, messages.remove(f'{name}[{number}]'))
+
+    def _resize(self, name, order):
+        before = len(self.state.lists.get(name, ()))
+        self._order(order, lambda: len(self.state.lists.get(name, ())) != before)
+
+    def _order(self, order, adopted):
+        """Gives an order, and waits until the server reports what it asked for. Raises BrumeError if it cannot be."""
+        link = self._link
+        known = link.errors[-1:]
+        link.order([order], self._timeout)
         end = time.monotonic() + ADOPTED
-        while time.monotonic() < end:
-            now = self.state.settings
-            if all(_alike(now.get(path), value) for path, value in values.items()) or now != before:
-                break
+        while time.monotonic() < end and not adopted():
             with link.changed:
-                link.changed.wait(end - time.monotonic())
+                if link.errors[-1:] != known:
+                    raise link.errors.pop()  # refused at its tick
+                link.changed.wait(max(end - time.monotonic(), 0))
         link.look(**self._view)
 
     def pause(self, paused=True):
@@ -260,7 +290,7 @@ class Viewer:
 
 def _alike(value, wanted):
     """True if a reported value, of 32-bit floats, is the one that was asked for."""
-    if isinstance(value, str) or isinstance(wanted, str):
+    if value is None or isinstance(value, str) or isinstance(wanted, str):
         return value == wanted
     both = [(value, wanted)] if not hasattr(wanted, '__len__') else list(zip(value or (), wanted))
     return all(one is not None and math.isclose(one, float(two), rel_tol=1e-6, abs_tol=1e-9) for one, two in both)

@@ -2,9 +2,11 @@
 // frame's views follow it.
 import { ByteBuffer } from 'flatbuffers';
 import { Body } from './wire/brume/wire/body';
+import type { Elements as WireElements } from './wire/brume/wire/elements';
 import { Error as WireError } from './wire/brume/wire/error';
 import { Frame as WireFrame } from './wire/brume/wire/frame';
 import { Goodbye as WireGoodbye } from './wire/brume/wire/goodbye';
+import type { List as WireList } from './wire/brume/wire/list';
 import { Message } from './wire/brume/wire/message';
 import { Ping as WirePing } from './wire/brume/wire/ping';
 import { Quat as WireQuat } from './wire/brume/wire/quat';
@@ -18,7 +20,7 @@ import { Welcome as WireWelcome } from './wire/brume/wire/welcome';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
 import { ProtocolError } from './protocol';
 import { roleOf } from './role';
-import type { Frame, Frustum, Plan, Quat, SceneState, ServerMessage, Vec3, Welcome } from './protocol';
+import type { Frame, Frustum, List, Plan, Quat, SceneState, ServerMessage, Vec3, Welcome } from './protocol';
 import type { Setting, SettingKind, SettingValue } from './protocol';
 
 // The longest lists that a message may have; a longer one makes the message invalid.
@@ -26,6 +28,8 @@ const MAX_VIEWS = 2;
 const MAX_NAMES = 64;
 const MAX_SETTINGS = 200;
 const MAX_SCENES = 5000;
+const MAX_LISTS = 16;
+const MAX_VALUES = 100_000; // of all elements of a list
 
 // Throws ProtocolError for anything that is not a message of a brume.v1 server.
 export function decode(data: ArrayBuffer): ServerMessage {
@@ -109,7 +113,14 @@ function decodeSetting(s: WireSetting | null): Setting {
     usualLowest: s.usualLowest(),
     usualHighest: s.usualHighest(),
     choices: toList(s.choicesLength(), MAX_NAMES, (i) => s.choices(i)),
+    onlyType: s.onlyType() ?? '',
   };
+}
+
+function decodeList(list: WireList | null): List {
+  if (!list) throw new ProtocolError('a list that is not there');
+  const settings = toList(list.settingsLength(), MAX_SETTINGS, (i) => decodeSetting(list.settings(i)));
+  return { name: list.name() ?? '', most: list.most(), settings };
 }
 
 function decodeValue(v: WireValue | null): SettingValue {
@@ -136,6 +147,7 @@ function decodeWelcome(w: WireWelcome): Welcome {
     role: roleOf(w.role()),
     starts: toList(w.startsLength(), MAX_SETTINGS, (i) => decodeValue(w.starts(i))),
     scenes: toList(w.scenesLength(), MAX_SCENES, (i) => w.scenes(i)),
+    lists: toList(w.listsLength(), MAX_LISTS, (i) => decodeList(w.lists(i))),
   };
 }
 
@@ -149,6 +161,9 @@ function decodePlan(p: WirePlan): Plan {
     ...(p.promised() > 0 ? { promised: p.promised() } : {}),
   };
 }
+
+const decodeElements = (list: WireElements | null): number[] =>
+  toList(list?.valuesLength() ?? 0, MAX_VALUES, (i) => list?.values(i) ?? 0);
 
 function decodeScene(s: WireSceneState): SceneState {
   const [plan, lo, hi] = [s.plan(), s.lo(), s.hi()];
@@ -165,6 +180,7 @@ function decodeScene(s: WireSceneState): SceneState {
     }),
     ...(lo && hi ? { box: { lo: toVec3(lo), hi: toVec3(hi) } } : {}),
     ...(plan ? { plan: decodePlan(plan) } : {}),
+    ...(s.listsLength() > 0 ? { lists: toList(s.listsLength(), MAX_LISTS, (i) => decodeElements(s.lists(i))) } : {}),
   };
 }
 

@@ -1,6 +1,7 @@
 // Encodes messages to the server. One WebSocket message is one size-prefixed FlatBuffer.
 import { Builder } from 'flatbuffers';
 import { Ack } from './wire/brume/wire/ack';
+import { Add as WireAdd } from './wire/brume/wire/add';
 import { Body } from './wire/brume/wire/body';
 import { Change } from './wire/brume/wire/change';
 import { Command as CommandType } from './wire/brume/wire/command';
@@ -14,11 +15,12 @@ import { Ping as WirePing } from './wire/brume/wire/ping';
 import { Pong as WirePong } from './wire/brume/wire/pong';
 import { Pose as WirePose } from './wire/brume/wire/pose';
 import { Quat as WireQuat } from './wire/brume/wire/quat';
+import { Remove as WireRemove } from './wire/brume/wire/remove';
 import { Restart } from './wire/brume/wire/restart';
 import { Set as WireSet } from './wire/brume/wire/set';
 import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
-import type { Command, Frustum, HelloMessage, PoseMessage, Vec3 } from './protocol';
+import type { Change as OneChange, Command, Frustum, HelloMessage, PoseMessage, Vec3 } from './protocol';
 
 function finish(builder: Builder, type: Body, body: number): Uint8Array<ArrayBuffer> {
   Message.finishSizePrefixedMessageBuffer(builder, Message.createMessage(builder, type, body));
@@ -68,6 +70,17 @@ export function encodeInput(seq: number, clientTimeUs: bigint, command: Command)
   return finish(builder, Body.Input, Input.createInput(builder, seq, clientTimeUs, type, body));
 }
 
+const buildChanges = (builder: Builder, changes: readonly OneChange[]): number[] =>
+  changes.map(({ path, value }) => {
+    const [name, text] = [builder.createString(path), typeof value === 'string' ? builder.createString(value) : 0];
+    Change.startChange(builder);
+    Change.addPath(builder, name);
+    if (typeof value === 'number') Change.addNumber(builder, value);
+    if (typeof value === 'object') Change.addVector(builder, vec3(builder, value));
+    if (text) Change.addText(builder, text);
+    return Change.endChange(builder);
+  });
+
 function buildCommand(builder: Builder, command: Command): [CommandType, number] {
   switch (command.kind) {
     case 'impulse':
@@ -82,20 +95,18 @@ function buildCommand(builder: Builder, command: Command): [CommandType, number]
       MoveVolume.addOffset(builder, vec3(builder, command.offset));
       return [CommandType.MoveVolume, MoveVolume.endMoveVolume(builder)];
     case 'set': {
-      const changes = command.changes.map(({ path, value }) => {
-        const [name, text] = [builder.createString(path), typeof value === 'string' ? builder.createString(value) : 0];
-        Change.startChange(builder);
-        Change.addPath(builder, name);
-        if (typeof value === 'number') Change.addNumber(builder, value);
-        if (typeof value === 'object') Change.addVector(builder, vec3(builder, value));
-        if (text) Change.addText(builder, text);
-        return Change.endChange(builder);
-      });
-      const list = WireSet.createChangesVector(builder, changes);
+      const list = WireSet.createChangesVector(builder, buildChanges(builder, command.changes));
       WireSet.startSet(builder);
       WireSet.addChanges(builder, list);
       return [CommandType.Set, WireSet.endSet(builder)];
     }
+    case 'add': {
+      const name = builder.createString(command.list);
+      const list = WireAdd.createChangesVector(builder, buildChanges(builder, command.changes));
+      return [CommandType.Add, WireAdd.createAdd(builder, name, list)];
+    }
+    case 'remove':
+      return [CommandType.Remove, WireRemove.createRemove(builder, builder.createString(command.path))];
     case 'restart':
       Restart.startRestart(builder);
       return [CommandType.Restart, Restart.endRestart(builder)];

@@ -6,6 +6,7 @@ import { find, setPressed, setText } from './dom';
 import { headsetSupported } from './headset';
 import { hintText, touchOnly } from './hint';
 import { copyLink } from './link';
+import { elementsOf } from './lists';
 import { Steady, lack } from './live';
 import { keepCamera, keptCamera } from './memory';
 import { addressAt, cameraIn } from './move';
@@ -19,6 +20,7 @@ import { sentence } from './sentence';
 import { followAddress, loadSettings, saveSettings, settingsText } from './settings';
 import { Scenes, chooseFile, cloudName, onDrop, saveFile } from './scenes';
 import { PAUSED, changesBack, valuesOf } from './shared-settings';
+import type { Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
 import type { Viewer } from './viewer';
 
@@ -47,14 +49,19 @@ view.addEventListener('picture', ({ detail: { latency } }) => {
   notices.picture();
 });
 let sceneName: string | undefined;
+let elements: Values[][] = []; // of the scene's lists, as last reported
 view.addEventListener('welcome', ({ detail: welcome }) => {
   if (sceneName !== undefined && sceneName !== welcome.scene) notices.note(`Another scene is shown: ${welcome.scene}.`);
   sceneName = welcome.scene;
+  elements = [];
   panel.welcome(welcome, settings.cap);
   setText(find('brand-scene'), welcome.scene);
 });
 view.addEventListener('scenechange', ({ detail: scene }) => {
   const { values, statistics } = viewer();
+  if (scene.lists)
+    elements = (viewer().welcome?.lists ?? []).map((list, i) => elementsOf(list, scene.lists?.[i] ?? []));
+  panel.lists(elements);
   panel.follow(values, scene.plan, statistics.lastFrame?.measured, settingsBack().length > 0);
   setPressed(find('tool-pause'), paused());
   tellLack();

@@ -3,6 +3,8 @@ import { axes } from './camera';
 import type { Camera } from './camera';
 import { el, setText } from './dom';
 import { button, group, select, toggle } from './fields';
+import { listGroup } from './lists';
+import type { ListGroup } from './lists';
 import { errorLine, planText } from './plan';
 import type { Command, Measured, Plan, SettingValue, Welcome } from './protocol';
 import { mayOperate } from './role';
@@ -34,6 +36,7 @@ export interface Panel {
   // `changed`: true if a setting that this viewer may change is not as the scene began.
   follow(values: Values, inUse: Plan | undefined, measured: Measured | undefined, changed: boolean): void;
   follows(own: Settings): void; // what is this viewer's own
+  lists(elements: readonly (readonly Values[])[]): void; // of Welcome.lists, in that order
   scene(name: string): void; // the one that is shown
   busy(text: string): void; // what is being done with the scene; empty: nothing
 }
@@ -137,6 +140,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   // Groups of the server's settings stand here.
   const place = el('div', { class: 'shared' });
   let shared: SettingGroup[] = [];
+  let lists: ListGroup[] = [];
   const scenes = group('Scene', true, scene.element, el('div', { class: 'actions' }, open, save, reset), doing);
   root.append(
     el('header', {}, el('h2', {}, 'Settings'), el('small', {}, 'shared by all viewers'), close),
@@ -169,7 +173,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
         render: [plan, measured],
         simulation: [el('div', { class: 'actions' }, restart), nudges],
       });
-      place.replaceChildren(...shared.map(({ element }) => element));
+      lists = welcome.lists.map((list) => listGroup(list, welcome.role, host.camera, host.command));
+      place.replaceChildren(...[...shared, ...lists].map(({ element }) => element));
       restart.disabled = !operates;
     },
     follow: (values, inUse, error, changed) => {
@@ -183,6 +188,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     follows: (own) => {
       box.follow(own.box);
     },
+    lists: (elements) => lists.forEach((list, i) => list.follow(elements[i] ?? [])),
     scene: (name) => scene.follow(name, true),
     busy: (text) => setText(doing, text),
   };

@@ -40,6 +40,8 @@ export type Command =
   | { kind: 'impulse'; origin: Vec3; direction: Vec3; push?: Vec3; strength: number }
   | { kind: 'move'; offset: Vec3 }
   | { kind: 'set'; changes: Change[] }
+  | { kind: 'add'; list: string; changes: Change[] } // paths without an index
+  | { kind: 'remove'; path: string } // an element of a list: fog[1]
   | { kind: 'restart' };
 
 export interface Change {
@@ -62,6 +64,14 @@ export interface Setting {
   usualLowest: number; // the part of that range that a slider offers
   usualHighest: number;
   choices: string[]; // of a text
+  onlyType: string; // of an element of a list: only those of this `type` have it; empty: all have it
+}
+
+// A list of the scene, whose elements may be changed, added and removed while the server runs.
+export interface List {
+  name: string; // as in a scene file
+  most: number; // elements
+  settings: Setting[]; // of an element; paths have no index
 }
 
 export interface Welcome {
@@ -80,6 +90,7 @@ export interface Welcome {
   role: Role;
   starts: SettingValue[]; // the scene began with, in the order of settings; empty from older servers
   scenes: string[]; // names of the scenes that an operator can switch to
+  lists: List[]; // empty from older servers
 }
 
 // Corners of a box along the axes, m.
@@ -98,6 +109,7 @@ export interface SceneState {
   passes: { name: string; ms: number }[];
   box?: Box; // holds the medium; older servers leave it out
   plan?: Plan; // method and settings in use; older servers leave it out
+  lists?: number[][]; // of the elements of each of Welcome.lists; absent: as before
 }
 
 export interface Plan {

@@ -11,7 +11,7 @@ export type Values = ReadonlyMap<string, SettingValue>; // by path
 type Send = (value: SettingValue) => void;
 
 // The controls of one setting.
-interface Controls {
+export interface Controls {
   elements: HTMLElement[];
   follow(value: SettingValue): void;
 }
@@ -28,7 +28,7 @@ const WIDE = 200;
 // The light has no azimuth at 90 degrees.
 const HIGHEST = 89.9;
 
-const sentence = (key: string): string => key.charAt(0).toUpperCase() + key.slice(1).replaceAll('_', ' ');
+export const sentence = (key: string): string => key.charAt(0).toUpperCase() + key.slice(1).replaceAll('_', ' ');
 const keyOf = (path: string): string => path.slice(path.lastIndexOf('.') + 1);
 const tableOf = (path: string): string => path.slice(0, path.lastIndexOf('.'));
 const degrees = (value: number): string => `${Math.round(value)}°`;
@@ -152,7 +152,7 @@ function booleanControls(setting: Setting, label: string, send: Send): Controls 
 }
 
 // Undefined for a kind that this page does not know.
-function controlsOf(setting: Setting, send: Send): Controls | undefined {
+export function controlsOf(setting: Setting, send: Send): Controls | undefined {
   const label = sentence(keyOf(setting.path));
   switch (setting.kind) {
     case 'boolean':

@@ -94,6 +94,7 @@ const welcome = (viewer: Viewer): Uint8Array =>
           ...range,
           ...range,
           Setting.createChoicesVector(b, names),
+          0,
         );
       }),
     );

@@ -4,8 +4,9 @@ import { describe, expect, test } from 'vitest';
 import { decode } from '../src/decode';
 import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodePong, encodePose } from '../src/encode';
 import { ProtocolError } from '../src/protocol';
-import type { Command, Frustum, Quat, SettingValue, Vec3 } from '../src/protocol';
+import type { Change, Command, Frustum, Quat, SettingValue, Vec3 } from '../src/protocol';
 import { Ack } from '../src/wire/brume/wire/ack';
+import { Add } from '../src/wire/brume/wire/add';
 import { Body } from '../src/wire/brume/wire/body';
 import { Command as CommandType } from '../src/wire/brume/wire/command';
 import { Encoding } from '../src/wire/brume/wire/encoding';
@@ -21,6 +22,7 @@ import { MoveVolume } from '../src/wire/brume/wire/move-volume';
 import { Ping } from '../src/wire/brume/wire/ping';
 import { Pong } from '../src/wire/brume/wire/pong';
 import { Pose } from '../src/wire/brume/wire/pose';
+import { Remove } from '../src/wire/brume/wire/remove';
 import { Restart } from '../src/wire/brume/wire/restart';
 import { Role } from '../src/wire/brume/wire/role';
 import { SettingKind } from '../src/wire/brume/wire/setting-kind';
@@ -50,6 +52,7 @@ function bytesOf(name: string): ArrayBuffer {
 const tables: { [type: string]: new () => object } = {
   ...{
     Ack,
+    Add,
     Error: WireError,
     Frame,
     Goodbye,
@@ -60,6 +63,7 @@ const tables: { [type: string]: new () => object } = {
     Ping,
     Pong,
     Pose,
+    Remove,
     Restart,
     SceneState,
   },
@@ -80,6 +84,8 @@ const LISTS = [
   'scales',
   'extinctions',
   'albedos',
+  'lists',
+  'values',
 ];
 
 // Reads, with the generated code, the fields that `like` has, into the JSON that the examples are written in.
@@ -164,6 +170,7 @@ describe('decode', () => {
       settings: [],
       starts: [],
       scenes: [],
+      lists: [],
       resume: '',
       role: 'operator', // as before there were roles
       camera: present(camera, { position: 'position', target: 'target', fovY: 'fov_y' }),
@@ -207,6 +214,7 @@ describe('decode', () => {
         ...present(s, { usualLowest: 'usual_lowest', usualHighest: 'usual_highest' }),
         unit: s['unit'] ?? '',
         choices: s['choices'] ?? [],
+        onlyType: '',
       })),
     );
     expect(scene.settings).toEqual([[0.5, 0.75, 1], 0.25, 'isv']);
@@ -220,6 +228,21 @@ describe('decode', () => {
     expect(welcome.scenes).toEqual(body('welcome_scenes')['scenes']);
     expect(welcome.starts).toEqual([0.5]);
     expect(scene.box).toEqual({ lo: body('scene_state_box')['lo'], hi: body('scene_state_box')['hi'] });
+  });
+
+  test('lists and their elements', () => {
+    const welcome = decode(bytesOf('welcome_lists'));
+    const scene = decode(bytesOf('scene_state_lists'));
+    if (welcome.kind !== 'welcome' || scene.kind !== 'scene') throw new Error('other messages');
+    const [lights, ...others] = welcome.lists;
+    expect(lights).toMatchObject({ name: 'light', most: 1024 });
+    expect(lights?.settings.map(({ path, onlyType }) => [path, onlyType])).toEqual([
+      ['light.type', ''],
+      ['light.position', ''],
+      ['light.outer', 'spot'],
+    ]);
+    expect(others).toEqual([]);
+    expect(scene.lists).toEqual([[1, 1.5, -2.25, 26, 0.5, 0, 0.5, 0, -1, 0.25]]);
   });
 
   test.each(['frame', 'frame_stereo', 'frame_frusta', 'frame_png'])('%s, with the bytes of each view', (name) => {
@@ -343,13 +366,14 @@ describe('encode', () => {
       as('impulse', present(c, { origin: 'origin', direction: 'direction', push: 'push', strength: 'strength' })),
     );
     input('input_move_volume', (c) => as('move', present(c, { offset: 'offset' })));
-    input('input_set', (c) => ({
-      kind: 'set',
-      changes: (field(c, 'changes') as Fields[]).map((change) => ({
+    const changesOf = (c: Json): Change[] =>
+      (field(c, 'changes') as Fields[]).map((change) => ({
         path: change['path'] as string,
         value: (change['number'] ?? change['vector'] ?? change['text']) as unknown as SettingValue,
-      })),
-    }));
+      }));
+    input('input_set', (c) => ({ kind: 'set', changes: changesOf(c) }));
+    input('input_add', (c) => ({ kind: 'add', list: field(c, 'list') as string, changes: changesOf(c) }));
+    input('input_remove', (c) => ({ kind: 'remove', path: field(c, 'path') as string }));
     input('input_restart', () => ({ kind: 'restart' }));
   });
 

@@ -21,7 +21,7 @@ test('a file gets a name that the server takes', () => {
 
 describe('back to what the scene began with', () => {
   const setting = (path: string, leastRole: Setting['leastRole']): Setting => ({
-    ...{ path, leastRole, kind: 'number', unit: '', help: '', choices: [] },
+    ...{ path, leastRole, kind: 'number', unit: '', help: '', choices: [], onlyType: '' },
     ...{ lowest: 0, highest: 1, usualLowest: 0, usualHighest: 1 },
   });
   const settings = [
