@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "server/medium/band_limit.h"
 #include "shaders/local_light_bins_comp.h"
 #include "shaders/local_light_comp.h"
 #include "shaders/local_light_depth_comp.h"
@@ -10,7 +11,6 @@
 namespace brume {
 namespace {
 
-constexpr uint32_t kStep = 4; // pixels between those that are computed where light is smooth
 constexpr VkDeviceSize kVolumeBytes =
     VkDeviceSize(gpu::kLightVolume) * gpu::kLightVolume * gpu::kLightShells * sizeof(float);
 
@@ -84,9 +84,7 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
     const EyeInputs& in = *group.any;
     const SceneFeatures& features = in.shared->features;
     const gpu::Commands::Pass pass(commands, "local light", group.view());
-    const uint32_t asked = in.shared->settings->shading;
-    const bool smooth = in.medium->count == 0 || group.rate >= kStep; // True: particles are no smaller than the step
-    const uint32_t step = smooth && (asked == kAuto || asked >= kStep) ? kStep : 1;
+    const uint32_t step = localLightStep(in.shared->settings->shading, group.rate, in.medium->count > 0);
     gpu::ComputeProgram& program = programs_[{group.rate, step, group.colours, features}];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_comp, "local_light"},

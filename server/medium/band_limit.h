@@ -48,4 +48,11 @@ inline uint32_t shadingStep(const RenderSettings& settings, uint32_t rate, float
     return step;
 }
 
+// Pixels between those whose light of points and spots is computed where it is smooth: 1 or 4. `shading`:
+// RenderSettings::shading. Particles must not be smaller than the step.
+inline uint32_t localLightStep(uint32_t shading, uint32_t rate, bool particles) {
+    constexpr uint32_t kStep = 4;
+    return (!particles || rate >= kStep) && (shading == kAuto || shading >= kStep) ? kStep : 1;
+}
+
 } // namespace brume

@@ -14,12 +14,16 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
     return gpu::groups(width, gpu::kObjectBin) * gpu::groups(height, gpu::kObjectBin);
 }
 
+bool isMany(const Scene& scene) { return scene.boxes.size() + scene.spheres.size() > gpu::kFewObjects; }
+
 } // namespace
 
 Surfaces::Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw)
     : device_(device), planes_{gpu::kIdPlanes, uint32_t(scene.planes.size())},
-      has_boxes_{gpu::kIdHasBoxes, !scene.boxes.empty()}, has_spheres_{gpu::kIdHasSpheres, !scene.spheres.empty()},
-      bodies_(uint32_t(scene.boxes.size() + scene.spheres.size())), by_draw_(by_draw) {
+      boxes_{gpu::kIdBoxes, isMany(scene) ? uint32_t(!scene.boxes.empty()) : uint32_t(scene.boxes.size())},
+      spheres_{gpu::kIdSpheres, isMany(scene) ? uint32_t(!scene.spheres.empty()) : uint32_t(scene.spheres.size())},
+      many_{gpu::kIdManyObjects, isMany(scene)},
+      binned_(isMany(scene) ? uint32_t(scene.boxes.size() + scene.spheres.size()) : 0), by_draw_(by_draw) {
     prepare({});
 }
 
@@ -29,7 +33,7 @@ const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
     if (by_draw_ && !made.draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes_, has_boxes_, has_spheres_, has_fog, has_lights};
+        const gpu::SpecConstant constants[] = {planes_, boxes_, spheres_, many_, has_fog, has_lights};
         gpu::GraphicsInfo graphics;
         graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
         graphics.blend = gpu::Blend::replace;
@@ -37,12 +41,12 @@ const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
     }
     if (!by_draw_ && !made.compute)
         made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes_, has_boxes_, has_spheres_, has_fog, has_lights});
+                                           {planes_, boxes_, spheres_, many_, has_fog, has_lights});
     return made;
 }
 
 void Surfaces::prepare(std::span<const EyeRequest> eyes) {
-    const uint32_t words = gpu::groups(bodies_, 32), of_words = gpu::groups(words, 32);
+    const uint32_t words = gpu::groups(binned_, 32), of_words = gpu::groups(words, 32);
     VkDeviceSize bytes = 256;
     for (const EyeRequest& eye : eyes)
         bytes = std::max(bytes, VkDeviceSize(binsOf(eye.width, eye.height)) * (words + of_words) * sizeof(uint32_t));
@@ -64,7 +68,7 @@ void Surfaces::recordBins(gpu::Commands& commands, const EyeInputs& in) {
 void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd); // the eye before has used the same targets
-    if (bodies_ > 0) recordBins(commands, in);
+    if (binned_ > 0) recordBins(commands, in);
     const gpu::Commands::Pass pass(commands, "opaque", in.view);
     const gpu::Resource objects = gpu::storageBuffer(2, *in.shared->objects),
                         light = gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),

@@ -32,11 +32,11 @@ private:
     void recordBins(gpu::Commands& commands, const EyeInputs& in);
 
     const gpu::Device& device_;
-    const gpu::SpecConstant planes_, has_boxes_, has_spheres_;
-    const uint32_t bodies_; // boxes and spheres
+    const gpu::SpecConstant planes_, boxes_, spheres_, many_;
+    const uint32_t binned_; // boxes and spheres, if they are many; else 0
     const bool by_draw_;
     gpu::ComputeProgram bins_program_;
-    gpu::Buffer bins_; // uint[bins][words]: which boxes and spheres the rays of a bin of the last eye's pixels may hit
+    gpu::Buffer bins_; // uint[bins][words]: which of many the rays of a bin of the last eye's pixels may hit
     std::map<std::pair<bool, bool>, Programs> programs_; // by whether there are fog and local lights
 };
 

@@ -26,6 +26,10 @@ inline constexpr CostInfo kShadowVolume{"shadow_volume", "shadow volume", 0.12};
 inline constexpr CostInfo kParticleLight{"particle_light", "particle light", 130}; // particles
 inline constexpr CostInfo kOpaque{"opaque", "opaque", 7.3};                        // pixels x (1 + objects)
 inline constexpr CostInfo kCompose{"compose", "compose", 11};                      // pixels
+// Of points and spots. Lights that particles dim x particles.
+inline constexpr CostInfo kLocalLightDepth{"local_light_depth", "local light depth", 160000};
+inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local light", 60}; // ViewWork::localPieces()
+inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
 } // namespace costs
 
 // All costs: those above, then those of every method. numberOf() is the index in this list, in Work and in CostModel.

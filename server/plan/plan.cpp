@@ -26,6 +26,8 @@ constexpr double kWorseMeanwhile = 1.5;
 constexpr double kMostRelaxed = 10;
 // Steps that the last plan took are kept up to so many times that: views come and go, and their errors differ.
 constexpr double kKept = 1.5;
+// A step that saves less of the time is not taken: the time is elsewhere. One that the last plan took stays with half.
+constexpr double kLeastSaved = 0.02;
 
 // All combinations of what is left open, for the methods that `wanted_method` allows. `refused`: one line on a method
 // that the scene does not allow.
@@ -200,12 +202,14 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     plan.limit = limitOf(all, plan.chosen, wanted);
     while (plan.relaxed < inputs.relaxed) {
         const auto next = relaxed(plan.chosen.settings, plan.relaxed, [&](const RenderSettings& way) {
+            const Candidate c = prices.of(way);
+            const bool taken = plan.relaxed < inputs.relaxed_before;
+            const double kept = taken ? kKept : 1, least = taken ? kLeastSaved / 2 : kLeastSaved;
+            if (c.predicted && plan.chosen.ms() - c.ms() < least * plan.chosen.ms()) return false;
             if (inputs.compiled && !inputs.compiled(way)) {
                 prices.addMissing(way, plan.wanted);
                 return false;
             }
-            const Candidate c = prices.of(way);
-            const double kept = plan.relaxed < inputs.relaxed_before ? kKept : 1;
             return (c.predicted ? c.excess : prices.lightErrorOf(way) / double(wanted.error)) <= kept * kMostRelaxed;
         });
         if (!next) break;

@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/phase_lobes.h"
+#include "server/inputs/local_light_block.h"
 #include "server/inputs/tick_block.h"
 #include "server/medium/band_limit.h"
 #include "server/opaque/objects.h"
@@ -53,6 +54,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     out.lobe_width = lobesOf(now.medium).width();
     out.objects = std::min(uint32_t(objects.size()), kMostCounted);
     out.casters = std::min(uint32_t(scene.boxes.size() + scene.spheres.size()), kMostCounted);
+    for (const Light& light : now.lists.lights) out.local_lights.push_back(localLightBlock(light));
     out.tick = makeTick(scene, now, particles, objects);
     out.state = stateOf(particles, out.tick);
     out.particles = uint32_t(particles.size());
@@ -174,7 +176,7 @@ void Planner::passesTook(const RenderSettings& settings, std::span<const PlanVie
         RenderSettings own = settings;
         if (rates[i] > 0) own.rate = rates[i];
         const ViewWork view(inputs_.scene, views[i]);
-        if (view.sees()) work += view.of(own);
+        if (view.sees() || needsFields(inputs_.scene.features)) work += view.of(own);
     }
     costs_.learn(work, passes);
 }

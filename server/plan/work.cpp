@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/inputs/eye_request.h"
+#include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
 #include "shaders/shared/support.h"
 
@@ -11,6 +12,8 @@ namespace brume {
 namespace {
 
 constexpr double kNear = double(kNearDepth);
+constexpr double kComputed = 0.25;        // of the pixels, where their neighbours tell most of them
+constexpr double kPiecesWithoutSlabs = 6; // of a ray in a light's range
 
 // View depths between which the medium lies before the eye, m.
 struct Depths {
@@ -60,6 +63,8 @@ Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
     if (scene.features.casters)
         work[costs::kOpaqueShadow] =
             double(scene.wanted.opaque_shadow_size) * scene.wanted.opaque_shadow_size * scene.casters;
+    const auto dimmed = std::ranges::count_if(scene.local_lights, [](const auto& light) { return light.shadows != 0; });
+    work[costs::kLocalLightDepth] = double(dimmed) * scene.particles;
     planOf(settings.method)->addSharedWork(scene, settings, work);
     return work;
 }
@@ -101,22 +106,24 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
     near_ = depths.near;
     far_ = depths.far;
     const glm::dvec2 axis = glm::dvec2(frustum.left, frustum.up) / pixel_; // where the view axis meets the picture
-    for (const gpu::Particle& p : scene.sample) {
-        const double radius = scene.support(p);
-        const glm::dvec3 c = inView(p.centre);
+    const auto boxOf = [&](glm::vec3 centre, double radius) {
+        const glm::dvec3 c = inView(centre);
         const double near = std::max(c.z - radius, kNear), far = c.z + radius;
-        if (radius <= 0 || far <= near) continue;
+        if (radius <= 0 || far <= near) return Seen{};
         const glm::dvec2 lo = glm::dvec2(c) - radius, hi = glm::dvec2(c) + radius;
         const glm::dvec2 first = glm::min(lo / near, lo / far) / pixel_ + axis;
         const glm::dvec2 last = glm::max(hi / near, hi / far) / pixel_ + axis;
-        const Seen box{std::max(first.x, 0.0),
-                       std::min(last.x, double(width_)),
-                       std::max(first.y, 0.0),
-                       std::min(last.y, double(height_)),
-                       near,
-                       far};
-        if (box.right > box.left && box.bottom > box.top) seen_.push_back(box);
-    }
+        return Seen{std::max(first.x, 0.0),
+                    std::min(last.x, double(width_)),
+                    std::max(first.y, 0.0),
+                    std::min(last.y, double(height_)),
+                    near,
+                    far};
+    };
+    for (const gpu::Particle& p : scene.sample)
+        if (const Seen box = boxOf(p.centre, scene.support(p)); box.pixels() > 0) seen_.push_back(box);
+    for (const gpu::LocalLight& light : scene.local_lights)
+        lit_pixels_ += boxOf(light.bound, double(light.reach)).pixels();
 }
 
 const ShownMedium& ViewWork::shown() const {
@@ -140,9 +147,15 @@ double ViewWork::slabThickness(uint32_t slabs) const {
     return (far_ - near_) / (slabs * double(scene_.extent.deviation));
 }
 
+double ViewWork::localPieces(const RenderSettings& settings) const {
+    const bool particles = scene_.particles > 0;
+    const bool coarse = localLightStep(settings.shading, settings.rate, particles) > 1;
+    return lit_pixels_ * (coarse ? kComputed : 1) * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));
+}
+
 double ViewWork::fragments(double part_of_box) const {
     double sum = 0;
-    for (const Seen& s : seen_) sum += (s.right - s.left) * (s.bottom - s.top);
+    for (const Seen& s : seen_) sum += s.pixels();
     return sum * part_of_box * scene_.weight();
 }
 

@@ -2,6 +2,7 @@
 // No device, no shader.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -33,9 +34,10 @@ inline constexpr uint32_t kMostCounted = 12;
 struct PlanScene {
     RenderSettings wanted; // settings of the scene and of commands; method may be kAutoMethod
     SceneFeatures features;
-    double lobe_width = 1; // rad, PhaseLobes::width()
-    uint32_t objects = 0, casters = 0; // those that a pixel may meet, by and large: kMostCounted at most
-    gpu::Tick tick{}; // light, falloff, cut, bounds of the shadow volume
+    double lobe_width = 1;                     // rad, PhaseLobes::width()
+    uint32_t objects = 0, casters = 0;         // those that a pixel may meet, by and large: kMostCounted at most
+    std::vector<gpu::LocalLight> local_lights; // points and spots
+    gpu::Tick tick{};                          // light, falloff, cut, bounds of the shadow volume
     uint32_t particles = 0;
     std::vector<gpu::Particle> sample; // evenly chosen; each stands for weight() particles
     MediumSample medium_sample;
@@ -101,12 +103,17 @@ public:
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
     const ShownMedium& shown() const;                      // found when first asked for: work alone does not need it
+    // Pixels in the ranges of points and spots, one for every light that reaches it.
+    double litPixels() const { return lit_pixels_; }
+    // The pieces that these pixels' rays are cut into: at cones and fogs, and at the slabs of particles.
+    double localPieces(const RenderSettings& settings) const;
     // Pixels covered by all particles, if each covers `part_of_box` of the box around it.
     double fragments(double part_of_box) const;
 
     struct Seen {                        // box around one of the sample's particles in the picture
         double left, right, top, bottom; // pixels, clipped
         double near, far;                // m of view depth
+        double pixels() const { return std::max(right - left, 0.0) * std::max(bottom - top, 0.0); }
     };
     std::span<const Seen> seen() const { return seen_; }
 
@@ -114,7 +121,7 @@ private:
     const PlanScene& scene_;
     PlanView view_;
     uint32_t width_, height_;
-    double pixel_, near_, far_;
+    double pixel_, near_, far_, lit_pixels_ = 0;
     std::vector<Seen> seen_;
     mutable std::optional<ShownMedium> shown_;
 };

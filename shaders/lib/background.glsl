@@ -11,11 +11,12 @@ layout(scalar, binding = 9) readonly buffer Depths { float light_depths[]; };
 layout(scalar, binding = 10) readonly buffer Nodes { ObjectNode object_nodes[]; };
 layout(scalar, binding = 11) readonly buffer Bins { uint object_bins[]; };
 
-// Kinds of objects: code for none is removed. Planes are stored first.
-layout(constant_id = kIdPlanes) const uint kPlanes = 1; // number of planes
-layout(constant_id = kIdHasBoxes) const bool kHasBoxes = true;
-layout(constant_id = kIdHasSpheres) const bool kHasSpheres = true;
-const bool kHasBodies = kHasBoxes || kHasSpheres;
+// Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
+layout(constant_id = kIdPlanes) const uint kPlanes = 1;
+layout(constant_id = kIdBoxes) const uint kBoxes = 1;
+layout(constant_id = kIdSpheres) const uint kSpheres = 1;
+layout(constant_id = kIdManyObjects) const bool kMany = false;
+const bool kHasBodies = kBoxes + kSpheres > 0;
 
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/object_bins.glsl"
@@ -35,25 +36,33 @@ struct Hit {
     vec3 normal, albedo;
 };
 
-uint object_bin; // index in object_bins of the pixel's bin
+uint object_bin; // with kMany: index in object_bins of the pixel's bin
 
-// Bits of the bin's first object, its second one ..., that a ray through any point of the pixel may hit. From the 32nd
-// on all count as hit.
-uint mayHit(vec3 middle) {
+// True if a ray through any point of the pixel may hit the object.
+bool mayHit(Opaque o, uint kind, vec3 middle) {
     // Samples are at most 3/8 pixels from the centre in x and y.
     const float pixel = 0.61 * (length(eye.ray_right) + length(eye.ray_down));
+    const vec3 off = o.centre - eye.position, across = cross(off, middle);
+    const float reach = (kind == kBox ? length(o.half_size) : o.half_size.x) + pixel * length(off);
+    return dot(across, across) <= reach * reach * dot(middle, middle);
+}
+
+// Bits of boxes and spheres that may be hit: the scene's first one, its second one ...; with kMany the bin's. From the
+// 32nd on all count as hit.
+uint mayHit(vec3 middle) {
     uint may = 0, i;
+    for (uint n = 0; n < (kMany ? 0 : kBoxes + kSpheres); ++n)
+        if (mayHit(objects[kPlanes + n], n < kBoxes ? kBox : kSphere, middle)) may |= 1u << n;
+    if (!kMany) return may;
     BinWalk walk = walkBin(object_bin);
-    [[dont_unroll]] while (walk.visited < 32 && nextObject(walk, i)) {
-        const Opaque o = objects[i];
-        const vec3 off = o.centre - eye.position, across = cross(off, middle);
-        const float reach = (kHasBoxes && o.kind == kBox ? length(o.half_size) : o.half_size.x) + pixel * length(off);
-        if (dot(across, across) <= reach * reach * dot(middle, middle)) may |= 1u << (walk.visited - 1);
-    }
+    [[dont_unroll]] while (walk.visited < 32 && nextObject(walk, i))
+        if (mayHit(objects[i], objects[i].kind, middle)) may |= 1u << (walk.visited - 1);
     return may;
 }
 
-void meet(Opaque o, uint i, vec3 dir, inout Hit hit) {
+void meet(uint i, uint kind, vec3 dir, inout Hit hit) {
+    Opaque o = objects[i];
+    o.kind = kind;
     vec3 n;
     const float t = hitObject(o, eye.position, dir, n);
     if (t >= eye.near_depth && t < hit.depth) hit = Hit(t, i, n, o.albedo);
@@ -61,21 +70,15 @@ void meet(Opaque o, uint i, vec3 dir, inout Hit hit) {
 
 Hit nearest(vec3 dir, uint may) {
     Hit hit = Hit(kMiss, kNone, vec3(0, 1, 0), vec3(0));
-    for (uint i = 0; i < kPlanes; ++i) {
-        Opaque o = objects[i];
-        o.kind = kPlane;
-        meet(o, i, dir, hit);
-    }
-    if (!kHasBodies) return hit;
+    for (uint i = 0; i < kPlanes; ++i) meet(i, kPlane, dir, hit);
+    for (uint n = 0; n < (kMany ? 0 : kBoxes + kSpheres); ++n)
+        if ((may & 1u << n) != 0) meet(kPlanes + n, n < kBoxes ? kBox : kSphere, dir, hit);
+    if (!kMany) return hit;
     uint i;
     BinWalk walk = walkBin(object_bin);
-    [[dont_unroll]] while (nextObject(walk, i)) {
-        if (walk.visited <= 32 && (may & 1u << (walk.visited - 1)) == 0) continue;
-        Opaque o = objects[i];
-        if (!kHasSpheres) o.kind = kBox;
-        if (!kHasBoxes) o.kind = kSphere;
-        meet(o, i, dir, hit);
-    }
+    [[dont_unroll]] while (nextObject(walk, i))
+        if (walk.visited > 32 || (may & 1u << (walk.visited - 1)) != 0)
+            meet(i, kSpheres == 0 ? kBox : kBoxes == 0 ? kSphere : objects[i].kind, dir, hit);
     return hit;
 }
 
@@ -132,10 +135,8 @@ vec3 background(vec2 centre, out float view_depth) {
     const vec3 middle = rayDirection(centre);
     if (kHasLocalLights) light_bin = binOf(uvec2(centre));
     uint may = 0;
-    if (kHasBodies) {
-        object_bin = objectBinOf(uvec2(centre));
-        may = mayHit(middle);
-    }
+    if (kMany) object_bin = objectBinOf(uvec2(centre));
+    if (kHasBodies) may = mayHit(middle);
     const Hit hit = nearest(middle, may);
     view_depth = hit.depth;
     bool edge = false;

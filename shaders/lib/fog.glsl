@@ -4,6 +4,8 @@
 
 const float kEndless = 1e30; // the end of a ray that nothing stops
 
+uint fogCount() { return kHasFog ? tick.fog_count : 0; } // loops over none are left out
+
 // The part between `begin` and `end` of the ray origin + t dir in one fog.
 FogPart partInFog(uint i, vec3 origin, vec3 dir, float begin, float end) {
     return insideFog(tick.fogs[i].lo, tick.fogs[i].hi, tick.fogs[i].centre, tick.fogs[i].radius, origin, dir, begin,
@@ -26,7 +28,7 @@ float seenEnd(uint i, vec3 origin, vec3 dir, float metres, FogPart part) {
 // Optical depth of all fogs between `begin` and `end` of the ray origin + t dir.
 float fogBetween(vec3 origin, vec3 dir, float metres, float begin, float end) {
     float sum = 0;
-    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i)
+    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i)
         sum += depthInFog(i, origin, dir, metres, partInFog(i, origin, dir, begin, end));
     return min(sum, 1e18);
 }

@@ -6,6 +6,7 @@
 #include "shaders/lib/field_scale.glsl"
 
 const uint kMostFogSteps = 96;     // of one fog in a slab
+const uint kMostFogPieces = kMostFogSteps + 2 * kMostFogs + 3; // the same, with those between the ends of fogs
 const float kStepsOfRadius = 6;    // in a ball
 const float kStepOfHeight = 0.2;     // of several fogs: most that a step changes the logarithm of an extinction by
 const float kNoBall = 1e15;        // radius
@@ -27,24 +28,26 @@ float surfaceDepth(vec2 pixel) {
 }
 
 float surface;                      // where the ray ends
-uint fog_face;                      // the face up to which fog is summed
-float fog_passed;                   // its optical depth there,
-float fog_light;                    // and the light depth
+float fog_place;                    // up to where fog is summed
+uint fog_face;                      // the last face before that
+float fog_passed, fog_own;          // optical depth of fog before the newest piece, and in it
+float fog_light;                    // light depth at fog_place
 bool fog_ended;                     // True: at_end has the ray's quantities where it ends
 float at_end[kMostFieldQuantities];
 float fog_phase[kMostFogs];
 
 // True: the depth that light passes is linear in the fog's own wherever particles do not shadow it.
 bool isLoneFog() { return tick.fog_count == 1 && !(tick.fogs[0].radius < kNoBall); }
-float fogPassed() { return kHasFog ? fog_passed : 0; }
+float fogPassed() { return kHasFog ? fog_passed + fog_own : 0; }
 float fogOnRay(float begin, float end) { return fogBetween(eye.position, march_dir, march_length, begin, end); }
 
 void startFog(float end) {
     surface = end;
     fog_face = 0;
-    fog_passed = 0;
+    fog_place = faceDepth(0u);
+    fog_passed = fog_own = 0;
     fog_ended = false;
-    fog_light = lightAt(faceDepth(0u));
+    fog_light = lightAt(fog_place);
     [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) fog_phase[i] = fogPhase(i, march_dir / march_length);
 }
 
@@ -104,22 +107,23 @@ void addFog(inout float sum[kMostFieldQuantities], float from, float to, float p
         }
         if (!(fine.end - fine.begin > most) || to >= kEndless) fine = FogPart(part.end, part.end);
         const float step = max(most, (fine.end - fine.begin) / float(kMostFogSteps));
-        float a = part.begin, depth_a = 0, light_a = light_from;
-        if (a > from) {
-            depth_a = fogOnRay(from, a) + per_depth * (a - from);
-            light_a = lightAt(a);
-        }
-        [[dont_unroll]] for (uint n = 0; n < kMostFogSteps + 2 * kMostFogs + 2 && a < part.end; ++n) {
-            float b = a < fine.begin ? fine.begin : a < fine.end ? min(a + step, fine.end) : part.end;
-            // The depth has kinks where other fogs begin or end.
-            [[dont_unroll]] for (uint j = 0; j < tick.fog_count; ++j) {
-                const FogPart other = partInFog(j, eye.position, march_dir, a, part.end);
-                if (other.begin > a) b = min(b, other.begin);
-                if (other.end > a) b = min(b, other.end);
+        float a = from, depth_a = 0, light_a = light_from;
+        [[dont_unroll]] for (uint n = 0; n < kMostFogPieces && a < part.end; ++n) {
+            const bool inside = a >= part.begin; // False: the first piece ends where the fog begins
+            float b = part.begin;
+            if (inside) {
+                b = a < fine.begin ? fine.begin : a < fine.end ? min(a + step, fine.end) : part.end;
+                // The depth has kinks where other fogs begin or end.
+                [[dont_unroll]] for (uint j = 0; j < tick.fog_count; ++j) {
+                    const FogPart other = partInFog(j, eye.position, march_dir, a, part.end);
+                    if (other.begin > a) b = min(b, other.begin);
+                    if (other.end > a) b = min(b, other.end);
+                }
+                if (n == kMostFogPieces - 1 || !(b > a)) b = part.end;
+                b = seenEnd(i, eye.position, march_dir, march_length, FogPart(a, b));
             }
-            if (n == kMostFogSteps + 2 * kMostFogs + 1 || !(b > a)) b = part.end;
-            b = seenEnd(i, eye.position, march_dir, march_length, FogPart(a, b));
-            const float own = depthInFog(i, eye.position, march_dir, march_length, FogPart(a, b));
+            const float own =
+                inside ? depthInFog(i, eye.position, march_dir, march_length, FogPart(a, b)) : 0;
             const float fogs = tick.fog_count == 1 ? own : fogOnRay(a, b);
             const float depth_b = depth_a + fogs + per_depth * (b - a);
             const float light_b = b == to ? light_to : lightAt(b);
@@ -139,38 +143,29 @@ void addFog(inout float sum[kMostFieldQuantities], float from, float to, float p
     }
 }
 
-// Adds what lies between the face up to which fog is summed and a later one: slabs without particles, or one slab whose
-// particles have optical depth `particles`; passed: that of fog there; light_known: with particles the light depth at
-// the later face. Where the ray ends in slabs of fog alone, the sum is kept.
-void passFog(inout float sum[kMostFieldQuantities], uint face, float particles, float passed, float light_known) {
-    const float near = faceDepth(fog_face), far = faceDepth(face);
-    const bool ends = kHasOpaque && isFogAlone(fog_face) && isFogAlone(face - 1) && surface > near && surface < far;
-    float from = near;
-    [[dont_unroll]] for (uint piece = 0; piece < (ends ? 2 : 1); ++piece) {
-        const float to = ends && piece == 0 ? surface : far, depth = ends ? fogOnRay(from, to) : passed;
-        const float light = particles > 0 ? light_known : lightAt(to);
-        if (depth > 0) addFog(sum, from, to, particles, sum[kFieldDepth] + fog_passed, fog_light, light);
+// Adds fog up to `face`, then that of the slab behind it, whose particles have optical depth `particles`; behind the
+// last face of all, that on rays that go on, where the light is as at the face. `light_known`: with particles the light
+// depth at the slab's far face. Where the ray ends in slabs of fog alone, the sum is kept. A loop of pieces, since
+// addFog() takes long to compile.
+void passFog(inout float sum[kMostFieldQuantities], uint face, float particles, float light_known) {
+    [[dont_unroll]] while (fog_face <= face) {
+        const bool in_slab = fog_face == face, goes_on = fog_face == lastFace();
+        if (goes_on && (fog_ended || !(surface > fog_place))) break;
+        const uint next = in_slab ? face + 1 : face;
+        const float far = goes_on ? kEndless : faceDepth(next), passed = in_slab ? particles : 0;
+        const bool alone = isFogAlone(fog_face) && isFogAlone(next - 1);
+        const bool ends = kHasOpaque && !goes_on && alone && surface > fog_place && surface < far;
+        const float to = ends ? surface : far;
+        fog_passed += fog_own;
+        fog_own = fogOnRay(fog_place, to);
+        const float light = passed > 0 ? light_known : goes_on ? fog_light : lightAt(to);
+        if (fog_own > 0) addFog(sum, fog_place, to, passed, sum[kFieldDepth] + fog_passed, fog_light, light);
         fog_light = light;
-        fog_passed += depth;
-        from = to;
-        if (ends && piece == 0) {
+        fog_place = to;
+        if (ends || goes_on) {
             at_end = sum;
             fog_ended = true;
         }
+        if (!ends) fog_face = next;
     }
-    fog_face = face;
-}
-void passFog(inout float sum[kMostFieldQuantities], uint face) {
-    if (face > fog_face) passFog(sum, face, 0, fogOnRay(faceDepth(fog_face), faceDepth(face)), 0);
-}
-
-// Adds what lies behind the last face of all, on rays that go on. The light there is that at the face.
-void endFog(inout float sum[kMostFieldQuantities], uint last) {
-    const float far = faceDepth(last);
-    passFog(sum, last);
-    if (last < lastFace() || fog_ended || !(surface > far)) return;
-    addFog(sum, far, kEndless, 0, sum[kFieldDepth] + fog_passed, fog_light, fog_light);
-    fog_passed += fogOnRay(far, kEndless);
-    at_end = sum;
-    fog_ended = true;
 }

@@ -66,7 +66,7 @@ float phaseAt(Phase p, vec3 away) {
 // Optical depth of fogs before a place of the ray.
 float fogTo(float place) {
     float sum = 0;
-    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i)
+    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i)
         sum += depthInFog(i, eye.position, ray_dir, 1, FogPart(fog_parts[i].begin, min(fog_parts[i].end, place)));
     return sum;
 }
@@ -76,7 +76,7 @@ float fogTo(float place) {
 float fadingLength(float place) {
     float fading = 1e-15, falloff = 0;
     const float y = eye.position.y + place * ray_dir.y;
-    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
+    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) {
         fading += 2 * tick.fogs[i].sigma_t * exp(min(-tick.fogs[i].falloff * (y - tick.fogs[i].base), 60));
         falloff = max(falloff, tick.fogs[i].falloff);
     }
@@ -87,10 +87,11 @@ float fadingLength(float place) {
 // one slab or outside all. `closest`: the place closest to the light; begin and end count from there; slab:
 // slabs_before for none.
 vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float end, uint slab, ivec2 pixel) {
-    const float offset2 = dot(offset, offset), h = sqrt(offset2 + light.radius * light.radius);
-    const EquiangularPart part = equiangularPart(h, begin, end);
     const bool in_slab = slab < slabs_before;
     const float particles = in_slab ? depth_to[slab + 1] - depth_to[slab] : 0;
+    if (!kHasFog && !(particles > 0)) return vec3(0);
+    const float offset2 = dot(offset, offset), h = sqrt(offset2 + light.radius * light.radius);
+    const EquiangularPart part = equiangularPart(h, begin, end);
     const float from = closest + begin, fog_before = fogTo(from), fog = fogTo(closest + end) - fog_before;
     if (!(particles + fog > 0)) return vec3(0);
     // Optical depth of the particles before the piece.
@@ -123,7 +124,7 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
             passed += particles * ((place - particle_begin) / slab_length - float(slab));
             source = albedo * (particles / slab_length * phaseAt(tick.phase, w));
         }
-        [[dont_unroll]] for (uint f = 0; f < tick.fog_count; ++f) {
+        [[dont_unroll]] for (uint f = 0; f < fogCount(); ++f) {
             if (place < fog_parts[f].begin || place > fog_parts[f].end) continue;
             const float height = eye.position.y + place * ray_dir.y - tick.fogs[f].base;
             const float sigma = tick.fogs[f].sigma_t * exp(min(-tick.fogs[f].falloff * height, 60));
@@ -137,7 +138,7 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
 // Brings `next` to the end of the piece of medium that begins at `at`: where a fog begins or ends, or a slab of
 // particles. Returns the piece's slab; slabs_before: none. Both count from `closest`.
 uint pieceFrom(float at, float closest, inout float next) {
-    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
+    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) {
         const vec2 ends = vec2(fog_parts[i].begin, fog_parts[i].end) - closest;
         if (ends.x > at) next = min(next, ends.x);
         if (ends.y > at) next = min(next, ends.y);
@@ -221,13 +222,26 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     return light.intensity * sum;
 }
 
+// True if nodes may miss what the light does to the ray: it passes the light's image or the thin part of its cone.
+bool isNear(LocalLight light) {
+    const vec3 to = light.position - eye.position;
+    const float along = dot(to, ray_dir), pixel = length(eye.ray_down) * along;
+    if (!(along > 0)) return false;
+    // Across the ray: the cone's axis, as far as the cone is thin, and the ray's place from its tip.
+    const vec3 axis = light.axis - dot(light.axis, ray_dir) * ray_dir, off = along * ray_dir - to;
+    const float sine = sqrt(max(1 - light.cos_outer * light.cos_outer, 1e-8));
+    const float thin = light.cos_outer > 0 ? kThinCone * pixel * light.cos_outer / sine : 0;
+    const float place = clamp(dot(off, axis) / max(dot(axis, axis), 1e-12), 0, thin);
+    return length(off - place * axis) < kCore * pixel;
+}
+
 // The light of a pixel's ray. near_light: true if a light is so near that nodes may miss what it does.
 vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
     const float metres = length(dir);
     ray_dir = dir / metres;
     ray_end = depth * metres;
-    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i)
+    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i)
         fog_parts[i] = partInFog(i, eye.position, ray_dir, eye.near_depth * metres, ray_end);
     readParticles(ivec2(pixel), metres);
     vec3 sum = vec3(0);
@@ -236,12 +250,7 @@ vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
     [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
         [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
             const LocalLight light = local_lights[32 * word + findLSB(bits)];
-            const vec3 to = light.position - eye.position;
-            const float along = dot(to, ray_dir);
-            const vec3 beside = to - along * ray_dir;
-            const float sine = sqrt(max(1 - light.cos_outer * light.cos_outer, 1e-8));
-            const float core = max(kCore, light.cos_outer > 0 ? kThinCone * light.cos_outer / sine : 0);
-            near_light = near_light || (along > 0 && length(beside) < core * length(eye.ray_down) * along);
+            near_light = near_light || isNear(light);
             sum += ofLight(light, ivec2(pixel));
         }
     return sum;

@@ -40,6 +40,15 @@ float faceOnRay(float depth, vec3 dir) {
     return face + min(part / max(whole, 1e-30), 1);
 }
 
+// A quantity up to a face. Fog's columns are not kept for the next pixel: kept arrays of all its quantities take
+// seconds to compile.
+float cutAt(inout FieldFaces kept, uint quantity, MediumRun run, float face, float part) {
+    if (!kHasFog) return fieldAt(kept, quantity, run.at, face, part);
+    FieldFaces none;
+    none.below = -1;
+    return fieldAt(none, quantity, run.at, face, part);
+}
+
 // The casters of `pixels` pixels from `pixel` on: those of the first one's tile, which reaches as far as eight pixels
 // do that begin at a multiple of eight.
 TileCasters castersOfPixels(ivec2 pixel, ivec2 pixels) {
@@ -110,8 +119,8 @@ void leaveOutShadows(inout float ray[kMostFieldQuantities], inout MediumCut cut,
         const vec2 faces = kHasFog ? vec2(faceOnRay(joined.x, dir), faceOnRay(joined.y, dir)) : facesAt(joined);
         for (uint n = 0; n < shadowedQuantities(); ++n) {
             const uint q = shadowedQuantity(n);
-            const float lost = fieldAt(cut.shadow_end[n], q, run.at, faces.y, part) -
-                               fieldAt(cut.shadow_begin[n], q, run.at, faces.x, part);
+            const float lost = cutAt(cut.shadow_end[n], q, run, faces.y, part) -
+                               cutAt(cut.shadow_begin[n], q, run, faces.x, part);
             ray[q] = max(ray[q] - lost, 0);
         }
     }
@@ -124,7 +133,7 @@ bool isLevel(MediumRun run, ivec2 pixel, float height, float own, out bool behin
     const float last = float(grid.front + grid.slabs);
     bool level = true;
     behind = own >= last;
-    for (uint n = 0; n < 4; ++n) {
+    [[dont_unroll]] for (uint n = 0; n < 4; ++n) {
         const uvec2 node = first + uvec2(n & 1, n >> 1);
         const float face = field[fieldEnd() + node.y * grid.nodes.x + node.x];
         const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;
@@ -152,7 +161,7 @@ void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 acro
     if ((cut.steep || differs) && !keep_all) {
         const float end = kHasFog ? faceOnRay(z, dir) : linear;
         for (uint q = 0; q < fieldQuantities(); ++q)
-            if (!(keep_fog && q >= fieldFog())) ray[q] = max(fieldAt(cut.ended[q], q, run.at, end, part), 0);
+            if (!(keep_fog && q >= fieldFog())) ray[q] = max(cutAt(cut.ended[q], q, run, end, part), 0);
         if (kHasFog) ray[kFieldDepth] += fogBefore(dir, z);
     }
     if (kHasCasters && cut.casters.met != 0 && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, z, part);

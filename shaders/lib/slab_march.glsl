@@ -54,7 +54,8 @@ void march() {
     // Extinction at the middle of the previous slab, the medium at the middles of this one and the next two.
     float before;
     vec4 here = vec4(0), next = vec4(0), then = vec4(0);
-    for (uint ahead = slabs.x; ahead < slabs.y + 2; ++ahead) {
+    const bool goes_on = kHasFog && last_face == lastFace(); // True: there is fog behind the last face, too
+    for (uint ahead = slabs.x; ahead < slabs.y + (goes_on ? 3 : 2); ++ahead) {
         before = here[kExtinction];
         here = next;
         next = then;
@@ -75,27 +76,21 @@ void march() {
         const float curvature = before - 2 * here[kExtinction] + next[kExtinction];
         float slab = max(here[kExtinction] + curvature / 24, 0) * (march_length * slabThickness());
         if (isFogAlone(face)) slab = 0;
-        float fog = 0; // optical depth
-        // Of a lone fog, slabs without particles are summed together, up to one with particles or a face that is
-        // written.
-        const bool alone = kHasFog && isLoneFog() && !(slab > 0) && (!kHasOpaque || face + 1 < first_face);
-        if (kHasFog && !alone) {
-            passFog(sum, face);
-            fog = fogOnRay(faceDepth(face), faceDepth(face + 1));
-        }
-        const float all = slab + fog;
         if (slab > 0) {
             const float near = faceDepth(face), thick = slabThickness();
-            if (!known) {
-                light.y = lightAt(near);
-                light.z = lightAt(near + thick);
-                light.x = lightAt(near - thick);
-            }
-            light.w = lightAt(near + 2 * thick);
+            [[dont_unroll]] for (int next_face = known ? 2 : -1; next_face < 3; ++next_face)
+                light = vec4(light.yzw, lightAt(near + float(next_face) * thick));
+        }
+        // Of a lone fog, slabs without particles are summed together, up to one with particles or a face that is
+        // written.
+        const bool waits = isLoneFog() && !(slab > 0) && face < last_face && (!kHasOpaque || face + 1 < first_face);
+        if (kHasFog && !waits) passFog(sum, face, slab, light.z);
+        if (slab > 0) {
+            const float all = slab + (kHasFog ? fog_own : 0);
             const float mean = here[kExtinction] + curvature / 24;
             const float slope = clamp(0.5 * (next[kExtinction] - before) / mean, -2, 2);
             const float bend = 0.5 * (light.w - light.z - light.y + light.x);
-            const float transmittance = exp(-sum[kFieldDepth] - fogPassed());
+            const float transmittance = exp(-sum[kFieldDepth] - (kHasFog ? fog_passed : 0));
             const float even = kHasFog ? scatterOwn(slab, light.y, all + light.z) :
                                          scatterAnalytic(slab, light.y, light.z);
             const float sun = transmittance * even * scatterVaried(all, light.y, light.z, slope, bend);
@@ -110,16 +105,12 @@ void march() {
                 if (kAmbientColours > 0) sum[fieldAmbient() + c] += albedo * ambient;
                 if (kHasLocalLights && kSunColours == 3) sum[fieldScattering() + c] += albedo * slab;
             }
-        }
-        if (kHasFog && !alone) passFog(sum, face + 1, slab, fog, light.z);
-        if (slab > 0) {
             sum[kFieldDepth] += slab;
-            light.xyz = light.yzw;
         }
         known = slab > 0;
-        if (kHasOpaque && inside && face + 1 >= first_face) writeFaces(face + 1, face + 1, mine, sum);
+        if (kHasOpaque && inside && face + 1 >= first_face && face < last_face)
+            writeFaces(face + 1, face + 1, mine, sum);
     }
-    if (kHasFog) endFog(sum, last_face);
     if (!inside) return;
     if (kHasOpaque) { // up to what the ray hits
         writeFaces(max(first_face, slabs.y + 1), last_face, mine, sum);

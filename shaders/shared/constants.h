@@ -10,15 +10,16 @@ using uint = uint32_t;
 #endif
 
 // The scene: code for what it lacks is left out.
-const uint kIdHasOpaque = 0u;       // bool: objects hide the medium and shadow it
-const uint kIdHasCasters = 1u;      // bool: some of these objects cast shadows on the medium
-const uint kIdHasLobe = 2u;         // bool: anisotropy > 0
-const uint kIdHasAmbient = 3u;      // bool: ambient radiance > 0
-const uint kIdMayBeCut = 4u;        // bool: objects or the near plane may end a ray inside a particle
-const uint kIdOneAlbedo = 5u;       // bool: all particles have the same albedo
-const uint kIdPlanes = 6u;          // number of planes
-const uint kIdHasBoxes = 7u;        // bool
-const uint kIdHasSpheres = 8u;      // bool
+const uint kIdHasOpaque = 0u;  // bool: objects hide the medium and shadow it
+const uint kIdHasCasters = 1u; // bool: some of these objects cast shadows on the medium
+const uint kIdHasLobe = 2u;    // bool: anisotropy > 0
+const uint kIdHasAmbient = 3u; // bool: ambient radiance > 0
+const uint kIdMayBeCut = 4u;   // bool: objects or the near plane may end a ray inside a particle
+const uint kIdOneAlbedo = 5u;  // bool: all particles have the same albedo
+const uint kIdPlanes = 6u;     // number of planes
+const uint kIdBoxes = 7u;      // number of boxes, and of spheres; with many: 1 if there are some, else 0
+const uint kIdSpheres = 8u;
+const uint kIdManyObjects = 31u;    // bool: there are more than kFewObjects boxes and spheres
 const uint kIdHasFog = 28u;         // bool: there is fog
 const uint kIdHasGlow = 29u;        // bool: some fog emits light
 const uint kIdHasLocalLights = 30u; // bool: there are points or spots

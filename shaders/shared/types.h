@@ -139,6 +139,7 @@ const uint kBox = 1u;
 const uint kSphere = 2u;
 
 const uint kMostPlanes = 64u;
+const uint kFewObjects = 32u;  // boxes and spheres: so many are asked one by one
 const uint kObjectBin = 16u;   // pixels along a side of a bin of objects
 const uint kMostShadows = 64u; // of objects on a ray that are kept apart
 

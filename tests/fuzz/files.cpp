@@ -42,7 +42,8 @@ void scene(Bytes input) {
                         std::abs(glm::length(light.axis) - 1) < 1e-3f && light.inner < light.outer,
                     "lights with unit directions, and cones that are not empty");
         promise(scene.lights.size() - localLightsOf(scene).size() <= 1, "one directional light at most");
-        promise(scene.planes.size() <= 64 && scene.boxes.size() <= 64 && scene.spheres.size() <= 64,
+        promise(limits::kPlanes.holds(double(scene.planes.size())) &&
+                    limits::kObjects.holds(double(scene.boxes.size() + scene.spheres.size())),
                 "no endless lists of objects");
         promise(isUsable(lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y)), "a camera is usable");
     } catch (const SceneError& error) {

@@ -181,7 +181,7 @@ TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
     GraphicsInfo info;
     info.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
     info.blend = Blend::replace;
-    const SpecConstant known[] = {{kIdPlanes, 1}, {kIdHasBoxes, 0}}, unknown[] = {{kIdPlanes, 1}, {kIdHasOpaque, 0}};
+    const SpecConstant known[] = {{kIdPlanes, 1}, {kIdBoxes, 0}}, unknown[] = {{kIdPlanes, 1}, {kIdHasOpaque, 0}};
     EXPECT_NO_THROW(GraphicsProgram(device(), stages, info, known));
     EXPECT_THROW(GraphicsProgram(device(), stages, info, unknown), Error);
 }

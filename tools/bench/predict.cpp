@@ -28,6 +28,7 @@ constexpr Sample kSamples[] = {
     {"plume", "outside", "sphere", 0, 0, {320, 180}},      {"cloud", "outside", "isv", 0, 0, {320, 180}},
     {"cloud-5000", "inside", "isv", 0, 0, {96, 54}},       {"cloud", "outside", "tiles", 0, 0, {640, 360}},
     {"cloud-5000", "outside", "tiles", 0, 0, {640, 360}},  {"plume", "outside", "tiles", 0, 0, {640, 360}},
+    {"stage", "outside", "slabs", 8, 32, {640, 360}},      {"lamp", "outside", "slabs", 4, 32, {640, 360}},
 };
 
 // Least time of each pass, ms: whatever else the machine does only adds to it.

@@ -6,6 +6,9 @@
 namespace brume::reference {
 namespace {
 
+// Of so few all edges are kept: those that are none make the quadrature's panels shorter.
+constexpr size_t kFew = 32;
+
 // Bounds of an obstacle that is no plane, with room for roundings.
 Bounds3 boundsOf(const Obstacle& o) {
     const double c = std::abs(std::cos(o.yaw)), s = std::abs(std::sin(o.yaw));
@@ -80,6 +83,7 @@ void ObstacleTree::shadowEdges(const LightSource& light, const Ray& ray, std::ve
     const glm::dvec3 normal = glm::cross(ray.direction, distant ? light.to_light : light.position - ray.origin);
     walk(
         [&](const Bounds3& bounds) {
+            if (bodies_.size() <= kFew) return true;
             const glm::dvec3 half = (bounds.hi - bounds.lo) / 2.0, to = (bounds.lo + bounds.hi) / 2.0 - ray.origin;
             return std::abs(glm::dot(normal, to)) <= glm::dot(glm::abs(normal), half + 1e-12 * glm::abs(to));
         },

@@ -16,7 +16,7 @@ public:
 
     Hit nearest(const Ray& ray) const;
     bool occluded(const Ray& ray, int skip = -1) const;
-    // shadowEdges() of all obstacles whose shadow the ray's line may meet.
+    // shadowEdges() of all obstacles whose shadow the ray's line may meet; of few obstacles those of all.
     void shadowEdges(const LightSource& light, const Ray& ray, std::vector<double>& t) const;
 
 private:

@@ -137,6 +137,8 @@ void RayPlan::addDisplayWork(const ViewWork& view, const RenderSettings& setting
     if (scene.features.opaque) {
         work[costs::kOpaque] = view.pixels() * (1 + scene.objects);
         work[costs::kRayEnds] = view.pixels();
+        work[costs::kLitSurfaces] = view.litPixels() * (1 + scene.objects);
+        work[costs::kLocalLight] = view.localPieces(settings);
     }
     const double lobe = scene.features.lobe ? scene.lobe_width / view.pixel() : 1e30;
     const uint32_t step =

@@ -1,0 +1,131 @@
+// What points and spots cost in the plan, and what overload gives up where they take the time.
+#include <gtest/gtest.h>
+
+#include "server/plan/cost_learning.h"
+#include "tests/unit/plan_scenes.h"
+
+namespace brume {
+namespace {
+
+Light point(glm::vec3 position, float range = 0) {
+    Light light;
+    light.type = kPoint;
+    light.position = position;
+    light.range = range;
+    return light;
+}
+
+// Haze without particles, lit by points.
+Scene haze(uint32_t lights) {
+    Scene scene;
+    scene.medium.layout = Layout::none;
+    scene.fogs = {{.extinction = 0.03f}};
+    scene.render.method = "slabs";
+    scene.lights.clear();
+    for (uint32_t i = 0; i < lights; ++i) scene.lights.push_back(point({float(i), 0, 0}));
+    return scene;
+}
+
+Scene lamp() {
+    Scene scene = cube(400, 6);
+    scene.lights = {point({0, 0, 0})};
+    scene.render.method = "slabs";
+    return scene;
+}
+
+RenderSettings settingsOf(uint32_t rate, uint32_t slabs, uint32_t shading = kAuto) {
+    RenderSettings settings;
+    settings.method = "slabs", settings.rate = rate, settings.slabs = slabs, settings.shading = shading;
+    return settings;
+}
+
+double workOf(const Scene& scene, const CostInfo& cost, const RenderSettings& settings, uint32_t width = 640) {
+    const PlanInputs inputs = inputsOf(scene);
+    return ViewWork(inputs.scene, {inputs.views[0].pose, width, width * 9 / 16}).of(settings)[cost];
+}
+
+TEST(LocalLightWork, GrowsWithLightsAndPixels) {
+    const RenderSettings settings = settingsOf(4, 32);
+    for (const CostInfo* cost : {&costs::kLocalLight, &costs::kLitSurfaces}) {
+        const double one = workOf(haze(1), *cost, settings);
+        EXPECT_GT(one, 0) << cost->key;
+        EXPECT_DOUBLE_EQ(workOf(haze(8), *cost, settings), 8 * one) << cost->key;
+        EXPECT_DOUBLE_EQ(workOf(haze(1), *cost, settings, 1280), 4 * one) << cost->key;
+        EXPECT_EQ(workOf(haze(0), *cost, settings), 0) << cost->key;
+    }
+}
+
+TEST(LocalLightWork, IsThatOfWhatARangeCovers) {
+    Scene scene = haze(1);
+    const double all = workOf(scene, costs::kLocalLight, settingsOf(4, 32));
+    const glm::vec3 ahead = glm::normalize(scene.camera.target - scene.camera.position);
+    scene.lights[0] = point(scene.camera.position + 20.0f * ahead, 2);
+    const double some = workOf(scene, costs::kLocalLight, settingsOf(4, 32));
+    EXPECT_GT(some, 0);
+    EXPECT_LT(some, 0.2 * all);
+    scene.lights[0].position = scene.camera.position - 20.0f * ahead;
+    EXPECT_EQ(workOf(scene, costs::kLocalLight, settingsOf(4, 32)), 0);
+}
+
+TEST(LocalLightWork, FollowsSlabsAndTheStepOnlyWhereTheyMatter) {
+    const auto work = [](const Scene& scene, const RenderSettings& s) { return workOf(scene, costs::kLocalLight, s); };
+    EXPECT_EQ(work(haze(1), settingsOf(2, 64)), work(haze(1), settingsOf(8, 8)));
+    EXPECT_GT(work(lamp(), settingsOf(4, 64)), 1.5 * work(lamp(), settingsOf(4, 32)));
+    EXPECT_GT(work(lamp(), settingsOf(2, 32)), 2 * work(lamp(), settingsOf(4, 32)));
+    EXPECT_GT(work(haze(1), settingsOf(4, 32, 1)), 2 * work(haze(1), settingsOf(4, 32, 4)));
+}
+
+TEST(LocalLightWork, ParticlesAreAddedToTheDepthOfEveryLightThatTheyDim) {
+    Scene scene = lamp();
+    const auto work = [&] { return sharedWork(inputsOf(scene).scene, settingsOf(4, 32))[costs::kLocalLightDepth]; };
+    EXPECT_EQ(work(), 400);
+    scene.lights.push_back(point({1, 0, 0}));
+    EXPECT_EQ(work(), 800);
+    scene.lights[0].shadows = false;
+    EXPECT_EQ(work(), 400);
+}
+
+// Where nearly all time is the lights', rays and slabs would be given up in vain.
+TEST(LocalLightPlan, OverloadTakesNoStepThatDoesNotHelp) {
+    const auto relaxed = [](uint32_t lights) {
+        PlanInputs inputs = inputsOf(haze(lights));
+        inputs.scene.wanted.rate = 2, inputs.scene.wanted.slabs = 64;
+        inputs.relaxed = 10;
+        return makePlan(inputs, builtInCosts()).relaxed;
+    };
+    EXPECT_GE(relaxed(1), 2u);
+    EXPECT_EQ(relaxed(256), 0u);
+}
+
+TEST(LocalLightPlan, EveryOverloadStepAmongParticlesSavesTime) {
+    PlanInputs inputs = inputsOf(lamp());
+    inputs.scene.wanted.rate = 2, inputs.scene.wanted.slabs = 64;
+    double last = makePlan(inputs, builtInCosts()).chosen.ms();
+    for (inputs.relaxed = 1; inputs.relaxed < 20; ++inputs.relaxed) {
+        const Plan plan = makePlan(inputs, builtInCosts());
+        if (plan.relaxed < inputs.relaxed) break;
+        EXPECT_LE(plan.chosen.ms(), 0.98 * last);
+        last = plan.chosen.ms();
+    }
+    EXPECT_GT(inputs.relaxed, 2u);
+    EXPECT_LT(inputs.relaxed, 20u);
+}
+
+// The surfaces' pass has two costs, which share what it takes.
+TEST(LocalLightPlan, LearnsWhatLightsCost) {
+    CostLearning learning(builtInCosts());
+    const PlanInputs inputs = inputsOf(haze(4));
+    const Work work = ViewWork(inputs.scene, inputs.views[0]).of(settingsOf(4, 32));
+    const CostModel model = learning.first();
+    const double local = work[costs::kLocalLight] * model[costs::kLocalLight] * 1e-6;
+    const double surfaces =
+        (work[costs::kLitSurfaces] * model[costs::kLitSurfaces] + work[costs::kOpaque] * model[costs::kOpaque]) * 1e-6;
+    const PassMs took[] = {{"local light bins", 0.1 * local}, {"local light", 2.9 * local}, {"opaque", 0.5 * surfaces}};
+    for (int i = 0; i < 60; ++i) learning.learn(work, took);
+    EXPECT_NEAR(learning.model()[costs::kLocalLight] / model[costs::kLocalLight], 3, 0.05);
+    EXPECT_NEAR(learning.model()[costs::kLitSurfaces] / model[costs::kLitSurfaces], 0.5, 0.02);
+    EXPECT_NEAR(learning.model()[costs::kOpaque] / model[costs::kOpaque], 0.5, 0.02);
+}
+
+} // namespace
+} // namespace brume
