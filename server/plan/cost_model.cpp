@@ -77,7 +77,10 @@ CostModel loadCosts(const std::filesystem::path& file, std::string& complaint) {
     std::ifstream in(file);
     const nlohmann::json parsed = nlohmann::json::parse(in, nullptr, false);
     if (!parsed.is_object()) return refused("cannot be read as JSON");
-    if (!parsed.contains("version") || parsed["version"] != kVersion) return refused("is of another version");
+    const auto version = parsed.find("version");
+    if (version == parsed.end() || !version->is_number_integer()) return refused("has no version");
+    if (*version < kVersion) return model; // of an older server: it is learnt anew
+    if (*version > kVersion) return refused("is of a newer version");
     for (const CostInfo* cost : allCosts()) {
         const auto ns = parsed.find(cost->key);
         if (ns == parsed.end() || !ns->is_number() || !(ns->get<double>() > 0) || !std::isfinite(ns->get<double>()))

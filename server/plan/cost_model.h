@@ -54,8 +54,8 @@ std::filesystem::path userCacheFolder();
 // FOLDER/costs-DEVICE-DRIVER.json, with everything but letters and digits as '-'.
 std::filesystem::path costFile(const std::filesystem::path& folder, std::string_view device, std::string_view driver);
 
-// Reads the constants of a file. Returns the built-in ones if there is no file. Returns them with one line in
-// `complaint` if the file cannot be read, has another version, or holds anything but positive numbers.
+// Reads the constants of a file. Returns the built-in ones if there is no file, or one of an older version. Returns
+// them with one line in `complaint` if the file cannot be read, is newer, or holds anything but positive numbers.
 CostModel loadCosts(const std::filesystem::path& file, std::string& complaint);
 
 // Writes the file and makes its folder. Throws std::runtime_error, one line.

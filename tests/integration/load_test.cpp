@@ -68,8 +68,9 @@ TEST_F(Load, ViewersGoOnWhileCountersAreAskedFor) {
 
 TEST_F(Load, MeasuresARunningServer) {
     const RunningServer server;
-    const auto load = this->load({"--server", server.url(), "--viewers", "1,2", "--seconds", "3", "--decode", "--paths",
-                                  "fly,stereo", "--assert", "fps>=1", "--assert", "p95<=10000@2"});
+    const auto load = this->load(
+        {"--server", server.url(), "--viewers", "1,2", "--seconds", "3", "--warm-up", "8", // with new shaders
+         "--decode", "--paths", "fly,stereo", "--assert", "fps>=1", "--assert", "p95<=10000@2"});
     ASSERT_EQ(load->exitCode(), 0) << load->err();
     EXPECT_EQ(load->err(), "");
     EXPECT_EQ(load->out(), [&] {

@@ -58,11 +58,13 @@ TEST_F(Scenes, AnotherSceneIsShownToAllWithoutARestart) {
     EXPECT_EQ(reply.status, 200) << reply.body;
     EXPECT_EQ(reply.body, "scene 'tubes' is shown\n");
     const uint64_t tick = std::stoull(reply.headers.at("brume-tick"));
-    ASSERT_TRUE(watch({&a, &b}, [&] { return a.last().tick > tick + 2 && b.last().tick > tick + 2; }));
+    // The first pictures of a scene are slow, and not all of one tick.
+    ASSERT_TRUE(watch({&a, &b}, [&] {
+        return a.last().tick > tick + 2 && b.last().tick > tick + 2 && !commonTicks(a, b, tick).empty();
+    }));
     EXPECT_EQ(a.session.granted().scene, "tubes");
     EXPECT_EQ(b.session.granted().scene, "tubes");
     EXPECT_TRUE(a.errors.empty());
-    EXPECT_FALSE(commonTicks(a, b, tick).empty());
     for (const auto& [left, right] : commonTicks(a, b, tick)) EXPECT_EQ(left->state_hash, right->state_hash);
 }
 

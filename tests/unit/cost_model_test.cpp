@@ -53,6 +53,14 @@ TEST_F(CostFile, WithoutOneTheBuiltInCostsHoldSilently) {
     for (const CostInfo* cost : allCosts()) EXPECT_GT(model[*cost], 0) << cost->key;
 }
 
+// Costs of an older server are learnt anew, without a word at every start.
+TEST_F(CostFile, OfAnOlderVersionTheBuiltInCostsHoldSilently) {
+    write("{ \"version\": 6, \"slabs\": 1 }");
+    std::string complaint;
+    EXPECT_EQ(loadCosts(file, complaint).ns, builtInCosts().ns);
+    EXPECT_EQ(complaint, "");
+}
+
 TEST_F(CostFile, ABadOneIsRefusedInOneLine) {
     write("{ \"version\": 2, ");
     expectRefused("JSON");
