@@ -79,7 +79,7 @@ void ply(Bytes input) {
 void costs(Bytes input) {
     std::string complaint;
     const CostModel model = loadCosts(asFile(input), complaint);
-    promise(model.calibrated == complaint.empty(), "either the file's costs hold, or a line says why not");
+    promise(!model.calibrated || complaint.empty(), "a file whose costs hold has nothing to complain of");
     if (!complaint.empty()) promiseOneLine(complaint, kLongestRefusal);
     if (!model.calibrated) promise(model.ns == builtInCosts().ns, "without a file the built-in costs hold");
     for (const CostInfo* cost : allCosts())
