@@ -88,8 +88,7 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
         program.bind(commands,
                      {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
                       gpu::storageBuffer(3, *in.shared->planes), gpu::storageBuffer(4, drawn ? none_ : *group.field),
-                      gpu::storageBuffer(5, *in.shared->objects),
-                      gpu::storageBuffer(7, *in.shared->lit),
+                      gpu::storageBuffer(5, *in.shared->sunlit), gpu::storageBuffer(7, *in.shared->lit),
                       gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64 * blocks), gpu::groups(view.end - view.first, 16), 1);

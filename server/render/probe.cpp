@@ -54,8 +54,8 @@ void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading
                   {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
                    gpu::storageBuffer(3, reading.where_),
                    gpu::storageBuffer(4, reading.drawn ? reading.where_ : *group.field),
-                   gpu::storageBuffer(5, *in.shared->objects),
-                   gpu::storageBuffer(6, reading.values_), gpu::storageBuffer(7, *in.shared->lit),
+                   gpu::storageBuffer(5, *in.shared->sunlit), gpu::storageBuffer(6, reading.values_),
+                   gpu::storageBuffer(7, *in.shared->lit),
                    gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(push.count, 64), 1, 1);

@@ -26,9 +26,9 @@ void Submission::giveBack() {
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(device, scene), besides_(besides), upload_(device, capacity),
       shadow_volume_(device, capacity), opaque_shadow_(device), particle_light_(device, capacity),
-      local_lights_(device), surfaces_(device, scene), depth_order_(device, capacity), compose_(device), probe_(device),
-      cells_(device), linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
-      coarse_targets_(device) {}
+      local_lights_(device), surfaces_(device, scene), shafts_(device), depth_order_(device, capacity),
+      compose_(device), probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR),
+      nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {}
 
 Renderer::~Renderer() = default;
 
@@ -49,6 +49,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.take(simulation, scene_, now_, objects_.all, eyes, s.particles_);
     writeLocalLights(s, eyes);
     surfaces_.prepare(eyes);
+    shafts_.prepare(features_.casters ? eyes : std::span<const EyeRequest>());
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks);
 
@@ -73,6 +74,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
         }
         if (has_medium && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
         if (has_medium) method.recordGroup(s.commands, group);
+        if (features_.casters && group.field) shafts_.record(s.commands, group);
         if (features_.local_lights && group.field) local_lights_.record(s.commands, group);
         compose_.record(s.commands, group);
         if (has_medium && !s.probe.pixels.empty()) probe_.record(s.commands, group, s.probe, views_[s.probe.eye]);
@@ -97,6 +99,7 @@ void Renderer::giveBack() {
     planes_ = {};
     compose_.giveBack();
     local_lights_.giveBack();
+    shafts_.giveBack();
     targets_.giveBack();
     coarse_targets_.giveBack();
 }
@@ -204,6 +207,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .light_bits = &local_lights_.bits(),
                .light_depths = &local_lights_.depths(),
                .lit = &local_lights_.lit(),
+               .sunlit = &shafts_.sunlit(),
                .shadow_volume = &shadow_volume_.image(),
                .opaque_shadow = &opaque_shadow_.image(),
                .planes = &planes_,

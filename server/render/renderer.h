@@ -14,6 +14,7 @@
 #include "server/methods/proxies/depth_order.h"
 #include "server/opaque/object_buffers.h"
 #include "server/opaque/shadow_map.h"
+#include "server/opaque/shafts.h"
 #include "server/opaque/surfaces.h"
 #include "server/render/compose.h"
 #include "server/render/drawn_cells.h"
@@ -118,6 +119,7 @@ private:
     ParticleLight particle_light_;
     LocalLights local_lights_;
     Surfaces surfaces_;
+    Shafts shafts_;
     DepthOrder depth_order_;
     Compose compose_;
     Probe probe_;

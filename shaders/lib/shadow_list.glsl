@@ -1,4 +1,4 @@
-// Shadows of objects on a ray: where they begin and end, in the order in which they were added.
+// Shadows of objects on a ray: where they begin and end.
 vec2 shadows[kMostShadows];
 uint shadow_count;
 
@@ -18,4 +18,19 @@ void addShadow(vec2 range) {
         best = i;
     }
     shadows[best] = vec2(min(shadows[best].x, range.x), max(shadows[best].y, range.y));
+}
+
+// Adds a shadow, joined with those that it meets. If all are added so, none meets another, and each place counts once.
+void joinShadow(vec2 range) {
+    for (uint i = 0; i < shadow_count;) {
+        const vec2 other = shadows[i];
+        if (other.x > range.y || other.y < range.x) {
+            ++i;
+            continue;
+        }
+        range = vec2(min(range.x, other.x), max(range.y, other.y));
+        shadows[i] = shadows[--shadow_count];
+        i = 0; // what is longer now may meet those before
+    }
+    addShadow(range);
 }
