@@ -28,18 +28,30 @@ inline constexpr float kNoBall = 1e15f; // m, gpu::Fog::radius of a fog that fil
 
 inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
 
-// `now`: what commands change. With local lights pictures always pass through surfaces' targets, as with objects. A sun
-// without irradiance has no shadows.
-inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now) {
-    const bool objects = !scene.boxes.empty() || !scene.spheres.empty(), local_lights = !now.lists.lights.empty();
+// Those that follow from lights and fogs alone. With local lights pictures always pass through surfaces' targets, as
+// with objects.
+inline SceneFeatures featuresOf(const SceneLists& lists) {
     const auto glows = [](const Fog& fog) { return isThere(fog) && fog.emission != glm::vec3(0); };
-    return {.opaque = objects || !scene.planes.empty() || local_lights,
-            .casters = objects && now.light.irradiance != glm::vec3(0),
-            .ambient = scene.sky.ambient != glm::vec3(0),
-            .lobe = hasLobe(now.medium),
-            .fog = std::ranges::any_of(now.lists.fogs, isThere),
-            .glow = std::ranges::any_of(now.lists.fogs, glows),
+    const bool local_lights = !lists.lights.empty();
+    return {.opaque = local_lights,
+            .fog = std::ranges::any_of(lists.fogs, isThere),
+            .glow = std::ranges::any_of(lists.fogs, glows),
             .local_lights = local_lights};
+}
+// All of them. `now`: what commands change. A sun without irradiance has no shadows.
+inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now) {
+    const bool objects = !scene.boxes.empty() || !scene.spheres.empty();
+    return featuresOf(now.lists) | SceneFeatures{.opaque = objects || !scene.planes.empty(),
+                                                 .casters = objects && now.light.irradiance != glm::vec3(0),
+                                                 .ambient = scene.sky.ambient != glm::vec3(0),
+                                                 .lobe = hasLobe(now.medium)};
+}
+// Takes out of the lists what shaders that are compiled for `features` do not draw.
+inline void leaveOut(SceneLists& lists, const SceneFeatures& features) {
+    if (!features.local_lights) lists.lights.clear();
+    if (!features.fog) lists.fogs.clear();
+    if (!features.glow)
+        for (Fog& fog : lists.fogs) fog.emission = glm::vec3(0);
 }
 
 // True: only methods that draw fog and local lights can draw the scene.

@@ -37,7 +37,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                       const RenderSettings* settings, bool full) {
     now_ = simulation.now();
     if (settings) now_.render = *settings;
-    features_ = besides_ | featuresOf(scene_, now_);
+    if (lists_) leaveOut(now_.lists, *lists_);
+    features_ = besides_ | featuresOf(scene_, now_) | lists_.value_or(SceneFeatures());
     Method& method = methodFor(now_.render);
     const MethodNeeds needs = method.needs();
     if (needs.one_medium) now_.render.merge = 0;

@@ -57,5 +57,29 @@ TEST_F(ListsTest, AreDrawnAsIfTheSceneHadBegunSo) {
     EXPECT_TRUE(after(Remove{SceneList::lights, 0}) == none);
 }
 
+// Until shaders for what is there are compiled, those before draw what they can.
+TEST_F(ListsTest, WhatShadersAreNotMadeForIsLeftOut) {
+    renderer.keepRadiance(true);
+    const auto fog = [](const char* key, SettingValue value) { return Change(SceneList::fogs, key, std::move(value)); };
+    const std::vector<glm::vec4> none = after(Set{});
+    renderer.draws({});
+    after(Add{SceneList::fogs, {fog("fog.extinction", 0.05f), fog("fog.emission", glm::vec3(1))}});
+    EXPECT_TRUE(after(Add{SceneList::lights, {}}) == none);
+    Scene scene = bare();
+    scene.fogs = {{.extinction = 0.05f}};
+    renderer.draws({.fog = true});
+    EXPECT_TRUE(after(Set{}) == pictureOf(scene)) << "the fog without its emission";
+    scene.fogs[0].emission = glm::vec3(1);
+    scene.lights.push_back({.type = kPoint});
+    renderer.draws(featuresOf(simulation.now().lists));
+    EXPECT_TRUE(after(Set{}) == pictureOf(scene));
+    after(Remove{SceneList::fogs, 0});
+    const std::vector<glm::vec4> more = after(Remove{SceneList::lights, 0});
+    ASSERT_EQ(more.size(), none.size());
+    double apart = 0;
+    for (size_t i = 0; i < none.size(); ++i) apart = std::max(apart, double(glm::length(more[i] - none[i])));
+    EXPECT_LT(apart, 1e-3) << "shaders for more than there is";
+}
+
 } // namespace
 } // namespace brume::test
