@@ -139,6 +139,11 @@ std::vector<std::string> presentOverrides(const SceneFacts& facts, std::span<con
         else if (settings[i] != facts.starts[i])
             all.push_back(fmt::format("{}={}", setting.path, std::visit(AsToml(), settings[i])));
     }
+    const SceneLists own = listsOf(facts.scene);
+    if (!lists.bodies) all.insert(all.end(), {"box=[]", "sphere=[]"});
+    if (lists.bodies && !featuresOf(own).bodies) all.emplace_back("box=[{}]");
+    if (!lists.opaque) all.emplace_back("plane=[]");
+    if (lists.opaque && !lists.bodies && !lists.local_lights && own.planes.empty()) all.emplace_back("plane=[{}]");
     all.push_back(fmt::format("fog=[{}]", lists.glow ? "{emission=[1,1,1]}" : lists.fog ? "{}" : ""));
     all.push_back(fmt::format("light=[{{to_light={},irradiance={}}}{}]", AsToml()(sun.to_light),
                               AsToml()(sun.irradiance), lists.local_lights ? ",{type='point'}" : ""));

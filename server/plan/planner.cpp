@@ -48,15 +48,15 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     if (lists) leaveOut(now.lists, *lists);
     std::vector<gpu::Particle> particles(simulation.liveCount());
     simulation.write(particles);
-    const std::vector<gpu::Opaque> objects = opaqueObjects(scene);
+    const std::vector<gpu::Opaque> objects = opaqueObjects(scene, now.lists);
     PlanScene out;
     out.wanted = now.render;
-    out.features = featuresOf(scene, now) | lists.value_or(SceneFeatures());
+    out.features = featuresOf(scene, now, lists.value_or(SceneFeatures()));
     out.lobe_width = lobesOf(now.medium).width();
     out.objects = std::min(uint32_t(objects.size()), kMostCounted);
-    out.casters = std::min(uint32_t(scene.boxes.size() + scene.spheres.size()), kMostCounted);
     for (const Light& light : now.lists.lights) out.local_lights.push_back(localLightBlock(light));
     out.tick = makeTick(scene, now, particles, objects);
+    out.casters = std::min(out.tick.opaque_count - out.tick.plane_count, kMostCounted);
     out.state = stateOf(particles, out.tick);
     out.particles = uint32_t(particles.size());
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);

@@ -113,7 +113,7 @@ private:
 
     const gpu::Device& device_;
     const Scene scene_;
-    const ObjectBuffers objects_;
+    ObjectBuffers objects_;
     std::optional<SceneFeatures> lists_; // nothing: all that there are
     const SceneFeatures besides_;        // those that are drawn with, whatever the scene has
     TickUpload upload_;

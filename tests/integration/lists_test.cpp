@@ -1,4 +1,4 @@
-// Fogs, points and spots that viewers change, add and remove while the server runs.
+// Fogs, points, spots and objects that viewers change, add and remove while the server runs.
 #include <filesystem>
 #include <fstream>
 
@@ -13,7 +13,7 @@ namespace brume::test {
 namespace {
 
 const Pose kPose = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
-constexpr size_t kLights = 0, kFogs = 1; // places in Welcome.lists
+constexpr size_t kLights = 0, kFogs = 1, kBoxes = 3, kLists = 5; // places in Welcome.lists, and their number
 
 void add(Watcher& watcher, const char* list, const char* path, double value) {
     watcher.session.sendCommand<wire::Add>([&](auto& b) {
@@ -41,7 +41,7 @@ protected:
 
     void SetUp() override {
         for (Watcher* one : both) one->look(kPose);
-        ASSERT_TRUE(watch(both, [&] { return a.lists.size() == 2 && b.lists.size() == 2; }));
+        ASSERT_TRUE(watch(both, [&] { return a.lists.size() == kLists && b.lists.size() == kLists; }));
     }
     Scene saved() const { return sceneOf(get(server.port(), "/scene.toml").body, "saved.toml"); }
     // A picture of the scene once it has, or has not, lights and fogs.
@@ -93,6 +93,32 @@ TEST_F(ListsOfAServer, WhatCannotBeIsRefusedToWhoAskedAndSaid) {
     ASSERT_TRUE(watch(both, [&] { return a.errors.size() == 3; }));
     EXPECT_EQ(a.errors[2].text, "there are 4 already, 4 is the most: remove one first");
     EXPECT_EQ(saved().fogs.size(), 4u);
+}
+
+TEST_F(ListsOfAServer, ABoxIsAddedMovedAndRemovedForEveryone) {
+    const client::Picture bare = pictureWith(false, false);
+    const auto place = [&](const wire::Vec3& centre) {
+        const wire::Vec3 size(6, 6, 1);
+        b.session.sendCommand<wire::Set>([&](auto& to) {
+            const std::vector changes{wire::CreateChangeDirect(to, "box[0].centre", {}, &centre),
+                                      wire::CreateChangeDirect(to, "box[0].size", {}, &size)};
+            return wire::CreateSetDirect(to, &changes);
+        });
+        EXPECT_TRUE(watch(both, [&] { return a.lists[kBoxes].at(0) == centre.x() && a.lists == b.lists; }));
+        return pictureWith(false, false);
+    };
+    add(a, "box", "box.yaw", 0.5);
+    ASSERT_TRUE(watch(both, [&] { return !b.lists.at(kBoxes).empty() && !a.lists.at(kBoxes).empty(); }));
+    const client::Picture left = place({-4, 0, 8});
+    EXPECT_GT(difference(left, bare), 3);
+    EXPECT_GT(difference(place({4, 0, 8}), left), 3);
+    ASSERT_EQ(saved().boxes.size(), 1u);
+    EXPECT_EQ(saved().boxes[0], (Box{.centre = {4, 0, 8}, .size = {6, 6, 1}, .yaw = 0.5f}));
+    remove(a, "box[0]");
+    ASSERT_TRUE(watch(both, [&] { return b.lists[kBoxes].empty(); }));
+    EXPECT_LT(difference(pictureWith(false, false), bare), 0.5);
+    EXPECT_TRUE(a.errors.empty());
+    EXPECT_TRUE(b.errors.empty());
 }
 
 TEST_F(ListsOfAServer, AreSavedAndRestarted) {
@@ -178,7 +204,7 @@ TEST_F(ListsOfAColdServer, PicturesGoOnUntilTheFirstLightAndTheFirstFogAreCompil
     add(*watcher, "light", "light.range", 0);
     set(*watcher, "light[0].radius", 0.5);
     ASSERT_TRUE(
-        watch({watcher.get()}, [&] { return watcher->lists.size() == 2 && watcher->lists[kLights].size() > 0; }));
+        watch({watcher.get()}, [&] { return watcher->lists.size() == kLists && watcher->lists[kLights].size() > 0; }));
     EXPECT_FALSE(isSeen(difference(pictureOf(watcher->last()), *bare))) << "the simulation does not wait for shaders";
     add(*watcher, "fog", "fog.extinction", 0.3);
     const Waited both = watchUntil(isSeen);
