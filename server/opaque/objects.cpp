@@ -28,6 +28,11 @@ std::vector<gpu::Opaque> opaqueObjects(const Scene& scene) {
     return objects;
 }
 
+std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists) {
+    setObjects(scene, lists);
+    return opaqueObjects(scene);
+}
+
 std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects) {
     std::vector<Bounds3> bounds;
     uint32_t planes = 0;

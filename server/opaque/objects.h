@@ -1,16 +1,19 @@
-// The opaque objects of a scene as the shaders want them. They do not move.
+// The opaque objects of a scene as the shaders want them.
 #pragma once
 
 #include <span>
 #include <vector>
 
 #include "common/scene.h"
+#include "server/sim/lists.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
 
 // Planes, boxes, spheres, in this order: what throws shadows on the medium comes last.
 std::vector<gpu::Opaque> opaqueObjects(const Scene& scene);
+// The same with the objects of the lists in place of those that the scene begins with.
+std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists);
 
 // The tree of all that are no planes. Its boxes are rounded outward.
 std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects);

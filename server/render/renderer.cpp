@@ -26,7 +26,7 @@ void Submission::giveBack() {
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(device, scene), besides_(besides), upload_(device, capacity),
       shadow_volume_(device, capacity), opaque_shadow_(device), particle_light_(device, capacity),
-      local_lights_(device), surfaces_(device, scene), shafts_(device), depth_order_(device, capacity),
+      local_lights_(device), surfaces_(device, objects_.counts()), shafts_(device), depth_order_(device, capacity),
       compose_(device), probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR),
       nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {}
 
@@ -37,7 +37,13 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                       const RenderSettings* settings, bool full) {
     now_ = simulation.now();
     if (settings) now_.render = *settings;
-    features_ = besides_ | featuresOf(scene_, now_);
+    if (lists_) leaveOut(now_.lists, *lists_);
+    features_ = besides_ | featuresOf(scene_, now_, lists_.value_or(SceneFeatures()));
+    if (objects_.follow(scene_, now_.lists)) {
+        opaque_shadow_.invalidate();
+        particle_light_.invalidate();
+        upload_.invalidateLight();
+    }
     Method& method = methodFor(now_.render);
     const MethodNeeds needs = method.needs();
     if (needs.one_medium) now_.render.merge = 0;
@@ -46,9 +52,9 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
     fitPictures(s, eyes, full);
     probe_.prepare(s.probe);
-    upload_.take(simulation, scene_, now_, objects_.all, eyes, s.particles_);
+    upload_.take(simulation, scene_, now_, objects_.all(), eyes, s.particles_);
     writeLocalLights(s, eyes);
-    surfaces_.prepare(eyes);
+    surfaces_.prepare(eyes, objects_.counts());
     shafts_.prepare(features_.casters ? eyes : std::span<const EyeRequest>());
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks);
@@ -126,7 +132,7 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
 uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
     const uint32_t rate = now_.render.rate;
     // Between drawn pixels every object's shadow is looked for at each.
-    if (!needs.draws || rate < 2 || objects_.all.size() > kMostOfCells) return 1;
+    if (!needs.draws || rate < 2 || objects_.all().size() > kMostOfCells) return 1;
     return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
 }
 
@@ -176,7 +182,7 @@ void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes)
 // Records both shadow maps, and the light cached on the particles of every list that some eye sees.
 void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     MediumView& all = upload_.all();
-    opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects, objects_.all);
+    opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects(), objects_.all());
     if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved())) {
         particle_light_.invalidate();
         upload_.invalidateLight();
@@ -185,7 +191,8 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     all.light = nullptr;
     if (!needs.particle_light) return;
     const auto record = [&](ParticleLight& light, MediumView& medium) {
-        light.record(s.commands, {medium.tick, &objects_.objects, medium.particles, &shadow_volume_.image(), &linear_},
+        light.record(s.commands,
+                     {medium.tick, &objects_.objects(), medium.particles, &shadow_volume_.image(), &linear_},
                      medium.count, now_.render.tiles.light_tolerance);
         medium.light = &light.buffer();
     };
@@ -200,9 +207,9 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
 
 void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes) {
     shared_ = {.settings = &now_.render,
-               .objects = &objects_.objects,
-               .object_nodes = &objects_.nodes,
-               .bodies = uint32_t(objects_.all.size() - scene_.planes.size()),
+               .objects = &objects_.objects(),
+               .object_nodes = &objects_.nodes(),
+               .bodies = objects_.counts().bodies(),
                .local_lights = &s.local_lights_,
                .light_bits = &local_lights_.bits(),
                .light_depths = &local_lights_.depths(),

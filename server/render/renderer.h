@@ -62,6 +62,9 @@ public:
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
                 const RenderSettings* settings = nullptr, bool full = false);
 
+    // From the next submission on: of the scene's lists only what shaders with these features draw.
+    void draws(const SceneFeatures& lists) { lists_ = lists; }
+
     // Bytes of all pictures of one submission, at most: what the device lets a shader see of one buffer.
     static uint64_t mostPictureBytes(const gpu::Device& device) {
         return device.properties().limits.maxStorageBufferRange;
@@ -111,8 +114,9 @@ private:
 
     const gpu::Device& device_;
     const Scene scene_;
-    const ObjectBuffers objects_;
-    const SceneFeatures besides_; // those that are drawn with, whatever the scene has
+    ObjectBuffers objects_;
+    std::optional<SceneFeatures> lists_; // nothing: all that there are
+    const SceneFeatures besides_;        // those that are drawn with, whatever the scene has
     TickUpload upload_;
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
