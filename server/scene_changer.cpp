@@ -219,7 +219,7 @@ void SceneChanger::compileAhead(const Scene& scene, const Files& files) {
     server_.frames.compiledWays().setAll(command_.empty());
 }
 
-// Lists that pictures do not show yet come first: everybody waits to see them.
+// Lists that pictures do not show yet come first: everybody waits to see them. Ways for those before wait meanwhile.
 void SceneChanger::compileBehind() {
     CompiledWays& ways = server_.frames.compiledWays();
     const bool goes_on = hear(ahead_);
@@ -227,6 +227,7 @@ void SceneChanger::compileBehind() {
         ahead_ = startCompiler(*lists, nullptr);
         if (!ahead_.process) ways.add(*lists, {}); // compiled where it is drawn
     }
+    if (!command_.empty() && ways.wantedFeatures()) return void(behind_ = {});
     if (hear(behind_)) return;
     while (const auto wanted = command_.empty() ? std::nullopt : ways.nextWanted()) {
         behind_ = startCompiler(ways.features(), &*wanted);
