@@ -30,7 +30,7 @@ const int kCellsBefore = 2, kCellsBehind = 2;
 // True if the depths of all pixels between `lo` and `hi` lie between those of the four at the corners: only planes are
 // seen, and the near plane cuts none.
 bool cornersAreExtremes(vec2 lo, vec2 hi) {
-    if (kHasCasters) return false;
+    if (tick.opaque_count > tick.plane_count) return false;
     const float down = -min(min(rayDirection(lo).y, rayDirection(hi).y),
                             min(rayDirection(vec2(lo.x, hi.y)).y, rayDirection(vec2(hi.x, lo.y)).y));
     for (uint i = 0; i < tick.opaque_count; ++i) {
