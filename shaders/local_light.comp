@@ -37,7 +37,7 @@ layout(scalar, binding = 9) readonly buffer Nodes { ObjectNode object_nodes[]; }
 #include "shaders/lib/shadow_list.glsl"
 #include "shaders/lib/local_light_ray.glsl"
 
-const float kStraight = 0.02;
+const float kStraight = 0.02; // of the light
 #include "shaders/lib/pixel_nodes.glsl"
 
 shared uint has_core; // 1: near_light of some node

@@ -31,7 +31,7 @@ layout(binding = 8) uniform sampler2D view_depth;
 #include "shaders/lib/casters_met.glsl"
 #include "shaders/lib/shadow_list.glsl"
 
-const float kStraight = 0.005;
+const float kStraight = 0.005; // of a part of the light
 #include "shaders/lib/pixel_nodes.glsl"
 
 shared uint met[kMostBodies / 32]; // bits of the objects whose shadows the tile may meet

@@ -84,8 +84,8 @@ vec3 sunLight(vec3 dir, float ray[kMostFieldQuantities]) {
     return light;
 }
 
-// Radiance of the medium in front of `behind` and its transmittance, along `dir`. `ray`: the ray's quantities. `sunlit`:
-// the part of the sun's light that objects do not shadow.
+// Radiance of the medium in front of `behind` and its transmittance, along `dir`. `ray`: the ray's quantities.
+// `sunlit`: the part of the sun's light that objects do not shadow.
 vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities], vec3 sunlit) {
     const float opaque_part = opacity(ray[kFieldDepth]);
     vec3 light = sunlit * sunLight(dir, ray);

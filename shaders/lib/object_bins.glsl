@@ -1,5 +1,5 @@
-// Bins of objects: which boxes and spheres the rays of a bin of pixels may hit, as object_bins.comp writes it. A bin has
-// a bit for each of them in `objectWords()` words. Before those stand words with a bit for each word that is not 0.
+// Bins of objects: which boxes and spheres the rays of a bin of pixels may hit, as object_bins.comp writes it. A bin
+// has a bit for each of them in `objectWords()` words. Before those stand words with a bit for each word that is not 0.
 // Include after the tick and the eye's blocks, and `uint object_bins[]`.
 uint objectWords() { return (tick.opaque_count - tick.plane_count + 31) / 32; }
 uint wordsOfWords() { return (objectWords() + 31) / 32; }
