@@ -131,7 +131,7 @@ bool isBetweenEdges(uvec2 pixel) {
 bool isClearTile(uvec2 first, uvec2 last) {
     bool clear = !kHasFog;
     [[dont_unroll]] for (uint i = 0; i < 4 && clear; ++i) {
-        const uvec2 lo = max(first, (last & ~7u) - 8 * uvec2(i & 1, i >> 1));
+        const uvec2 lo = clamp((first & ~(kPixelTile - 1)) + 8 * uvec2(i & 1, i >> 1), first, last);
         clear = isClear(fieldNode(ivec2(lo)), fieldNode(ivec2(min(lo | 7u, last))) + (kRate == 1 ? 0 : 3));
     }
     return clear;

@@ -28,7 +28,7 @@ vec2 shadowOfBall(RayCone cone, vec3 centre, float r, vec2 range) {
     const vec3 p = from - along * l, d = cone.dir - climb * l;
     const float a = dot(d, d) - cone.spread * cone.spread, b = dot(p, d) - r * cone.spread, c = dot(p, p) - r * r;
     if (a < 1e-9 * dot(cone.dir, cone.dir)) return range; // along the light: it may meet it anywhere
-    const float root2 = b * b - a * c;
+    const float root2 = b * b * 1.000001 - a * c; // larger by what rounding may take away
     if (root2 < 0) return vec2(1, 0);
     const float root = sqrt(root2);
     return vec2(max(range.x, (-b - root) / a), min(range.y, (root - b) / a));
