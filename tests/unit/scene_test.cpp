@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, WrongScene,
     testing::Values(
         Wrong{"nam = \"x\"", 1, "nam", "unknown key",
-              "box, camera, fog, light, medium, name, objects, origin, plane, render, simulation, sky, sphere"},
+              "box, camera, fog, light, medium, mesh, name, objects, origin, plane, render, simulation, sky, sphere"},
         Wrong{"[medium]\nlayout = \"cube\"\n\ncuont = 3", 4, "medium.cuont", "unknown key", "count"},
         Wrong{"[[light]]\ncolour = [1, 1, 1]", 2, "light[0].colour", "unknown key", "irradiance"},
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 9000\n[medium.emitter]\nspeed = 3", 5, "medium.emitter.speed",

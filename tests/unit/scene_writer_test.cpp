@@ -64,6 +64,7 @@ void expectSame(Scene a, Scene b) {
     expectSame(a.planes, b.planes, &SceneParts::plane, "plane");
     expectSame(a.boxes, b.boxes, &SceneParts::box, "box");
     expectSame(a.spheres, b.spheres, &SceneParts::sphere, "sphere");
+    expectSame(a.meshes, b.meshes, &SceneParts::mesh, "mesh");
     expectSame({.objects = &a.objects}, {.objects = &b.objects}, "objects");
     expectSame({.sky = &a.sky}, {.sky = &b.sky}, "sky");
     expectSame({.camera = &a.camera}, {.camera = &b.camera}, "camera");
