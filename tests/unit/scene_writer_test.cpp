@@ -71,7 +71,8 @@ void expectSame(Scene a, Scene b) {
     expectSame({.render = &a.render}, {.render = &b.render}, "render");
 }
 
-Scene again(const Scene& scene) { return sceneOf(sceneToml(scene), "somewhere/else.toml"); }
+// Beside the shipped scenes, where files of meshes are.
+Scene again(const Scene& scene) { return sceneOf(sceneToml(scene), kScenes / "else.toml"); }
 
 TEST(SceneWriter, EveryShippedSceneLoadsAsTheSame) {
     for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
@@ -152,7 +153,7 @@ TEST(SceneWriter, ACloudKeepsWhatItsFileSays) {
                                         std::string(scale),
                                     "a/b.toml");
         expectSame(scene, again(scene));
-        EXPECT_EQ(again(scene).medium.file, std::filesystem::path("somewhere/cloud.ply"));
+        EXPECT_EQ(again(scene).medium.file, kScenes / "cloud.ply");
     }
 }
 
