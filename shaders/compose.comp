@@ -29,6 +29,8 @@ layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // shared
 layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
 layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
 layout(binding = 8) uniform sampler2D view_depth;
+layout(binding = 9) uniform sampler2D mesh_heights;
+layout(scalar, binding = 10) readonly buffer Pyramid { vec2 mesh_pyramid[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"

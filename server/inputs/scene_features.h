@@ -10,6 +10,7 @@ namespace brume {
 
 struct SceneFeatures {
     bool opaque = false;       // True: there are opaque objects
+    bool meshes = false;       // True: some of them are meshes
     bool casters = false;      // True: some of them throw the sun's shadow on the medium; ground planes do not
     bool ambient = false;      // True: the sky sends uniform light into the medium
     bool lobe = false;         // True: hasLobe() the medium
@@ -19,8 +20,8 @@ struct SceneFeatures {
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
-        return {opaque || o.opaque, casters || o.casters, ambient || o.ambient,          lobe || o.lobe,
-                fog || o.fog,       glow || o.glow,       local_lights || o.local_lights};
+        return {opaque || o.opaque, meshes || o.meshes, casters || o.casters, ambient || o.ambient,
+                lobe || o.lobe,     fog || o.fog,       glow || o.glow,       local_lights || o.local_lights};
     }
 };
 
@@ -31,10 +32,12 @@ inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
 // `now`: what commands change. With local lights pictures always pass through surfaces' targets, as with objects. A sun
 // without irradiance has no shadows.
 inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now) {
-    const bool objects = !scene.boxes.empty() || !scene.spheres.empty(), local_lights = !now.lists.lights.empty();
+    const bool bodies = !scene.boxes.empty() || !scene.spheres.empty(), meshes = !scene.triangles.empty();
+    const bool local_lights = !now.lists.lights.empty();
     const auto glows = [](const Fog& fog) { return isThere(fog) && fog.emission != glm::vec3(0); };
-    return {.opaque = objects || !scene.planes.empty() || local_lights,
-            .casters = objects && now.light.irradiance != glm::vec3(0),
+    return {.opaque = bodies || meshes || !scene.planes.empty() || local_lights,
+            .meshes = meshes,
+            .casters = (bodies || meshes) && now.light.irradiance != glm::vec3(0),
             .ambient = scene.sky.ambient != glm::vec3(0),
             .lobe = hasLobe(now.medium),
             .fog = std::ranges::any_of(now.lists.fogs, isThere),
@@ -42,7 +45,9 @@ inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now) {
             .local_lights = local_lights};
 }
 
-// True: only methods that draw fog and local lights can draw the scene.
-inline bool needsFields(const SceneFeatures& features) { return features.fog || features.local_lights; }
+// True: only methods that draw fog, local lights and meshes can draw the scene.
+inline bool needsFields(const SceneFeatures& features) {
+    return features.fog || features.local_lights || features.meshes;
+}
 
 } // namespace brume

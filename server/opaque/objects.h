@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/bounding_tree.h"
 #include "common/scene.h"
 #include "shaders/shared/types.h"
 
@@ -11,6 +12,9 @@ namespace brume {
 
 // Planes, boxes, spheres, in this order: what throws shadows on the medium comes last.
 std::vector<gpu::Opaque> opaqueObjects(const Scene& scene);
+
+// A node of a tree, with its item as object. Its box is rounded outward.
+gpu::ObjectNode objectNode(const BoundingNode& node);
 
 // The tree of all that are no planes. Its boxes are rounded outward.
 std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects);

@@ -22,7 +22,7 @@ Surfaces::Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw)
     : device_(device), planes_{gpu::kIdPlanes, uint32_t(scene.planes.size())},
       boxes_{gpu::kIdBoxes, isMany(scene) ? uint32_t(!scene.boxes.empty()) : uint32_t(scene.boxes.size())},
       spheres_{gpu::kIdSpheres, isMany(scene) ? uint32_t(!scene.spheres.empty()) : uint32_t(scene.spheres.size())},
-      many_{gpu::kIdManyObjects, isMany(scene)},
+      many_{gpu::kIdManyObjects, isMany(scene)}, meshes_{gpu::kIdHasMeshes, !scene.triangles.empty()},
       binned_(isMany(scene) ? uint32_t(scene.boxes.size() + scene.spheres.size()) : 0), by_draw_(by_draw) {
     prepare({});
 }
@@ -33,7 +33,7 @@ const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
     if (by_draw_ && !made.draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes_, boxes_, spheres_, many_, has_fog, has_lights};
+        const gpu::SpecConstant constants[] = {planes_, boxes_, spheres_, many_, meshes_, has_fog, has_lights};
         gpu::GraphicsInfo graphics;
         graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
         graphics.blend = gpu::Blend::replace;
@@ -41,7 +41,7 @@ const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
     }
     if (!by_draw_ && !made.compute)
         made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes_, boxes_, spheres_, many_, has_fog, has_lights});
+                                           {planes_, boxes_, spheres_, many_, meshes_, has_fog, has_lights});
     return made;
 }
 
@@ -76,18 +76,20 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
                         lights = gpu::storageBuffer(7, *in.shared->local_lights),
                         bits = gpu::storageBuffer(8, *in.shared->light_bits),
                         depths = gpu::storageBuffer(9, *in.shared->light_depths),
-                        nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_);
+                        nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_),
+                        triangles = gpu::storageBuffer(12, *in.shared->triangles),
+                        mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes);
     const Programs& programs = programsFor(in.shared->features.fog, in.shared->features.local_lights);
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
-        programs.draw.bind(commands,
-                           {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes, bins});
+        programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
+                                      bins, triangles, mesh_nodes});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
-        programs.compute.bind(commands,
-                              {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes, bins,
-                               gpu::storageImage(5, in.target->radiance), gpu::storageImage(6, in.target->view_depth)});
+        programs.compute.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
+                                         bins, triangles, mesh_nodes, gpu::storageImage(5, in.target->radiance),
+                                         gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }
     gpu::everythingBefore(cmd);

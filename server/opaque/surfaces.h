@@ -32,7 +32,7 @@ private:
     void recordBins(gpu::Commands& commands, const EyeInputs& in);
 
     const gpu::Device& device_;
-    const gpu::SpecConstant planes_, boxes_, spheres_, many_;
+    const gpu::SpecConstant planes_, boxes_, spheres_, many_, meshes_;
     const uint32_t binned_; // boxes and spheres, if they are many; else 0
     const bool by_draw_;
     gpu::ComputeProgram bins_program_;

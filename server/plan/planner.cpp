@@ -52,8 +52,9 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation) {
     out.wanted = now.render;
     out.features = featuresOf(scene, now);
     out.lobe_width = lobesOf(now.medium).width();
-    out.objects = std::min(uint32_t(objects.size()), kMostCounted);
-    out.casters = std::min(uint32_t(scene.boxes.size() + scene.spheres.size()), kMostCounted);
+    const size_t triangles = scene.triangles.size(), bodies = scene.boxes.size() + scene.spheres.size() + triangles;
+    out.objects = std::min(uint32_t(objects.size() + triangles), kMostCounted);
+    out.casters = std::min(uint32_t(bodies), kMostCounted);
     for (const Light& light : now.lists.lights) out.local_lights.push_back(localLightBlock(light));
     out.tick = makeTick(scene, now, particles, objects);
     out.state = stateOf(particles, out.tick);

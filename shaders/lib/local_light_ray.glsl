@@ -162,6 +162,22 @@ void findShadow(uint o, vec3 light, vec3 offset, vec2 part) {
     if (max(range.x, part.x) < min(range.y, part.y)) addShadow(range);
 }
 
+const float kMeshGap = 1e-4; // m: shadows of triangles beside each other are less apart
+
+// Keeps the shadows that meshes under a light throw on a part of the ray; see findShadows().
+void findMeshShadows(vec3 light, vec3 offset, vec2 part, vec3 a, vec3 b, vec3 normal) {
+    [[dont_unroll]] for (uint i = 0; i < meshNodes();) {
+        const ObjectNode node = mesh_nodes[i];
+        const bool met = meetsTriangle(node, light, a, b, normal);
+        if (met && node.object != kInnerNode) {
+            vec2 range = hiddenFrom(triangles[node.object], light, offset, ray_dir);
+            range = vec2(max(range.x, part.x), min(range.y, part.y));
+            if (range.x < range.y) joinShadow(range, kMeshGap);
+        }
+        i = met ? i + 1 : node.next;
+    }
+}
+
 // Keeps the shadows that objects under a light throw on a part of the ray.
 void findShadows(LocalLight light, vec3 offset, vec2 part) {
     [[dont_unroll]] for (uint o = 0; o < tick.plane_count; ++o) findShadow(o, light.position, offset, part);
@@ -173,6 +189,7 @@ void findShadows(LocalLight light, vec3 offset, vec2 part) {
         if (met && node.object != kInnerNode) findShadow(node.object, light.position, offset, part);
         i = met ? i + 1 : node.next;
     }
+    if (kHasMeshes) findMeshShadows(light.position, offset, part, a, b, normal);
 }
 
 // The radiance that the ray has of one light.

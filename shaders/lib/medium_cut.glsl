@@ -1,9 +1,10 @@
 // Looks the field up at a pixel's own depths, at the edges of objects and shadows: where the pixel's opaque surface
 // differs from that of the rays around it, and where shadows of objects begin and end. Include after
-// lib/medium_run.glsl, kHasCasters, `objects` and `view_depth`.
+// lib/medium_run.glsl, kHasCasters, `objects`, `view_depth`, and what lib/mesh_shadow.glsl needs.
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/casters_met.glsl"
 #include "shaders/lib/shadow_list.glsl"
+#include "shaders/lib/mesh_shadow.glsl"
 
 const float kSameHeight = 1e-2; // of a plane: most that its points differ by, as a part of their height
 const float kSameFace = 0.1; // of a slab: most distance of the pixel's surface from that of its rays
@@ -104,6 +105,7 @@ void leaveOutShadows(inout float ray[kMostFieldQuantities], inout MediumCut cut,
             range = vec2(max(range.x, begin), min(range.y, end));
             if (range.x < range.y) addShadow(range);
         }
+    if (kHasMeshes) walkShadowMap(eye.position, dir, begin, end);
     while (shadow_count > 0) {
         vec2 joined = shadows[--shadow_count];
         for (uint i = 0; i < shadow_count;) {
@@ -164,5 +166,6 @@ void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 acro
             if (!(keep_fog && q >= fieldFog())) ray[q] = max(cutAt(cut.ended[q], q, run, end, part), 0);
         if (kHasFog) ray[kFieldDepth] += fogBefore(dir, z);
     }
-    if (kHasCasters && cut.casters.met != 0 && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, z, part);
+    const bool may_be_dark = kHasCasters && (kHasMeshes || cut.casters.met != 0);
+    if (may_be_dark && ray[kFieldDepth] > 0) leaveOutShadows(ray, cut, run, dir, z, part);
 }

@@ -19,3 +19,17 @@ void addShadow(vec2 range) {
     }
     shadows[best] = vec2(min(shadows[best].x, range.x), max(shadows[best].y, range.y));
 }
+
+// Adds a shadow after it is joined with all that it meets, or that are less than `gap` away.
+void joinShadow(vec2 range, float gap) {
+    for (uint i = 0; i < shadow_count;) {
+        if (shadows[i].x > range.y + gap || shadows[i].y < range.x - gap) {
+            ++i;
+            continue;
+        }
+        range = vec2(min(range.x, shadows[i].x), max(range.y, shadows[i].y));
+        shadows[i] = shadows[--shadow_count];
+        i = 0; // what is longer now may meet those before
+    }
+    addShadow(range);
+}

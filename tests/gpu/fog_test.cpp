@@ -119,7 +119,7 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
             ADD_FAILURE() << method << " drew it";
         } catch (const gpu::Error& error) {
             EXPECT_EQ(error.what(),
-                      method + std::string(": it draws no fog, and no light of points and spots; use slabs or grid"));
+                      method + std::string(": it draws no fog, no meshes, and no light of points and spots; use slabs or grid"));
         }
     }
 }
