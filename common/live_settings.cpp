@@ -119,11 +119,20 @@ SettingValue defaultOf(const SceneSetting& setting) {
     SimulationSettings simulation;
     Light light;
     Fog fog;
+    Plane plane;
+    Box box;
+    Sphere sphere;
     Sky sky;
     RenderSettings render;
-    return valueOf(
-        setting,
-        {.medium = &medium, .simulation = &simulation, .light = &light, .fog = &fog, .sky = &sky, .render = &render});
+    return valueOf(setting, {.medium = &medium,
+                             .simulation = &simulation,
+                             .light = &light,
+                             .fog = &fog,
+                             .plane = &plane,
+                             .box = &box,
+                             .sphere = &sphere,
+                             .sky = &sky,
+                             .render = &render});
 }
 
 std::vector<SettingValue> defaultValues() {

@@ -206,6 +206,7 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
               [&](TableReader& r, Sphere& sphere) { read.readTable(r, "sphere", {.sphere = &sphere}, &origin); });
     in.table("objects", [&](TableReader& r) { read.readTable(r, "objects", {.objects = &out.objects}, &origin); });
     const LaidOut laid_out = layOut(out.objects);
+    out.laid_out_boxes = uint32_t(laid_out.boxes.size()), out.laid_out_spheres = uint32_t(laid_out.spheres.size());
     out.boxes.insert(out.boxes.end(), laid_out.boxes.begin(), laid_out.boxes.end());
     out.spheres.insert(out.spheres.end(), laid_out.spheres.begin(), laid_out.spheres.end());
     if (const size_t count = out.boxes.size() + out.spheres.size(); !limits::kObjects.holds(double(count)))

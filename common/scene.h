@@ -116,16 +116,22 @@ inline bool isLocal(const Light& light) { return light.type != kDirectional; }
 struct Plane { // horizontal ground, seen from above
     float height = 0;
     glm::vec3 albedo{0.5f};
+
+    bool operator==(const Plane&) const = default;
 };
 struct Box {
     glm::vec3 centre{0}, size{1}; // m, full edge lengths
     float yaw = 0;                // rad about +Y
     glm::vec3 albedo{0.5f};
+
+    bool operator==(const Box&) const = default;
 };
 struct Sphere {
     glm::vec3 centre{0};
     float radius = 1;
     glm::vec3 albedo{0.5f};
+
+    bool operator==(const Sphere&) const = default;
 };
 
 // Triangles of a glTF file: an opaque object that is seen, lit and throws shadows from both sides.
@@ -231,7 +237,8 @@ struct Scene {
     std::vector<Box> boxes; // of the file, then those of `objects`
     std::vector<Sphere> spheres;
     std::vector<Mesh> meshes;
-    std::vector<Triangle> triangles; // of `meshes`, at most limits::kTriangles
+    std::vector<Triangle> triangles;                   // of `meshes`, at most limits::kTriangles
+    uint32_t laid_out_boxes = 0, laid_out_spheres = 0; // how many of them are of `objects`
     Sky sky;
     SceneCamera camera;
     bool camera_by_points = false; // True: the scene has points of a file and gives no camera: placeCamera() does

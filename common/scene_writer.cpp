@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include "common/object_layout.h"
 #include "common/scene_text.h"
 #include "common/settings.h"
 
@@ -70,9 +69,8 @@ public:
         table("simulation", {.simulation = &scene.simulation}, {.simulation = &by_default.simulation});
         list("plane", scene.planes, &SceneParts::plane);
         table("objects", {.objects = &scene.objects}, {.objects = &by_default.objects});
-        const LaidOut laid_out = layOut(scene.objects); // the last ones
-        scene.boxes.resize(scene.boxes.size() - std::min(laid_out.boxes.size(), scene.boxes.size()));
-        scene.spheres.resize(scene.spheres.size() - std::min(laid_out.spheres.size(), scene.spheres.size()));
+        scene.boxes.resize(scene.boxes.size() - scene.laid_out_boxes);
+        scene.spheres.resize(scene.spheres.size() - scene.laid_out_spheres);
         list("box", scene.boxes, &SceneParts::box);
         list("sphere", scene.spheres, &SceneParts::sphere);
         list("mesh", scene.meshes, &SceneParts::mesh);

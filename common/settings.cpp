@@ -193,17 +193,21 @@ constexpr SceneSetting kSettings[]{
     {"simulation.paused", at<&P::simulation, &S::paused>, "", kNone, "True: the particles and the light stand still",
      kControllers},
 
-    {"plane.height", at<&P::plane, &Plane::height>, "m", limits::kPlace, "Height of the horizontal ground", kNobody,
-     Form::height},
-    {"plane.albedo", at<&P::plane, &Plane::albedo>, "", limits::kColour, "Diffuse albedo"},
-    {"box.centre", at<&P::box, &Box::centre>, "m", limits::kPlace, "Centre of the box", kNobody, Form::place},
-    {"box.size", at<&P::box, &Box::size>, "m", limits::kLength, "Full edge lengths"},
-    {"box.yaw", at<&P::box, &Box::yaw>, "rad", limits::kAngle, "Angle about the vertical"},
-    {"box.albedo", at<&P::box, &Box::albedo>, "", limits::kColour, "Diffuse albedo"},
-    {"sphere.centre", at<&P::sphere, &Sphere::centre>, "m", limits::kPlace, "Centre of the sphere", kNobody,
-     Form::place},
-    {"sphere.radius", at<&P::sphere, &Sphere::radius>, "m", limits::kLength, "Radius"},
-    {"sphere.albedo", at<&P::sphere, &Sphere::albedo>, "", limits::kColour, "Diffuse albedo"},
+    listed(usually({-30, 30}, {"plane.height", at<&P::plane, &Plane::height>, "m", limits::kPlace,
+                               "Height of the horizontal ground", kNobody, Form::height})),
+    listed(
+        {"plane.albedo", at<&P::plane, &Plane::albedo>, "", limits::kColour, "Diffuse albedo", kNobody, Form::colour}),
+    listed(usually({-30, 30}, {"box.centre", at<&P::box, &Box::centre>, "m", limits::kPlace, "Centre of the box",
+                               kNobody, Form::place})),
+    listed(usually({0.01, 20}, {"box.size", at<&P::box, &Box::size>, "m", limits::kLength, "Full edge lengths"})),
+    listed(
+        usually({-3.2, 3.2}, {"box.yaw", at<&P::box, &Box::yaw>, "rad", limits::kAngle, "Angle about the vertical"})),
+    listed({"box.albedo", at<&P::box, &Box::albedo>, "", limits::kColour, "Diffuse albedo", kNobody, Form::colour}),
+    listed(usually({-30, 30}, {"sphere.centre", at<&P::sphere, &Sphere::centre>, "m", limits::kPlace,
+                               "Centre of the sphere", kNobody, Form::place})),
+    listed(usually({0.01, 20}, {"sphere.radius", at<&P::sphere, &Sphere::radius>, "m", limits::kLength, "Radius"})),
+    listed({"sphere.albedo", at<&P::sphere, &Sphere::albedo>, "", limits::kColour, "Diffuse albedo", kNobody,
+            Form::colour}),
 
     {"objects.layout", at<&P::objects, &ObjectLayout::layout>, "", kNone, "A place made of many boxes and spheres",
      kNobody, Form::plain, kPlacesOfObjects},
@@ -293,7 +297,10 @@ constexpr auto kWhere = [] {
 }();
 constexpr bool standsAlone(const SceneSetting& setting) { return setting.live() && !setting.in_list; }
 constexpr bool isOfLights(const SceneSetting& setting) { return setting.in_list && setting.table() == "light"; }
-constexpr bool isOfFogs(const SceneSetting& setting) { return setting.in_list && setting.table() == "fog"; }
+constexpr bool isOfFogs(const SceneSetting& setting) { return setting.table() == "fog"; }
+constexpr bool isOfPlanes(const SceneSetting& setting) { return setting.table() == "plane"; }
+constexpr bool isOfBoxes(const SceneSetting& setting) { return setting.table() == "box"; }
+constexpr bool isOfSpheres(const SceneSetting& setting) { return setting.table() == "sphere"; }
 constexpr auto& kLive = kWhere<standsAlone>;
 
 } // namespace
@@ -303,8 +310,19 @@ std::span<const SceneSetting> sceneSettings() { return kSettings; }
 std::span<const SceneSetting* const> liveSettings() { return kLive; }
 
 std::span<const SceneSetting* const> liveSettings(SceneList list) {
-    if (list == SceneList::lights) return kWhere<isOfLights>;
-    return kWhere<isOfFogs>;
+    switch (list) {
+    case SceneList::lights:
+        return kWhere<isOfLights>;
+    case SceneList::fogs:
+        return kWhere<isOfFogs>;
+    case SceneList::planes:
+        return kWhere<isOfPlanes>;
+    case SceneList::boxes:
+        return kWhere<isOfBoxes>;
+    case SceneList::spheres:
+        break;
+    }
+    return kWhere<isOfSpheres>;
 }
 
 } // namespace brume

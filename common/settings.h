@@ -88,9 +88,11 @@ const SceneSetting* quadratureSetting(std::string_view quadrature);
 // The value of a live setting. Live settings have one of these types.
 using SettingValue = std::variant<bool, float, uint32_t, glm::vec3, std::string>;
 
-// The lists of a scene that commands change: points and spots ([[light]] but the directional one), and fogs ([[fog]]).
-enum class SceneList : uint8_t { lights, fogs };
-inline constexpr SceneList kSceneLists[]{SceneList::lights, SceneList::fogs};
+// The lists of a scene that commands change: points and spots ([[light]] but the directional one), fogs, and the
+// objects that the file lists. Those of [objects] stay as they are.
+enum class SceneList : uint8_t { lights, fogs, planes, boxes, spheres };
+inline constexpr SceneList kSceneLists[]{SceneList::lights, SceneList::fogs, SceneList::planes, SceneList::boxes,
+                                         SceneList::spheres};
 
 inline constexpr uint32_t kNoElement = ~0u;
 // An element of a list as paths name it: "fog[1]", or one of its settings, "fog[1].extinction".
@@ -99,7 +101,7 @@ struct ElementPath {
     uint32_t element;     // counts from 0, in the list as it is now; below 1,000,000
     std::string_view key; // "extinction"; empty: the path names the element
 };
-// As a scene file calls it: "light", "fog"; and back. Nothing: there is no such list.
+// As a scene file calls it: "light", "fog", "plane", "box", "sphere"; and back. Nothing: there is no such list.
 std::string_view nameOf(SceneList list);
 std::optional<SceneList> sceneList(std::string_view name);
 // Nothing: the path names no element of a list.

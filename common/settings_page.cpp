@@ -20,9 +20,10 @@ replaces the setting in every element: `--set 'light.irradiance=[1, 1, 1]'`.
 Units are metres, seconds and radians; colours are linear Rec. 709. Places are world coordinates within 50 km of
 `origin`. *Live* says which role may change a setting while the server runs; others change with a restart.
 
-Commands name a fog, a point or a spot by its number in its list as it is now: `fog[0].extinction`, `light[2].position`.
-They may add and remove them, too. The directional light does not count and has no number: `light.to_light`. A list
-that has changed is restored by Restart and saved by `/scene.toml`.
+Commands name a fog, a point or a spot, a plane, box or sphere by its number in its list as it is now:
+`fog[0].extinction`, `light[2].position`, `box[4].centre`. They may add and remove them, too. The directional light does
+not count and has no number: `light.to_light`. The objects of `[objects]` have none either: they stay as they are. A
+list that has changed is restored by Restart and saved by `/scene.toml`.
 
 This page is printed by `brume-server --print-settings`; a test compares the two.
 

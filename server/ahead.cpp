@@ -59,6 +59,14 @@ private:
     std::optional<WayShaders> drawn_; // not told yet
 };
 
+struct AsToml {
+    std::string operator()(glm::vec3 v) const { return fmt::format("[{},{},{}]", v.x, v.y, v.z); }
+    template <class Value>
+    std::string operator()(const Value& value) const {
+        return fmt::format("{}", value);
+    }
+};
+
 // The way for one viewer once the medium was seen to rest, if it does.
 RenderSettings settled(const Scene& scene, const CostModel& costs, double frame_budget_ms) {
     Simulation simulation(standIn(scene));
@@ -118,6 +126,28 @@ std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<
         spdlog::debug("shaders are not compiled ahead: {}", error.what());
         return nullptr;
     }
+}
+
+std::vector<std::string> presentOverrides(const SceneFacts& facts, std::span<const SettingValue> settings,
+                                          const SceneFeatures& lists) {
+    std::vector<std::string> all;
+    Light sun = sunOf(facts.scene);
+    for (size_t i = 0; i < settings.size(); ++i) {
+        const SceneSetting& setting = *liveSettings()[i];
+        if (setting.table() == "light")
+            apply({setting.path, settings[i]}, {.light = &sun});
+        else if (settings[i] != facts.starts[i])
+            all.push_back(fmt::format("{}={}", setting.path, std::visit(AsToml(), settings[i])));
+    }
+    const SceneLists own = listsOf(facts.scene);
+    if (!lists.bodies) all.insert(all.end(), {"box=[]", "sphere=[]"});
+    if (lists.bodies && !featuresOf(own).bodies) all.emplace_back("box=[{}]");
+    if (!lists.opaque) all.emplace_back("plane=[]");
+    if (lists.opaque && !lists.bodies && !lists.local_lights && own.planes.empty()) all.emplace_back("plane=[{}]");
+    all.push_back(fmt::format("fog=[{}]", lists.glow ? "{emission=[1,1,1]}" : lists.fog ? "{}" : ""));
+    all.push_back(fmt::format("light=[{{to_light={},irradiance={}}}{}]", AsToml()(sun.to_light),
+                              AsToml()(sun.irradiance), lists.local_lights ? ",{type='point'}" : ""));
+    return all;
 }
 
 std::vector<std::string> wayOverrides(const RenderSettings& way) {

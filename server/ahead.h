@@ -12,6 +12,7 @@
 #include "common/process.h"
 #include "server/gpu/device.h"
 #include "server/plan/planner.h"
+#include "server/viewer/audience.h"
 
 namespace brume {
 
@@ -31,6 +32,9 @@ bool isWorthCompiling(const Scene& scene);
 // with the returned object. Null if no process can be started.
 std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<const std::string> overrides,
                                     std::function<void()> on_line);
+// Overrides that give the scene these values of liveSettings(), and lists with these features.
+std::vector<std::string> presentOverrides(const SceneFacts& facts, std::span<const SettingValue> settings,
+                                          const SceneFeatures& lists);
 // The scene's settings for which compileAhead() compiles this way and little else.
 std::vector<std::string> wayOverrides(const RenderSettings& way);
 

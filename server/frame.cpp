@@ -104,6 +104,7 @@ void FrameLoop::run() {
             if (Clock::now() - now > kLongestLook) break; // many ticks of a seek: the rest comes with the next look
         }
         if (paused_ != ticks_->paused() || sought != ticks_->seeks()) changed_ = true;
+        followLists();
         const bool is_new = simulation_.tick() != rendered_tick_ || ticks_->stands() || batch_planner_.someoneWaits();
         if (!on_device_ && !ticks_->seeks() && is_new)
             if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
@@ -197,7 +198,8 @@ bool FrameLoop::render(Batch& batch) {
 bool FrameLoop::renderOneShot(Batch& batch) {
     const bool late = batch.taken - batch.jobs.front().due.request.received > kLongestHold;
     const Candidate way = planner_->once(simulation_, batch.views.front(), late);
-    if (!late && !planner_->drawable(way.settings, true)) {
+    const bool shown = drawn_ == featuresOf(simulation_.now().lists); // True: all that is in the scene can be drawn
+    if (!late && (!shown || !planner_->drawable(way.settings, true))) {
         for (const BatchJob& job : batch.jobs) {
             job.viewer->abandon(job.due.frame_id);
             held_.push_back(job.viewer->id());
@@ -214,6 +216,7 @@ bool FrameLoop::renderOneShot(Batch& batch) {
 bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
     try {
         checkPictures(batch.eyes, batch.still_pictures, picture_memory_ / 2, mostPlaneBytes());
+        renderer_->draws(drawn_);
         renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, batch.still_pictures);
     } catch (const gpu::DeviceLost&) {
         throw;

@@ -83,6 +83,7 @@ private:
     void run();
     void tick();
     void tellRefused();
+    void followLists();
     void takeScene();
     void begin(Simulation simulation);
     Batch* freeBatch();
@@ -114,6 +115,7 @@ private:
     std::atomic<double> frame_ms_, law_factor_;
     const double most_frame_ms_;
     CompiledWays ways_;
+    SceneFeatures drawn_; // of the scene's lists, in pictures
     Simulation simulation_;
     std::optional<Renderer> renderer_; // made anew after a submission failed
     std::optional<Planner> planner_;

@@ -42,6 +42,7 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     job->law = planner_->predictedError(own, {eye.pose, eye.width, eye.height});
     job->scene = shown_scene_;
     job->now = simulation_.now();
+    leaveOut(job->now.lists, drawn_);
     job->pose = eye.pose;
     job->size = {eye.width, eye.height};
     job->pixels.clear();

@@ -54,6 +54,8 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       on_errors_(options.on_errors), shown_scene_(std::make_shared<const Scene>(scene)),
       workers_(options.encode_threads) {
     ways_.setAll(!options.compiled_behind);
+    drawn_ = featuresOf(simulation_.now().lists);
+    ways_.clear(drawn_);
     simulation_.countFrom(options.first_tick);
     tellOfPointCloud(scene_, simulation_);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
@@ -82,6 +84,17 @@ void FrameLoop::warmUp() {
         if (known) WarmUp(*renderer_, batches_.front()->submission, scene_, simulation_, true).draw(planned, false);
         ways_.add(shadersOf(planned, false), known);
     }
+}
+
+// Pictures show what commands made of the scene's lists once shaders for it are compiled, and what there was until
+// then. The simulation waits for nothing.
+void FrameLoop::followLists() {
+    const SceneFeatures now = featuresOf(simulation_.now().lists);
+    if (!ways_.follow(now) || now == drawn_) return;
+    drawn_ = now;
+    planner_->draws(now);
+    ++scene_version_;
+    changed_ = replan_ = true;
 }
 
 // Goes on from another state of the same scene.
@@ -131,7 +144,8 @@ void FrameLoop::takeScene() {
     errors_.clear();
     promise_ = {};
     simulation_ = std::move(next->simulation);
-    ways_.clear();
+    drawn_ = featuresOf(simulation_.now().lists);
+    ways_.clear(drawn_);
     planner_.emplace(scene_, costs_, frame_ms_, &ways_);
     ++scene_version_;
     replan_ = true;

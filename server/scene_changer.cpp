@@ -215,21 +215,37 @@ void SceneChanger::compileAhead(const Scene& scene, const Files& files) {
     if (options_.ahead == "background" && isWorthCompiling(scene)) {
         command_.assign(server_.argv, server_.argv + server_.argc);
         command_.insert(command_.end(), {"--scene", files.scene.string()});
-        ahead_.process = startAhead(command_, {}, wakeMain);
+        ahead_ = {startAhead(command_, {}, wakeMain), 0, {}, server_.frames.compiledWays().features()};
         if (!ahead_.process) command_.clear();
     }
     server_.frames.compiledWays().setAll(command_.empty());
 }
 
+// Lists that pictures do not show yet come first: everybody waits to see them. Ways for those before wait meanwhile.
 void SceneChanger::compileBehind() {
-    hear(ahead_);
-    if (hear(behind_)) return;
     CompiledWays& ways = server_.frames.compiledWays();
+    const bool goes_on = hear(ahead_);
+    if (const auto lists = ways.wantedFeatures(); lists && !command_.empty() && !(goes_on && ahead_.lists == *lists)) {
+        ahead_ = startCompiler(*lists, nullptr);
+        if (!ahead_.process) ways.add(*lists, {}); // compiled where it is drawn
+    }
+    if (!command_.empty() && ways.wantedFeatures()) return void(behind_ = {});
+    if (hear(behind_)) return;
     while (const auto wanted = command_.empty() ? std::nullopt : ways.nextWanted()) {
-        behind_ = {startAhead(command_, wayOverrides(wanted->settings), wakeMain), 0, wanted->shaders};
+        behind_ = startCompiler(ways.features(), &*wanted);
         if (behind_.process) return;
         ways.add(wanted->shaders); // compiled where it is drawn
     }
+}
+
+// For the scene as it is now. `wanted`: only this way; null: all that may be needed.
+SceneChanger::Compiler SceneChanger::startCompiler(const SceneFeatures& lists,
+                                                   const CompiledWays::Wanted* wanted) const {
+    std::vector<std::string> overrides =
+        presentOverrides(*server_.audience.scene(), server_.audience.report()->settings, lists);
+    if (wanted) std::ranges::copy(wayOverrides(wanted->settings), std::back_inserter(overrides));
+    return {startAhead(command_, overrides, wakeMain), 0, wanted ? std::optional(wanted->shaders) : std::nullopt,
+            lists};
 }
 
 // Notes what it has compiled. True: it goes on. What it was started for counts as compiled at its end, however that
@@ -241,10 +257,13 @@ bool SceneChanger::hear(Compiler& compiler) {
     for (size_t end; (end = out.find('\n', compiler.heard)) != out.npos; compiler.heard = end + 1) {
         const std::string line = out.substr(compiler.heard, end - compiler.heard);
         if (const auto way = line.starts_with(kCompiled) ? wayShaders(line.substr(kCompiled.size())) : std::nullopt)
-            server_.frames.compiledWays().add(*way);
+            server_.frames.compiledWays().add(compiler.lists, *way);
     }
     if (!ended) return true;
-    if (compiler.wanted) server_.frames.compiledWays().add(*compiler.wanted);
+    if (const int code = *compiler.process->exitCode(); code != 0)
+        spdlog::warn("compiling shaders ahead ended with {}, so pictures may wait for them: {}", code,
+                     oneLine(compiler.process->err()));
+    server_.frames.compiledWays().add(compiler.lists, compiler.wanted.value_or(WayShaders()));
     compiler = {};
     return false;
 }

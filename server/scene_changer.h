@@ -48,6 +48,7 @@ private:
         std::unique_ptr<Process> process;
         size_t heard = 0;                 // bytes of its output
         std::optional<WayShaders> wanted; // what it was started for
+        SceneFeatures lists;              // of the lists that it compiles for
     };
 
     std::string change(const SceneRequest& request);
@@ -56,6 +57,7 @@ private:
     void show(Scene scene, const Files& files);
     Files filesOf(std::filesystem::path file, std::vector<std::string> overrides) const;
     void compileAhead(const Scene& scene, const Files& files);
+    Compiler startCompiler(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const;
     bool hear(Compiler& compiler);
 
     const ServerOptions& options_;

@@ -26,11 +26,9 @@ layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(rgba32f, binding = 2) uniform image2D radiance;
 layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // bytes: Y, then Cb, then Cr
 layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // shared/field.h
-layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
+layout(scalar, binding = 5) readonly buffer Sunlit { vec3 sunlit[]; }; // written by shafts.comp
 layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
 layout(binding = 8) uniform sampler2D view_depth;
-layout(binding = 9) uniform sampler2D mesh_heights;
-layout(scalar, binding = 10) readonly buffer Pyramid { vec2 mesh_pyramid[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"
@@ -52,7 +50,9 @@ vec3 pixelOf(bool clear, MediumRun run, inout MediumCut cut, uvec2 at, vec3 befo
         const float end = kHasFog && kHasOpaque ? texelFetch(view_depth, ivec2(at), 0).r : kEndless;
         wholeRay(run, across, dir, end, ray);
         if (kHasOpaque) cutRay(cut, run, ivec2(at), dir, across, ray);
-        here = mediumOver(here, dir, ray);
+        vec3 part = vec3(1);
+        if (kHasCasters) part = sunlit[at.y * eye.size.x + min(at.x, eye.size.x - 1)];
+        here = mediumOver(here, dir, ray, part);
     }
     if (at.x >= eye.size.x) return before;
     if (kHasLocalLights) here.rgb += lit[at.y * eye.size.x + at.x];
@@ -118,20 +118,17 @@ void main() {
             }
             MediumRun run;
             MediumCut cut;
-            bool clear;          // True: there is no medium in the run
-            TileCasters casters; // of the block
+            bool clear; // True: there is no medium in the run
             vec3 rgb = vec3(0);
             for (uint i = 0; i < 8 * blocks; ++i) {
                 const uvec2 at = uvec2(block_x * 8 + i, top + row);
-                if (i % 8 == 0) casters = castersOfPixels(ivec2(at), ivec2(8, 1));
                 if (i % kRunOfBlocks == 0) {
                     clear = kHasOpaque && !kHasFog && isClear(ivec2(at));
                     if (!clear) {
                         run = mediumRun(ivec2(at));
-                        cut = mediumCut(run, ivec2(at), casters);
+                        cut = mediumCut(run, ivec2(at));
                     }
                 }
-                cut.casters = casters; // a run may go on in the next block
                 rgb = pixelOf(clear, run, cut, at, rgb);
                 luma[row * kMostWords + i / 4] |= lumaByte(rgb, i);
                 if (kFull) keepFull(rgb, row, i);

@@ -43,15 +43,15 @@ bool mayReach(LocalLight light, vec3 middle, float cosine, float sine) {
 }
 
 void main() {
-    const uvec2 bins = (eye.size + kLightBin - 1) / kLightBin;
+    const uvec2 bins = (eye.size + kPixelTile - 1) / kPixelTile;
     const uint bin = gl_GlobalInvocationID.x;
     if (bin >= bins.x * bins.y) return;
     // The cone of the bin's rays. Pictures are flat, so that the corners are furthest from the middle.
-    const vec2 first = vec2(bin % bins.x, bin / bins.x) * float(kLightBin);
-    const vec3 middle = normalize(rayDirection(first + 0.5 * float(kLightBin)));
+    const vec2 first = vec2(bin % bins.x, bin / bins.x) * float(kPixelTile);
+    const vec3 middle = normalize(rayDirection(first + 0.5 * float(kPixelTile)));
     float cosine = 1;
     for (uint i = 0; i < 4; ++i)
-        cosine = min(cosine, dot(middle, normalize(rayDirection(first + vec2(i & 1, i >> 1) * float(kLightBin)))));
+        cosine = min(cosine, dot(middle, normalize(rayDirection(first + vec2(i & 1, i >> 1) * float(kPixelTile)))));
     const float sine = sqrt(max(1 - cosine * cosine, 0)) * 1.001 + 1e-4;
     const uint words = (tick.local_light_count + 31) / 32;
     for (uint word = 0; word < words; ++word) {

@@ -26,12 +26,10 @@ layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(rgba32f, binding = 2) uniform readonly image2D radiance;
 layout(scalar, binding = 3) readonly buffer Pixels { uvec2 pixels[]; };
 layout(scalar, binding = 4) readonly buffer Field { float field[]; }; // shared/field.h
-layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
+layout(scalar, binding = 5) readonly buffer Sunlit { vec3 sunlit[]; }; // written by shafts.comp
 layout(scalar, binding = 6) writeonly buffer Values { vec4 values[]; };
 layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
 layout(binding = 8) uniform sampler2D view_depth;
-layout(binding = 9) uniform sampler2D mesh_heights;
-layout(scalar, binding = 10) readonly buffer Pyramid { vec2 mesh_pyramid[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/cubic.glsl"
@@ -59,12 +57,13 @@ vec4 mediumAt(ivec2 pixel) {
     const float end = kHasFog && kHasOpaque ? texelFetch(view_depth, pixel, 0).r : kEndless;
     wholeRay(run, across, dir, end, ray);
     if (kHasOpaque) {
-        MediumCut cut = mediumCut(run, pixel, castersOfPixels(pixel, ivec2(1)));
+        MediumCut cut = mediumCut(run, pixel);
         cutRay(cut, run, pixel, dir, across, ray);
     }
     for (uint c = 0; c < kAmbientColours; ++c) ray[fieldAmbient() + c] = 0;
-    vec4 medium = mediumOver(vec4(0, 0, 0, 1), dir, ray);
-    if (kHasLocalLights) medium.rgb += lit[uint(pixel.y) * eye.size.x + uint(pixel.x)];
+    const uint at = uint(pixel.y) * eye.size.x + uint(pixel.x);
+    vec4 medium = mediumOver(vec4(0, 0, 0, 1), dir, ray, kHasCasters ? sunlit[at] : vec3(1));
+    if (kHasLocalLights) medium.rgb += lit[at];
     return medium;
 }
 

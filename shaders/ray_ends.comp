@@ -31,7 +31,7 @@ const int kCellsBefore = 2, kCellsBehind = 2;
 // True if the depths of all pixels between `lo` and `hi` lie between those of the four at the corners: only planes are
 // seen, and the near plane cuts none.
 bool cornersAreExtremes(vec2 lo, vec2 hi) {
-    if (kHasCasters || kHasMeshes) return false;
+    if (kHasMeshes || tick.opaque_count > tick.plane_count) return false;
     const float down = -min(min(rayDirection(lo).y, rayDirection(hi).y),
                             min(rayDirection(vec2(lo.x, hi.y)).y, rayDirection(vec2(hi.x, lo.y)).y));
     for (uint i = 0; i < tick.opaque_count; ++i) {
@@ -69,19 +69,20 @@ void findDepths(ivec2 lo, ivec2 hi) {
 
 shared uint some_caster; // 1: some caster is found
 
-// Writes which casters' shadows may be met before view depth `far` in the pixels from `lo` to `hi`, and in others of
-// eight that begin at a multiple of eight. Returns whether there are some, or meshes. Called by all lanes.
+// Writes which casters' shadows may be met before view depth `far` in the pixels from `lo` to `hi`, and in the blocks
+// of pixels that hold them (shafts.comp). Returns whether there are some, or meshes. Called by all lanes.
 bool findCasters(uvec2 tile, ivec2 lo, ivec2 hi, float far) {
-    const vec2 first = vec2(lo.x & ~7, lo.y), end = vec2((hi.x | 7) + 1, hi.y + 1);
-    const vec2 middle = 0.5 * (first + end);
-    const float radius = 0.5 * length(end - first);
+    const int block = int(kPixelTile) - 1;
+    const vec2 first = vec2(lo & ~block), end = vec2((hi | block) + 2); // with the next block's first pixels
+    const RayCone cone = rayCone(0.5 * (first + end), 0.5 * length(end - first));
+    const vec2 range = mediumBefore(far);
     const uint casters = tick.opaque_count - tick.plane_count;
     if (gl_LocalInvocationIndex == 0) some_caster = 0;
     barrier();
     for (uint word = gl_LocalInvocationIndex; word < grid.caster_words; word += gl_WorkGroupSize.x) {
         uint bits = 0;
         for (uint i = 0; i < min(kWordCasters, casters - kWordCasters * word); ++i)
-            if (meetsShadow(tick.plane_count + kWordCasters * word + i, middle, radius, far)) bits |= 1u << i;
+            if (meetsShadow(tick.plane_count + kWordCasters * word + i, cone, range) < kMiss) bits |= 1u << i;
         field[fieldKept(tile) + kFieldKept + word] = float(bits);
         if (bits != 0) atomicOr(some_caster, 1);
     }

@@ -39,6 +39,6 @@ void main() {
     const MediumRun run = mediumRun(pixel);
     float ray[kMostFieldQuantities];
     wholeRay(run, fieldAcross(pixel.x), dir, kEndless, ray);
-    const vec3 shown = displayed(mediumOver(vec4(skyRadiance(normalize(dir)), 1), dir, ray).rgb);
+    const vec3 shown = displayed(mediumOver(vec4(skyRadiance(normalize(dir)), 1), dir, ray, vec3(1)).rgb);
     writeShaded(view.shaded, node, nodes, shown);
 }

@@ -10,9 +10,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "common/random.h"
 #include "server/error/accuracy.h"
 #include "server/inputs/eye_request.h"
-#include "common/random.h"
 #include "tools/reference/camera.h"
 #include "tools/reference/pixel.h"
 
@@ -37,8 +37,10 @@ double threadSeconds() {
 
 reference::World worldOf(const MeterJob& job) {
     const SceneNow& now = job.now;
+    Scene scene = *job.scene;
+    setObjects(scene, now.lists);
     reference::World world =
-        reference::worldOf(*job.scene, job.particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
+        reference::worldOf(scene, job.particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
     // Sky, ambient light and haze would dilute the error. What was drawn has them in it.
     if (!job.drawn) world.sky_zenith = world.sky_horizon = world.ambient = glm::dvec3(0), world.haze = 0;
     return world;

@@ -11,7 +11,8 @@ namespace brume {
 struct SceneFeatures {
     bool opaque = false;       // True: there are opaque objects
     bool meshes = false;       // True: some of them are meshes
-    bool casters = false;      // True: some of them throw the sun's shadow on the medium; ground planes do not
+    bool bodies = false;       // True: some of them are boxes or spheres
+    bool casters = false;      // True: meshes or these throw the sun's shadow on the medium
     bool ambient = false;      // True: the sky sends uniform light into the medium
     bool lobe = false;         // True: hasLobe() the medium
     bool fog = false;          // True: there is fog
@@ -20,8 +21,9 @@ struct SceneFeatures {
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
-        return {opaque || o.opaque, meshes || o.meshes, casters || o.casters, ambient || o.ambient,
-                lobe || o.lobe,     fog || o.fog,       glow || o.glow,       local_lights || o.local_lights};
+        return {opaque || o.opaque,   meshes || o.meshes,   bodies || o.bodies,
+                casters || o.casters, ambient || o.ambient, lobe || o.lobe,
+                fog || o.fog,         glow || o.glow,       local_lights || o.local_lights};
     }
 };
 
@@ -29,20 +31,37 @@ inline constexpr float kNoBall = 1e15f; // m, gpu::Fog::radius of a fog that fil
 
 inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
 
-// `now`: what commands change. With local lights pictures always pass through surfaces' targets, as with objects. A sun
-// without irradiance has no shadows.
-inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now) {
-    const bool bodies = !scene.boxes.empty() || !scene.spheres.empty(), meshes = !scene.triangles.empty();
-    const bool local_lights = !now.lists.lights.empty();
+// Those that follow from the lists alone. With local lights pictures always pass through surfaces' targets, as with
+// objects.
+inline SceneFeatures featuresOf(const SceneLists& lists) {
     const auto glows = [](const Fog& fog) { return isThere(fog) && fog.emission != glm::vec3(0); };
-    return {.opaque = bodies || meshes || !scene.planes.empty() || local_lights,
-            .meshes = meshes,
-            .casters = (bodies || meshes) && now.light.irradiance != glm::vec3(0),
-            .ambient = scene.sky.ambient != glm::vec3(0),
-            .lobe = hasLobe(now.medium),
-            .fog = std::ranges::any_of(now.lists.fogs, isThere),
-            .glow = std::ranges::any_of(now.lists.fogs, glows),
+    const bool bodies = !lists.boxes.empty() || !lists.spheres.empty() || lists.laid_out > 0,
+               local_lights = !lists.lights.empty();
+    return {.opaque = bodies || !lists.planes.empty() || local_lights,
+            .bodies = bodies,
+            .fog = std::ranges::any_of(lists.fogs, isThere),
+            .glow = std::ranges::any_of(lists.fogs, glows),
             .local_lights = local_lights};
+}
+// All of them. `now`: what commands change. `drawn`: those of lists that are drawn with, whatever there is. A sun
+// without irradiance has no shadows.
+inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now, const SceneFeatures& drawn = {}) {
+    SceneFeatures all = featuresOf(now.lists) | drawn;
+    all.meshes |= !scene.triangles.empty();
+    all.opaque |= all.meshes;
+    all.casters |= (all.bodies || all.meshes) && now.light.irradiance != glm::vec3(0);
+    all.ambient |= scene.sky.ambient != glm::vec3(0);
+    all.lobe |= hasLobe(now.medium);
+    return all;
+}
+// Takes out of the lists what shaders that are compiled for `features` do not draw.
+inline void leaveOut(SceneLists& lists, const SceneFeatures& features) {
+    if (!features.local_lights) lists.lights.clear();
+    if (!features.fog) lists.fogs.clear();
+    if (!features.glow)
+        for (Fog& fog : lists.fogs) fog.emission = glm::vec3(0);
+    if (!features.opaque) lists.planes.clear();
+    if (!features.bodies) lists.boxes.clear(), lists.spheres.clear();
 }
 
 // True: only methods that draw fog, local lights and meshes can draw the scene.

@@ -126,7 +126,9 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     addFogs(tick, now.lists.fogs);
     tick.local_light_count = uint32_t(now.lists.lights.size());
     tick.sun.irradiance = now.light.irradiance;
-    if (tick.sun.to_light.y <= 0 && !scene.planes.empty())
+    tick.opaque_count = uint32_t(objects.size());
+    tick.plane_count = uint32_t(std::ranges::count(objects, gpu::kPlane, &gpu::Opaque::kind));
+    if (tick.sun.to_light.y <= 0 && tick.plane_count > 0)
         tick.sun.irradiance = glm::vec3(0); // the light is below the ground
     tick.particle_count = uint32_t(particles.size());
     tick.cut = cutOf(particles, now.render.cutoff, tick.falloff);
@@ -167,8 +169,6 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     const glm::vec2 margin = 2.0f / float(tick.map.opaque_size) * (glm::vec2(casters.hi) - glm::vec2(casters.lo));
     tick.map.opaque_lo = glm::vec2(casters.lo) - margin; // a rim of empty texels, so that filtering meets no edge
     tick.map.opaque_hi = glm::vec2(casters.hi) + margin;
-    tick.opaque_count = uint32_t(objects.size());
-    tick.plane_count = uint32_t(std::ranges::count(objects, gpu::kPlane, &gpu::Opaque::kind));
     return tick;
 }
 

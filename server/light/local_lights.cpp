@@ -19,7 +19,7 @@ bool sameBits(std::span<const gpu::LocalLight> a, std::span<const gpu::LocalLigh
 }
 
 uint32_t binsOf(uint32_t width, uint32_t height) {
-    return gpu::groups(width, gpu::kLightBin) * gpu::groups(height, gpu::kLightBin);
+    return gpu::groups(width, gpu::kPixelTile) * gpu::groups(height, gpu::kPixelTile);
 }
 
 } // namespace
@@ -84,7 +84,7 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
     const EyeInputs& in = *group.any;
     const SceneFeatures& features = in.shared->features;
     const gpu::Commands::Pass pass(commands, "local light", group.view());
-    const uint32_t step = localLightStep(in.shared->settings->shading, group.rate, in.medium->count > 0);
+    const uint32_t step = pixelStep(in.shared->settings->shading, group.rate, in.medium->count > 0);
     gpu::ComputeProgram& program = programs_[{group.rate, step, group.colours, features}];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_comp, "local_light"},
@@ -107,8 +107,8 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
                       gpu::storageBuffer(9, *in.shared->object_nodes), gpu::storageBuffer(10, *in.shared->triangles),
                       gpu::storageBuffer(11, *in.shared->mesh_nodes)});
         const gpu::View& view = group.views[i];
-        vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kLightBin),
-                      gpu::groups(view.end - view.first, gpu::kLightBin), 1);
+        vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kPixelTile),
+                      gpu::groups(view.end - view.first, gpu::kPixelTile), 1);
     }
     gpu::computeToCompute(commands.handle());
 }

@@ -48,9 +48,9 @@ inline uint32_t shadingStep(const RenderSettings& settings, uint32_t rate, float
     return step;
 }
 
-// Pixels between those whose light of points and spots is computed where it is smooth: 1 or 4. `shading`:
+// Pixels between those whose local light and shafts are computed where these are smooth: 1 or 4. `shading`:
 // RenderSettings::shading. Particles must not be smaller than the step.
-inline uint32_t localLightStep(uint32_t shading, uint32_t rate, bool particles) {
+inline uint32_t pixelStep(uint32_t shading, uint32_t rate, bool particles) {
     constexpr uint32_t kStep = 4;
     return (!particles || rate >= kStep) && (shading == kAuto || shading >= kStep) ? kStep : 1;
 }

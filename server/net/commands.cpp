@@ -129,7 +129,7 @@ public:
 private:
     SceneList list(std::string_view name) {
         const std::optional<SceneList> found = sceneList(name);
-        if (!found) refuse(wire::ErrorCode::unknown_name, "no such list; there are light and fog");
+        if (!found) refuse(wire::ErrorCode::unknown_name, "no such list; there are light, fog, plane, box and sphere");
         return found.value_or(SceneList::fogs);
     }
     // Nothing, and refused: it is not of the setting's type.

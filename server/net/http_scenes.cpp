@@ -54,6 +54,7 @@ Scene tuned(const SceneFacts& facts, const SceneReport& report) {
     scene.lights = report.lists.lights;
     if (had_sun || light.irradiance != glm::vec3(0)) scene.lights.push_back(light);
     scene.fogs = report.lists.fogs;
+    setObjects(scene, report.lists);
     return scene;
 }
 

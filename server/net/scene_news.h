@@ -19,7 +19,8 @@ public:
     bool anotherScene() const { return audience_.scene() != shown_; }
     // The scene for a Welcome. It counts as told.
     const SceneFacts& takeScene();
-    // A SceneState. It counts as told. It has the scene's lists only where the viewer does not know them.
+    // A SceneState. It counts as told. It has the scene's lists only where the viewer does not know them. Long ones
+    // come in four states a second at most, the last change within a second.
     wire::Packed takeState(Clock::time_point now);
 
 private:
@@ -28,6 +29,7 @@ private:
     std::shared_ptr<const SceneFacts> shown_; // null: none yet
     std::optional<uint64_t> lists_;           // SceneReport::lists_hash; nothing: none yet of this scene
     Clock::time_point told_{};                // when the last state was
+    Clock::time_point lists_told_{};          // when the lists were last
 };
 
 } // namespace brume::net

@@ -3,8 +3,42 @@
 #include "server/opaque/objects.h"
 
 namespace brume {
-ObjectBuffers::ObjectBuffers(const gpu::Device& device, const Scene& scene)
-    : all(opaqueObjects(scene)), objects(uploaded(device, all, "objects")),
-      nodes(uploaded(device, objectNodes(all), "object nodes")) {}
+namespace {
+
+template <class T>
+void fill(const gpu::Device& device, gpu::Buffer& buffer, const std::vector<T>& values, const char* name) {
+    buffer.atLeast(device, std::max<size_t>(values.size(), 1) * sizeof(T), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                   gpu::Memory::upload, name);
+    std::ranges::copy(values, buffer.mapped<T>(values.size()).begin());
+    buffer.flush();
+}
+
+} // namespace
+
+ObjectCounts countsOf(std::span<const gpu::Opaque> objects) {
+    const auto of = [&](uint32_t kind) { return uint32_t(std::ranges::count(objects, kind, &gpu::Opaque::kind)); };
+    return {of(gpu::kPlane), of(gpu::kBox), of(gpu::kSphere)};
+}
+
+ObjectBuffers::ObjectBuffers(const gpu::Device& device, const Scene& scene) : device_(device) {
+    const SceneLists lists = listsOf(scene);
+    planes_ = lists.planes, boxes_ = lists.boxes, spheres_ = lists.spheres;
+    all_ = opaqueObjects(scene);
+    write();
+}
+
+bool ObjectBuffers::follow(const Scene& scene, const SceneLists& lists) {
+    if (planes_ == lists.planes && boxes_ == lists.boxes && spheres_ == lists.spheres) return false;
+    planes_ = lists.planes, boxes_ = lists.boxes, spheres_ = lists.spheres;
+    all_ = opaqueObjects(scene, lists);
+    write();
+    return true;
+}
+
+void ObjectBuffers::write() {
+    counts_ = countsOf(all_);
+    fill(device_, objects_, all_, "objects");
+    fill(device_, nodes_, objectNodes(all_), "object nodes");
+}
 
 } // namespace brume

@@ -1,31 +1,46 @@
-// ObjectBuffers: a scene's opaque objects and their tree in device memory.
+// ObjectBuffers: a scene's opaque objects and their tree in device memory, as commands have changed them.
 #pragma once
 
-#include <algorithm>
+#include <span>
 #include <vector>
 
 #include "common/scene.h"
 #include "server/gpu/resource.h"
+#include "server/sim/lists.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
 
-// A buffer that holds the values, and has room for one at least.
-template <class T>
-gpu::Buffer uploaded(const gpu::Device& device, const std::vector<T>& values, const char* name) {
-    gpu::Buffer buffer(device, std::max<size_t>(values.size(), 1) * sizeof(T), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                       gpu::Memory::upload, name);
-    std::ranges::copy(values, buffer.mapped<T>(values.size()).begin());
-    buffer.flush();
-    return buffer;
-}
+// How many objects there are of each kind.
+struct ObjectCounts {
+    uint32_t planes = 0, boxes = 0, spheres = 0;
+    uint32_t bodies() const { return boxes + spheres; }
+    auto operator<=>(const ObjectCounts&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
+};
+ObjectCounts countsOf(std::span<const gpu::Opaque> objects);
 
-struct ObjectBuffers {
+class ObjectBuffers {
+public:
+    // With the objects that the scene begins with.
     ObjectBuffers(const gpu::Device& device, const Scene& scene);
+    // Takes the objects of the lists. True: they differ from those before. Precondition: nothing is on the device.
+    bool follow(const Scene& scene, const SceneLists& lists);
 
-    const std::vector<gpu::Opaque> all; // opaqueObjects()
-    gpu::Buffer objects;                // gpu::Opaque[]: the same
-    gpu::Buffer nodes;                  // gpu::ObjectNode[]: objectNodes()
+    const std::vector<gpu::Opaque>& all() const { return all_; } // opaqueObjects()
+    const ObjectCounts& counts() const { return counts_; }       // of all()
+    const gpu::Buffer& objects() const { return objects_; }      // gpu::Opaque[]: all()
+    const gpu::Buffer& nodes() const { return nodes_; }          // gpu::ObjectNode[]: objectNodes()
+
+private:
+    void write();
+
+    const gpu::Device& device_;
+    std::vector<Plane> planes_; // as follow() took them
+    std::vector<Box> boxes_;
+    std::vector<Sphere> spheres_;
+    std::vector<gpu::Opaque> all_;
+    ObjectCounts counts_;
+    gpu::Buffer objects_, nodes_;
 };
 
 } // namespace brume

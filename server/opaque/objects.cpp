@@ -31,6 +31,11 @@ gpu::ObjectNode objectNode(const BoundingNode& node) {
     return {toward(node.bounds.lo, -kInfinite), node.next, toward(node.bounds.hi, kInfinite), node.item};
 }
 
+std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists) {
+    setObjects(scene, lists);
+    return opaqueObjects(scene);
+}
+
 std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects) {
     std::vector<Bounds3> bounds;
     uint32_t planes = 0;

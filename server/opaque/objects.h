@@ -1,4 +1,4 @@
-// The opaque objects of a scene as the shaders want them. They do not move.
+// The opaque objects of a scene as the shaders want them.
 #pragma once
 
 #include <span>
@@ -6,12 +6,15 @@
 
 #include "common/bounding_tree.h"
 #include "common/scene.h"
+#include "server/sim/lists.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
 
 // Planes, boxes, spheres, in this order: what throws shadows on the medium comes last.
 std::vector<gpu::Opaque> opaqueObjects(const Scene& scene);
+// The same with the objects of the lists in place of those that the scene begins with.
+std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists);
 
 // A node of a tree, with its item as object. Its box is rounded outward.
 gpu::ObjectNode objectNode(const BoundingNode& node);

@@ -17,9 +17,10 @@ OpaqueShadow::OpaqueShadow(const gpu::Device& device) : device_(device) {
 
 bool OpaqueShadow::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
                           const gpu::Buffer& buffer, std::span<const gpu::Opaque> objects) {
-    if (image_ && tick.sun.to_light == last_.sun.to_light && tick.map.opaque_size == last_.map.opaque_size)
+    if (valid_ && tick.sun.to_light == last_.sun.to_light && tick.map.opaque_size == last_.map.opaque_size)
         return false;
     last_ = tick;
+    valid_ = true;
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "opaque shadow");
     const VkExtent2D size{tick.map.opaque_size, tick.map.opaque_size};

@@ -14,10 +14,13 @@ class OpaqueShadow {
 public:
     explicit OpaqueShadow(const gpu::Device& device);
 
-    // Records the map unless light and size are those of the last time; objects do not move. `buffer` holds `objects`
-    // as gpu::Opaque[]. As ShadowVolume::record otherwise.
+    // Records the map unless light and size are those of the last time. `buffer` holds `objects` as gpu::Opaque[]. As
+    // ShadowVolume::record otherwise.
     bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
                 const gpu::Buffer& buffer, std::span<const gpu::Opaque> objects);
+
+    // The objects are others than the last time.
+    void invalidate() { valid_ = false; }
 
     const gpu::Image& image() const { return image_; }
 
@@ -26,6 +29,7 @@ private:
     gpu::GraphicsProgram program_;
     gpu::Image image_;
     gpu::Tick last_{};
+    bool valid_ = false; // True: the image is of the objects as they are
 };
 
 } // namespace brume

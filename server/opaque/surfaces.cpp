@@ -14,26 +14,26 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
     return gpu::groups(width, gpu::kObjectBin) * gpu::groups(height, gpu::kObjectBin);
 }
 
-bool isMany(const Scene& scene) { return scene.boxes.size() + scene.spheres.size() > gpu::kFewObjects; }
-
 } // namespace
 
-Surfaces::Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw)
-    : device_(device), planes_{gpu::kIdPlanes, uint32_t(scene.planes.size())},
-      boxes_{gpu::kIdBoxes, isMany(scene) ? uint32_t(!scene.boxes.empty()) : uint32_t(scene.boxes.size())},
-      spheres_{gpu::kIdSpheres, isMany(scene) ? uint32_t(!scene.spheres.empty()) : uint32_t(scene.spheres.size())},
-      many_{gpu::kIdManyObjects, isMany(scene)}, meshes_{gpu::kIdHasMeshes, !scene.triangles.empty()},
-      binned_(isMany(scene) ? uint32_t(scene.boxes.size() + scene.spheres.size()) : 0), by_draw_(by_draw) {
-    prepare({});
+Surfaces::Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes, bool by_draw)
+    : device_(device), first_(objects), meshes_{gpu::kIdHasMeshes, meshes}, by_draw_(by_draw) {
+    prepare({}, objects);
 }
 
-const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
-    Programs& made = programs_[{fog, local_lights}];
-    const gpu::SpecConstant has_fog{gpu::kIdHasFog, fog}, has_lights{gpu::kIdHasLocalLights, local_lights};
+bool Surfaces::isMany() const {
+    return objects_.bodies() > gpu::kFewObjects || objects_.boxes != first_.boxes || objects_.spheres != first_.spheres;
+}
+
+const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
+    Programs& made = programs_[variant];
+    const gpu::SpecConstant planes{gpu::kIdPlanes, variant.objects.planes}, boxes{gpu::kIdBoxes, variant.objects.boxes},
+        spheres{gpu::kIdSpheres, variant.objects.spheres}, many{gpu::kIdManyObjects, variant.many},
+        fog{gpu::kIdHasFog, variant.fog}, lights{gpu::kIdHasLocalLights, variant.local_lights};
     if (by_draw_ && !made.draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes_, boxes_, spheres_, many_, meshes_, has_fog, has_lights};
+        const gpu::SpecConstant constants[] = {planes, boxes, spheres, many, meshes_, fog, lights};
         gpu::GraphicsInfo graphics;
         graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
         graphics.blend = gpu::Blend::replace;
@@ -41,12 +41,13 @@ const Surfaces::Programs& Surfaces::programsFor(bool fog, bool local_lights) {
     }
     if (!by_draw_ && !made.compute)
         made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes_, boxes_, spheres_, many_, meshes_, has_fog, has_lights});
+                                           {planes, boxes, spheres, many, meshes_, fog, lights});
     return made;
 }
 
-void Surfaces::prepare(std::span<const EyeRequest> eyes) {
-    const uint32_t words = gpu::groups(binned_, 32), of_words = gpu::groups(words, 32);
+void Surfaces::prepare(std::span<const EyeRequest> eyes, const ObjectCounts& objects) {
+    objects_ = objects;
+    const uint32_t words = gpu::groups(isMany() ? objects.bodies() : 0, 32), of_words = gpu::groups(words, 32);
     VkDeviceSize bytes = 256;
     for (const EyeRequest& eye : eyes)
         bytes = std::max(bytes, VkDeviceSize(binsOf(eye.width, eye.height)) * (words + of_words) * sizeof(uint32_t));
@@ -68,7 +69,8 @@ void Surfaces::recordBins(gpu::Commands& commands, const EyeInputs& in) {
 void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd); // the eye before has used the same targets
-    if (binned_ > 0) recordBins(commands, in);
+    const bool many = isMany();
+    if (many && objects_.bodies() > 0) recordBins(commands, in);
     const gpu::Commands::Pass pass(commands, "opaque", in.view);
     const gpu::Resource objects = gpu::storageBuffer(2, *in.shared->objects),
                         light = gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
@@ -79,7 +81,9 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
                         nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_),
                         triangles = gpu::storageBuffer(12, *in.shared->triangles),
                         mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes);
-    const Programs& programs = programsFor(in.shared->features.fog, in.shared->features.local_lights);
+    ObjectCounts compiled = objects_;
+    if (many) compiled.boxes = std::min(compiled.boxes, 1u), compiled.spheres = std::min(compiled.spheres, 1u);
+    const Programs& programs = programsFor({compiled, many, in.shared->features.fog, in.shared->features.local_lights});
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
         programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,

@@ -3,23 +3,27 @@
 
 #include <map>
 #include <span>
-#include <utility>
 
 #include "server/gpu/commands.h"
 #include "server/inputs/eye_inputs.h"
 #include "server/inputs/eye_request.h"
+#include "server/opaque/object_buffers.h"
 
 namespace brume {
 
 class Surfaces {
 public:
-    // Compiled for the scene's objects: kinds that it has none of cost nothing. CPU drivers draw several times faster
+    // Compiled for as many objects: kinds that there are none of cost nothing. CPU drivers draw several times faster
     // into targets than they store to images; on some GPUs compute is far faster than draws.
-    Surfaces(const gpu::Device& device, const Scene& scene) : Surfaces(device, scene, device.isCpu()) {}
-    Surfaces(const gpu::Device& device, const Scene& scene, bool by_draw);
+    // `meshes`: true if the scene has some.
+    Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes)
+        : Surfaces(device, objects, meshes, device.isCpu()) {}
+    Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes, bool by_draw);
 
-    // Makes room for pictures of these sizes. Precondition: nothing of it is on the device.
-    void prepare(std::span<const EyeRequest> eyes);
+    // Makes room for pictures of these sizes and so many objects. Other numbers of boxes and spheres than at first are
+    // looked for in bins, as many objects are: one more then needs no other shader. Precondition: nothing of it is on
+    // the device.
+    void prepare(std::span<const EyeRequest> eyes, const ObjectCounts& objects);
     // Writes all of the eye's target, with transmittance 1. Every kind of pass may read and write it afterwards.
     void record(gpu::Commands& commands, const EyeInputs& in);
 
@@ -28,16 +32,24 @@ private:
         gpu::GraphicsProgram draw; // either this or the other is made
         gpu::ComputeProgram compute;
     };
-    const Programs& programsFor(bool fog, bool local_lights);
+    struct Variant {
+        ObjectCounts objects; // of many boxes and spheres: 1 for each kind that there is
+        bool many = false;    // True: boxes and spheres are looked for in bins
+        bool fog = false, local_lights = false;
+        auto operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
+    };
+    const Programs& programsFor(const Variant& variant);
+    bool isMany() const;
     void recordBins(gpu::Commands& commands, const EyeInputs& in);
 
     const gpu::Device& device_;
-    const gpu::SpecConstant planes_, boxes_, spheres_, many_, meshes_;
-    const uint32_t binned_; // boxes and spheres, if they are many; else 0
+    const ObjectCounts first_;
+    ObjectCounts objects_;
+    const gpu::SpecConstant meshes_;
     const bool by_draw_;
     gpu::ComputeProgram bins_program_;
     gpu::Buffer bins_; // uint[bins][words]: which of many the rays of a bin of the last eye's pixels may hit
-    std::map<std::pair<bool, bool>, Programs> programs_; // by whether there are fog and local lights
+    std::map<Variant, Programs> programs_;
 };
 
 } // namespace brume

@@ -39,37 +39,72 @@ bool CompiledWays::hasAll() const {
     return all_;
 }
 
-void CompiledWays::clear() {
+void CompiledWays::clear(const SceneFeatures& lists) {
     const std::scoped_lock lock(mutex_);
     compiled_.clear();
     wanted_.clear();
+    next_.reset();
+    features_ = lists;
 }
 
-void CompiledWays::add(const WayShaders& way, bool probed) {
+void CompiledWays::add(const WayShaders& way, bool probed) { add(features(), way, probed); }
+
+void CompiledWays::add(const SceneFeatures& lists, const WayShaders& way, bool probed) {
     const std::scoped_lock lock(mutex_);
-    const auto [known, is_new] = compiled_.try_emplace(way, probed);
+    const auto [known, is_new] = compiled_[lists].try_emplace(way, probed);
     known->second = known->second || probed;
-    if (!is_new) return;
+    if (!is_new || lists != features_) return;
     std::erase_if(wanted_, [&](const Wanted& wanted) { return wanted.shaders == way; });
     ++version_;
 }
 
+const std::map<WayShaders, bool>& CompiledWays::compiled() const {
+    static const std::map<WayShaders, bool> kNone;
+    const auto found = compiled_.find(features_);
+    return found == compiled_.end() ? kNone : found->second;
+}
+
+SceneFeatures CompiledWays::features() const {
+    const std::scoped_lock lock(mutex_);
+    return features_;
+}
+
+bool CompiledWays::follow(const SceneFeatures& lists) {
+    const std::scoped_lock lock(mutex_);
+    if (lists != features_ && !all_ && !compiled_.contains(lists)) {
+        if (next_ != lists && on_want_) on_want_();
+        next_ = lists;
+        return false;
+    }
+    next_.reset();
+    if (lists == features_) return true;
+    features_ = lists;
+    wanted_.clear();
+    ++version_;
+    return true;
+}
+
+std::optional<SceneFeatures> CompiledWays::wantedFeatures() const {
+    const std::scoped_lock lock(mutex_);
+    return next_ && !compiled_.contains(*next_) ? next_ : std::nullopt;
+}
+
 bool CompiledWays::has(const RenderSettings& settings, bool still) const {
     const std::scoped_lock lock(mutex_);
-    return all_ || compiled_.contains(shadersOf(settings, still));
+    return all_ || compiled().contains(shadersOf(settings, still));
 }
 
 bool CompiledWays::mayProbe(const RenderSettings& settings) const {
     const std::scoped_lock lock(mutex_);
-    const auto known = compiled_.find(shadersOf(settings, false));
-    return all_ || (known != compiled_.end() && known->second);
+    const auto known = compiled().find(shadersOf(settings, false));
+    return all_ || (known != compiled().end() && known->second);
 }
 
 void CompiledWays::want(const RenderSettings& settings, bool still) {
     const std::scoped_lock lock(mutex_);
     const WayShaders way = shadersOf(settings, still);
     const auto same = [&](const Wanted& wanted) { return wanted.shaders == way; };
-    if (all_ || compiled_.contains(way) || std::ranges::any_of(wanted_, same) || wanted_.size() >= kMostWanted) return;
+    if (all_ || compiled().contains(way) || std::ranges::any_of(wanted_, same) || wanted_.size() >= kMostWanted) return;
     wanted_.push_back({settings, way});
     if (on_want_) on_want_();
 }

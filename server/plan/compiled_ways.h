@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "common/scene.h"
+#include "server/inputs/scene_features.h"
 
 namespace brume {
 
@@ -40,16 +41,26 @@ public:
     // True, as it is at first: every way may be used at once; nothing is compiled behind.
     void setAll(bool all);
     bool hasAll() const;
-    // Forgets all ways, for another scene.
-    void clear();
-    // `probed`: true if the shader that reads its pixels back is compiled, too.
+    // Forgets all ways, for another scene with these features of its lists: brume::featuresOf().
+    void clear(const SceneFeatures& lists = {});
+    // Of the lists that are drawn. `probed`: true if the shader that reads its pixels back is compiled, too.
     void add(const WayShaders& way, bool probed = true);
+    // Of lists with these features, drawn or not. A way without a method: nothing more can be compiled for them behind.
+    void add(const SceneFeatures& lists, const WayShaders& way, bool probed = true);
+
+    // Of the lists that are drawn.
+    SceneFeatures features() const;
+    // True: lists with these features are drawn from now on. False: no way is compiled for them. They are wanted, and
+    // who compiles is told.
+    bool follow(const SceneFeatures& lists);
+    // The wanted ones. Nothing: those that are drawn are right, or a way is compiled for the others.
+    std::optional<SceneFeatures> wantedFeatures() const;
     bool has(const RenderSettings& settings, bool still) const;
     // True: pixels of moving pictures of this way may be read back.
     bool mayProbe(const RenderSettings& settings) const;
     // Notes a way that is not compiled, and tells who compiles. At most kMostWanted wait.
     void want(const RenderSettings& settings, bool still);
-    // `on_want` is called by want(), in its thread, for every new one.
+    // `on_want` is called by want() and follow(), in their thread, for everything new.
     void serve(std::function<void()> on_want);
     // The way that was wanted first and is not compiled yet.
     std::optional<Wanted> nextWanted();
@@ -59,8 +70,12 @@ public:
 private:
     static constexpr size_t kMostWanted = 16;
 
+    const std::map<WayShaders, bool>& compiled() const; // of features_; true: probed
+
     mutable std::mutex mutex_;
-    std::map<WayShaders, bool> compiled_; // true: probed
+    std::map<SceneFeatures, std::map<WayShaders, bool>> compiled_;
+    SceneFeatures features_;
+    std::optional<SceneFeatures> next_; // that are wanted
     std::deque<Wanted> wanted_;
     std::function<void()> on_want_;
     uint64_t version_ = 0;

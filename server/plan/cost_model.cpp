@@ -16,11 +16,11 @@ namespace brume {
 namespace {
 
 // Version of the file. It grows when a pass counts its work in another unit, or is timed otherwise.
-constexpr int kVersion = 7;
+constexpr int kVersion = 8;
 
-constexpr const CostInfo* kCommon[] = {&costs::kUpload,          &costs::kOpaqueShadow, &costs::kShadowVolume,
-                                       &costs::kParticleLight,   &costs::kOpaque,       &costs::kCompose,
-                                       &costs::kLocalLightDepth, &costs::kLocalLight,   &costs::kLitSurfaces};
+constexpr const CostInfo* kCommon[] = {
+    &costs::kUpload,  &costs::kOpaqueShadow,    &costs::kShadowVolume, &costs::kParticleLight, &costs::kOpaque,
+    &costs::kCompose, &costs::kLocalLightDepth, &costs::kLocalLight,   &costs::kLitSurfaces,   &costs::kShafts};
 
 std::vector<const CostInfo*> collected() {
     std::vector<const CostInfo*> all(std::begin(kCommon), std::end(kCommon));

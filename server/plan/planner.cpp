@@ -43,20 +43,21 @@ PlanView ownView(const Scene& scene) {
     return {lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y), 640, 360};
 }
 
-PlanScene planScene(const Scene& scene, const Simulation& simulation) {
-    const SceneNow& now = simulation.now();
+PlanScene planScene(const Scene& scene, const Simulation& simulation, const std::optional<SceneFeatures>& lists) {
+    SceneNow now = simulation.now();
+    if (lists) leaveOut(now.lists, *lists);
     std::vector<gpu::Particle> particles(simulation.liveCount());
     simulation.write(particles);
-    const std::vector<gpu::Opaque> objects = opaqueObjects(scene);
+    const std::vector<gpu::Opaque> objects = opaqueObjects(scene, now.lists);
     PlanScene out;
     out.wanted = now.render;
-    out.features = featuresOf(scene, now);
+    out.features = featuresOf(scene, now, lists.value_or(SceneFeatures()));
     out.lobe_width = lobesOf(now.medium).width();
-    const size_t triangles = scene.triangles.size(), bodies = scene.boxes.size() + scene.spheres.size() + triangles;
-    out.objects = std::min(uint32_t(objects.size() + triangles), kMostCounted);
-    out.casters = std::min(uint32_t(bodies), kMostCounted);
+    const uint32_t triangles = uint32_t(scene.triangles.size());
+    out.objects = std::min(uint32_t(objects.size()) + triangles, kMostCounted);
     for (const Light& light : now.lists.lights) out.local_lights.push_back(localLightBlock(light));
     out.tick = makeTick(scene, now, particles, objects);
+    out.casters = std::min(out.tick.opaque_count - out.tick.plane_count + triangles, kMostCounted);
     out.state = stateOf(particles, out.tick);
     out.particles = uint32_t(particles.size());
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);
@@ -111,7 +112,7 @@ bool Planner::someoneJumped(std::span<const PlanView> views) const {
 
 void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at) {
     if (look) {
-        const PlanScene before = std::exchange(inputs_.scene, planScene(scene_, simulation));
+        const PlanScene before = std::exchange(inputs_.scene, planScene(scene_, simulation, lists_));
         if (simulation.tick() == looked_tick_) {
             inputs_.scene.renewed = before.renewed;
         } else if (looked_ != Time{} && inputs_.scene.state == before.state) {
@@ -146,7 +147,7 @@ void Planner::make() {
 }
 
 Candidate Planner::once(const Simulation& simulation, const PlanView& view, bool compiled) const {
-    PlanInputs alone{.scene = planScene(scene_, simulation), .views = {view}, .methods = inputs_.methods};
+    PlanInputs alone{.scene = planScene(scene_, simulation, lists_), .views = {view}, .methods = inputs_.methods};
     alone.law_factor = inputs_.law_factor;
     if (compiled && ways_) alone.compiled = [this](const RenderSettings& way) { return ways_->has(way, true); };
     return makePlan(alone, costs_.first()).chosen;

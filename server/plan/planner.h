@@ -15,7 +15,8 @@ namespace brume {
 
 // The scene at the simulation's present state, as the plan needs it. Its time grows with the particle count, about as
 // an upload's.
-PlanScene planScene(const Scene& scene, const Simulation& simulation);
+// `lists`: only what shaders with these features draw is in it.
+PlanScene planScene(const Scene& scene, const Simulation& simulation, const std::optional<SceneFeatures>& lists = {});
 
 // The view of the scene's own camera, 640x360, for a plan without viewers.
 PlanView ownView(const Scene& scene);
@@ -66,6 +67,8 @@ public:
     // A frame with these settings took so long. Logs when accuracy begins to be given up, when none is left to give
     // up, and when it is back.
     void took(double ms, Time now);
+    // From the next plan on: pictures show of the scene's lists only what shaders with these features draw.
+    void draws(const SceneFeatures& lists) { lists_ = lists; }
     void setFrameBudget(double ms) { overload_.setBudget(ms); }
 
     // True: frames took too long with no accuracy left to give up, and have not been short enough since.
@@ -83,6 +86,7 @@ private:
     const Scene& scene_;
     CostLearning costs_;
     CompiledWays* ways_;
+    std::optional<SceneFeatures> lists_; // nothing: all that there are
     Overload overload_;
     Corrections corrections_;
     PlanInputs inputs_;

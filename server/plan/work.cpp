@@ -149,7 +149,7 @@ double ViewWork::slabThickness(uint32_t slabs) const {
 
 double ViewWork::localPieces(const RenderSettings& settings) const {
     const bool particles = scene_.particles > 0;
-    const bool coarse = localLightStep(settings.shading, settings.rate, particles) > 1;
+    const bool coarse = pixelStep(settings.shading, settings.rate, particles) > 1;
     return lit_pixels_ * (coarse ? kComputed : 1) * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));
 }
 

@@ -33,7 +33,6 @@ const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"},
                                       {{gpu::kIdHasOpaque, v.features.opaque},
                                        {gpu::kIdHasCasters, v.features.casters},
-                                       {gpu::kIdHasMeshes, v.features.meshes},
                                        {gpu::kIdHasLobe, v.features.lobe},
                                        {gpu::kIdHasAmbient, v.features.ambient},
                                        {gpu::kIdHasFog, v.features.fog},
@@ -89,10 +88,8 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
         program.bind(commands,
                      {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
                       gpu::storageBuffer(3, *in.shared->planes), gpu::storageBuffer(4, drawn ? none_ : *group.field),
-                      gpu::storageBuffer(5, *in.shared->objects), gpu::storageBuffer(7, *in.shared->lit),
-                      gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
-                      gpu::sampledImage(9, *in.shared->mesh_heights, *in.shared->nearest),
-                      gpu::storageBuffer(10, *in.shared->mesh_pyramid)});
+                      gpu::storageBuffer(5, *in.shared->sunlit), gpu::storageBuffer(7, *in.shared->lit),
+                      gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64 * blocks), gpu::groups(view.end - view.first, 16), 1);
     }

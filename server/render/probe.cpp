@@ -29,7 +29,6 @@ const gpu::ComputeProgram& Probe::programFor(bool drawn, const SceneFeatures& fe
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, probe_comp, "probe"},
                                       {{gpu::kIdHasOpaque, features.opaque},
                                        {gpu::kIdHasCasters, features.casters},
-                                       {gpu::kIdHasMeshes, features.meshes},
                                        {gpu::kIdHasLobe, features.lobe},
                                        {gpu::kIdHasFog, features.fog},
                                        {gpu::kIdHasGlow, features.glow},
@@ -55,11 +54,9 @@ void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading
                   {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
                    gpu::storageBuffer(3, reading.where_),
                    gpu::storageBuffer(4, reading.drawn ? reading.where_ : *group.field),
-                   gpu::storageBuffer(5, *in.shared->objects), gpu::storageBuffer(6, reading.values_),
+                   gpu::storageBuffer(5, *in.shared->sunlit), gpu::storageBuffer(6, reading.values_),
                    gpu::storageBuffer(7, *in.shared->lit),
-                   gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
-                   gpu::sampledImage(9, *in.shared->mesh_heights, *in.shared->nearest),
-                   gpu::storageBuffer(10, *in.shared->mesh_pyramid)},
+                   gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(push.count, 64), 1, 1);
         gpu::computeToHost(commands.handle());

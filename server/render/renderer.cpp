@@ -26,10 +26,10 @@ void Submission::giveBack() {
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(device, scene), meshes_(device, scene.triangles), besides_(besides),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device), mesh_shadow_(device),
-      particle_light_(device, capacity), local_lights_(device), surfaces_(device, scene),
-      depth_order_(device, capacity), compose_(device), probe_(device), cells_(device),
-      linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
-      coarse_targets_(device) {}
+      particle_light_(device, capacity), local_lights_(device),
+      surfaces_(device, objects_.counts(), !scene.triangles.empty()), shafts_(device), depth_order_(device, capacity),
+      compose_(device), probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR),
+      nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {}
 
 Renderer::~Renderer() = default;
 
@@ -38,7 +38,13 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                       const RenderSettings* settings, bool full) {
     now_ = simulation.now();
     if (settings) now_.render = *settings;
-    features_ = besides_ | featuresOf(scene_, now_);
+    if (lists_) leaveOut(now_.lists, *lists_);
+    features_ = besides_ | featuresOf(scene_, now_, lists_.value_or(SceneFeatures()));
+    if (objects_.follow(scene_, now_.lists)) {
+        opaque_shadow_.invalidate();
+        particle_light_.invalidate();
+        upload_.invalidateLight();
+    }
     Method& method = methodFor(now_.render);
     const MethodNeeds needs = method.needs();
     if (needs.one_medium) now_.render.merge = 0;
@@ -47,9 +53,10 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
     fitPictures(s, eyes, full);
     probe_.prepare(s.probe);
-    upload_.take(simulation, scene_, now_, objects_.all, eyes, s.particles_);
+    upload_.take(simulation, scene_, now_, objects_.all(), eyes, s.particles_);
     writeLocalLights(s, eyes);
-    surfaces_.prepare(eyes);
+    surfaces_.prepare(eyes, objects_.counts());
+    shafts_.prepare(features_.casters ? eyes : std::span<const EyeRequest>());
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks);
 
@@ -74,6 +81,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
         }
         if (has_medium && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
         if (has_medium) method.recordGroup(s.commands, group);
+        if (features_.casters && group.field) shafts_.record(s.commands, group);
         if (features_.local_lights && group.field) local_lights_.record(s.commands, group);
         compose_.record(s.commands, group);
         if (has_medium && !s.probe.pixels.empty()) probe_.record(s.commands, group, s.probe, views_[s.probe.eye]);
@@ -98,6 +106,7 @@ void Renderer::giveBack() {
     planes_ = {};
     compose_.giveBack();
     local_lights_.giveBack();
+    shafts_.giveBack();
     targets_.giveBack();
     coarse_targets_.giveBack();
 }
@@ -124,7 +133,7 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
 uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
     const uint32_t rate = now_.render.rate;
     // Between drawn pixels every object's shadow is looked for at each.
-    if (!needs.draws || rate < 2 || objects_.all.size() > kMostOfCells) return 1;
+    if (!needs.draws || rate < 2 || objects_.all().size() > kMostOfCells) return 1;
     return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
 }
 
@@ -174,7 +183,7 @@ void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes)
 // Records both shadow maps, and the light cached on the particles of every list that some eye sees.
 void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     MediumView& all = upload_.all();
-    opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects, objects_.all);
+    opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects(), objects_.all());
     mesh_shadow_.record(s.commands, all.tick, upload_.tick(), meshes_);
     if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved())) {
         particle_light_.invalidate();
@@ -184,7 +193,8 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     all.light = nullptr;
     if (!needs.particle_light) return;
     const auto record = [&](ParticleLight& light, MediumView& medium) {
-        light.record(s.commands, {medium.tick, &objects_.objects, medium.particles, &shadow_volume_.image(), &linear_},
+        light.record(s.commands,
+                     {medium.tick, &objects_.objects(), medium.particles, &shadow_volume_.image(), &linear_},
                      medium.count, now_.render.tiles.light_tolerance);
         medium.light = &light.buffer();
     };
@@ -199,15 +209,16 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
 
 void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes) {
     shared_ = {.settings = &now_.render,
-               .objects = &objects_.objects,
-               .object_nodes = &objects_.nodes,
+               .objects = &objects_.objects(),
+               .object_nodes = &objects_.nodes(),
                .triangles = &meshes_.triangles,
                .mesh_nodes = &meshes_.nodes,
-               .bodies = uint32_t(objects_.all.size() - scene_.planes.size()),
+               .bodies = objects_.counts().bodies(),
                .local_lights = &s.local_lights_,
                .light_bits = &local_lights_.bits(),
                .light_depths = &local_lights_.depths(),
                .lit = &local_lights_.lit(),
+               .sunlit = &shafts_.sunlit(),
                .shadow_volume = &shadow_volume_.image(),
                .opaque_shadow = &opaque_shadow_.image(),
                .mesh_heights = &mesh_shadow_.heights(),

@@ -16,6 +16,7 @@
 #include "server/opaque/mesh_shadow.h"
 #include "server/opaque/object_buffers.h"
 #include "server/opaque/shadow_map.h"
+#include "server/opaque/shafts.h"
 #include "server/opaque/surfaces.h"
 #include "server/render/compose.h"
 #include "server/render/drawn_cells.h"
@@ -62,6 +63,9 @@ public:
     // Throws gpu::Error, for example when pictures do not fit the device's memory. Then destroy this renderer.
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
                 const RenderSettings* settings = nullptr, bool full = false);
+
+    // From the next submission on: of the scene's lists only what shaders with these features draw.
+    void draws(const SceneFeatures& lists) { lists_ = lists; }
 
     // Bytes of all pictures of one submission, at most: what the device lets a shader see of one buffer.
     static uint64_t mostPictureBytes(const gpu::Device& device) {
@@ -112,9 +116,10 @@ private:
 
     const gpu::Device& device_;
     const Scene scene_;
-    const ObjectBuffers objects_;
+    ObjectBuffers objects_;
     const MeshBuffers meshes_;
-    const SceneFeatures besides_; // those that are drawn with, whatever the scene has
+    std::optional<SceneFeatures> lists_; // nothing: all that there are
+    const SceneFeatures besides_;        // those that are drawn with, whatever the scene has
     TickUpload upload_;
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
@@ -122,6 +127,7 @@ private:
     ParticleLight particle_light_;
     LocalLights local_lights_;
     Surfaces surfaces_;
+    Shafts shafts_;
     DepthOrder depth_order_;
     Compose compose_;
     Probe probe_;

@@ -27,6 +27,24 @@ std::string change(SceneLists& lists, SceneList list, uint32_t element, const Ch
     return {};
 }
 
+// Calls `f` with the vector of a list.
+template <class Lists, class F>
+decltype(auto) visit(Lists& lists, SceneList list, F&& f) {
+    switch (list) {
+    case SceneList::lights:
+        return f(lists.lights);
+    case SceneList::fogs:
+        return f(lists.fogs);
+    case SceneList::planes:
+        return f(lists.planes);
+    case SceneList::boxes:
+        return f(lists.boxes);
+    case SceneList::spheres:
+        break;
+    }
+    return f(lists.spheres);
+}
+
 struct AddTo {
     StateHash& hash;
     void operator()(const std::string* text) const { hash.add(std::string_view(*text)); }
@@ -39,11 +57,58 @@ struct AddTo {
 
 } // namespace
 
-size_t mostOf(SceneList list) { return size_t(list == SceneList::lights ? limits::kLocalLights.hi : limits::kFogs.hi); }
+size_t SceneLists::size(SceneList list) const {
+    return visit(*this, list, [](const auto& elements) { return elements.size(); });
+}
+
+SceneLists listsOf(const Scene& scene) {
+    return {localLightsOf(scene),
+            scene.fogs,
+            scene.planes,
+            {scene.boxes.begin(), scene.boxes.end() - scene.laid_out_boxes},
+            {scene.spheres.begin(), scene.spheres.end() - scene.laid_out_spheres},
+            scene.laid_out_boxes + scene.laid_out_spheres};
+}
+
+void setObjects(Scene& scene, const SceneLists& lists) {
+    scene.planes = lists.planes;
+    scene.boxes.erase(scene.boxes.begin(), scene.boxes.end() - scene.laid_out_boxes);
+    scene.boxes.insert(scene.boxes.begin(), lists.boxes.begin(), lists.boxes.end());
+    scene.spheres.erase(scene.spheres.begin(), scene.spheres.end() - scene.laid_out_spheres);
+    scene.spheres.insert(scene.spheres.begin(), lists.spheres.begin(), lists.spheres.end());
+}
+
+SceneList listOf(const SceneSetting& setting) { return *sceneList(setting.table()); }
+
+size_t mostOf(SceneList list) {
+    switch (list) {
+    case SceneList::lights:
+        return size_t(limits::kLocalLights.hi);
+    case SceneList::fogs:
+        return size_t(limits::kFogs.hi);
+    case SceneList::planes:
+        return size_t(limits::kPlanes.hi);
+    case SceneList::boxes:
+    case SceneList::spheres:
+        break;
+    }
+    return size_t(limits::kObjects.hi);
+}
 
 SceneParts partsOf(SceneLists& lists, SceneList list, uint32_t element) {
-    if (list == SceneList::lights) return {.light = &lists.lights[element]};
-    return {.fog = &lists.fogs[element]};
+    switch (list) {
+    case SceneList::lights:
+        return {.light = &lists.lights[element]};
+    case SceneList::fogs:
+        return {.fog = &lists.fogs[element]};
+    case SceneList::planes:
+        return {.plane = &lists.planes[element]};
+    case SceneList::boxes:
+        return {.box = &lists.boxes[element]};
+    case SceneList::spheres:
+        break;
+    }
+    return {.sphere = &lists.spheres[element]};
 }
 
 std::string set(SceneLists& lists, const std::vector<Change>& changes) {
@@ -60,10 +125,8 @@ std::string add(SceneLists& lists, SceneList list, const std::vector<Change>& ch
     const size_t size = lists.size(list);
     if (size >= mostOf(list))
         return fmt::format("there are {} already, {} is the most: remove one first", size, mostOf(list));
-    if (list == SceneList::lights)
-        lists.lights.push_back({.type = kPoint});
-    else
-        lists.fogs.emplace_back();
+    visit(lists, list, [](auto& elements) { elements.emplace_back(); });
+    if (list == SceneList::lights) lists.lights.back().type = kPoint;
     for (const Change& one : changes) {
         if (!one.setting->in_list || listOf(*one.setting) != list)
             return fmt::format("{} is no setting of a new {}", one.setting->path, nameOf(list));
@@ -74,10 +137,7 @@ std::string add(SceneLists& lists, SceneList list, const std::vector<Change>& ch
 
 std::string remove(SceneLists& lists, SceneList list, uint32_t element) {
     if (element >= lists.size(list)) return missing(lists, list, element);
-    if (list == SceneList::lights)
-        lists.lights.erase(lists.lights.begin() + element);
-    else
-        lists.fogs.erase(lists.fogs.begin() + element);
+    visit(lists, list, [&](auto& elements) { elements.erase(elements.begin() + element); });
     return {};
 }
 
@@ -91,6 +151,9 @@ std::string problemOf(const SceneLists& lists, bool particles) {
     if (particles && !limits::kShadowedLights.holds(double(shadowed)))
         return fmt::format("{} points and spots with shadows among particles, {} is the most: others without shadows",
                            shadowed, limits::kShadowedLights.hi);
+    if (const size_t bodies = lists.boxes.size() + lists.spheres.size() + lists.laid_out;
+        !limits::kObjects.holds(double(bodies)))
+        return fmt::format("{} boxes and spheres, {} is the most: remove one first", bodies, limits::kObjects.hi);
     return {};
 }
 

@@ -1,4 +1,4 @@
-// The lists of a scene that commands change while the server runs: points and spots, and fogs.
+// The lists of a scene that commands change while the server runs: points and spots, fogs, and objects.
 #pragma once
 
 #include <string>
@@ -12,14 +12,20 @@ namespace brume {
 struct SceneLists {
     std::vector<Light> lights; // points and spots
     std::vector<Fog> fogs;
+    std::vector<Plane> planes;
+    std::vector<Box> boxes; // but those of [objects], as the spheres are
+    std::vector<Sphere> spheres;
+    uint32_t laid_out = 0; // boxes and spheres of [objects], which commands leave as they are
 
-    size_t size(SceneList list) const { return list == SceneList::lights ? lights.size() : fogs.size(); }
+    size_t size(SceneList list) const;
 };
+// Those that the scene begins with.
+SceneLists listsOf(const Scene& scene);
+// Gives the scene the objects of the lists, in front of those of [objects].
+void setObjects(Scene& scene, const SceneLists& lists);
 
 // Of a setting that is in a list.
-inline SceneList listOf(const SceneSetting& setting) {
-    return setting.table() == "fog" ? SceneList::fogs : SceneList::lights;
-}
+SceneList listOf(const SceneSetting& setting);
 // The most elements that it may have.
 size_t mostOf(SceneList list);
 // Where the settings of an element lie. Precondition: element < lists.size(list).

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/scene_limits.h"
@@ -92,6 +93,7 @@ struct Simulation::State {
 
     SceneLists tried; // those that a command would make
     uint64_t lists_hash = 0;
+    bool lists_changed = false;          // True: lists_hash is of those before
     std::vector<RefusedCommand> refused; // in this tick
 
     uint64_t tick = 0, hash = 0, origin = 0; // origin: a hash of the seed and all columns at the start
@@ -100,7 +102,7 @@ struct Simulation::State {
 };
 
 Simulation::State::State(const Scene& scene, uint64_t most_bytes)
-    : now{scene.medium, sunOf(scene), {localLightsOf(scene), scene.fogs}, scene.render, scene.simulation} {
+    : now{scene.medium, sunOf(scene), listsOf(scene), scene.render, scene.simulation} {
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);
@@ -190,7 +192,7 @@ std::string Simulation::State::change(Edit edit) {
     if (problem.empty()) problem = problemOf(tried, now.medium.layout != Layout::none);
     if (!problem.empty()) return problem;
     std::swap(now.lists, tried);
-    lists_hash = hashOf(now.lists);
+    lists_changed = true;
     ++settings_version;
     return {};
 }
@@ -221,7 +223,7 @@ std::string Simulation::State::apply(const Restart&) {
     steps = first_step;
     moved = glm::vec3(0);
     now.lists = first_now.lists;
-    lists_hash = hashOf(now.lists);
+    lists_changed = true;
     for (const SceneSetting* setting : liveSettings()) copy(*setting, partsOf(first_now), partsOf(now));
     ++settings_version;
     return {};
@@ -300,6 +302,7 @@ void Simulation::step(std::span<const Command> commands) {
     for (const Command& command : commands)
         if (std::string why = std::visit([&](const auto& body) { return s.apply(body); }, command.body); !why.empty())
             s.refused.push_back({command.viewer, command.seq, std::move(why)});
+    if (std::exchange(s.lists_changed, false)) s.lists_hash = hashOf(s.now.lists);
     if (!s.now.simulation.paused) s.advance();
     s.settle();
 }

@@ -9,7 +9,6 @@ const uint kMostFogSteps = 96;     // of one fog in a slab
 const uint kMostFogPieces = kMostFogSteps + 2 * kMostFogs + 3; // the same, with those between the ends of fogs
 const float kStepsOfRadius = 6;    // in a ball
 const float kStepOfHeight = 0.2;     // of several fogs: most that a step changes the logarithm of an extinction by
-const float kNoBall = 1e15;        // radius
 const float kOpaque = 30;          // optical depth behind which nothing is seen
 
 // The ray: its direction of unit view depth in the world and in the sun's map, and its length per unit of view depth.
@@ -36,8 +35,6 @@ bool fog_ended;                     // True: at_end has the ray's quantities whe
 float at_end[kMostFieldQuantities];
 float fog_phase[kMostFogs];
 
-// True: the depth that light passes is linear in the fog's own wherever particles do not shadow it.
-bool isLoneFog() { return tick.fog_count == 1 && !(tick.fogs[0].radius < kNoBall); }
 float fogPassed() { return kHasFog ? fog_passed + fog_own : 0; }
 float fogOnRay(float begin, float end) { return fogBetween(eye.position, march_dir, march_length, begin, end); }
 

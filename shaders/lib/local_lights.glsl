@@ -9,9 +9,9 @@
 #include "shaders/lib/mesh.glsl"
 
 uint lightWords() { return (tick.local_light_count + 31) / 32; }
-uint binColumns() { return (eye.size.x + kLightBin - 1) / kLightBin; }
+uint binColumns() { return (eye.size.x + kPixelTile - 1) / kPixelTile; }
 // Index of the first word of a pixel's bin.
-uint binOf(uvec2 pixel) { return (pixel.y / kLightBin * binColumns() + pixel.x / kLightBin) * lightWords(); }
+uint binOf(uvec2 pixel) { return (pixel.y / kPixelTile * binColumns() + pixel.x / kPixelTile) * lightWords(); }
 
 // The part of its intensity that a light sends to a place: by its cone and its range. `away`: from the light, m.
 float sentTo(LocalLight light, vec3 away, float distance) {

@@ -52,6 +52,13 @@ void wholeRay(MediumRun run, vec4 across, vec3 dir, float end, out float ray[kMo
     if (kHasFog) {
         float scale[kMostFieldQuantities];
         const float fog = fieldScale(dir, end, ray[kFieldDepth], scale);
+        if (isFogOnly()) { // the rest of the scale is exact
+            const vec3 light = lightOfLoneFog(dir, vec2(eye.near_depth, end));
+            for (uint q = 0; q < fieldQuantities(); ++q) ray[q] = scale[q];
+            for (uint c = 0; c < 3; ++c) ray[fieldFog() + c] = light[c];
+            ray[kFieldDepth] = fog;
+            return;
+        }
         for (uint q = kFieldSun; q < fieldQuantities(); ++q) ray[q] = max(dot(across, run.whole[q]), 0) * scale[q];
         ray[kFieldDepth] += fog;
         return;
@@ -60,27 +67,31 @@ void wholeRay(MediumRun run, vec4 across, vec3 dir, float end, out float ray[kMo
         ray[q] = max(dot(across, run.whole[q]), 0) * opacity(ray[kFieldDepth]);
 }
 
-// Radiance of the medium in front of `behind` and its transmittance, along `dir`. `ray`: the ray's quantities.
-vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities]) {
+// Radiance of the sun's light that particles and fogs scatter toward the eye. `ray`: the ray's quantities.
+vec3 sunLight(vec3 dir, float ray[kMostFieldQuantities]) {
     float phase = 0.07957747154594767;
     if (kHasLobe) phase = mediumPhase(-tick.sun.to_light, -normalize(dir));
-    const float opaque_part = opacity(ray[kFieldDepth]);
     vec3 light;
-    if (kSunColours == 1) {
-        light = grid.albedo * tick.sun.irradiance * (phase * ray[kFieldSun]);
-        if (kHasAmbient && !kHasFog) light += grid.albedo * tick.ambient * opaque_part;
-    } else {
+    if (kSunColours == 1) light = grid.albedo * tick.sun.irradiance * (phase * ray[kFieldSun]);
+    else
         for (uint c = 0; c < 3; ++c) light[c] = tick.sun.irradiance[c] * phase * ray[kFieldSun + c];
-    }
+    if (!kHasFog) return light;
+    const Phase p = tick.fogs[0].phase; // fogPhase() left it out
+    float fog_phase = 1;
+    if (tick.fog_phases == 1)
+        fog_phase = phaseOfLobes(-tick.sun.to_light, -normalize(dir), p.part, p.asymmetry, p.draine, p.second);
+    for (uint c = 0; c < 3; ++c) light[c] += tick.sun.irradiance[c] * fog_phase * ray[fieldFog() + c];
+    return light;
+}
+
+// Radiance of the medium in front of `behind` and its transmittance, along `dir`. `ray`: the ray's quantities. `sunlit`:
+// the part of the sun's light that objects do not shadow.
+vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities], vec3 sunlit) {
+    const float opaque_part = opacity(ray[kFieldDepth]);
+    vec3 light = sunlit * sunLight(dir, ray);
+    if (kSunColours == 1 && kHasAmbient && !kHasFog) light += grid.albedo * tick.ambient * opaque_part;
     for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
-    if (kHasFog) {
-        const Phase p = tick.fogs[0].phase; // fogPhase() left it out
-        float fog_phase = 1;
-        if (tick.fog_phases == 1)
-            fog_phase = phaseOfLobes(-tick.sun.to_light, -normalize(dir), p.part, p.asymmetry, p.draine, p.second);
-        for (uint c = 0; c < 3; ++c) light[c] += tick.sun.irradiance[c] * fog_phase * ray[fieldFog() + c];
-        if (kHasGlow)
-            for (uint c = 0; c < 3; ++c) light[c] += ray[fieldGlow() + c];
-    }
+    if (kHasGlow)
+        for (uint c = 0; c < 3; ++c) light[c] += ray[fieldGlow() + c];
     return vec4(light, 0) + (1 - opaque_part) * behind;
 }

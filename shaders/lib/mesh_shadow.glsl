@@ -42,11 +42,11 @@ void walkShadowMap(vec3 origin, vec3 dir, float begin, float end) {
         const float crossing = dark_here == dark_there ? at : clamp((heights.x - o.z) / d.z, at, next);
         if (dark_here && open == 1e30) open = at;
         if (!dark_here && open != 1e30) {
-            addShadow(vec2(open, at));
+            joinShadow(vec2(open, at), 0);
             open = 1e30;
         }
         if (dark_here && !dark_there) {
-            addShadow(vec2(open, crossing));
+            joinShadow(vec2(open, crossing), 0);
             open = 1e30;
         }
         if (!dark_here && dark_there) open = crossing;
@@ -55,5 +55,5 @@ void walkShadowMap(vec3 origin, vec3 dir, float begin, float end) {
         const ivec2 ahead = ivec2(floor((o.xy + (at + nudge) * d.xy) / size));
         if (any(notEqual(ahead >> 1, square >> 1))) level = min(level + 1, top);
     }
-    if (open < end) addShadow(vec2(open, end));
+    if (open < end) joinShadow(vec2(open, end), 0);
 }

@@ -1,4 +1,4 @@
-// Shadows of objects on a ray: where they begin and end, in the order in which they were added.
+// Shadows of objects on a ray: where they begin and end.
 vec2 shadows[kMostShadows];
 uint shadow_count;
 
@@ -20,7 +20,8 @@ void addShadow(vec2 range) {
     shadows[best] = vec2(min(shadows[best].x, range.x), max(shadows[best].y, range.y));
 }
 
-// Adds a shadow after it is joined with all that it meets, or that are less than `gap` away.
+// Adds a shadow after it is joined with all that it meets, or that are less than `gap` away. If all are added so, none
+// meets another, and each place counts once.
 void joinShadow(vec2 range, float gap) {
     for (uint i = 0; i < shadow_count;) {
         if (shadows[i].x > range.y + gap || shadows[i].y < range.x - gap) {

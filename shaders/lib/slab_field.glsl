@@ -73,3 +73,19 @@ float fieldAt(inout FieldFaces faces, uint quantity, FieldRun run, float face, f
     const vec4 across = kRate == 1 ? vec4(1, 0, 0, 0) : through(part);
     return betweenFaces(across * faces.columns, face - below, nearestWhole(below));
 }
+
+// The same, linear between the four nearest rays: a quarter of the look-ups.
+float fieldBetween(uint quantity, FieldRun run, float face, float part) {
+    const float below = min(floor(face), float(lastFace() - 1));
+    const uvec4 around = facesAround(nearestWhole(below));
+    const uint inner = kRate == 1 ? run.first : run.first + grid.nodes.x + 1;
+    vec4 values;
+    [[unroll]] for (uint i = 0; i < 4; ++i) {
+        const uint at = fieldFace(quantity, around[i]) + inner;
+        if (kRate == 1) values[i] = field[at];
+        else
+            values[i] = mix(mix(field[at], field[at + 1], part),
+                            mix(field[at + grid.nodes.x], field[at + grid.nodes.x + 1], part), run.down);
+    }
+    return betweenFaces(values, face - below, nearestWhole(below));
+}

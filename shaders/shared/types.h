@@ -84,7 +84,7 @@ struct LocalLight {
     float volume_near, volume_step; // m, distance of the volume's first shell, and between two
 };
 
-const uint kLightBin = 16u; // pixels along a side of a bin of local lights
+const uint kPixelTile = 16u; // pixels along a side of a bin of local lights, and of a tile of shafts
 const uint kNoVolume = 0xffffffffu;
 const uint kLightVolume = 64u; // directions of a volume along a side of its octahedron's square
 const uint kLightShells = 48u; // distances
@@ -144,9 +144,10 @@ const uint kBox = 1u;
 const uint kSphere = 2u;
 
 const uint kMostPlanes = 64u;
-const uint kFewObjects = 32u;  // boxes and spheres: so many are asked one by one
-const uint kObjectBin = 16u;   // pixels along a side of a bin of objects
-const uint kMostShadows = 64u; // of objects on a ray that are kept apart
+const uint kMostBodies = 4096u; // boxes and spheres
+const uint kFewObjects = 8u;    // boxes and spheres: so many are asked one by one
+const uint kObjectBin = 16u;    // pixels along a side of a bin of objects
+const uint kMostShadows = 64u;  // of objects on a ray that are kept apart
 
 struct Opaque {
     vec3 centre; // of a plane: only y counts

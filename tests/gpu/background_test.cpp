@@ -52,19 +52,19 @@ protected:
         const gpu::Sampler linear(device(), VK_FILTER_LINEAR), nearest(device(), VK_FILTER_NEAREST);
         ShadowVolume volume(device(), uint32_t(particles.size()));
         OpaqueShadow casters(device());
-        Surfaces surfaces(device(), scene, by_draw);
-        surfaces.prepare(std::array{EyeRequest{.width = width, .height = height}});
+        Surfaces surfaces(device(), objects.counts(), !scene.triangles.empty(), by_draw);
+        surfaces.prepare(std::array{EyeRequest{.width = width, .height = height}}, objects.counts());
 
         gpu::Commands commands(device(), "background");
         const VkCommandBuffer cmd = commands.begin();
         gpu::toGeneral(cmd, target.radiance);
         gpu::toGeneral(cmd, target.view_depth);
         const gpu::Resource block = gpu::uniformBuffer(0, uniforms, 0, sizeof(gpu::Tick));
-        casters.record(commands, block, tick, objects.objects, objects.all);
+        casters.record(commands, block, tick, objects.objects(), objects.all());
         volume.record(commands, block, tick, medium);
         const gpu::Buffer none(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no lights");
-        const TickInputs shared{.objects = &objects.objects,
-                                .object_nodes = &objects.nodes,
+        const TickInputs shared{.objects = &objects.objects(),
+                                .object_nodes = &objects.nodes(),
                                 .triangles = &meshes.triangles,
                                 .mesh_nodes = &meshes.nodes,
                                 .bodies = tick.opaque_count - tick.plane_count,

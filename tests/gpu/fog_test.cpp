@@ -118,8 +118,10 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
             render(device(), scene, kOutside, kWidth, kHeight);
             ADD_FAILURE() << method << " drew it";
         } catch (const gpu::Error& error) {
-            EXPECT_EQ(error.what(),
-                      method + std::string(": it draws no fog, no meshes, and no light of points and spots; use slabs or grid"));
+            EXPECT_EQ(
+                error.what(),
+                method +
+                    std::string(": it draws no fog, no meshes, and no light of points and spots; use slabs or grid"));
         }
     }
 }
@@ -134,7 +136,13 @@ TEST_F(FogTest, LightThroughAWindow) {
                    {{8, 2, 0}, {0.4f, 2, 17}, 0, grey},       {{8, -0.5f, -5}, {0.4f, 3, 7}, 0, grey},
                    {{8, -0.5f, 5.5f}, {0.4f, 3, 6}, 0, grey}, {{0, -0.5f, 8}, {17, 7, 0.4f}, 0, grey}};
     scene.fogs = {{.extinction = 0.05f, .hi = 3}};
-    judge(scene, {lookAt({-6, 1, 6}, {3, -2, -3}, 1.0f)});
+    const Pose inside = lookAt({-6, 1, 6}, {3, -2, -3}, 1.0f);
+    judge(scene, {inside});
+    for (Box& box : scene.boxes) box.albedo = glm::vec3(0); // nothing is seen but the shaft
+    scene.planes[0].albedo = glm::vec3(0);
+    judge(scene, {inside}, 1e-3);
+    scene.fogs.push_back({.extinction = 0.03f, .falloff = 0.4f, .hi = 3, .albedo = {0.5f, 0.6f, 0.7f}});
+    judge(scene, {inside}, 1.5e-2); // of the shaft, whose light is looked up between rays
 }
 
 } // namespace

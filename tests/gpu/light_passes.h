@@ -28,9 +28,8 @@ void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, const std::
 }
 
 inline gpu::Tick tickOf(const Scene& scene, const std::vector<gpu::Particle>& particles) {
-    return makeTick(scene,
-                    {scene.medium, sunOf(scene), {localLightsOf(scene), scene.fogs}, scene.render, scene.simulation},
-                    particles, opaqueObjects(scene));
+    return makeTick(scene, {scene.medium, sunOf(scene), listsOf(scene), scene.render, scene.simulation}, particles,
+                    opaqueObjects(scene));
 }
 
 inline glm::dvec3 fromLightSpace(const gpu::Tick& tick, glm::dvec3 at) {

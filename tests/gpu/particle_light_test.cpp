@@ -26,7 +26,7 @@ std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& 
     recordAndWait(device, tick, particles,
                   [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
                       volume.record(commands, block, tick, buffer);
-                      light.record(commands, {block, &objects.objects, &buffer, &volume.image(), &linear}, count,
+                      light.record(commands, {block, &objects.objects(), &buffer, &volume.image(), &linear}, count,
                                    scene.render.tiles.light_tolerance);
                       gpu::computeToTransfer(commands.handle());
                       const VkBufferCopy copy{0, 0, back.size()};

@@ -1,4 +1,7 @@
-// Fogs, points and spots that viewers change, add and remove while the server runs.
+// Fogs, points, spots and objects that viewers change, add and remove while the server runs.
+#include <filesystem>
+#include <fstream>
+
 #include <gtest/gtest.h>
 
 #include "common/scene_text.h"
@@ -10,7 +13,7 @@ namespace brume::test {
 namespace {
 
 const Pose kPose = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
-constexpr size_t kLights = 0, kFogs = 1; // places in Welcome.lists
+constexpr size_t kLights = 0, kFogs = 1, kBoxes = 3, kLists = 5; // places in Welcome.lists, and their number
 
 void add(Watcher& watcher, const char* list, const char* path, double value) {
     watcher.session.sendCommand<wire::Add>([&](auto& b) {
@@ -38,7 +41,7 @@ protected:
 
     void SetUp() override {
         for (Watcher* one : both) one->look(kPose);
-        ASSERT_TRUE(watch(both, [&] { return a.lists.size() == 2 && b.lists.size() == 2; }));
+        ASSERT_TRUE(watch(both, [&] { return a.lists.size() == kLists && b.lists.size() == kLists; }));
     }
     Scene saved() const { return sceneOf(get(server.port(), "/scene.toml").body, "saved.toml"); }
     // A picture of the scene once it has, or has not, lights and fogs.
@@ -92,6 +95,32 @@ TEST_F(ListsOfAServer, WhatCannotBeIsRefusedToWhoAskedAndSaid) {
     EXPECT_EQ(saved().fogs.size(), 4u);
 }
 
+TEST_F(ListsOfAServer, ABoxIsAddedMovedAndRemovedForEveryone) {
+    const client::Picture bare = pictureWith(false, false);
+    const auto place = [&](const wire::Vec3& centre) {
+        const wire::Vec3 size(6, 6, 1);
+        b.session.sendCommand<wire::Set>([&](auto& to) {
+            const std::vector changes{wire::CreateChangeDirect(to, "box[0].centre", {}, &centre),
+                                      wire::CreateChangeDirect(to, "box[0].size", {}, &size)};
+            return wire::CreateSetDirect(to, &changes);
+        });
+        EXPECT_TRUE(watch(both, [&] { return a.lists[kBoxes].at(0) == centre.x() && a.lists == b.lists; }));
+        return pictureWith(false, false);
+    };
+    add(a, "box", "box.yaw", 0.5);
+    ASSERT_TRUE(watch(both, [&] { return !b.lists.at(kBoxes).empty() && !a.lists.at(kBoxes).empty(); }));
+    const client::Picture left = place({-4, 0, 8});
+    EXPECT_GT(difference(left, bare), 3);
+    EXPECT_GT(difference(place({4, 0, 8}), left), 3);
+    ASSERT_EQ(saved().boxes.size(), 1u);
+    EXPECT_EQ(saved().boxes[0], (Box{.centre = {4, 0, 8}, .size = {6, 6, 1}, .yaw = 0.5f}));
+    remove(a, "box[0]");
+    ASSERT_TRUE(watch(both, [&] { return b.lists[kBoxes].empty(); }));
+    EXPECT_LT(difference(pictureWith(false, false), bare), 0.5);
+    EXPECT_TRUE(a.errors.empty());
+    EXPECT_TRUE(b.errors.empty());
+}
+
 TEST_F(ListsOfAServer, AreSavedAndRestarted) {
     add(a, "light", "light.orbit", 0.5);
     add(a, "fog", "fog.radius", 3);
@@ -102,6 +131,101 @@ TEST_F(ListsOfAServer, AreSavedAndRestarted) {
     a.session.sendCommand<wire::Restart>([](auto& to) { return wire::CreateRestart(to); });
     ASSERT_TRUE(watch(both, [&] { return a.lists.at(kLights).empty() && a.lists.at(kFogs).empty(); }));
     EXPECT_TRUE(saved().fogs.empty());
+}
+
+// A server whose driver has no shader compiled, and compiles those of the first fog and of the first light.
+class ListsOfAColdServer : public testing::Test {
+protected:
+    using Clock = std::chrono::steady_clock;
+    static constexpr milliseconds kCompiled{240'000}; // longer than anything takes to compile
+
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("brume-cold-" + std::to_string(getpid()));
+    const std::filesystem::path recording = folder / "session", scene = folder / "small.toml";
+    std::unique_ptr<RunningServer> server;
+    std::unique_ptr<Watcher> watcher;
+    std::unique_ptr<client::Picture> bare;
+
+    void SetUp() override {
+        std::filesystem::create_directories(folder / "cache");
+        std::ofstream(scene) << "[medium]\ncount = 50\n[render]\nmethod = \"slabs\"\nrate = 8\n";
+        server = std::make_unique<RunningServer>(
+            std::vector<std::string>{"--ahead", "background", "--scene", scene.string(), "--record", recording.string(),
+                                     "--measure-error", "0", "--most-frame-time", "60000"},
+            std::vector<std::string>{"MESA_SHADER_CACHE_DIR=" + (folder / "cache").string()});
+        watcher = std::make_unique<Watcher>(server->endpoint());
+        watcher->look(kPose);
+        ASSERT_TRUE(watch({watcher.get()}, [&] { return watcher->frames.size() > 10; }));
+        bare = std::make_unique<client::Picture>(pictureOf(watcher->last()));
+    }
+    void TearDown() override {
+        watcher.reset();
+        server.reset();
+        std::filesystem::remove_all(folder);
+    }
+    // Watches until the newest picture is as `wanted` says by its difference from the bare scene's. Returns the longest
+    // time without a frame, and the whole.
+    struct Waited {
+        double longest = 0, all = 0; // s
+    };
+    Waited watchUntil(const std::function<bool(double)>& wanted) {
+        Waited waited;
+        const Clock::time_point begun = Clock::now();
+        Clock::time_point last = begun;
+        size_t seen = watcher->frames.size();
+        const auto since = [](Clock::time_point then) {
+            return std::chrono::duration<double>(Clock::now() - then).count();
+        };
+        EXPECT_TRUE(watch(
+            {watcher.get()},
+            [&] {
+                if (watcher->frames.size() == seen) return false;
+                waited.longest = std::max(waited.longest, since(last));
+                seen = watcher->frames.size(), last = Clock::now();
+                return wanted(difference(pictureOf(watcher->last()), *bare));
+            },
+            kCompiled));
+        waited.all = since(begun);
+        return waited;
+    }
+    static bool isSeen(double difference) { return difference > 3; }
+    static bool isGone(double difference) { return difference < 1; }
+    // The recorded session is stepped anew, without pictures: every recorded state must be the same.
+    void expectTheRecordedTicks() {
+        server->process().signal(SIGTERM);
+        ASSERT_EQ(server->process().exitCode(), 0) << server->process().err();
+        const auto replay = startServer({"--replay", recording.string()});
+        EXPECT_EQ(replay->exitCode(), 0) << replay->err();
+    }
+};
+
+// Pictures go on without the first light, and then with it. A second feature comes while the first one is compiled.
+TEST_F(ListsOfAColdServer, PicturesGoOnUntilTheFirstLightAndTheFirstFogAreCompiled) {
+    add(*watcher, "light", "light.range", 0);
+    set(*watcher, "light[0].radius", 0.5);
+    ASSERT_TRUE(
+        watch({watcher.get()}, [&] { return watcher->lists.size() == kLists && watcher->lists[kLights].size() > 0; }));
+    EXPECT_FALSE(isSeen(difference(pictureOf(watcher->last()), *bare))) << "the simulation does not wait for shaders";
+    add(*watcher, "fog", "fog.extinction", 0.3);
+    const Waited both = watchUntil(isSeen);
+    EXPECT_LT(both.longest, both.all / 3) << "of all " << both.all << " s";
+    remove(*watcher, "fog[0]");
+    remove(*watcher, "light[0]");
+    const Waited back = watchUntil(isGone);
+    EXPECT_LT(back.longest, both.all / 3);
+    EXPECT_TRUE(watcher->errors.empty());
+    RecordProperty("longest_ms", int(1000 * both.longest));
+    RecordProperty("compiled_ms", int(1000 * both.all));
+    expectTheRecordedTicks();
+}
+
+// The child process finds no scene. What it should have compiled is compiled where it is drawn, and the log says why.
+TEST_F(ListsOfAColdServer, WithoutAChildThatCompilesTheFirstFogIsSeenAllTheSame) {
+    std::filesystem::remove(scene);
+    add(*watcher, "fog", "fog.extinction", 0.3);
+    watchUntil(isSeen);
+    EXPECT_NE(server->process().err().find("pictures may wait for them"), std::string::npos) << server->process().err();
+    expectTheRecordedTicks();
 }
 
 } // namespace

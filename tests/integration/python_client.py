@@ -146,6 +146,12 @@ class Package(unittest.TestCase):
         self.assertEqual(view.state.lists['light'][-1]['type'], 'spot')
         self.assertEqual(view.state.lists['light'][-1]['axis'], (0, -1, 0))
         view.remove('light', len(view.state.lists['light']) - 1)
+        boxes = len(view.state.lists['box'])
+        view.add('box', centre=(1, 2, 3), size=(1, 1, 2))
+        view.set_all({f'box[{boxes}].yaw': 0.5, f'box[{boxes}].albedo': (1, 0, 0)})
+        self.assertEqual(view.state.lists['box'][boxes],
+                         {'centre': (1, 2, 3), 'size': (1, 1, 2), 'yaw': 0.5, 'albedo': (1, 0, 0)})
+        view.remove('box', boxes)
 
     def test_a_push_changes_the_state(self):
         view, other = self.viewer(), self.viewer()

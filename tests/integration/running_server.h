@@ -14,7 +14,9 @@ class RunningServer {
 public:
     // Starts scene `cloud` on a free port, unless the arguments say otherwise, and waits until the server is ready.
     // Throws std::runtime_error with its output if it does not become ready.
-    explicit RunningServer(const std::vector<std::string>& arguments = {});
+    // `environment`: as of Process.
+    explicit RunningServer(const std::vector<std::string>& arguments = {},
+                           const std::vector<std::string>& environment = {});
 
     uint16_t port() const { return port_; }
     client::Endpoint endpoint() const { return {"127.0.0.1", port_, "/ws"}; }
@@ -27,6 +29,7 @@ private:
 };
 
 // Starts the server with exactly these arguments and does not wait.
-std::unique_ptr<Process> startServer(const std::vector<std::string>& arguments);
+std::unique_ptr<Process> startServer(const std::vector<std::string>& arguments,
+                                     const std::vector<std::string>& environment = {});
 
 } // namespace brume::test

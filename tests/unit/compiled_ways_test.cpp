@@ -44,6 +44,33 @@ TEST(CompiledWays, WaysThatHaveOtherShadersDiffer) {
     EXPECT_NE(shadersOf(one, false), shadersOf(other, false));
 }
 
+// Pictures keep the features of their lists until something is compiled with the others.
+TEST(CompiledWays, OtherListsAreFollowedOnceSomethingIsCompiledForThem) {
+    const SceneFeatures none, fog{.fog = true};
+    RenderSettings settings;
+    settings.method = "slabs", settings.rate = 4;
+    const WayShaders way = shadersOf(settings, false);
+    NothingCompiled ways;
+    int asked = 0;
+    ways.serve([&] { ++asked; });
+    ways.add(way);
+    EXPECT_TRUE(ways.follow(none));
+    EXPECT_FALSE(ways.follow(fog));
+    EXPECT_FALSE(ways.follow(fog));
+    EXPECT_EQ(asked, 1) << "once";
+    EXPECT_EQ(ways.wantedFeatures(), fog);
+    EXPECT_TRUE(ways.has(settings, false)) << "of those that are drawn";
+    ways.add(fog, way);
+    EXPECT_FALSE(ways.wantedFeatures());
+    EXPECT_TRUE(ways.follow(fog));
+    EXPECT_EQ(ways.features(), fog);
+    EXPECT_TRUE(ways.has(settings, false));
+    settings.rate = 8;
+    EXPECT_FALSE(ways.has(settings, false));
+    EXPECT_TRUE(ways.follow(none)) << "it has been compiled before";
+    EXPECT_TRUE(CompiledWays().follow(fog)) << "nothing is compiled behind";
+}
+
 TEST(CompiledWays, PixelsAreReadBackWhereThatIsCompiledToo) {
     NothingCompiled ways;
     RenderSettings way;

@@ -213,9 +213,10 @@ TEST_F(SessionRulesTest, ElementsOfListsAreChangedAddedAndRemoved) {
     };
     EXPECT_EQ(whyNotSet("fog.extinction"), "extinction of which? fog[0].extinction is the first one's");
     EXPECT_EQ(whyNotSet("fog[0].extincton"), "no such live setting; did you mean extinction?");
-    EXPECT_EQ(whyNotSet("box[0].size"), "no such live setting; docs/scenes.md has those that there are");
+    EXPECT_EQ(whyNotSet("objects[0].size"), "no such live setting; docs/scenes.md has those that there are");
     EXPECT_EQ(whyNotSet("fog[0].droplet"), "droplet must be 5 ... 50");
-    EXPECT_EQ(why([](auto& b) { return wire::CreateAddDirect(b, "box"); }), "no such list; there are light and fog");
+    EXPECT_EQ(why([](auto& b) { return wire::CreateAddDirect(b, "objects"); }),
+              "no such list; there are light, fog, plane, box and sphere");
     EXPECT_EQ(why([&](auto& b) {
                   const auto all = changes(b, "light[0].type", "spot");
                   return wire::CreateAddDirect(b, "light", &all);
@@ -226,7 +227,7 @@ TEST_F(SessionRulesTest, ElementsOfListsAreChangedAddedAndRemoved) {
                   return wire::CreateAddDirect(b, "light", &all);
               }),
               "no such type; there is point, spot");
-    for (const char* path : {"fog", "fog[0].extinction", "box[0]"})
+    for (const char* path : {"fog", "fog[0].extinction", "objects[0]"})
         EXPECT_EQ(why([&](auto& b) { return wire::CreateRemoveDirect(b, path); }),
                   "no such element: fog[0] is the first fog");
 }

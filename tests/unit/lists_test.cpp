@@ -1,4 +1,4 @@
-// Points, spots and fogs that commands change, add and remove.
+// Points, spots, fogs and objects that commands change, add and remove.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -8,12 +8,15 @@
 namespace brume {
 namespace {
 
-// Two lights and two fogs over some particles.
+// Two elements of every list, over some particles.
 Scene listScene() {
     Scene scene = cubeScene(10);
     scene.lights.push_back({.type = kPoint, .position = {1, 2, 3}});
     scene.lights.push_back({.type = kSpot, .position = {4, 5, 6}});
     scene.fogs = {{.extinction = 0.1f}, {.extinction = 0.2f}};
+    scene.planes = {{.height = -2}, {.height = -1}};
+    scene.boxes = {{.centre = {1, 0, 0}}, {.centre = {2, 0, 0}}};
+    scene.spheres = {{.centre = {3, 0, 0}}, {.centre = {4, 0, 0}}};
     return scene;
 }
 
@@ -41,7 +44,7 @@ TEST(ElementPaths, NameAnElementOrOneOfItsSettings) {
     EXPECT_EQ(key->element, 3u);
     EXPECT_EQ(key->key, "intensity");
     for (const char* wrong : {"", "fog", "fog[", "fog[]", "fog[-1]", "fog[1", "fog[1]x", "fog[1].", "fog[ 1]",
-                              "fog[1234567]", "box[0].size", "foggy[0]", "fog[1x].extinction"})
+                              "fog[1234567]", "boxes[0].size", "objects[0].centre", "foggy[0]", "fog[1x].extinction"})
         EXPECT_FALSE(elementPath(wrong)) << wrong;
 }
 
@@ -71,6 +74,39 @@ TEST(Lists, AnElementIsChanged) {
     EXPECT_FALSE(light.lists().lights[0].shadows);
     EXPECT_TRUE(light.lists().lights[1].shadows);
     EXPECT_EQ(light.simulation.now().light.to_light, listScene().lights[0].to_light) << "it does not count";
+}
+
+TEST(Lists, AnObjectIsMovedTurnedAndColoured) {
+    const After after(listScene(), Set{{"box[1].centre", glm::vec3(5, 6, 7)},
+                                       {"box[1].size", glm::vec3(1, 2, -3)},
+                                       {"box[0].yaw", 0.5f},
+                                       {"sphere[0].radius", 2.0f},
+                                       {"plane[1].albedo", glm::vec3(0.25f)}});
+    EXPECT_EQ(after.why, "");
+    EXPECT_EQ(after.lists().boxes[1], (Box{.centre = {5, 6, 7}, .size = {1, 2, float(limits::kLength.lo)}}));
+    EXPECT_EQ(after.lists().boxes[0], (Box{.centre = {1, 0, 0}, .yaw = 0.5f}));
+    EXPECT_EQ(after.lists().spheres[0], (Sphere{.centre = {3, 0, 0}, .radius = 2}));
+    EXPECT_EQ(after.lists().planes[1], (Plane{.height = -1, .albedo = glm::vec3(0.25f)}));
+}
+
+// Those of [objects] are no elements: they stay, behind the file's own.
+TEST(Lists, ObjectsThatWereLaidOutStayAndCount) {
+    Scene scene = listScene();
+    scene.laid_out_boxes = 1, scene.laid_out_spheres = 2; // the second box, and both spheres
+    EXPECT_EQ(After(scene, Set{{"box[1].yaw", 1.0f}}).why, "there is no box[1]: the last one is box[0]");
+    EXPECT_EQ(After(scene, Remove{SceneList::spheres, 0}).why, "there is no sphere[0]: there is none at all");
+    const After moved(scene, Set{{"box[0].centre", glm::vec3(9, 0, 0)}}), more(scene, Add{SceneList::spheres, {}});
+    Scene now = scene;
+    setObjects(now, moved.lists());
+    EXPECT_EQ(now.boxes, (std::vector<Box>{{.centre = {9, 0, 0}}, {.centre = {2, 0, 0}}}));
+    EXPECT_EQ(now.spheres, scene.spheres);
+    setObjects(now, more.lists());
+    EXPECT_EQ(now.spheres, (std::vector<Sphere>{{}, {.centre = {3, 0, 0}}, {.centre = {4, 0, 0}}}));
+    EXPECT_EQ(now.boxes, scene.boxes);
+    scene.boxes.resize(size_t(limits::kObjects.hi) - 2);
+    EXPECT_EQ(After(scene, Add{SceneList::boxes, {}}).why,
+              "4097 boxes and spheres, 4096 is the most: remove one first");
+    EXPECT_EQ(After(scene, Add{SceneList::planes, {}}).why, "");
 }
 
 TEST(Lists, APointBecomesASpotAndBack) {
@@ -148,7 +184,7 @@ TEST(Lists, AreInTheHashAndComeBackWithRestart) {
     const uint64_t before = After(listScene(), Set{}).simulation.stateHash();
     for (const SceneList list : kSceneLists) {
         for (const SceneSetting* setting : liveSettings(list)) {
-            SceneLists lists{localLightsOf(listScene()), listScene().fogs};
+            SceneLists lists = listsOf(listScene());
             SettingValue value = valueOf(*setting, partsOf(lists, list, 1)); // element 1 is a spot, or a fog
             std::visit(
                 [&]<class T>(T& v) {
@@ -189,7 +225,11 @@ TEST(Lists, TheirCommandsComeBackFromARecording) {
     const std::vector<CommandBody> bodies{
         Set{{"fog[1].centre", glm::vec3(0.1f, 2, -3)}, {"light[3].type", "spot"}, {"light[3].shadows", true}},
         Add{SceneList::lights, {{SceneList::lights, "light.type", "spot"}, {SceneList::lights, "light.range", 0.1f}}},
-        Add{SceneList::fogs, {}}, Remove{SceneList::fogs, 3}, Remove{SceneList::lights, 1023}};
+        Add{SceneList::fogs, {}},
+        Remove{SceneList::fogs, 3},
+        Remove{SceneList::lights, 1023},
+        Set{{"box[4095].size", glm::vec3(0.1f, 2, 3)}, {"plane[0].height", 0.1f}},
+        Add{SceneList::spheres, {{SceneList::spheres, "sphere.radius", 0.1f}}}};
     for (const CommandBody& body : bodies) {
         const std::string text = toJson(Command{1, 2, body}).dump();
         const Command back = commandOf(nlohmann::json::parse(text));

@@ -34,11 +34,13 @@ TEST(Outgoing, ListsAreDescribedAndTheirElementsSentWhereTheyAreNew) {
     const auto welcome = wire::parse(wire::bytesOf(greeting));
     ASSERT_TRUE(welcome);
     const auto* lists = welcome->as<wire::Welcome>()->lists();
-    ASSERT_EQ(lists->size(), 2u);
+    ASSERT_EQ(lists->size(), std::size(kSceneLists));
     EXPECT_EQ(lists->Get(0)->name()->str(), "light");
     EXPECT_EQ(lists->Get(0)->most(), 1024u);
     EXPECT_EQ(lists->Get(1)->name()->str(), "fog");
     EXPECT_EQ(lists->Get(1)->settings()->size(), liveSettings(SceneList::fogs).size());
+    EXPECT_EQ(lists->Get(3)->name()->str(), "box");
+    EXPECT_EQ(lists->Get(3)->most(), 4096u);
     const wire::Setting& type = *lists->Get(0)->settings()->Get(0);
     EXPECT_EQ(type.path()->str(), "light.type");
     EXPECT_EQ(type.choices()->size(), 2u) << "a point or a spot";
@@ -51,9 +53,10 @@ TEST(Outgoing, ListsAreDescribedAndTheirElementsSentWhereTheyAreNew) {
     SceneReport report;
     report.lists.lights.resize(1024, {.type = kSpot, .position = {1, 2, 3}, .shadows = false});
     report.lists_hash = 1;
+    Clock::time_point now{};
     const auto elements = [&]() -> std::vector<size_t> {
         audience.publish(std::make_shared<SceneReport>(report));
-        const wire::Packed state = news.takeState({});
+        const wire::Packed state = news.takeState(now += std::chrono::milliseconds(100));
         const auto parsed = wire::parse(wire::bytesOf(state)); // which bounds the number of tables
         const auto* told = parsed ? parsed->as<wire::SceneState>()->lists() : nullptr;
         if (!told) return {};
@@ -64,6 +67,7 @@ TEST(Outgoing, ListsAreDescribedAndTheirElementsSentWhereTheyAreNew) {
     EXPECT_EQ(elements(), (std::vector<size_t>{1024 * 19, 0}));
     EXPECT_TRUE(elements().empty()) << "nothing has changed";
     ++report.lists_hash;
+    EXPECT_TRUE(elements().empty()) << "long lists do not come so soon again";
     EXPECT_FALSE(elements().empty());
     news.takeScene();
     EXPECT_FALSE(elements().empty()) << "another scene";

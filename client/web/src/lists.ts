@@ -57,6 +57,10 @@ export function beginnings(list: List, camera: Camera): Change[] {
     { path: 'fog.centre', value: [x, y, z] },
     { path: 'fog.radius', value: size },
     { path: 'fog.extinction', value: NEW_DEPTH / size },
+    { path: 'box.centre', value: [x, y, z] },
+    { path: 'box.size', value: [size / 2, size / 2, size / 2] },
+    { path: 'sphere.centre', value: [x, y, z] },
+    { path: 'sphere.radius', value: size / 4 },
   ];
   const known = new Set(list.settings.map(({ path }) => path));
   return all.filter(({ path }) => known.has(path));
@@ -106,7 +110,7 @@ export function listGroup(
     command({ kind: 'remove', path: `${name}[${chosen}]` }),
   );
   const element = group(
-    `${sentence(name)}s`,
+    sentence(name) + (name.endsWith('x') ? 'es' : 's'),
     false,
     which.element,
     place,

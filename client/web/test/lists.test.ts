@@ -42,5 +42,14 @@ describe('elements', () => {
     expect(position?.path).toBe('light.position');
     expect(position?.value).toEqual([expect.closeTo(0), 2, expect.closeTo(0)]);
     expect(others).toEqual([]); // the list has no other setting that is begun with
+    const boxes: List = {
+      name: 'box',
+      most: 9,
+      settings: [setting('box.centre', 'vector'), setting('box.size', 'vector')],
+    };
+    expect(beginnings(boxes, camera).map(({ value }) => value)).toEqual([
+      [expect.closeTo(0), expect.closeTo(0), expect.closeTo(0)],
+      [1, 1, 1],
+    ]);
   });
 });

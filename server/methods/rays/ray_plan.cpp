@@ -147,7 +147,8 @@ void RayPlan::addDisplayWork(const ViewWork& view, const RenderSettings& setting
         work[costs::kShade] = (groupsOf(view.width(), step) + 3) * (groupsOf(view.height(), step) + 3);
         work[costs::kPresent] = view.pixels();
     } else {
-        work[costs::kComposeField] = view.pixels() * (1 + (scene.features.opaque ? 1 : 0) + scene.casters);
+        work[costs::kComposeField] = view.pixels() * (1 + (scene.features.opaque ? 1 : 0));
+        if (scene.features.casters) work[costs::kShafts] = view.pixels() * (1 + scene.casters);
     }
 }
 

@@ -1,0 +1,59 @@
+#include "server/opaque/shafts.h"
+
+#include <algorithm>
+
+#include "common/scene_limits.h"
+#include "server/medium/band_limit.h"
+#include "shaders/shafts_comp.h"
+
+namespace brume {
+namespace {
+
+static_assert(limits::kObjects.hi == gpu::kMostBodies);
+
+} // namespace
+
+void Shafts::prepare(std::span<const EyeRequest> eyes) {
+    VkDeviceSize pixels = 0;
+    for (const EyeRequest& eye : eyes) pixels = std::max<VkDeviceSize>(pixels, VkDeviceSize(eye.width) * eye.height);
+    sunlit_.atLeast(device_, std::max<VkDeviceSize>(pixels * sizeof(glm::vec3), 256),
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "shafts");
+}
+
+void Shafts::giveBack() {
+    sunlit_ = {};
+    prepare({});
+}
+
+void Shafts::record(gpu::Commands& commands, const ViewGroup& group) {
+    const EyeInputs& in = *group.any;
+    const SceneFeatures& features = in.shared->features;
+    const gpu::Commands::Pass pass(commands, "shafts", group.view());
+    const uint32_t step = pixelStep(in.shared->settings->shading, group.rate, in.medium->count > 0);
+    gpu::ComputeProgram& program = programs_[{group.rate, step, group.colours, features}];
+    if (!program)
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shafts_comp, "shafts"},
+                                      {{gpu::kIdHasLobe, features.lobe},
+                                       {gpu::kIdHasMeshes, features.meshes},
+                                       {gpu::kIdHasFog, features.fog},
+                                       {gpu::kIdHasGlow, features.glow},
+                                       {gpu::kIdHasLocalLights, features.local_lights},
+                                       {gpu::kIdRate, group.rate},
+                                       {gpu::kIdStep, step},
+                                       {gpu::kIdSunColours, group.colours.sun},
+                                       {gpu::kIdAmbientColours, group.colours.ambient}});
+    gpu::computeToCompute(commands.handle());
+    for (uint32_t i = 0; i < group.count(); ++i) {
+        program.bind(commands, {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, sunlit_),
+                                gpu::storageBuffer(4, *group.field), gpu::storageBuffer(5, *in.shared->objects),
+                                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
+                                gpu::sampledImage(9, *in.shared->mesh_heights, *in.shared->nearest),
+                                gpu::storageBuffer(10, *in.shared->mesh_pyramid)});
+        const gpu::View& view = group.views[i];
+        vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kPixelTile),
+                      gpu::groups(view.end, gpu::kPixelTile) - view.first / gpu::kPixelTile, 1);
+    }
+    gpu::computeToCompute(commands.handle());
+}
+
+} // namespace brume

@@ -1,0 +1,33 @@
+// Shafts: the part of the sun's light in the medium before each pixel of one eye that objects do not shadow.
+#pragma once
+
+#include <map>
+#include <span>
+#include <tuple>
+
+#include "server/inputs/eye_request.h"
+#include "server/inputs/view_group.h"
+
+namespace brume {
+
+class Shafts {
+public:
+    explicit Shafts(const gpu::Device& device) : device_(device) { prepare({}); }
+
+    // Makes room for pictures of these sizes; none: nothing throws a shadow on the medium. Precondition: nothing of it
+    // is on the device.
+    void prepare(std::span<const EyeRequest> eyes);
+    // Precondition: the group has a field. Ends with its writes visible to compute.
+    void record(gpu::Commands& commands, const ViewGroup& group);
+
+    const gpu::Buffer& sunlit() const { return sunlit_; } // vec3[rows][columns] of the last eye's pixels, 0 ... 1
+    void giveBack();
+
+private:
+    const gpu::Device& device_;
+    std::map<std::tuple<uint32_t, uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram>
+        programs_; // rate, step
+    gpu::Buffer sunlit_;
+};
+
+} // namespace brume
