@@ -126,6 +126,19 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
     }
 }
 
+// Without a sun nothing throws its shadow. Boxes still hide the fog behind them, between the corners of tiles too.
+TEST_F(FogTest, BoxesWithoutASun) {
+    Scene scene = withoutCloud();
+    scene.lights[0].irradiance = glm::vec3(0);
+    scene.sky.ambient = glm::vec3(0.2f);
+    scene.fogs = {{.extinction = 0.05f, .height = -2, .falloff = 0.3f}, {.extinction = 0.02f}};
+    for (const float x : {-3.0f, 0.0f, 3.0f})
+        for (const float y : {-1.5f, 0.5f, 2.5f})
+            scene.boxes.push_back({{x, y, 4}, glm::vec3(0.7f), 0, glm::vec3(0.1f)});
+    scene.render.rate = 8;
+    judge(scene, {kOutside});
+}
+
 // A room with an opening: nearly all of every ray is in shadow, whose boundaries lie far apart.
 TEST_F(FogTest, LightThroughAWindow) {
     Scene scene = withoutCloud();
