@@ -130,6 +130,7 @@ TEST_F(TilesTest, CachedIsExactWhereLightIsLinear) {
                     const Pose pose = lookAt(at + glm::vec3(0.02f, away, 0.05f), at, 0.1f);
                     const auto seen = [&](const Point& p) {
                         Scene now = sceneOf({blocker, p}, 1.6f);
+                        now.planes = scene.planes;
                         now.lights[0].to_light = to_light;
                         now.lights[0].irradiance = glm::vec3(float(4 * kPi));
                         now.render.shadow_size = 256;
