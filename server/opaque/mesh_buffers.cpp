@@ -58,7 +58,9 @@ std::vector<gpu::ObjectNode> meshNodes(std::span<const Triangle> triangles) {
     return nodes;
 }
 
-MeshBuffers::MeshBuffers(const gpu::Device& device, std::span<const Triangle> all)
-    : triangles(uploaded(device, blocksOf(all), "triangles")), nodes(uploaded(device, meshNodes(all), "mesh nodes")) {}
+MeshBuffers::MeshBuffers(const gpu::Device& device, std::span<const Triangle> all) {
+    fill(device, triangles, blocksOf(all), "triangles");
+    fill(device, nodes, meshNodes(all), "mesh nodes");
+}
 
 } // namespace brume
