@@ -32,6 +32,8 @@ pkg_check_modules(SPIRV_CROSS REQUIRED IMPORTED_TARGET spirv-cross-c-shared)
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)
 pkg_check_modules(XXHASH REQUIRED libxxhash) # header only
 
+find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED) # the header alone, compiled in common/
+
 find_program(FLATC flatc REQUIRED)
 find_program(GLSLANG glslangValidator REQUIRED)
 

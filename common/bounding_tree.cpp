@@ -7,6 +7,8 @@
 namespace brume {
 namespace {
 
+constexpr int kMostSplits = 64; // by surfaces, on the way to any item
+
 double surface(const Bounds3& b) {
     const glm::dvec3 size = b.hi - b.lo;
     return size.x * size.y + size.y * size.z + size.z * size.x;
@@ -20,21 +22,21 @@ public:
     }
 
     std::vector<BoundingNode> build() {
-        if (!items_.empty()) add(order_);
+        if (!items_.empty()) add(order_, 0);
         return std::move(nodes_);
     }
 
 private:
-    void add(std::span<uint32_t> items) {
+    void add(std::span<uint32_t> items, int depth) {
         const size_t at = nodes_.size();
         nodes_.emplace_back();
         for (const uint32_t item : items) nodes_[at].bounds.add(items_[item]);
         if (items.size() == 1) {
             nodes_[at].item = items[0];
         } else {
-            const size_t half = split(items);
-            add(items.first(half));
-            add(items.subspan(half));
+            const size_t half = depth < kMostSplits ? split(items) : items.size() / 2;
+            add(items.first(half), depth + 1);
+            add(items.subspan(half), depth + 1);
         }
         nodes_[at].next = uint32_t(nodes_.size());
     }

@@ -27,7 +27,8 @@ struct BoundingNode {
 };
 
 // The tree of `items`, a leaf for each: 2 n - 1 nodes, the root first. Halves have the least sum of surface times items
-// (the surface area heuristic, MacDonald and Booth 1990). Equal items give equal trees.
+// (the surface area heuristic, MacDonald and Booth 1990); from some depth on they have as many items. So no tree is
+// deeper than 96, whatever the items are. Equal items give equal trees.
 std::vector<BoundingNode> boundingTree(std::span<const Bounds3> items);
 
 } // namespace brume

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "common/meshes.h"
 #include "common/object_layout.h"
 #include "common/scene_reader.h"
 #include "common/scene_text.h"
@@ -211,6 +212,11 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     if (const size_t count = out.boxes.size() + out.spheres.size(); !limits::kObjects.holds(double(count)))
         in.fail(laid_out.boxes.empty() ? "box" : "objects", std::to_string(count) + " boxes and spheres",
                 "up to " + std::to_string(int(limits::kObjects.hi)));
+    in.tables("mesh", out.meshes, limits::kMeshes, [&](TableReader& r, Mesh& mesh) {
+        read.readTable(r, "mesh", {.mesh = &mesh}, &origin);
+        if (mesh.file.empty()) r.fail("file", "a mesh without a file", "a .glb or .gltf file beside the scene");
+    });
+    out.triangles = trianglesOf(out.meshes);
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
     in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
     out.camera_by_points = !out.medium.file.empty() && !in.has("camera");

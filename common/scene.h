@@ -134,6 +134,18 @@ struct Sphere {
     bool operator==(const Sphere&) const = default;
 };
 
+// Triangles of a glTF file: an opaque object that is seen, lit and throws shadows from both sides.
+struct Mesh {
+    std::filesystem::path file; // .glb or .gltf, resolved against the scene's folder
+    glm::vec3 position{0};      // m, where the file's origin is
+    float scale = 1;            // m per unit of the file
+    float yaw = 0;              // rad about +Y
+};
+struct Triangle {
+    glm::vec3 corners[3]; // m
+    glm::vec3 albedo;
+};
+
 inline constexpr const char *kNoObjects = "none", *kCourtyard = "courtyard", *kStreet = "street", *kIslands = "islands",
                             *kAtrium = "atrium";
 
@@ -224,6 +236,8 @@ struct Scene {
     ObjectLayout objects;
     std::vector<Box> boxes; // of the file, then those of `objects`
     std::vector<Sphere> spheres;
+    std::vector<Mesh> meshes;
+    std::vector<Triangle> triangles;                   // of `meshes`, at most limits::kTriangles
     uint32_t laid_out_boxes = 0, laid_out_spheres = 0; // how many of them are of `objects`
     Sky sky;
     SceneCamera camera;

@@ -31,6 +31,8 @@ inline constexpr Limits kAnisotropy{0, 1};
 inline constexpr Limits kAsymmetry{-0.99, 0.99};
 inline constexpr Limits kDroplet{5, 50};                                             // micrometres; the fit's range
 inline constexpr Limits kPlanes{0, 64}, kObjects{0, 4096};                           // how many; boxes and spheres
+inline constexpr Limits kMeshes{0, 64}, kTriangles{1, 65'536};                       // how many; of all meshes
+inline constexpr Limits kMeshScale{1e-6, 1e6};                                       // m per unit of a file
 inline constexpr Limits kFogs{0, 4};                                                 // how many
 inline constexpr Limits kFogFalloff{0, 100}, kFogRadius{0, 1e4};                     // 1/m; m
 inline constexpr Limits kLocalLights{0, 1024};                                       // how many

@@ -11,7 +11,7 @@ std::string sceneText(const std::filesystem::path& file);
 Scene sceneOf(const std::string& text, const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
 // The scene as a file that loads as the same scene: what differs from the defaults. Directions may differ by their
-// rounding. The particle file stands there without its folder: it lies beside the scene's file.
+// rounding. Files of particles and meshes stand there without their folders: they lie beside the scene's file.
 std::string sceneToml(const Scene& scene);
 
 } // namespace brume

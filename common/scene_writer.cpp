@@ -73,6 +73,7 @@ public:
         scene.spheres.resize(scene.spheres.size() - scene.laid_out_spheres);
         list("box", scene.boxes, &SceneParts::box);
         list("sphere", scene.spheres, &SceneParts::sphere);
+        list("mesh", scene.meshes, &SceneParts::mesh);
         table("sky", {.sky = &scene.sky}, {.sky = &by_default.sky});
         table("camera", {.camera = &scene.camera}, {.camera = &by_default.camera});
         std::string_view last;

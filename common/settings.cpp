@@ -217,6 +217,12 @@ constexpr SceneSetting kSettings[]{
     {"objects.centre", at<&P::objects, &ObjectLayout::centre>, "m", limits::kPlace, "The middle of its ground", kNobody,
      Form::place},
 
+    {"mesh.file", at<&P::mesh, &Mesh::file>, "", kPaths, "glTF file beside the scene, `.glb` or `.gltf`"},
+    {"mesh.position", at<&P::mesh, &Mesh::position>, "m", limits::kPlace, "Where the file's origin is", kNobody,
+     Form::place},
+    {"mesh.scale", at<&P::mesh, &Mesh::scale>, "m", limits::kMeshScale, "Length of one unit of the file"},
+    {"mesh.yaw", at<&P::mesh, &Mesh::yaw>, "rad", limits::kAngle, "Angle about the vertical"},
+
     {"sky.zenith", at<&P::sky, &Sky::zenith>, "W/(m² sr)", limits::kRadiance,
      "Radiance straight up; it blends to the horizon's"},
     {"sky.horizon", at<&P::sky, &Sky::horizon>, "W/(m² sr)", limits::kRadiance, "Radiance at the horizon"},

@@ -25,6 +25,7 @@ struct SceneParts {
     Plane* plane = nullptr;
     Box* box = nullptr;
     Sphere* sphere = nullptr;
+    Mesh* mesh = nullptr;
     ObjectLayout* objects = nullptr;
     Sky* sky = nullptr;
     SceneCamera* camera = nullptr;

@@ -142,6 +142,24 @@ inner = 0.2                  # rad
 outer = 0.3
 range = 20                   # m
 ```
+
+## Meshes
+
+A `[[mesh]]` is an opaque object made of the triangles of a glTF 2.0 file, `.glb` or `.gltf`. Its buffers lie in the
+file or beside it. All nodes of the file's scene are placed with their transforms. Triangles are seen and lit from both
+sides, with the base colour factor of their material as albedo.
+
+Textures are ignored, which the server says in a line. Skins, sparse accessors and required extensions, such as
+compression, are refused. Animations are ignored: meshes stand still. Particles pass through them. Methods `slabs` and
+`grid` draw them.
+
+```toml
+[[mesh]]
+file = "room.glb"
+position = [0, 0, -4]  # of the file's origin
+scale = 0.01           # a file in centimetres
+yaw = 1.57
+```
 )";
 
 struct Table {
@@ -164,6 +182,7 @@ constexpr Table kTables[]{
     {"plane", "`[[plane]]`", "Horizontal ground, seen from above; up to 64."},
     {"box", "`[[box]]`", "Boxes and spheres together: up to 4,096."},
     {"sphere", "`[[sphere]]`", "Boxes and spheres together: up to 4,096."},
+    {"mesh", "`[[mesh]]`", "Triangles of a glTF file, see above; up to 64 files with 65,536 triangles together."},
     {"objects", "`[objects]`",
      "A place of many boxes and spheres, by a seed: `courtyard` (69 × 27 m), `street` (174 m long), `islands` that\n"
      "float (95 m wide), or `atrium` (37 × 23 m, 20 m high). Those of the file are there, too; ground is not."},
@@ -247,6 +266,7 @@ std::string settingsPage() {
     Plane plane;
     Box box;
     Sphere sphere;
+    Mesh mesh;
     ObjectLayout objects;
     Fog fog;
     const SceneParts defaults{.scene = &scene,
@@ -257,6 +277,7 @@ std::string settingsPage() {
                               .plane = &plane,
                               .box = &box,
                               .sphere = &sphere,
+                              .mesh = &mesh,
                               .objects = &objects,
                               .sky = &scene.sky,
                               .camera = &scene.camera,

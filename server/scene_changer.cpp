@@ -68,7 +68,7 @@ struct SceneChanger::Files {
     fs::path scene;
     std::string text; // the scene file's
     std::vector<std::string> overrides;
-    std::pair<uintmax_t, fs::file_time_type> points{}; // size of the point clouds, time of the newest
+    std::pair<uintmax_t, fs::file_time_type> beside{}; // size of point clouds and meshes, time of the newest
 
     bool operator==(const Files&) const = default;
 };
@@ -194,14 +194,16 @@ void SceneChanger::show(Scene scene, const Files& files) {
 SceneChanger::Files SceneChanger::filesOf(fs::path file, std::vector<std::string> overrides) const {
     Files files{std::move(file), {}, std::move(overrides)};
     files.text = sceneText(files.scene);
-    const Medium medium = sceneOf(files.text, files.scene, files.overrides).medium;
-    std::vector<std::pair<uint64_t, fs::path>> clouds;
-    if (medium.layout == Layout::file) clouds = {{0, medium.file}};
-    if (medium.layout == Layout::sequence) clouds = numberedFiles(medium.file);
+    const Scene scene = sceneOf(files.text, files.scene, files.overrides);
+    const Medium& medium = scene.medium;
+    std::vector<std::pair<uint64_t, fs::path>> beside;
+    if (medium.layout == Layout::file) beside = {{0, medium.file}};
+    if (medium.layout == Layout::sequence) beside = numberedFiles(medium.file);
+    for (const Mesh& mesh : scene.meshes) beside.emplace_back(0, mesh.file);
     std::error_code error; // a cloud that is not there is complained about when it is loaded
-    for (const auto& [number, cloud] : clouds) {
-        files.points.first += fs::file_size(cloud, error);
-        files.points.second = std::max(files.points.second, fs::last_write_time(cloud, error));
+    for (const auto& [number, file_beside] : beside) {
+        files.beside.first += fs::file_size(file_beside, error);
+        files.beside.second = std::max(files.beside.second, fs::last_write_time(file_beside, error));
     }
     return files;
 }

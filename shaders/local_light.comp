@@ -26,6 +26,8 @@ layout(scalar, binding = 6) readonly buffer Bits { uint light_bits[]; };
 layout(scalar, binding = 7) readonly buffer Depths { float light_depths[]; };
 layout(binding = 8) uniform sampler2D view_depth;
 layout(scalar, binding = 9) readonly buffer Nodes { ObjectNode object_nodes[]; };
+layout(scalar, binding = 10) readonly buffer Triangles { Triangle triangles[]; };
+layout(scalar, binding = 11) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/slab_field.glsl"

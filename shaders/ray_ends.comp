@@ -23,6 +23,7 @@ layout(binding = 8) uniform sampler2D view_depth;
 #include "shaders/lib/field_planes.glsl"
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/casters_met.glsl"
+#include "shaders/lib/has_meshes.glsl"
 
 // Cells before and behind a node whose pixels read it (lib/slab_field.glsl).
 const int kCellsBefore = 2, kCellsBehind = 2;
@@ -30,7 +31,7 @@ const int kCellsBefore = 2, kCellsBehind = 2;
 // True if the depths of all pixels between `lo` and `hi` lie between those of the four at the corners: only planes are
 // seen, and the near plane cuts none.
 bool cornersAreExtremes(vec2 lo, vec2 hi) {
-    if (tick.opaque_count > tick.plane_count) return false;
+    if (kHasMeshes || tick.opaque_count > tick.plane_count) return false;
     const float down = -min(min(rayDirection(lo).y, rayDirection(hi).y),
                             min(rayDirection(vec2(lo.x, hi.y)).y, rayDirection(vec2(hi.x, lo.y)).y));
     for (uint i = 0; i < tick.opaque_count; ++i) {
@@ -69,7 +70,7 @@ void findDepths(ivec2 lo, ivec2 hi) {
 shared uint some_caster; // 1: some caster is found
 
 // Writes which casters' shadows may be met before view depth `far` in the pixels from `lo` to `hi`, and in the blocks
-// of pixels that hold them (shafts.comp). Returns whether there are some. Called by all lanes.
+// of pixels that hold them (shafts.comp). Returns whether there are some, or meshes. Called by all lanes.
 bool findCasters(uvec2 tile, ivec2 lo, ivec2 hi, float far) {
     const int block = int(kPixelTile) - 1;
     const vec2 first = vec2(lo & ~block), end = vec2((hi | block) + 2); // with the next block's first pixels
@@ -86,7 +87,7 @@ bool findCasters(uvec2 tile, ivec2 lo, ivec2 hi, float far) {
         if (bits != 0) atomicOr(some_caster, 1);
     }
     barrier();
-    return some_caster != 0;
+    return kHasMeshes || some_caster != 0;
 }
 
 void main() {

@@ -23,6 +23,8 @@ layout(scalar, binding = 2) writeonly buffer Sunlit { vec3 sunlit[]; }; // 0 ...
 layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // shared/field.h
 layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
 layout(binding = 8) uniform sampler2D view_depth;
+layout(binding = 9) uniform sampler2D mesh_heights;
+layout(scalar, binding = 10) readonly buffer Pyramid { vec2 mesh_pyramid[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/medium_run.glsl"
@@ -30,6 +32,7 @@ layout(binding = 8) uniform sampler2D view_depth;
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/casters_met.glsl"
 #include "shaders/lib/shadow_list.glsl"
+#include "shaders/lib/mesh_shadow.glsl"
 
 const float kStraight = 0.005; // of a part of the light
 #include "shaders/lib/pixel_nodes.glsl"
@@ -64,7 +67,7 @@ void findCasters(uvec2 first, uvec2 last) {
 }
 
 // Puts the parts of a ray in the medium that lie in shadow into `shadows`. `medium`: its view depths. Returns a hash of
-// the objects that throw them.
+// the objects that throw them, and of how many shadows there are of meshes.
 uint findShadows(vec3 dir, vec2 medium) {
     uint hash = 0;
     shadow_count = 0;
@@ -74,9 +77,13 @@ uint findShadows(vec3 dir, vec2 medium) {
             vec2 range = shadowOf(objects[o], eye.position, dir);
             range = vec2(max(range.x, medium.x), min(range.y, medium.y));
             if (!(range.x < range.y)) continue;
-            joinShadow(range);
+            joinShadow(range, 0);
             hash = (hash ^ o) * 0x9e3779b1u;
         }
+    if (kHasMeshes) {
+        walkShadowMap(eye.position, dir, medium.x, medium.y);
+        hash = (hash ^ shadow_count) * 0x9e3779b1u;
+    }
     return hash;
 }
 

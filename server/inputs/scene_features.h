@@ -10,8 +10,9 @@ namespace brume {
 
 struct SceneFeatures {
     bool opaque = false;       // True: there are opaque objects
+    bool meshes = false;       // True: some of them are meshes
     bool bodies = false;       // True: some of them are boxes or spheres
-    bool casters = false;      // True: these throw the sun's shadow on the medium
+    bool casters = false;      // True: meshes or these throw the sun's shadow on the medium
     bool ambient = false;      // True: the sky sends uniform light into the medium
     bool lobe = false;         // True: hasLobe() the medium
     bool fog = false;          // True: there is fog
@@ -20,8 +21,9 @@ struct SceneFeatures {
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
-        return {opaque || o.opaque, bodies || o.bodies, casters || o.casters, ambient || o.ambient,
-                lobe || o.lobe,     fog || o.fog,       glow || o.glow,       local_lights || o.local_lights};
+        return {opaque || o.opaque,   meshes || o.meshes,   bodies || o.bodies,
+                casters || o.casters, ambient || o.ambient, lobe || o.lobe,
+                fog || o.fog,         glow || o.glow,       local_lights || o.local_lights};
     }
 };
 
@@ -45,7 +47,9 @@ inline SceneFeatures featuresOf(const SceneLists& lists) {
 // without irradiance has no shadows.
 inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now, const SceneFeatures& drawn = {}) {
     SceneFeatures all = featuresOf(now.lists) | drawn;
-    all.casters |= all.bodies && now.light.irradiance != glm::vec3(0);
+    all.meshes |= !scene.triangles.empty();
+    all.opaque |= all.meshes;
+    all.casters |= (all.bodies || all.meshes) && now.light.irradiance != glm::vec3(0);
     all.ambient |= scene.sky.ambient != glm::vec3(0);
     all.lobe |= hasLobe(now.medium);
     return all;
@@ -60,7 +64,9 @@ inline void leaveOut(SceneLists& lists, const SceneFeatures& features) {
     if (!features.bodies) lists.boxes.clear(), lists.spheres.clear();
 }
 
-// True: only methods that draw fog and local lights can draw the scene.
-inline bool needsFields(const SceneFeatures& features) { return features.fog || features.local_lights; }
+// True: only methods that draw fog, local lights and meshes can draw the scene.
+inline bool needsFields(const SceneFeatures& features) {
+    return features.fog || features.local_lights || features.meshes;
+}
 
 } // namespace brume

@@ -1,6 +1,7 @@
 #include "server/inputs/tick_block.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -97,6 +98,19 @@ void addFogs(gpu::Tick& tick, std::span<const Fog> fogs) {
     }
 }
 
+// Of the height map of meshes; without them it is one texel.
+void addMeshes(gpu::Tick& tick, const Scene& scene) {
+    LightBounds bounds;
+    for (const Triangle& triangle : scene.triangles)
+        for (const glm::vec3 corner : triangle.corners) bounds.add(inLightSpace(tick, corner), 0);
+    bounds.fallback();
+    tick.triangle_count = uint32_t(scene.triangles.size());
+    tick.mesh_size = tick.triangle_count > 0 ? std::bit_floor(scene.render.opaque_shadow_size) : 1;
+    const glm::vec2 margin = 1.0f / float(tick.mesh_size) * (glm::vec2(bounds.hi) - glm::vec2(bounds.lo));
+    tick.mesh_lo = glm::vec2(bounds.lo) - margin;
+    tick.mesh_hi = glm::vec2(bounds.hi) + margin;
+}
+
 } // namespace
 
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
@@ -138,6 +152,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.v = glm::vec4(tick.map.y, -medium.lo.y) / size.y;
     tick.map.plane = glm::vec4(-tick.sun.to_light, medium.hi.z) * (float(tick.map.slices - 1) / size.z);
 
+    addMeshes(tick, scene);
     LightBounds casters;
     for (const gpu::Opaque& o : objects) {
         if (o.kind == gpu::kSphere) casters.add(inLightSpace(tick, o.centre), o.half_size.x);

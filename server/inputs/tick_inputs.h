@@ -12,6 +12,8 @@ struct TickInputs {
     const RenderSettings* settings = nullptr;  // in use: every choice is made
     const gpu::Buffer* objects = nullptr;      // gpu::Opaque[]: planes come first
     const gpu::Buffer* object_nodes = nullptr; // gpu::ObjectNode[]: the tree of the others
+    const gpu::Buffer* triangles = nullptr;    // gpu::Triangle[]: of meshes
+    const gpu::Buffer* mesh_nodes = nullptr;   // gpu::ObjectNode[]: their tree, in gpu::kMeshOrders orders
     uint32_t bodies = 0;                       // number of the others: boxes and spheres
     const gpu::Buffer* local_lights = nullptr; // gpu::LocalLight[]
     const gpu::Buffer* light_bits = nullptr;   // LocalLights::bits()
@@ -20,6 +22,8 @@ struct TickInputs {
     const gpu::Buffer* sunlit = nullptr;       // Shafts::sunlit()
     const gpu::Image* shadow_volume = nullptr; // optical depth of the medium between the light and a place
     const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
+    const gpu::Image* mesh_heights = nullptr;  // MeshShadow::heights()
+    const gpu::Buffer* mesh_pyramid = nullptr; // MeshShadow::pyramid()
     const gpu::Buffer* planes = nullptr;       // bytes of all finished pictures, each laid out as PlaneLayout says
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;

@@ -92,6 +92,7 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
                                        {gpu::kIdHasFog, features.fog},
                                        {gpu::kIdHasGlow, features.glow},
                                        {gpu::kIdHasLocalLights, true},
+                                       {gpu::kIdHasMeshes, features.meshes},
                                        {gpu::kIdRate, group.rate},
                                        {gpu::kIdStep, step},
                                        {gpu::kIdSunColours, group.colours.sun},
@@ -103,7 +104,8 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
                       gpu::storageBuffer(3, *in.shared->local_lights), gpu::storageBuffer(4, *group.field),
                       gpu::storageBuffer(5, *in.shared->objects), gpu::storageBuffer(6, bits_),
                       gpu::storageBuffer(7, depths_), gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
-                      gpu::storageBuffer(9, *in.shared->object_nodes)});
+                      gpu::storageBuffer(9, *in.shared->object_nodes), gpu::storageBuffer(10, *in.shared->triangles),
+                      gpu::storageBuffer(11, *in.shared->mesh_nodes)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kPixelTile),
                       gpu::groups(view.end - view.first, gpu::kPixelTile), 1);

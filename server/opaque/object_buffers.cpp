@@ -1,22 +1,8 @@
 #include "server/opaque/object_buffers.h"
 
-#include <algorithm>
-
 #include "server/opaque/objects.h"
 
 namespace brume {
-namespace {
-
-template <class T>
-void fill(const gpu::Device& device, gpu::Buffer& buffer, const std::vector<T>& values, const char* name) {
-    buffer.atLeast(device, std::max<size_t>(values.size(), 1) * sizeof(T), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                   gpu::Memory::upload, name);
-    std::ranges::copy(values, buffer.mapped<T>(values.size()).begin());
-    buffer.flush();
-}
-
-} // namespace
-
 ObjectCounts countsOf(std::span<const gpu::Opaque> objects) {
     const auto of = [&](uint32_t kind) { return uint32_t(std::ranges::count(objects, kind, &gpu::Opaque::kind)); };
     return {of(gpu::kPlane), of(gpu::kBox), of(gpu::kSphere)};

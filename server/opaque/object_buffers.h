@@ -1,6 +1,7 @@
 // ObjectBuffers: a scene's opaque objects and their tree in device memory, as commands have changed them.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,15 @@
 #include "shaders/shared/types.h"
 
 namespace brume {
+
+// Puts the values into a buffer, which then has room for one at least.
+template <class T>
+void fill(const gpu::Device& device, gpu::Buffer& buffer, const std::vector<T>& values, const char* name) {
+    buffer.atLeast(device, std::max<size_t>(values.size(), 1) * sizeof(T), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                   gpu::Memory::upload, name);
+    std::ranges::copy(values, buffer.mapped<T>(values.size()).begin());
+    buffer.flush();
+}
 
 // How many objects there are of each kind.
 struct ObjectCounts {

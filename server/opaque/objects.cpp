@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "common/bounding_tree.h"
-
 namespace brume {
 namespace {
 
@@ -28,6 +26,11 @@ std::vector<gpu::Opaque> opaqueObjects(const Scene& scene) {
     return objects;
 }
 
+gpu::ObjectNode objectNode(const BoundingNode& node) {
+    static_assert(BoundingNode::kInner == gpu::kInnerNode);
+    return {toward(node.bounds.lo, -kInfinite), node.next, toward(node.bounds.hi, kInfinite), node.item};
+}
+
 std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists) {
     setObjects(scene, lists);
     return opaqueObjects(scene);
@@ -47,9 +50,10 @@ std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects) {
         bounds.push_back({centre - reach, centre + reach});
     }
     std::vector<gpu::ObjectNode> nodes;
-    for (const BoundingNode& node : boundingTree(bounds))
-        nodes.push_back({toward(node.bounds.lo, -kInfinite), node.next, toward(node.bounds.hi, kInfinite),
-                         node.item == BoundingNode::kInner ? gpu::kInnerNode : planes + node.item});
+    for (const BoundingNode& node : boundingTree(bounds)) {
+        nodes.push_back(objectNode(node));
+        if (node.item != BoundingNode::kInner) nodes.back().object += planes;
+    }
     return nodes;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/bounding_tree.h"
 #include "common/scene.h"
 #include "server/sim/lists.h"
 #include "shaders/shared/types.h"
@@ -14,6 +15,9 @@ namespace brume {
 std::vector<gpu::Opaque> opaqueObjects(const Scene& scene);
 // The same with the objects of the lists in place of those that the scene begins with.
 std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists);
+
+// A node of a tree, with its item as object. Its box is rounded outward.
+gpu::ObjectNode objectNode(const BoundingNode& node);
 
 // The tree of all that are no planes. Its boxes are rounded outward.
 std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects);

@@ -34,6 +34,7 @@ void Shafts::record(gpu::Commands& commands, const ViewGroup& group) {
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shafts_comp, "shafts"},
                                       {{gpu::kIdHasLobe, features.lobe},
+                                       {gpu::kIdHasMeshes, features.meshes},
                                        {gpu::kIdHasFog, features.fog},
                                        {gpu::kIdHasGlow, features.glow},
                                        {gpu::kIdHasLocalLights, features.local_lights},
@@ -45,7 +46,9 @@ void Shafts::record(gpu::Commands& commands, const ViewGroup& group) {
     for (uint32_t i = 0; i < group.count(); ++i) {
         program.bind(commands, {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, sunlit_),
                                 gpu::storageBuffer(4, *group.field), gpu::storageBuffer(5, *in.shared->objects),
-                                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+                                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
+                                gpu::sampledImage(9, *in.shared->mesh_heights, *in.shared->nearest),
+                                gpu::storageBuffer(10, *in.shared->mesh_pyramid)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kPixelTile),
                       gpu::groups(view.end, gpu::kPixelTile) - view.first / gpu::kPixelTile, 1);

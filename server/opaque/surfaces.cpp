@@ -16,8 +16,8 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
 
 } // namespace
 
-Surfaces::Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool by_draw)
-    : device_(device), first_(objects), by_draw_(by_draw) {
+Surfaces::Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes, bool by_draw)
+    : device_(device), first_(objects), meshes_{gpu::kIdHasMeshes, meshes}, by_draw_(by_draw) {
     prepare({}, objects);
 }
 
@@ -33,7 +33,7 @@ const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
     if (by_draw_ && !made.draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes, boxes, spheres, many, fog, lights};
+        const gpu::SpecConstant constants[] = {planes, boxes, spheres, many, meshes_, fog, lights};
         gpu::GraphicsInfo graphics;
         graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
         graphics.blend = gpu::Blend::replace;
@@ -41,7 +41,7 @@ const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
     }
     if (!by_draw_ && !made.compute)
         made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes, boxes, spheres, many, fog, lights});
+                                           {planes, boxes, spheres, many, meshes_, fog, lights});
     return made;
 }
 
@@ -78,20 +78,22 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
                         lights = gpu::storageBuffer(7, *in.shared->local_lights),
                         bits = gpu::storageBuffer(8, *in.shared->light_bits),
                         depths = gpu::storageBuffer(9, *in.shared->light_depths),
-                        nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_);
+                        nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_),
+                        triangles = gpu::storageBuffer(12, *in.shared->triangles),
+                        mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes);
     ObjectCounts compiled = objects_;
     if (many) compiled.boxes = std::min(compiled.boxes, 1u), compiled.spheres = std::min(compiled.spheres, 1u);
     const Programs& programs = programsFor({compiled, many, in.shared->features.fog, in.shared->features.local_lights});
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
-        programs.draw.bind(commands,
-                           {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes, bins});
+        programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
+                                      bins, triangles, mesh_nodes});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
-        programs.compute.bind(commands,
-                              {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes, bins,
-                               gpu::storageImage(5, in.target->radiance), gpu::storageImage(6, in.target->view_depth)});
+        programs.compute.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
+                                         bins, triangles, mesh_nodes, gpu::storageImage(5, in.target->radiance),
+                                         gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }
     gpu::everythingBefore(cmd);

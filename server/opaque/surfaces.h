@@ -15,8 +15,10 @@ class Surfaces {
 public:
     // Compiled for as many objects: kinds that there are none of cost nothing. CPU drivers draw several times faster
     // into targets than they store to images; on some GPUs compute is far faster than draws.
-    Surfaces(const gpu::Device& device, const ObjectCounts& objects) : Surfaces(device, objects, device.isCpu()) {}
-    Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool by_draw);
+    // `meshes`: true if the scene has some.
+    Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes)
+        : Surfaces(device, objects, meshes, device.isCpu()) {}
+    Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes, bool by_draw);
 
     // Makes room for pictures of these sizes and so many objects. Other numbers of boxes and spheres than at first are
     // looked for in bins, as many objects are: one more then needs no other shader. Precondition: nothing of it is on
@@ -43,6 +45,7 @@ private:
     const gpu::Device& device_;
     const ObjectCounts first_;
     ObjectCounts objects_;
+    const gpu::SpecConstant meshes_;
     const bool by_draw_;
     gpu::ComputeProgram bins_program_;
     gpu::Buffer bins_; // uint[bins][words]: which of many the rays of a bin of the last eye's pixels may hit

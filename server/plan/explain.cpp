@@ -51,6 +51,7 @@ std::string absent(const SceneFeatures& f) {
         if (!there) all += std::string(all.empty() ? "" : ", ") + what;
     };
     add(f.opaque, "opaque objects");
+    add(f.meshes, "meshes");
     add(f.casters, "shadows of objects");
     add(f.lobe, "an anisotropic lobe");
     add(f.ambient, "ambient light");

@@ -53,10 +53,11 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     out.wanted = now.render;
     out.features = featuresOf(scene, now, lists.value_or(SceneFeatures()));
     out.lobe_width = lobesOf(now.medium).width();
-    out.objects = std::min(uint32_t(objects.size()), kMostCounted);
+    const uint32_t triangles = uint32_t(scene.triangles.size());
+    out.objects = std::min(uint32_t(objects.size()) + triangles, kMostCounted);
     for (const Light& light : now.lists.lights) out.local_lights.push_back(localLightBlock(light));
     out.tick = makeTick(scene, now, particles, objects);
-    out.casters = std::min(out.tick.opaque_count - out.tick.plane_count, kMostCounted);
+    out.casters = std::min(out.tick.opaque_count - out.tick.plane_count + triangles, kMostCounted);
     out.state = stateOf(particles, out.tick);
     out.particles = uint32_t(particles.size());
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);

@@ -24,9 +24,10 @@ void Submission::giveBack() {
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
-    : device_(device), scene_(scene), objects_(device, scene), besides_(besides), upload_(device, capacity),
-      shadow_volume_(device, capacity), opaque_shadow_(device), particle_light_(device, capacity),
-      local_lights_(device), surfaces_(device, objects_.counts()), shafts_(device), depth_order_(device, capacity),
+    : device_(device), scene_(scene), objects_(device, scene), meshes_(device, scene.triangles), besides_(besides),
+      upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device), mesh_shadow_(device),
+      particle_light_(device, capacity), local_lights_(device),
+      surfaces_(device, objects_.counts(), !scene.triangles.empty()), shafts_(device), depth_order_(device, capacity),
       compose_(device), probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR),
       nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {}
 
@@ -183,6 +184,7 @@ void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes)
 void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     MediumView& all = upload_.all();
     opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects(), objects_.all());
+    mesh_shadow_.record(s.commands, all.tick, upload_.tick(), meshes_);
     if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved())) {
         particle_light_.invalidate();
         upload_.invalidateLight();
@@ -209,6 +211,8 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
     shared_ = {.settings = &now_.render,
                .objects = &objects_.objects(),
                .object_nodes = &objects_.nodes(),
+               .triangles = &meshes_.triangles,
+               .mesh_nodes = &meshes_.nodes,
                .bodies = objects_.counts().bodies(),
                .local_lights = &s.local_lights_,
                .light_bits = &local_lights_.bits(),
@@ -217,6 +221,8 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .sunlit = &shafts_.sunlit(),
                .shadow_volume = &shadow_volume_.image(),
                .opaque_shadow = &opaque_shadow_.image(),
+               .mesh_heights = &mesh_shadow_.heights(),
+               .mesh_pyramid = &mesh_shadow_.pyramid(),
                .planes = &planes_,
                .linear = &linear_,
                .nearest = &nearest_,

@@ -12,6 +12,8 @@
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "server/methods/proxies/depth_order.h"
+#include "server/opaque/mesh_buffers.h"
+#include "server/opaque/mesh_shadow.h"
 #include "server/opaque/object_buffers.h"
 #include "server/opaque/shadow_map.h"
 #include "server/opaque/shafts.h"
@@ -115,11 +117,13 @@ private:
     const gpu::Device& device_;
     const Scene scene_;
     ObjectBuffers objects_;
+    const MeshBuffers meshes_;
     std::optional<SceneFeatures> lists_; // nothing: all that there are
     const SceneFeatures besides_;        // those that are drawn with, whatever the scene has
     TickUpload upload_;
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
+    MeshShadow mesh_shadow_;
     ParticleLight particle_light_;
     LocalLights local_lights_;
     Surfaces surfaces_;

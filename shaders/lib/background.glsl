@@ -10,6 +10,8 @@ layout(scalar, binding = 8) readonly buffer Bits { uint light_bits[]; };
 layout(scalar, binding = 9) readonly buffer Depths { float light_depths[]; };
 layout(scalar, binding = 10) readonly buffer Nodes { ObjectNode object_nodes[]; };
 layout(scalar, binding = 11) readonly buffer Bins { uint object_bins[]; };
+layout(scalar, binding = 12) readonly buffer Triangles { Triangle triangles[]; };
+layout(scalar, binding = 13) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
 
 // Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
 layout(constant_id = kIdPlanes) const uint kPlanes = 1;
@@ -27,7 +29,10 @@ const bool kHasBodies = kBoxes + kSpheres > 0;
 #include "shaders/lib/local_lights.glsl"
 #include "shaders/lib/local_light_depth.glsl"
 
+#include "shaders/lib/mesh_hits.glsl"
+
 const uint kNone = ~0u;
+const uint kOfMesh = 0x80000000u; // bit of Hit::object: the rest is the index of a triangle
 
 // The first object that a ray hits.
 struct Hit {
@@ -38,10 +43,13 @@ struct Hit {
 
 uint object_bin; // with kMany: index in object_bins of the pixel's bin
 
+// Most distance of the samples' rays from the one through the pixel's centre, at view depth 1: they are at most 3/8
+// pixels from it in x and y.
+float pixelReach() { return 0.61 * (length(eye.ray_right) + length(eye.ray_down)); }
+
 // True if a ray through any point of the pixel may hit the object.
 bool mayHit(Opaque o, uint kind, vec3 middle) {
-    // Samples are at most 3/8 pixels from the centre in x and y.
-    const float pixel = 0.61 * (length(eye.ray_right) + length(eye.ray_down));
+    const float pixel = pixelReach();
     const vec3 off = o.centre - eye.position, across = cross(off, middle);
     const float reach = (kind == kBox ? length(o.half_size) : o.half_size.x) + pixel * length(off);
     return dot(across, across) <= reach * reach * dot(middle, middle);
@@ -82,6 +90,36 @@ Hit nearest(vec3 dir, uint may) {
     return hit;
 }
 
+// The triangle that one of the pixel's rays has hit, if it is before `hit`.
+void meetMesh(uint n, vec3 dir, inout Hit hit) {
+    if (!(mesh_depth[n] < hit.depth)) return;
+    const Triangle triangle = triangles[mesh_hit[n]];
+    const vec3 normal = normalize(cross(triangle.b - triangle.a, triangle.c - triangle.a));
+    hit = Hit(mesh_depth[n], kOfMesh | mesh_hit[n], dot(normal, dir) < 0 ? normal : -normal, triangle.albedo);
+}
+
+// The first hit of one of the pixel's rays: 0: through its centre, 1 ... 4: of its samples.
+Hit nearest(uint n, vec3 dir, uint may) {
+    Hit hit = nearest(dir, may);
+    if (kHasMeshes) meetMesh(n, dir, hit);
+    return hit;
+}
+
+// True if an edge is between two hits of one pixel. Triangles beside each other in a plane have none.
+bool areApart(Hit a, Hit b) {
+    if (!kHasMeshes || a.object == b.object || (a.object & b.object & kOfMesh) == 0 || a.object == kNone ||
+        b.object == kNone)
+        return a.object != b.object;
+    const Triangle one = triangles[a.object & ~kOfMesh], other = triangles[b.object & ~kOfMesh];
+    const float off = abs(dot(a.normal, other.a - one.a)), size = length(other.a - one.a);
+    return a.albedo != b.albedo || dot(a.normal, b.normal) < 0.9999 || off > 1e-3 * size;
+}
+
+// Index of the triangle that is hit; kInnerNode: none is.
+uint ownTriangle(Hit hit) {
+    return hit.object != kNone && (hit.object & kOfMesh) != 0 ? hit.object & ~kOfMesh : kInnerNode;
+}
+
 uint light_bin; // index of the pixel's bin in light_bits
 
 // Irradiance that local lights give a surface.
@@ -95,6 +133,9 @@ vec3 localIrradiance(Hit hit, vec3 x) {
             const float sent = cosine > 0 ? sentTo(light, away, distance) : 0;
             if (!(sent > 0)) continue;
             if (light.shadows != 0 && isHidden(light, x, hit.object)) continue;
+            if (kHasMeshes && light.shadows != 0 &&
+                isShadowedByMesh(x, -away, 1, ownTriangle(hit), length(x - eye.position)))
+                continue;
             const float fog = kHasFog ? fogFrom(light, away, distance) : 0;
             const float through = exp(-fog - particlesFrom(light, away, distance));
             sum += light.intensity * (cosine * sent * through / (distance * distance + light.radius * light.radius));
@@ -113,6 +154,8 @@ vec3 lit(Hit hit, vec3 x) {
             const float slope = texel * 2 * sqrt(max(1 - cosine * cosine, 0)) / max(cosine, 0.1);
             direct *= visibilityFiltered(toLightSpace(x + n * 2 * texel), slope);
         }
+    if (kHasMeshes && direct > 0)
+        if (isShadowedByMesh(x, tick.sun.to_light, kNoTriangle, ownTriangle(hit), length(x - eye.position))) direct = 0;
     const vec3 at = toShadowVolume(x); // there is no medium beside and above the map
     if (direct > 0 && at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5)))) direct *= exp(-lightDepth(at));
     if (kHasFog && direct > 0) direct *= exp(-fogTowardSun(x));
@@ -137,20 +180,26 @@ vec3 background(vec2 centre, out float view_depth) {
     uint may = 0;
     if (kMany) object_bin = objectBinOf(uvec2(centre));
     if (kHasBodies) may = mayHit(middle);
-    const Hit hit = nearest(middle, may);
+    if (kHasMeshes) {
+        const vec3 rays[kMeshRays] =
+            vec3[](middle, rayDirection(centre + offsets[0]), rayDirection(centre + offsets[1]),
+                   rayDirection(centre + offsets[2]), rayDirection(centre + offsets[3]));
+        hitMeshes(middle, rays, pixelReach());
+    }
+    const Hit hit = nearest(0, middle, may);
     view_depth = hit.depth;
     bool edge = false;
-    if (kPlanes > 0 || kHasBodies)
-        edge = nearest(rayDirection(centre + offsets[0]), may).object != hit.object ||
-               nearest(rayDirection(centre + offsets[1]), may).object != hit.object ||
-               nearest(rayDirection(centre + offsets[2]), may).object != hit.object ||
-               nearest(rayDirection(centre + offsets[3]), may).object != hit.object;
+    if (kPlanes > 0 || kHasBodies || kHasMeshes)
+        edge = areApart(nearest(1, rayDirection(centre + offsets[0]), may), hit) ||
+               areApart(nearest(2, rayDirection(centre + offsets[1]), may), hit) ||
+               areApart(nearest(3, rayDirection(centre + offsets[2]), may), hit) ||
+               areApart(nearest(4, rayDirection(centre + offsets[3]), may), hit);
     vec3 colour = vec3(0);
     const uint samples = edge ? 4 : 1;
     for (uint i = 0; i < samples; ++i) {
         const vec3 dir = edge ? rayDirection(centre + offsets[i]) : middle;
         Hit here = hit;
-        if (edge) here = nearest(dir, may);
+        if (edge) here = nearest(i + 1, dir, may);
         colour += shade(dir, here);
     }
     return colour / float(samples);

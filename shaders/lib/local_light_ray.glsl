@@ -17,7 +17,7 @@ const uint kMostPanels = 8; // that a piece is divided into
 // Pieces of two nodes and of one: shorter than this part of their distance from the light, and as thin.
 const float kShort = 0.4, kTiny = 0.1;
 const float kCore = 12;    // pixels around a light's image in which its glow is no polynomial
-const float kThinCone = 6; // pixels, half the width of cones that fall between nodes
+const float kThin = 6;     // pixels, half the width of cones and the falloff of layers that fall between nodes
 const uint kMostPieces = 700; // that a ray's part in one light is divided into
 
 // The pixel's ray: places in m from the eye.
@@ -81,6 +81,23 @@ float fadingLength(float place) {
         falloff = max(falloff, tick.fogs[i].falloff);
     }
     return 1 / (fading + falloff * abs(ray_dir.y));
+}
+
+// Breaks of the ray where fog thins out with height, which the angle from a light does not follow: on both sides of the
+// place where most of it is seen. That is where the ray enters it from above to an optical depth of 1, or the ray's
+// dense end. m from the eye; 1e15 without such fog.
+vec4 fogBreaks(vec2 ends) {
+    float sigma = 0, growth = 0; // at the eye, and with each metre of the ray
+    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) {
+        const float g = -tick.fogs[i].falloff * ray_dir.y;
+        if (abs(g) <= abs(growth)) continue;
+        growth = g;
+        sigma = tick.fogs[i].sigma_t * exp(min(-tick.fogs[i].falloff * (eye.position.y - tick.fogs[i].base), 60));
+    }
+    if (abs(growth) < 1e-12) return vec4(1e15);
+    float dense = ends.x;
+    if (growth > 0) dense = clamp(log(1 + growth / max(sigma, 1e-30)) / growth, ends.x, ends.y);
+    return dense + vec4(-3, -1, 1, 3) / abs(growth);
 }
 
 // What a piece of the ray scatters of a light of intensity 1. The piece lies within each fog or outside it, and within
@@ -162,6 +179,22 @@ void findShadow(uint o, vec3 light, vec3 offset, vec2 part) {
     if (max(range.x, part.x) < min(range.y, part.y)) addShadow(range);
 }
 
+const float kMeshGap = 1e-4; // m: shadows of triangles beside each other are less apart
+
+// Keeps the shadows that meshes under a light throw on a part of the ray; see findShadows().
+void findMeshShadows(vec3 light, vec3 offset, vec2 part, vec3 a, vec3 b, vec3 normal) {
+    [[dont_unroll]] for (uint i = 0; i < meshNodes();) {
+        const ObjectNode node = mesh_nodes[i];
+        const bool met = meetsTriangle(node, light, a, b, normal);
+        if (met && node.object != kInnerNode) {
+            vec2 range = hiddenFrom(triangles[node.object], light, offset, ray_dir);
+            range = vec2(max(range.x, part.x), min(range.y, part.y));
+            if (range.x < range.y) joinShadow(range, kMeshGap);
+        }
+        i = met ? i + 1 : node.next;
+    }
+}
+
 // Keeps the shadows that objects under a light throw on a part of the ray.
 void findShadows(LocalLight light, vec3 offset, vec2 part) {
     [[dont_unroll]] for (uint o = 0; o < tick.plane_count; ++o) findShadow(o, light.position, offset, part);
@@ -173,6 +206,7 @@ void findShadows(LocalLight light, vec3 offset, vec2 part) {
         if (met && node.object != kInnerNode) findShadow(node.object, light.position, offset, part);
         i = met ? i + 1 : node.next;
     }
+    if (kHasMeshes) findMeshShadows(light.position, offset, part, a, b, normal);
 }
 
 // The radiance that the ray has of one light.
@@ -196,7 +230,7 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     if (light.shadows != 0) findShadows(light, offset, lit_range);
     const vec2 off = min(kFogBreaks * fadingLength(clamp(closest, eye.near_depth, ray_end)),
                          vec2(kRangeBreak, 1) * half_chord);
-    const vec4 breaks = vec4(-off.y, -off.x, off);
+    const vec4 breaks = vec4(-off.y, -off.x, off), fog_breaks = fogBreaks(lit_range + closest) - closest;
     vec3 sum = vec3(0);
     float at = lit_range.x;
     [[dont_unroll]] for (uint piece = 0; piece < kMostPieces && at < lit_range.y; ++piece) {
@@ -213,8 +247,10 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
             const uint slab = pieceFrom(at, closest, next);
             if (inner.x > at) next = min(next, inner.x);
             if (inner.y > at) next = min(next, inner.y);
-            [[dont_unroll]] for (uint i = 0; i < 4; ++i)
+            [[dont_unroll]] for (uint i = 0; i < 4; ++i) {
                 if (breaks[i] > at) next = min(next, breaks[i]);
+                if (fog_breaks[i] > at) next = min(next, fog_breaks[i]);
+            }
             sum += ofPiece(light, closest, offset, at, next, slab, pixel);
             at = next;
         }
@@ -222,7 +258,8 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     return light.intensity * sum;
 }
 
-// True if nodes may miss what the light does to the ray: it passes the light's image or the thin part of its cone.
+// True if nodes may miss what the light does to the ray: it passes the light's image, the thin part of its cone or the
+// thin layer of fog that it lights.
 bool isNear(LocalLight light) {
     const vec3 to = light.position - eye.position;
     const float along = dot(to, ray_dir), pixel = length(eye.ray_down) * along;
@@ -230,9 +267,12 @@ bool isNear(LocalLight light) {
     // Across the ray: the cone's axis, as far as the cone is thin, and the ray's place from its tip.
     const vec3 axis = light.axis - dot(light.axis, ray_dir) * ray_dir, off = along * ray_dir - to;
     const float sine = sqrt(max(1 - light.cos_outer * light.cos_outer, 1e-8));
-    const float thin = light.cos_outer > 0 ? kThinCone * pixel * light.cos_outer / sine : 0;
+    const float thin = light.cos_outer > 0 ? kThin * pixel * light.cos_outer / sine : 0;
     const float place = clamp(dot(off, axis) / max(dot(axis, axis), 1e-12), 0, thin);
-    return length(off - place * axis) < kCore * pixel;
+    if (length(off - place * axis) < kCore * pixel) return true;
+    float layer = 1e15; // m, height in which fog thins out
+    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) layer = min(layer, 1 / max(tick.fogs[i].falloff, 1e-15));
+    return layer < kThin * pixel && abs(off.y) < kCore * pixel;
 }
 
 // The light of a pixel's ray. near_light: true if a light is so near that nodes may miss what it does.

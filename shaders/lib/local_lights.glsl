@@ -3,8 +3,10 @@
 //   LocalLight local_lights[]
 //   uint light_bits[]: bits of lights for each bin of pixels, written by local_light_bins.comp
 //   ObjectNode object_nodes[]
+// and what lib/mesh.glsl needs.
 #include "shaders/lib/has_local_lights.glsl"
 #include "shaders/lib/object_tree.glsl"
+#include "shaders/lib/mesh.glsl"
 
 uint lightWords() { return (tick.local_light_count + 31) / 32; }
 uint binColumns() { return (eye.size.x + kPixelTile - 1) / kPixelTile; }

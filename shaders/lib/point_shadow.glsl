@@ -1,4 +1,4 @@
-// The interval of a ray in the shadow of an opaque object under a local light. What a convex object hides from a point
+// The interval of a ray in the shadow of an opaque object or a triangle under a local light. What a convex object hides from a point
 // is convex, so that there is one interval. Include after lib/objects.glsl.
 
 const vec2 kAllHidden = vec2(-1e30, 1e30), kNoneHidden = vec2(1, 0);
@@ -74,6 +74,22 @@ vec2 hiddenFrom(Opaque o, vec3 light, vec3 offset, vec3 w) {
             cutTo(range, y[j] * lo[i] - y[i] * hi[j], d[j] * lo[i] - d[i] * hi[j]);
             if (lo[j] < 0) cutTo(range, -y[j] * lo[i] + y[i] * lo[j], -d[j] * lo[i] + d[i] * lo[j]);
         }
+    }
+    return range;
+}
+
+// The same of a triangle: what is behind it, between the planes through the light and its edges.
+vec2 hiddenFrom(Triangle triangle, vec3 light, vec3 offset, vec3 w) {
+    const vec3 a = triangle.a - light, b = triangle.b - light, c = triangle.c - light;
+    const vec3 normal = cross(b - a, c - a);
+    const float volume = dot(normal, a);
+    if (volume == 0) return kNoneHidden; // the light sees its side
+    const vec3 sides[4] = vec3[](normal, cross(a, b - a), cross(b, c - b), cross(c, a - c));
+    vec2 range = kAllHidden;
+    for (int i = 0; i < 4; ++i) {
+        const vec3 inward = volume > 0 ? sides[i] : -sides[i];
+        // inward . (offset + t w) >= |volume| behind the triangle, >= 0 at the other three.
+        cutTo(range, (i == 0 ? abs(volume) : 0) - dot(inward, offset), -dot(inward, w));
     }
     return range;
 }

@@ -20,15 +20,15 @@ void addShadow(vec2 range) {
     shadows[best] = vec2(min(shadows[best].x, range.x), max(shadows[best].y, range.y));
 }
 
-// Adds a shadow, joined with those that it meets. If all are added so, none meets another, and each place counts once.
-void joinShadow(vec2 range) {
+// Adds a shadow after it is joined with all that it meets, or that are less than `gap` away. If all are added so, none
+// meets another, and each place counts once.
+void joinShadow(vec2 range, float gap) {
     for (uint i = 0; i < shadow_count;) {
-        const vec2 other = shadows[i];
-        if (other.x > range.y || other.y < range.x) {
+        if (shadows[i].x > range.y + gap || shadows[i].y < range.x - gap) {
             ++i;
             continue;
         }
-        range = vec2(min(range.x, other.x), max(range.y, other.y));
+        range = vec2(min(range.x, shadows[i].x), max(range.y, shadows[i].y));
         shadows[i] = shadows[--shadow_count];
         i = 0; // what is longer now may meet those before
     }

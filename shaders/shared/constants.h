@@ -23,6 +23,7 @@ const uint kIdManyObjects = 31u;    // bool: there are more than kFewObjects box
 const uint kIdHasFog = 28u;         // bool: there is fog
 const uint kIdHasGlow = 29u;        // bool: some fog emits light
 const uint kIdHasLocalLights = 30u; // bool: there are points or spots
+const uint kIdHasMeshes = 32u;      // bool: there are meshes
 
 // The volumetric shadow map.
 const uint kIdShadowLanes = 9u; // lanes that work on one tile together, texels of its width; a power of two, at most 8

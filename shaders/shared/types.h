@@ -107,6 +107,11 @@ struct Tick {
     uint fog_phases; // 1: all fogs have the same phase function; else they differ
     Fog fogs[kMostFogs];
     uint local_light_count;
+    uint triangle_count; // of meshes
+    // The height map of meshes under the sun (server/opaque/mesh_shadow.h): light space bounds, texels a side.
+    vec2 mesh_lo;
+    vec2 mesh_hi;
+    uint mesh_size;
 };
 
 // One eye of one viewer. Affine functions of the pixel: value at pixel (0, 0), and steps to the right and down.
@@ -161,6 +166,15 @@ struct ObjectNode {
     uint object; // of a leaf its index; kInnerNode: there are nodes in it
 };
 const uint kInnerNode = 0xffffffffu;
+
+// A triangle of a mesh. It is seen, lit and throws shadows from both sides.
+struct Triangle {
+    vec3 a, b, c; // m, world
+    vec3 albedo;
+};
+// The nodes of the tree of triangles are there in this many orders. In order i a ray comes to near nodes first whose
+// direction is negative along the axes of the bits of i.
+const uint kMeshOrders = 8u;
 
 // A particle in cells of the volumetric shadow map, sharpened (shared/sharpen.h).
 struct LightParticle {
@@ -249,9 +263,9 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 84 && sizeof(Tick) == 544 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 84 && sizeof(Tick) == 568 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
-static_assert(sizeof(ObjectNode) == 32);
+static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);

@@ -1,9 +1,11 @@
-// What is read from files: scenes, point clouds, costs. A refusal is one line; what is taken is within its limits.
+// What is read from files: scenes, point clouds, meshes, costs. A refusal is one line; what is taken is within its
+// limits.
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "common/camera.h"
+#include "common/gltf.h"
 #include "common/ply.h"
 #include "common/scene.h"
 #include "common/scene_limits.h"
@@ -71,6 +73,21 @@ void ply(Bytes input) {
         for (const glm::vec3& albedo : cloud.albedo)
             promise(within(albedo, limits::kColour), "an albedo within limits");
         for (const int64_t id : cloud.id) promise(id >= -(1ll << 31) && id < 1ll << 32, "an id of 32 bits");
+    } catch (const SceneError& error) {
+        promiseOneLine(error.what(), kLongestRefusal);
+    }
+}
+
+void gltf(Bytes input) {
+    constexpr size_t kMost = 1000; // triangles
+    try {
+        const Gltf gltf = parseGltf(textOf(input), "mesh.glb", "/nowhere", kMost);
+        promise(!gltf.triangles.empty() && gltf.triangles.size() <= kMost, "a number of triangles within limits");
+        for (const GltfTriangle& triangle : gltf.triangles) {
+            promise(within(triangle.albedo, limits::kColour), "an albedo within limits");
+            for (const glm::dvec3& corner : triangle.corners)
+                promise(std::isfinite(corner.x + corner.y + corner.z), "a finite place");
+        }
     } catch (const SceneError& error) {
         promiseOneLine(error.what(), kLongestRefusal);
     }

@@ -14,6 +14,7 @@ void session(Bytes input); // SessionRules; the bytes are messages, texts, ticks
 void query(Bytes input);   // lines of an HTTP request: target (page, picture query), Origin, Host
 void scene(Bytes input);   // a scene file; a first line "--set KEY=VALUE" is an override
 void ply(Bytes input);     // a point cloud
+void gltf(Bytes input);    // a mesh
 void costs(Bytes input);   // a cost file of `brume-bench calibrate`
 void token(Bytes input);   // a token, and a request that may carry one
 
@@ -22,6 +23,6 @@ struct Target {
     void (*run)(Bytes input);
 };
 inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query}, {"scene", scene},
-                                      {"ply", ply},         {"costs", costs},     {"token", token}};
+                                      {"ply", ply},         {"gltf", gltf},       {"costs", costs}, {"token", token}};
 
 } // namespace brume::fuzz

@@ -1,14 +1,17 @@
 // What is behind the medium: by draw and by compute, few objects and many, and edges.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "server/light/shadow_volume.h"
+#include "server/opaque/mesh_buffers.h"
 #include "server/opaque/object_buffers.h"
 #include "server/opaque/shadow_map.h"
 #include "server/opaque/surfaces.h"
 #include "shaders/shared/sky.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
+#include "tools/reference/obstacle_tree.h"
 
 namespace brume::test {
 namespace {
@@ -25,6 +28,7 @@ protected:
     static Seen see(const Scene& scene, const Pose& pose, uint32_t width, uint32_t height, bool by_draw) {
         const std::vector<gpu::Particle> particles = particlesOf(scene);
         const ObjectBuffers objects(device(), scene);
+        const MeshBuffers meshes(device(), scene.triangles);
         const gpu::Tick tick = tickOf(scene, particles);
         const gpu::Buffer uniforms(device(), 1024, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
         uniforms.mapped<gpu::Tick>(1)[0] = tick;
@@ -48,7 +52,7 @@ protected:
         const gpu::Sampler linear(device(), VK_FILTER_LINEAR), nearest(device(), VK_FILTER_NEAREST);
         ShadowVolume volume(device(), uint32_t(particles.size()));
         OpaqueShadow casters(device());
-        Surfaces surfaces(device(), objects.counts(), by_draw);
+        Surfaces surfaces(device(), objects.counts(), !scene.triangles.empty(), by_draw);
         surfaces.prepare(std::array{EyeRequest{.width = width, .height = height}}, objects.counts());
 
         gpu::Commands commands(device(), "background");
@@ -61,6 +65,8 @@ protected:
         const gpu::Buffer none(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no lights");
         const TickInputs shared{.objects = &objects.objects(),
                                 .object_nodes = &objects.nodes(),
+                                .triangles = &meshes.triangles,
+                                .mesh_nodes = &meshes.nodes,
                                 .bodies = tick.opaque_count - tick.plane_count,
                                 .local_lights = &none,
                                 .light_bits = &none,
@@ -81,7 +87,7 @@ protected:
 
 // The draw and the compute pass have the same formulas; roundings may differ by where compilers put them.
 TEST_F(BackgroundTest, DrawAndComputeAgree) {
-    for (const char* name : {"props", "tubes", "plume", "cloud"}) {
+    for (const char* name : {"props", "tubes", "plume", "cloud", "atrium-mesh"}) {
         SCOPED_TRACE(name);
         const Scene scene = loadScene(std::string("server/scenes/") + name + ".toml");
         const Pose pose = lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y);
@@ -179,6 +185,69 @@ TEST_F(BackgroundTest, ManyObjects) {
         EXPECT_GT(near, 700);
         EXPECT_LT(edges, 40);
     }
+}
+
+// Triangles at random, of which each pixel sees the nearest.
+TEST_F(BackgroundTest, NearestTriangles) {
+    Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});
+    Random random(11);
+    for (int i = 0; i < 1500; ++i) {
+        const glm::vec3 at = random.inCube(5);
+        scene.triangles.push_back({{at, at + random.inCube(0.6f), at + random.inCube(0.6f)}, glm::vec3(0.5f)});
+    }
+    const Pose pose = lookAt({1, 3, 15}, {0, 0, 0}, 0.8f);
+    const uint32_t width = 160, height = 90;
+    const std::vector<reference::Obstacle> obstacles = reference::obstaclesOf(scene.triangles);
+    const reference::ObstacleTree tree(obstacles);
+    const auto depthAlong = [&](glm::dvec3 dir) { // of unit view depth
+        const double t = tree.nearest({glm::dvec3(pose.position), glm::normalize(dir)}).t / glm::length(dir);
+        return std::min(t, 1e30);
+    };
+    for (const bool by_draw : {true, false}) {
+        SCOPED_TRACE(by_draw ? "draw" : "compute");
+        const Seen seen = see(scene, pose, width, height, by_draw);
+        int hits = 0, edges = 0;
+        for (uint32_t y = 0; y < height; ++y)
+            for (uint32_t x = 0; x < width; ++x) {
+                const glm::dvec3 dir = pixelDirection(pose, width, height, x, y);
+                const glm::dvec3 right = pixelDirection(pose, width, height, x + 1, y) - dir,
+                                 down = pixelDirection(pose, width, height, x, y + 1) - dir;
+                const double exact = depthAlong(dir), got = double(seen.depth[y * width + x]);
+                if (std::abs(got / exact - 1) < 1e-4) {
+                    hits += exact < 1e30;
+                    continue;
+                }
+                ++edges; // within a thousandth of a pixel one of the rays around sees the same
+                const bool near_edge =
+                    std::ranges::any_of(std::array{right, down, -right, -down}, [&](glm::dvec3 step) {
+                        return std::abs(depthAlong(dir + 1e-3 * step) / exact - 1) > 1e-4;
+                    });
+                ASSERT_TRUE(near_edge) << x << ' ' << y << ' ' << got << ' ' << exact;
+            }
+        EXPECT_GT(hits, 2000);
+        EXPECT_LT(edges, 20);
+    }
+}
+
+// No ray leaves a closed mesh between its triangles.
+TEST_F(BackgroundTest, ClosedMeshesAreTight) {
+    Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});
+    const auto at = [](int i, int k) {
+        const float polar = float(kPi) * float(i) / 60, around = 2 * float(kPi) * float(k % 90) / 90;
+        if (i == 0 || i == 60) return glm::vec3(0, i == 0 ? 4 : -4, 0);
+        return 4.0f *
+               glm::vec3(std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around));
+    };
+    for (int i = 0; i < 60; ++i)
+        for (int k = 0; k < 90; ++k) {
+            scene.triangles.push_back({{at(i, k), at(i + 1, k), at(i + 1, k + 1)}, glm::vec3(0.5f)});
+            scene.triangles.push_back({{at(i, k), at(i + 1, k + 1), at(i, k + 1)}, glm::vec3(0.5f)});
+        }
+    for (const bool by_draw : {true, false})
+        for (const glm::vec3 target : {glm::vec3(1, 0.2f, 0.1f), glm::vec3(0, 1, 0.01f), glm::vec3(0, 0, -1)}) {
+            const Seen seen = see(scene, lookAt({0, 0, 0}, target, 1.2f), 320, 180, by_draw);
+            for (size_t i = 0; i < seen.depth.size(); ++i) ASSERT_LT(seen.depth[i], 4.1f) << i;
+        }
 }
 
 // Across a straight edge between sky and a lit wall: a pixel's value is the part of its four samples that hit the wall.

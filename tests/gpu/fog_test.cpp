@@ -118,8 +118,10 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
             render(device(), scene, kOutside, kWidth, kHeight);
             ADD_FAILURE() << method << " drew it";
         } catch (const gpu::Error& error) {
-            EXPECT_EQ(error.what(),
-                      method + std::string(": it draws no fog, and no light of points and spots; use slabs or grid"));
+            EXPECT_EQ(
+                error.what(),
+                method +
+                    std::string(": it draws no fog, no meshes, and no light of points and spots; use slabs or grid"));
         }
     }
 }

@@ -52,11 +52,12 @@ protected:
         return {std::sqrt(errors / values), worst / std::sqrt(values / count)};
     }
 
-    // Judges slabs and grid from several places.
+    // Judges slabs and grid from several places. The grid's nodes are 0.5 standard deviations apart, or as the scene
+    // says.
     static void judge(Scene scene, std::initializer_list<Pose> poses, double allowed = kAllowed) {
         for (const char* method : {"slabs", "grid"}) {
             scene.render.method = method;
-            scene.render.grid.spacing = 0.5f;
+            if (scene.render.grid.spacing == kAuto) scene.render.grid.spacing = 0.5f;
             int number = 0;
             for (const Pose& pose : poses) {
                 const Error error = errorOf(scene, pose);

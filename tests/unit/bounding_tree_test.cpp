@@ -68,10 +68,19 @@ TEST(BoundingTree, AWalkFindsWhatAskingAllFindsWithFewerQuestions) {
     EXPECT_LT(asked / 200, items.size() / 10);
 }
 
-// Many items at one place cannot be told apart; the tree is there all the same.
+// Many items at one place cannot be told apart; the tree is there all the same, and no deeper than it says.
 TEST(BoundingTree, TakesEqualItems) {
-    const std::vector<Bounds3> items(100, {glm::dvec3(1), glm::dvec3(2)});
-    EXPECT_EQ(boundingTree(items).size(), 199u);
+    const std::vector<Bounds3> items(20'000, {glm::dvec3(1), glm::dvec3(2)});
+    const std::vector<BoundingNode> nodes = boundingTree(items);
+    EXPECT_EQ(nodes.size(), 39'999u);
+    std::vector<uint32_t> ends; // of the nodes around the present one
+    size_t deepest = 0;
+    for (uint32_t i = 0; i < nodes.size(); ++i) {
+        while (!ends.empty() && ends.back() == i) ends.pop_back();
+        ends.push_back(nodes[i].next);
+        deepest = std::max(deepest, ends.size());
+    }
+    EXPECT_LE(deepest, 96u);
 }
 
 } // namespace

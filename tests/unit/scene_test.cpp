@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, WrongScene,
     testing::Values(
         Wrong{"nam = \"x\"", 1, "nam", "unknown key",
-              "box, camera, fog, light, medium, name, objects, origin, plane, render, simulation, sky, sphere"},
+              "box, camera, fog, light, medium, mesh, name, objects, origin, plane, render, simulation, sky, sphere"},
         Wrong{"[medium]\nlayout = \"cube\"\n\ncuont = 3", 4, "medium.cuont", "unknown key", "count"},
         Wrong{"[[light]]\ncolour = [1, 1, 1]", 2, "light[0].colour", "unknown key", "irradiance"},
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 9000\n[medium.emitter]\nspeed = 3", 5, "medium.emitter.speed",
@@ -379,7 +379,7 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
                                          Shipped{"morning", 0, 0}, Shipped{"lamp", 0, 0}, Shipped{"stage", 0, 0},
                                          Shipped{"courtyard", 0, 0}, Shipped{"dusty-room", 0, 0},
                                          Shipped{"islands", 0, 0}, Shipped{"smoke-spots", 0, 0},
-                                         Shipped{"street", 0, 0}),
+                                         Shipped{"street", 0, 0}, Shipped{"atrium-mesh", 0, 0}),
                          [](const auto& scene) {
                              std::string name = scene.param.name;
                              std::erase(name, '-');
@@ -390,7 +390,7 @@ TEST(Shipped, EverySceneIsTestedHere) {
     size_t scenes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(kScenes))
         scenes += entry.path().extension() == ".toml";
-    EXPECT_EQ(scenes, 15u);
+    EXPECT_EQ(scenes, 16u);
 }
 
 } // namespace

@@ -8,6 +8,7 @@ namespace brume::reference {
 
 namespace {
 
+constexpr double kSkin = 1e-7; // m: so near its begin a ray hits no triangle, which may be where it comes from
 constexpr Interval kNowhere{1, 0};
 constexpr Interval kEverywhere{-kInfinity, kInfinity};
 
@@ -49,18 +50,43 @@ BoxCrossing crossBox(const Obstacle& box, const Ray& ray) {
     return crossing;
 }
 
+glm::dvec3 normalOf(const Obstacle& triangle) {
+    return glm::cross(triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]);
+}
+
+// Where the ray goes through the triangle: an interval without length but for its last bit.
+Interval crossTriangle(const Obstacle& triangle, const Ray& ray) {
+    double sides[3], along[3], sum = 0, t = 0; // sides: volumes of the ray's direction with each edge
+    for (int i = 0; i < 3; ++i) {
+        const glm::dvec3 a = triangle.corners[(i + 1) % 3] - ray.origin, b = triangle.corners[(i + 2) % 3] - ray.origin;
+        sides[i] = glm::dot(ray.direction, glm::cross(a, b - a));
+        along[i] = glm::dot(ray.direction, triangle.corners[i] - ray.origin);
+        sum += sides[i];
+    }
+    const bool inside =
+        (sides[0] >= 0 && sides[1] >= 0 && sides[2] >= 0) || (sides[0] <= 0 && sides[1] <= 0 && sides[2] <= 0);
+    if (!inside || sum == 0) return kNowhere;
+    for (int i = 0; i < 3; ++i) t += sides[i] / sum * along[i];
+    return t > ray.begin + kSkin ? Interval{t, std::nextafter(t, kInfinity)} : kNowhere;
+}
+
 Interval insideObstacle(const Obstacle& o, const Ray& ray) {
     if (o.kind == Obstacle::Kind::sphere) return insideSphere(o.centre, o.half_size.x, ray);
     if (o.kind == Obstacle::Kind::box) return crossBox(o, ray).inside;
+    if (o.kind == Obstacle::Kind::triangle) return crossTriangle(o, ray);
     const double t = (o.centre.y - ray.origin.y) / ray.direction.y; // met from above only
     return ray.direction.y < 0 && t > ray.begin ? Interval{t, kInfinity} : kNowhere;
 }
 
-// Where the ray's line crosses the plane that holds an edge and the light.
+// Normal of the plane that holds an edge and the light.
+glm::dvec3 edgeNormal(glm::dvec3 vertex, glm::dvec3 along, const LightSource& light) {
+    return glm::cross(along, light.kind == LightSource::Kind::directional ? light.to_light : light.position - vertex);
+}
+
+// Where the ray's line crosses that plane.
 void edgeCrossing(glm::dvec3 vertex, glm::dvec3 along, const LightSource& light, const Ray& ray,
                   std::vector<double>& t) {
-    const glm::dvec3 toward = light.kind == LightSource::Kind::directional ? light.to_light : light.position - vertex;
-    const glm::dvec3 normal = glm::cross(along, toward);
+    const glm::dvec3 normal = edgeNormal(vertex, along, light);
     const double slope = glm::dot(normal, ray.direction);
     if (slope != 0) t.push_back(glm::dot(normal, vertex - ray.origin) / slope);
 }
@@ -145,6 +171,10 @@ Hit nearest(std::span<const Obstacle> obstacles, const Ray& ray) {
         hit = {inside.begin, i, {0, 1, 0}};
         if (o.kind == Obstacle::Kind::sphere) hit.normal = glm::normalize(ray.at(hit.t) - o.centre);
         if (o.kind == Obstacle::Kind::box) hit.normal = crossBox(o, ray).normal;
+        if (o.kind == Obstacle::Kind::triangle) {
+            const glm::dvec3 normal = glm::normalize(normalOf(o));
+            hit.normal = glm::dot(normal, ray.direction) < 0 ? normal : -normal;
+        }
     }
     return hit;
 }
@@ -174,6 +204,15 @@ void shadowEdges(const Obstacle& object, const LightSource& light, const Ray& ra
                     edgeCrossing(object.centre + a * object.half_size[j] * axes[j] + b * object.half_size[m] * axes[m],
                                  axes[i], light, ray, t);
                 }
+    } else if (object.kind == Obstacle::Kind::triangle) {
+        for (int i = 0; i < 3; ++i) {
+            const glm::dvec3 vertex = object.corners[i], along = object.corners[(i + 1) % 3] - vertex;
+            const glm::dvec3 normal = edgeNormal(vertex, along, light);
+            const double here = glm::dot(normal, object.corners[(i + 2) % 3] - vertex);
+            // The shadow of the triangle beyond the edge goes on where this one's ends.
+            if (object.beyond[i] && here * glm::dot(normal, *object.beyond[i] - vertex) < 0) continue;
+            edgeCrossing(vertex, along, light, ray, t);
+        }
     } else if (light.kind == LightSource::Kind::directional) { // the sphere's shadow is a cylinder
         const glm::dvec3 w = ray.direction - glm::dot(ray.direction, light.to_light) * light.to_light;
         glm::dvec3 from = ray.origin - object.centre;

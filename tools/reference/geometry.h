@@ -34,7 +34,8 @@ Hit nearest(std::span<const Obstacle> obstacles, const Ray& ray);
 bool occluded(std::span<const Obstacle> obstacles, const Ray& ray, int skip = -1);
 
 // Appends every t at which the shadow of the object under this light can begin or end on the ray's line: silhouettes
-// of spheres, planes through the light and a box's edges, the height of a plane. Some may be no edges; none is missing.
+// of spheres, planes through the light and the edges of a box or a triangle, the height of a plane. Some may be no
+// edges; none is missing, but those where the shadow of a triangle beyond an edge goes on.
 void shadowEdges(const Obstacle& object, const LightSource& light, const Ray& ray, std::vector<double>& t);
 // Appends every t at which the optical depth of a tetrahedron toward the light may have a kink.
 void shadowEdges(const Blob& tetrahedron, const LightSource& light, const Ray& ray, std::vector<double>& t);

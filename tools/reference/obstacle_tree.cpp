@@ -11,6 +11,14 @@ constexpr size_t kFew = 32;
 
 // Bounds of an obstacle that is no plane, with room for roundings.
 Bounds3 boundsOf(const Obstacle& o) {
+    if (o.kind == Obstacle::Kind::triangle) {
+        Bounds3 bounds;
+        for (const glm::dvec3& corner : o.corners) {
+            const glm::dvec3 room = 1e-12 * glm::abs(corner) + 1e-12;
+            bounds.add({corner - room, corner + room});
+        }
+        return bounds;
+    }
     const double c = std::abs(std::cos(o.yaw)), s = std::abs(std::sin(o.yaw));
     const glm::dvec3 h = o.half_size;
     glm::dvec3 reach =

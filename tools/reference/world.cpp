@@ -1,7 +1,9 @@
 #include "tools/reference/world.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "common/scene_limits.h"
 #include "shaders/shared/sky.h"
@@ -23,6 +25,37 @@ UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_
     UnionMedium medium{{}, sigma_t, albedo};
     for (const gpu::Particle& p : particles) medium.balls.push_back({p.centre, radius_per_scale * p.scale});
     return medium;
+}
+
+std::vector<Obstacle> obstaclesOf(std::span<const Triangle> triangles) {
+    using Place = std::array<float, 3>;
+    struct Side {
+        size_t triangle, edge;
+    };
+    std::map<std::array<Place, 2>, std::vector<Side>> edges;
+    std::vector<Obstacle> out;
+    for (const Triangle& from : triangles) {
+        Obstacle& to = out.emplace_back();
+        to.kind = Obstacle::Kind::triangle;
+        to.albedo = from.albedo;
+        std::array<Place, 3> places;
+        for (size_t i = 0; i < 3; ++i) {
+            to.corners[i] = from.corners[i];
+            places[i] = {from.corners[i].x, from.corners[i].y, from.corners[i].z};
+        }
+        for (size_t i = 0; i < 3; ++i) {
+            const auto [lo, hi] = std::minmax(places[i], places[(i + 1) % 3]);
+            edges[{lo, hi}].push_back({out.size() - 1, i});
+        }
+    }
+    for (const auto& [places, sides] : edges) {
+        if (sides.size() != 2) continue;
+        for (const size_t i : {0, 1}) {
+            const Side here = sides[i], there = sides[1 - i];
+            out[here.triangle].beyond[here.edge] = out[there.triangle].corners[(there.edge + 2) % 3];
+        }
+    }
+    return out;
 }
 
 LightSource directional(const brume::Light& light) {
@@ -71,6 +104,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
         world.obstacles.push_back({Obstacle::Kind::box, b.centre, glm::dvec3(b.size) * 0.5, b.yaw, b.albedo});
     for (const Sphere& s : scene.spheres)
         world.obstacles.push_back({Obstacle::Kind::sphere, s.centre, glm::dvec3(s.radius), 0, s.albedo});
+    for (const Obstacle& triangle : obstaclesOf(scene.triangles)) world.obstacles.push_back(triangle);
     world.sky_zenith = scene.sky.zenith;
     world.sky_horizon = scene.sky.horizon;
     world.haze = double(scene.sky.haze);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -90,13 +91,19 @@ struct LightSource {
 };
 
 struct Obstacle {
-    enum class Kind { plane, box, sphere }; // a plane is horizontal ground, seen from above
+    enum class Kind { plane, box, sphere, triangle }; // a plane is horizontal ground, seen from above
     Kind kind = Kind::plane;
     glm::dvec3 centre{0};    // of a plane: only y counts
     glm::dvec3 half_size{1}; // of a sphere: x is the radius
     double yaw = 0;          // of a box, about +Y
     glm::dvec3 albedo{0.5};
+    glm::dvec3 corners[3]{}; // of a triangle, which is opaque from both sides
+    // Of a triangle: the third corner of the one other triangle at the edge from corner i to the next. Without one,
+    // every shadow of the triangle ends at the edge.
+    std::optional<glm::dvec3> beyond[3]{};
 };
+// The triangles of meshes.
+std::vector<Obstacle> obstaclesOf(std::span<const Triangle> triangles);
 
 struct World {
     std::vector<Blob> blobs;

@@ -215,6 +215,7 @@ void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
     const EyeInputs& in = *group.any;
     program(ray_ends_comp, "ray_ends", gpu::fieldQuantities(group.colours),
             {{gpu::kIdHasCasters, features_.casters},
+             {gpu::kIdHasMeshes, features_.meshes},
              {gpu::kIdHasFog, features_.fog},
              {gpu::kIdHasGlow, features_.glow},
              {gpu::kIdHasLocalLights, features_.local_lights},

@@ -1,0 +1,23 @@
+// MeshBuffers: the triangles of a scene's meshes and their tree in device memory.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/scene.h"
+#include "server/gpu/resource.h"
+#include "shaders/shared/types.h"
+
+namespace brume {
+
+// The tree of triangles in all gpu::kMeshOrders orders, one after the other. Its boxes are rounded outward.
+std::vector<gpu::ObjectNode> meshNodes(std::span<const Triangle> triangles);
+
+struct MeshBuffers {
+    MeshBuffers(const gpu::Device& device, std::span<const Triangle> triangles);
+
+    gpu::Buffer triangles; // gpu::Triangle[]
+    gpu::Buffer nodes;     // gpu::ObjectNode[]: meshNodes()
+};
+
+} // namespace brume

@@ -1,0 +1,67 @@
+#include "server/opaque/mesh_shadow.h"
+
+#include <algorithm>
+
+#include "shaders/mesh_pyramid_comp.h"
+#include "shaders/mesh_shadow_frag.h"
+#include "shaders/mesh_shadow_vert.h"
+
+namespace brume {
+
+MeshShadow::MeshShadow(const gpu::Device& device) : device_(device), nearest_(device, VK_FILTER_NEAREST) {}
+
+void MeshShadow::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+                        const MeshBuffers& meshes) {
+    if (heights_ &&
+        (tick.triangle_count == 0 || (tick.sun.to_light == last_.sun.to_light && tick.mesh_size == last_.mesh_size)))
+        return;
+    last_ = tick;
+    fit(commands.handle(), tick.mesh_size);
+    if (tick.triangle_count > 0) draw(commands, tick_block, tick, meshes);
+}
+
+void MeshShadow::fit(VkCommandBuffer cmd, uint32_t size) {
+    if (heights_ && heights_.extent().width == size) return;
+    heights_ = gpu::Image(device_,
+                          {VK_FORMAT_R32_SFLOAT,
+                           {size, size},
+                           VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                               VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT},
+                          "mesh heights");
+    gpu::toGeneral(cmd, heights_);
+    pyramid_.atLeast(device_, std::max<VkDeviceSize>(VkDeviceSize(size) * size / 3, 32) * sizeof(glm::vec2),
+                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "mesh pyramid");
+}
+
+void MeshShadow::draw(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+                      const MeshBuffers& meshes) {
+    const gpu::Commands::Pass pass(commands, "mesh shadow");
+    const VkCommandBuffer cmd = commands.handle();
+    if (!heights_program_) {
+        const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, mesh_shadow_vert, "mesh_shadow"},
+                                           {VK_SHADER_STAGE_FRAGMENT_BIT, mesh_shadow_frag, "mesh_shadow"}};
+        heights_program_ =
+            gpu::GraphicsProgram(device_, shaders, {.formats = {VK_FORMAT_R32_SFLOAT}, .blend = gpu::Blend::largest});
+        pyramid_program_ =
+            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, mesh_pyramid_comp, "mesh_pyramid"}, {});
+    }
+    gpu::everythingBefore(cmd);
+    const VkClearColorValue nothing{{-1e30f, 0, 0, 0}};
+    const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    vkCmdClearColorImage(cmd, heights_.handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1, &all);
+    gpu::everythingBefore(cmd);
+    gpu::beginDrawing(cmd, {tick.mesh_size, tick.mesh_size}, {&heights_});
+    heights_program_.bind(commands, {tick_block, gpu::storageBuffer(1, meshes.triangles)});
+    vkCmdDraw(cmd, 3 * tick.triangle_count, 1, 0, 0);
+    vkCmdEndRendering(cmd);
+    for (uint32_t level = 1; tick.mesh_size >> level > 0; ++level) {
+        gpu::everythingBefore(cmd);
+        pyramid_program_.bind(
+            commands, {tick_block, gpu::sampledImage(1, heights_, nearest_), gpu::storageBuffer(2, pyramid_)}, level);
+        const uint32_t groups = gpu::groups(tick.mesh_size >> level, 8);
+        vkCmdDispatch(cmd, groups, groups, 1);
+    }
+    gpu::everythingBefore(cmd);
+}
+
+} // namespace brume

@@ -1,0 +1,37 @@
+// MeshShadow: how high along to_light the topmost mesh is, seen from the light, and a pyramid of least and largest
+// heights. Light shafts are cut by it (shaders/lib/mesh_shadow.glsl).
+#pragma once
+
+#include "server/gpu/commands.h"
+#include "server/gpu/program.h"
+#include "server/opaque/mesh_buffers.h"
+
+namespace brume {
+
+class MeshShadow {
+public:
+    explicit MeshShadow(const gpu::Device& device);
+
+    // Records the map unless light and size are those of the last time; meshes do not move. Without any it is an image
+    // of one texel that nobody reads. As ShadowVolume::record otherwise.
+    void record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+                const MeshBuffers& meshes);
+
+    const gpu::Image& heights() const { return heights_; }
+    const gpu::Buffer& pyramid() const { return pyramid_; }
+
+private:
+    void fit(VkCommandBuffer cmd, uint32_t size);
+    void draw(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+              const MeshBuffers& meshes);
+
+    const gpu::Device& device_;
+    gpu::Sampler nearest_;
+    gpu::GraphicsProgram heights_program_;
+    gpu::ComputeProgram pyramid_program_;
+    gpu::Image heights_;
+    gpu::Buffer pyramid_; // vec2[]: lib/mesh_pyramid.glsl
+    gpu::Tick last_{};
+};
+
+} // namespace brume
