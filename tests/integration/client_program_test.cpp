@@ -92,12 +92,15 @@ TEST_F(ClientProgram, FiveFramesAndTheirStatistics) {
         tick = picture["tick"];
         bytes += picture["bytes"].get<uint64_t>();
         EXPECT_EQ(picture["state_hash"].get<std::string>().size(), 18u);
-        EXPECT_EQ(picture["size"], Json({320, 180}));
+        // A server that is slow at first sends smaller pictures of the same shape, but none below 160x90.
+        const int width = picture["size"][0], height = picture["size"][1];
+        EXPECT_TRUE(width >= 160 && width <= 320) << width;
+        EXPECT_EQ(width * 9, height * 16);
         const auto& at = picture["pose"]["position"];
         EXPECT_NEAR(std::hypot(at[0].get<double>(), at[2].get<double>()), 20, 1e-3); // the circle that was asked for
         EXPECT_NEAR(at[1].get<double>(), 2, 1e-4);
         const client::Bytes jpeg = contentOf(out_ / ("frame-0000" + std::to_string(i + 1) + ".jpg"));
-        EXPECT_GT(contrast(decoded(jpeg, 320, 180)), 8);
+        EXPECT_GT(contrast(decoded(jpeg, width, height)), 8);
     }
     EXPECT_EQ(s["bytes"], bytes);
     EXPECT_EQ(std::distance(fs::directory_iterator(out_), {}), 6);
