@@ -4,7 +4,8 @@ import type { Camera } from './camera';
 import { pivot } from './camera';
 import { el } from './dom';
 import { button, group, select } from './fields';
-import type { Change, Command, List, Setting, SettingValue } from './protocol';
+import type { Handle } from './handle';
+import type { Change, Command, List, Setting, SettingValue, Vec3 } from './protocol';
 import { atLeast } from './role';
 import type { Role } from './role';
 import { controlsOf, sentence } from './shared-settings';
@@ -19,10 +20,13 @@ interface Row {
 export interface ListGroup {
   element: HTMLDetailsElement;
   follow(elements: readonly Values[]): void;
+  handle(): Handle | undefined; // of the chosen element, while the group is open and the viewer may move it
 }
 
 // The key of a setting that is one element's kind; it stands beside the element's number.
 const TYPE = 'type';
+// Keys of settings that are an element's place.
+const PLACES = ['position', 'centre'];
 // Radiance that a light adds at the middle of the view, and optical depth of a fog, when they are new.
 const NEW_IRRADIANCE = 10; // W/m²
 const NEW_DEPTH = 1.5;
@@ -69,6 +73,20 @@ export function beginnings(list: List, camera: Camera): Change[] {
 // True: elements of this kind have the setting.
 const applies = (setting: Setting, type: SettingValue | undefined): boolean =>
   setting.onlyType === '' || type === undefined || setting.onlyType === type;
+
+// The handle of an element, for who may move it. Fog that is no ball has no place.
+export function handleOf(list: List, elements: readonly Values[], number: number, role: Role): Handle | undefined {
+  const { name, settings } = list;
+  const values = elements[number];
+  const place = settings.find(({ path, kind }) => kind === 'vector' && PLACES.includes(path.slice(name.length + 1)));
+  if (!values || !place || !atLeast(role, place.leastRole) || !applies(place, values.get(`${name}.${TYPE}`)))
+    return undefined;
+  const at = values.get(place.path);
+  if (!Array.isArray(at) || (name === 'fog' && values.get('fog.radius') === 0)) return undefined;
+  const { lowest, highest } = place;
+  const path = `${name}[${number}]${place.path.slice(name.length)}`;
+  return { path, name: `${name} ${number + 1}`, at: at as unknown as Vec3, lowest, highest };
+}
 
 export function listGroup(
   list: List,
@@ -149,5 +167,6 @@ export function listGroup(
       chosen = Math.max(0, Math.min(chosen, elements.length - 1));
       show();
     },
+    handle: () => (element.open ? handleOf(list, elements, chosen, role) : undefined),
   };
 }

@@ -3,6 +3,7 @@ import { BrumeView, defineBrumeView } from './brume-view';
 import { onKeys } from './controls';
 import type { Mode } from './controls';
 import { find, setPressed, setText } from './dom';
+import { Handles } from './handles';
 import { headsetSupported } from './headset';
 import { hintText, touchOnly } from './hint';
 import { copyLink } from './link';
@@ -225,6 +226,15 @@ const panel = buildPanel(
   },
   settings,
 );
+const handles = new Handles(find('handles'), {
+  handles: () => (viewer().linkState === 'connected' ? panel.handles() : []),
+  eye: () => {
+    const { viewing, fovY, headset } = viewer();
+    return viewing.shown && viewing.views === 1 && !headset ? { ...viewing.shown, fovY } : undefined;
+  },
+  lens: () => ({ camera: viewer().camera, fovY: viewer().fovY, height: view.clientHeight }),
+  move: (path, value) => viewer().command({ kind: 'set', changes: [{ path, value }] }),
+});
 const overlay = new Overlay(find('overlay'));
 const steady = new Steady();
 
@@ -241,6 +251,11 @@ function tellLack(): void {
     serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
   };
   notices.lack(steady.next(headset ? undefined : lack(seen), seen.paused));
+}
+
+function animate(): void {
+  requestAnimationFrame(animate);
+  if (view.viewer) handles.draw();
 }
 
 function refresh(): void {
@@ -276,6 +291,7 @@ toggles.stats(settings.stats);
 toggles.panel(settings.panel);
 panel.follows(settings);
 window.setInterval(refresh, REFRESH_MS);
+requestAnimationFrame(animate);
 
 declare global {
   interface Window {
