@@ -14,6 +14,12 @@ export interface Handle {
   highest: number;
 }
 
+// One of a list's: the chosen one is a ring, the others are dots.
+export interface Choosable extends Handle {
+  chosen: boolean;
+  choose(): void;
+}
+
 export interface Lens {
   camera: Camera;
   fovY: number;

@@ -3,11 +3,11 @@ import type { Eye, Point } from './box';
 import { el, setText } from './dom';
 import { HOLD_MS, throttled } from './fields';
 import { dragged, handleAt, within } from './handle';
-import type { Handle, Lens } from './handle';
+import type { Choosable, Lens } from './handle';
 import type { Vec3 } from './protocol';
 
 export interface HandlesHost {
-  handles(): readonly Handle[]; // that there are now
+  handles(): readonly Choosable[]; // that there are now
   eye(): Eye | undefined; // that the picture is of; undefined: it is not one picture of one eye
   lens(): Lens;
   move(path: string, to: Vec3): void; // at most some 20 times a second
@@ -33,16 +33,15 @@ class Grip {
   private at: Vec3;
 
   constructor(
-    private handle: Handle,
+    private handle: Choosable,
     private readonly host: HandlesHost,
   ) {
     this.at = handle.at;
     this.send = throttled((to) => host.move(handle.path, to));
     this.element.append(this.label);
-    this.element.title = `Drag to move ${handle.name}, for everyone; with Shift away and near`;
-    this.element.setAttribute('aria-label', `Move ${handle.name}`);
     this.element.addEventListener('pointerdown', (event) => {
       if (event.button !== 0) return;
+      if (!this.handle.chosen) this.handle.choose();
       this.element.setPointerCapture(event.pointerId);
       this.last = { x: event.clientX, y: event.clientY };
       this.element.classList.add('held');
@@ -66,8 +65,15 @@ class Grip {
     });
   }
 
-  follow(handle: Handle): void {
+  follow(handle: Choosable): void {
     this.handle = handle;
+    const { chosen, name } = handle;
+    if (this.element.classList.contains('chosen') !== chosen || this.element.title === '') {
+      this.element.classList.toggle('chosen', chosen);
+      this.element.title = `Drag to move ${name}, for everyone; with Shift away and near`;
+      this.element.setAttribute('aria-label', `${chosen ? 'Move' : 'Choose'} ${name}`);
+      this.element.tabIndex = chosen ? 0 : -1; // the panel's list is the keyboard's way to choose
+    }
     if (!this.last && performance.now() - this.touchedAt > HOLD_MS) this.at = handle.at;
   }
 

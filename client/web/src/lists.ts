@@ -4,7 +4,7 @@ import type { Camera } from './camera';
 import { pivot } from './camera';
 import { el } from './dom';
 import { button, group, select } from './fields';
-import type { Handle } from './handle';
+import type { Choosable, Handle } from './handle';
 import type { Change, Command, List, Setting, SettingValue, Vec3 } from './protocol';
 import { atLeast } from './role';
 import type { Role } from './role';
@@ -20,13 +20,15 @@ interface Row {
 export interface ListGroup {
   element: HTMLDetailsElement;
   follow(elements: readonly Values[]): void;
-  handle(): Handle | undefined; // of the chosen element, while the group is open and the viewer may move it
+  handles(): Choosable[]; // of the elements, while the group is open and the viewer may move them
 }
 
 // The key of a setting that is one element's kind; it stands beside the element's number.
 const TYPE = 'type';
 // Keys of settings that are an element's place.
 const PLACES = ['position', 'centre'];
+// Elements of a list up to which each has a handle; of more, the chosen one alone has.
+const MOST_HANDLES = 128;
 // Radiance that a light adds at the middle of the view, and optical depth of a fog, when they are new.
 const NEW_IRRADIANCE = 10; // W/m²
 const NEW_DEPTH = 1.5;
@@ -167,6 +169,17 @@ export function listGroup(
       chosen = Math.max(0, Math.min(chosen, elements.length - 1));
       show();
     },
-    handle: () => (element.open ? handleOf(list, elements, chosen, role) : undefined),
+    handles: () => {
+      if (!element.open) return [];
+      return elements.flatMap((_, i) => {
+        if (i !== chosen && elements.length > MOST_HANDLES) return [];
+        const handle = handleOf(list, elements, i, role);
+        const choose = (): void => {
+          chosen = i;
+          show();
+        };
+        return handle ? [{ ...handle, chosen: i === chosen, choose }] : [];
+      });
+    },
   };
 }

@@ -3,7 +3,7 @@ import { axes } from './camera';
 import type { Camera } from './camera';
 import { el, setText } from './dom';
 import { button, group, select, toggle } from './fields';
-import type { Handle } from './handle';
+import type { Choosable } from './handle';
 import { listGroup } from './lists';
 import type { ListGroup } from './lists';
 import { errorLine, planText } from './plan';
@@ -38,7 +38,7 @@ export interface Panel {
   follow(values: Values, inUse: Plan | undefined, measured: Measured | undefined, changed: boolean): void;
   follows(own: Settings): void; // what is this viewer's own
   lists(elements: readonly (readonly Values[])[]): void; // of Welcome.lists, in that order
-  handles(): Handle[]; // of what is chosen in the lists that are open
+  handles(): Choosable[]; // of the lists that are open
   scene(name: string): void; // the one that is shown
   busy(text: string): void; // what is being done with the scene; empty: nothing
 }
@@ -191,7 +191,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       box.follow(own.box);
     },
     lists: (elements) => lists.forEach((list, i) => list.follow(elements[i] ?? [])),
-    handles: () => (root.hidden ? [] : lists.flatMap((list) => list.handle() ?? [])),
+    handles: () => (root.hidden ? [] : lists.flatMap((list) => list.handles())),
     scene: (name) => scene.follow(name, true),
     busy: (text) => setText(doing, text),
   };
