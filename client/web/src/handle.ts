@@ -59,3 +59,25 @@ export const within = (place: Vec3, { lowest, highest }: Pick<Handle, 'lowest' |
   clamp(place[1], lowest, highest),
   clamp(place[2], lowest, highest),
 ];
+
+// How old the places are that the server told last. It tells lists only when they are changed, and lights that go
+// round do so in between, unless the scene is paused.
+export class Age {
+  private seconds = 0; // at the last report
+  private tick = 0n; // of that report
+  private paused = true;
+
+  constructor(private readonly tickHz = 60) {}
+
+  // A report has come. `anew`: it has the lists.
+  report(tick: bigint, paused: boolean, anew: boolean): void {
+    this.seconds = anew ? 0 : this.at(tick);
+    this.tick = tick;
+    this.paused = paused;
+  }
+
+  // In a picture of that tick, which may be older than the report.
+  at(tick: bigint): number {
+    return this.paused ? this.seconds : Math.max(0, this.seconds + Number(tick - this.tick) / this.tickHz);
+  }
+}

@@ -20,7 +20,7 @@ interface Row {
 export interface ListGroup {
   element: HTMLDetailsElement;
   follow(elements: readonly Values[]): void;
-  handles(): Choosable[]; // of the elements, while the group is open and the viewer may move them
+  handles(age: number): Choosable[]; // of the elements, while the group is open and the viewer may move them
 }
 
 // The key of a setting that is one element's kind; it stands beside the element's number.
@@ -76,8 +76,24 @@ export function beginnings(list: List, camera: Camera): Change[] {
 const applies = (setting: Setting, type: SettingValue | undefined): boolean =>
   setting.onlyType === '' || type === undefined || setting.onlyType === type;
 
-// The handle of an element, for who may move it. Fog that is no ball has no place.
-export function handleOf(list: List, elements: readonly Values[], number: number, role: Role): Handle | undefined {
+// Where a light that goes round the vertical through its pivot is, so many seconds after a report.
+export function orbited(at: Vec3, values: Values, seconds: number): Vec3 {
+  const [speed, pivot] = [values.get('light.orbit'), values.get('light.pivot')];
+  if (typeof speed !== 'number' || speed === 0 || !Array.isArray(pivot)) return at;
+  const [c, s] = [Math.cos(speed * seconds), Math.sin(speed * seconds)];
+  const [x, z] = [at[0] - pivot[0], at[2] - pivot[2]];
+  return [pivot[0] + c * x + s * z, at[1], pivot[2] - s * x + c * z];
+}
+
+// The handle of an element, for who may move it. Fog that is no ball has no place. `age`: the seconds since the elements
+// were told.
+export function handleOf(
+  list: List,
+  elements: readonly Values[],
+  number: number,
+  role: Role,
+  age = 0,
+): Handle | undefined {
   const { name, settings } = list;
   const values = elements[number];
   const place = settings.find(({ path, kind }) => kind === 'vector' && PLACES.includes(path.slice(name.length + 1)));
@@ -87,7 +103,7 @@ export function handleOf(list: List, elements: readonly Values[], number: number
   if (!Array.isArray(at) || (name === 'fog' && values.get('fog.radius') === 0)) return undefined;
   const { lowest, highest } = place;
   const path = `${name}[${number}]${place.path.slice(name.length)}`;
-  return { path, name: `${name} ${number + 1}`, at: at as unknown as Vec3, lowest, highest };
+  return { path, name: `${name} ${number + 1}`, at: orbited(at as unknown as Vec3, values, age), lowest, highest };
 }
 
 export function listGroup(
@@ -169,11 +185,11 @@ export function listGroup(
       chosen = Math.max(0, Math.min(chosen, elements.length - 1));
       show();
     },
-    handles: () => {
+    handles: (age) => {
       if (!element.open) return [];
       return elements.flatMap((_, i) => {
         if (i !== chosen && elements.length > MOST_HANDLES) return [];
-        const handle = handleOf(list, elements, i, role);
+        const handle = handleOf(list, elements, i, role, age);
         const choose = (): void => {
           chosen = i;
           show();

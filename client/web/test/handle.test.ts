@@ -3,7 +3,7 @@ import { describe, expect, test, vi } from 'vitest';
 import { axes, dot, lookAt, orientation, rayThrough, subtract } from '../src/camera';
 import type { Camera } from '../src/camera';
 import { throttled } from '../src/fields';
-import { dragged, handleAt, within } from '../src/handle';
+import { Age, dragged, handleAt, within } from '../src/handle';
 import { elementsOf, handleOf } from '../src/lists';
 import type { List, Setting, Vec3 } from '../src/protocol';
 
@@ -104,6 +104,37 @@ describe('who has a handle', () => {
       ...{ path: 'light[1].position', name: 'light 2', at: [4, 5, 6], lowest: -50, highest: 50 },
     });
     expect(handleOf(lights, two, 2, 'controller')).toBeUndefined();
+  });
+
+  test('that goes round its pivot is where the picture has it', () => {
+    const orbiting: List = {
+      ...{ name: 'light', most: 9 },
+      settings: [
+        setting('light.position', 'vector'),
+        setting('light.orbit', 'number'),
+        setting('light.pivot', 'vector'),
+      ],
+    };
+    const one = elementsOf(orbiting, [3, 7, 1, Math.PI / 4, 1, 0, 1]);
+    expect(handleOf(orbiting, one, 0, 'operator')?.at).toEqual([3, 7, 1]);
+    const later = handleOf(orbiting, one, 0, 'operator', 2)?.at;
+    expect(later).toEqual([expect.closeTo(1, 9), 7, expect.closeTo(-1, 9)]); // a quarter, from +x to -z
+  });
+
+  test('what is told of elements ages with the ticks of the scene, and not while it is paused', () => {
+    const age = new Age(60);
+    age.report(1000n, false, true);
+    expect(age.at(1030n)).toBeCloseTo(0.5);
+    expect(age.at(970n)).toBe(0); // a picture from before
+    age.report(1060n, false, false);
+    expect(age.at(1060n)).toBeCloseTo(1);
+    expect(age.at(1030n)).toBeCloseTo(0.5);
+    age.report(1090n, true, false);
+    expect(age.at(1200n)).toBeCloseTo(1.5);
+    age.report(1300n, false, false);
+    expect(age.at(1330n)).toBeCloseTo(2);
+    age.report(1360n, false, true);
+    expect(age.at(1360n)).toBe(0);
   });
 
   test('for those alone who may move it', () => {
