@@ -12,7 +12,8 @@ constexpr std::string_view kIntroduction = R"(# Scenes
 
 A scene is a TOML file. The server opens one by name (`--scene plume`, from `server/scenes/`) or by path
 (`--scene ./mine.toml`). Every key may be left out. An unknown key, a wrong type or a value out of range ends the
-start in one line with file, line, key and what is allowed.
+start in one line with file, line, key and what is allowed. Those that are shipped have pictures:
+[`gallery.md`](gallery.md).
 
 `--set KEY=VALUE` replaces one setting: `--set medium.count=5000 --set render.method=isv`. Of a list of tables it
 replaces the setting in every element: `--set 'light.irradiance=[1, 1, 1]'`.

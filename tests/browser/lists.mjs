@@ -1,7 +1,7 @@
 // Fogs and lights of the scene in the panel: added, changed and removed for everyone.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { connected, difference, openPage, rested, shown, startBrowser, until } from './pages.mjs';
+import { connected, difference, faded, openPage, rested, shown, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
 const PATIENCE_MS = 60_000; // a driver compiles shaders for the first fog
@@ -74,5 +74,82 @@ test('of several lights one is chosen; a point has no cone, and a spot has', asy
   await group.getByRole('button', { name: 'Remove' }).click();
   await cone.waitFor(); // the spot moved up
   assert.deepEqual(await which.locator('option').allTextContents(), ['1 spot']);
+  await page.leave();
+});
+
+test('a light is dragged in the picture, and the server moves it', async (t) => {
+  const { page, group } = await openList(t, 'Lights');
+  const which = group.getByRole('combobox', { name: 'Light' });
+  const count = (await which.locator('option').count()) + 1;
+  for (const added of [count - 1, count]) {
+    await group.getByRole('button', { name: 'Add' }).click();
+    await which.locator(`option[value="${added}"]`).waitFor({ state: 'attached', timeout: PATIENCE_MS });
+  }
+  const handle = page.getByRole('button', { name: new RegExp(`^(Move|Choose) light ${count + 1}$`) });
+  await handle.waitFor();
+  await faded(page);
+  const camera = await page.evaluate(() => window.brume.camera);
+
+  const middle = async () => {
+    const { x, y, width, height } = await handle.boundingBox();
+    return [x + width / 2, y + height / 2];
+  };
+  // The panel's fields show what the server reports.
+  const position = () =>
+    Promise.all(
+      ['x', 'y', 'z'].map(async (axis) =>
+        Number(await group.getByRole('slider', { name: `Position ${axis}` }).getAttribute('aria-valuetext')),
+      ),
+    );
+  // Once two reports in a row say the same, other than `before`.
+  const movedFrom = async (before) => {
+    let last = before;
+    for (let tries = 0; tries < 40; ++tries, await page.waitForTimeout(1000)) {
+      const now = await position();
+      if (String(now) === String(last) && String(now) !== String(before)) return now;
+      last = now;
+    }
+    throw new Error(`the light stays at ${before}`);
+  };
+  const dragBy = async (dx, dy) => {
+    const [x, y] = await middle();
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    for (let i = 1; i <= 10; ++i) {
+      await page.mouse.move(x + (dx * i) / 10, y + (dy * i) / 10);
+      await page.waitForTimeout(16);
+    }
+    await page.mouse.up();
+    return [x + dx, y + dy];
+  };
+  const near = ([x, y], [toX, toY]) => Math.hypot(x - toX, y - toY) < 3;
+
+  const start = await position();
+  const cursor = await dragBy(-160, 60);
+  assert.ok(near(await middle(), cursor), 'the handle is below the cursor');
+  const aside = await movedFrom(start);
+  assert.ok(aside[0] < start[0] - 1 && aside[1] < start[1] - 0.3, `to the left and down: ${start} to ${aside}`);
+  assert.ok(near(await middle(), cursor), 'it stays there when the server has told where it is');
+
+  await page.keyboard.down('Shift');
+  await dragBy(0, -80);
+  await page.keyboard.up('Shift');
+  const behind = await movedFrom(aside);
+  assert.ok(behind[2] < aside[2] - 1, `away from the camera: ${aside} to ${behind}`);
+  assert.ok(near(await middle(), cursor), 'on the line of sight');
+
+  await handle.press('ArrowRight');
+  const stepped = await movedFrom(behind);
+  assert.ok(stepped[0] > behind[0], `to the right: ${behind} to ${stepped}`);
+  assert.deepEqual(await page.evaluate(() => window.brume.camera), camera, 'the camera stays');
+
+  // The others are dots, which choose.
+  await page.getByRole('button', { name: `Choose light ${count}` }).click();
+  await page.getByRole('button', { name: `Move light ${count}`, exact: true }).waitFor();
+  assert.equal(await which.inputValue(), String(count - 1));
+
+  await group.locator('summary').click();
+  await handle.waitFor({ state: 'detached' });
+  assert.equal(await page.locator('#handles button').count(), 0);
   await page.leave();
 });

@@ -91,6 +91,29 @@ describe('a server with a key', () => {
     await page.leave();
   });
 
+  test('a controller drags what is in the scene, a viewer sees no handle of it', async (t) => {
+    const openSpheres = async (role) => {
+      const page = await openPage(t, browser, `${server.url}/#token=${token(role)}`);
+      await connected(page);
+      await page.locator('#tool-panel').click();
+      const group = page.locator('#panel details').filter({ has: page.getByText('Spheres', { exact: true }) });
+      await group.locator('summary').click();
+      return { page, group };
+    };
+    const { page, group } = await openSpheres('controller');
+    const guest = await openSpheres('viewer');
+    await group.getByRole('button', { name: 'Add' }).click();
+    await page.getByRole('button', { name: 'Move sphere 1' }).waitFor();
+    await guest.group.getByRole('combobox', { name: 'Sphere' }).waitFor(); // the guest knows of it
+    assert.equal(await guest.page.locator('#handles button').count(), 0);
+    await group.getByRole('button', { name: 'Remove' }).click();
+    await page.locator('#handles button').waitFor({ state: 'detached' });
+    const { frames } = await page.evaluate(() => window.brume);
+    await until(page, 'shaders are compiled', (brume, before) => brume.frames > before + 1, frames, 60_000);
+    await guest.page.leave();
+    await page.leave();
+  });
+
   test('a forged token is told apart from none', async (t) => {
     const page = await openPage(t, browser, `${server.url}/#token=${token('viewer').slice(0, -4)}AAAA`);
     await until(page, 'it is refused', (brume) => brume.state === 'refused');

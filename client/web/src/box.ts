@@ -21,12 +21,13 @@ export interface Edge {
 const NEAR = 0.01; // m before the eye where lines are cut off
 const conjugate = ([x, y, z, w]: Quat): Quat => [-x, -y, -z, w];
 
-function toView(eye: Eye, point: Vec3): Vec3 {
+// The place as the eye sees it: +X right, +Y up, -Z ahead.
+export function toView(eye: Eye, point: Vec3): Vec3 {
   return rotate(conjugate(eye.orientation), subtract(point, eye.position));
 }
 
 // Pixels that a metre covers at the depth of one metre.
-const focal = (eye: Eye, height: number): number => height / (2 * Math.tan(eye.fovY / 2));
+export const pixelsPerMetre = (eye: Eye, height: number): number => height / (2 * Math.tan(eye.fovY / 2));
 
 export const cornersOf = ({ lo, hi }: Box): Vec3[] =>
   Array.from({ length: 8 }, (_, i) => [i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2]]);
@@ -35,7 +36,7 @@ export const cornersOf = ({ lo, hi }: Box): Vec3[] =>
 export function edgesOf(box: Box, eye: Eye, width: number, height: number): Edge[] {
   const seen = cornersOf(box).map((corner) => toView(eye, corner));
   const far = seen.reduce((best, one, i) => (Math.hypot(...one) > Math.hypot(...(seen[best] ?? one)) ? i : best), 0);
-  const pixels = focal(eye, height);
+  const pixels = pixelsPerMetre(eye, height);
   const project = (p: Vec3): Point => ({
     x: width / 2 - (p[0] / p[2]) * pixels,
     y: height / 2 + (p[1] / p[2]) * pixels,
@@ -66,7 +67,7 @@ export function barOf(
 ): { metres: number; pixels: number } | undefined {
   const depth = -toView(eye, scale(add(box.lo, box.hi), 0.5))[2];
   if (!(depth > NEAR)) return undefined;
-  const perMetre = focal(eye, height) / depth;
+  const perMetre = pixelsPerMetre(eye, height) / depth;
   const most = width / 4 / perMetre;
   const decade = 10 ** Math.floor(Math.log10(most));
   const metres = ([5, 2, 1].find((times) => times * decade <= most) ?? 1) * decade;

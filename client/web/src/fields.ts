@@ -5,7 +5,7 @@ import { el, setText } from './dom';
 const SEND_MS = 50;
 // How long a control ignores the server's value after the viewer's last change: reports that are on their way hold
 // the old one.
-const HOLD_MS = 700;
+export const HOLD_MS = 700;
 
 export interface Field<T> {
   readonly element: HTMLElement;
@@ -33,7 +33,7 @@ class Hold {
   }
 }
 
-function throttled<T>(send: (value: T) => void): (value: T) => void {
+export function throttled<T>(send: (value: T) => void): (value: T) => void {
   let timer: number | undefined;
   let sentAt = -Infinity;
   let latest: T;

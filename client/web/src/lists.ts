@@ -4,7 +4,8 @@ import type { Camera } from './camera';
 import { pivot } from './camera';
 import { el } from './dom';
 import { button, group, select } from './fields';
-import type { Change, Command, List, Setting, SettingValue } from './protocol';
+import type { Choosable, Handle } from './handle';
+import type { Change, Command, List, Setting, SettingValue, Vec3 } from './protocol';
 import { atLeast } from './role';
 import type { Role } from './role';
 import { controlsOf, sentence } from './shared-settings';
@@ -19,10 +20,15 @@ interface Row {
 export interface ListGroup {
   element: HTMLDetailsElement;
   follow(elements: readonly Values[]): void;
+  handles(age: number): Choosable[]; // of the elements, while the group is open and the viewer may move them
 }
 
 // The key of a setting that is one element's kind; it stands beside the element's number.
 const TYPE = 'type';
+// Keys of settings that are an element's place.
+const PLACES = ['position', 'centre'];
+// Elements of a list up to which each has a handle; of more, the chosen one alone has.
+const MOST_HANDLES = 128;
 // Radiance that a light adds at the middle of the view, and optical depth of a fog, when they are new.
 const NEW_IRRADIANCE = 10; // W/m²
 const NEW_DEPTH = 1.5;
@@ -69,6 +75,36 @@ export function beginnings(list: List, camera: Camera): Change[] {
 // True: elements of this kind have the setting.
 const applies = (setting: Setting, type: SettingValue | undefined): boolean =>
   setting.onlyType === '' || type === undefined || setting.onlyType === type;
+
+// Where a light that goes round the vertical through its pivot is, so many seconds after a report.
+export function orbited(at: Vec3, values: Values, seconds: number): Vec3 {
+  const [speed, pivot] = [values.get('light.orbit'), values.get('light.pivot')];
+  if (typeof speed !== 'number' || speed === 0 || !Array.isArray(pivot)) return at;
+  const [c, s] = [Math.cos(speed * seconds), Math.sin(speed * seconds)];
+  const [x, z] = [at[0] - pivot[0], at[2] - pivot[2]];
+  return [pivot[0] + c * x + s * z, at[1], pivot[2] - s * x + c * z];
+}
+
+// The handle of an element, for who may move it. Fog that is no ball has no place. `age`: the seconds since the elements
+// were told.
+export function handleOf(
+  list: List,
+  elements: readonly Values[],
+  number: number,
+  role: Role,
+  age = 0,
+): Handle | undefined {
+  const { name, settings } = list;
+  const values = elements[number];
+  const place = settings.find(({ path, kind }) => kind === 'vector' && PLACES.includes(path.slice(name.length + 1)));
+  if (!values || !place || !atLeast(role, place.leastRole) || !applies(place, values.get(`${name}.${TYPE}`)))
+    return undefined;
+  const at = values.get(place.path);
+  if (!Array.isArray(at) || (name === 'fog' && values.get('fog.radius') === 0)) return undefined;
+  const { lowest, highest } = place;
+  const path = `${name}[${number}]${place.path.slice(name.length)}`;
+  return { path, name: `${name} ${number + 1}`, at: orbited(at as unknown as Vec3, values, age), lowest, highest };
+}
 
 export function listGroup(
   list: List,
@@ -148,6 +184,18 @@ export function listGroup(
       elements = now;
       chosen = Math.max(0, Math.min(chosen, elements.length - 1));
       show();
+    },
+    handles: (age) => {
+      if (!element.open) return [];
+      return elements.flatMap((_, i) => {
+        if (i !== chosen && elements.length > MOST_HANDLES) return [];
+        const handle = handleOf(list, elements, i, role, age);
+        const choose = (): void => {
+          chosen = i;
+          show();
+        };
+        return handle ? [{ ...handle, chosen: i === chosen, choose }] : [];
+      });
     },
   };
 }

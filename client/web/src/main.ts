@@ -3,6 +3,8 @@ import { BrumeView, defineBrumeView } from './brume-view';
 import { onKeys } from './controls';
 import type { Mode } from './controls';
 import { find, setPressed, setText } from './dom';
+import { Age } from './handle';
+import { Handles } from './handles';
 import { headsetSupported } from './headset';
 import { hintText, touchOnly } from './hint';
 import { copyLink } from './link';
@@ -50,10 +52,12 @@ view.addEventListener('picture', ({ detail: { latency } }) => {
 });
 let sceneName: string | undefined;
 let elements: Values[][] = []; // of the scene's lists, as last reported
+let age = new Age(); // of those
 view.addEventListener('welcome', ({ detail: welcome }) => {
   if (sceneName !== undefined && sceneName !== welcome.scene) notices.note(`Another scene is shown: ${welcome.scene}.`);
   sceneName = welcome.scene;
   elements = [];
+  age = new Age(welcome.tickHz);
   panel.welcome(welcome, settings.cap);
   setText(find('brand-scene'), welcome.scene);
 });
@@ -61,6 +65,7 @@ view.addEventListener('scenechange', ({ detail: scene }) => {
   const { values, statistics } = viewer();
   if (scene.lists)
     elements = (viewer().welcome?.lists ?? []).map((list, i) => elementsOf(list, scene.lists?.[i] ?? []));
+  age.report(scene.tick, paused(), scene.lists !== undefined);
   panel.lists(elements);
   panel.follow(values, scene.plan, statistics.lastFrame?.measured, settingsBack().length > 0);
   setPressed(find('tool-pause'), paused());
@@ -225,6 +230,16 @@ const panel = buildPanel(
   },
   settings,
 );
+const handles = new Handles(find('handles'), {
+  handles: () =>
+    viewer().linkState === 'connected' ? panel.handles(age.at(viewer().statistics.lastFrame?.tick ?? 0n)) : [],
+  eye: () => {
+    const { viewing, fovY, headset } = viewer();
+    return viewing.shown && viewing.views === 1 && !headset ? { ...viewing.shown, fovY } : undefined;
+  },
+  lens: () => ({ camera: viewer().camera, fovY: viewer().fovY, height: view.clientHeight }),
+  move: (path, value) => viewer().command({ kind: 'set', changes: [{ path, value }] }),
+});
 const overlay = new Overlay(find('overlay'));
 const steady = new Steady();
 
@@ -241,6 +256,11 @@ function tellLack(): void {
     serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
   };
   notices.lack(steady.next(headset ? undefined : lack(seen), seen.paused));
+}
+
+function animate(): void {
+  requestAnimationFrame(animate);
+  if (view.viewer) handles.draw();
 }
 
 function refresh(): void {
@@ -276,6 +296,7 @@ toggles.stats(settings.stats);
 toggles.panel(settings.panel);
 panel.follows(settings);
 window.setInterval(refresh, REFRESH_MS);
+requestAnimationFrame(animate);
 
 declare global {
   interface Window {

@@ -3,6 +3,7 @@ import { axes } from './camera';
 import type { Camera } from './camera';
 import { el, setText } from './dom';
 import { button, group, select, toggle } from './fields';
+import type { Choosable } from './handle';
 import { listGroup } from './lists';
 import type { ListGroup } from './lists';
 import { errorLine, planText } from './plan';
@@ -37,6 +38,7 @@ export interface Panel {
   follow(values: Values, inUse: Plan | undefined, measured: Measured | undefined, changed: boolean): void;
   follows(own: Settings): void; // what is this viewer's own
   lists(elements: readonly (readonly Values[])[]): void; // of Welcome.lists, in that order
+  handles(age: number): Choosable[]; // of the lists that are open; `age`: of what was told of them, s
   scene(name: string): void; // the one that is shown
   busy(text: string): void; // what is being done with the scene; empty: nothing
 }
@@ -189,6 +191,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       box.follow(own.box);
     },
     lists: (elements) => lists.forEach((list, i) => list.follow(elements[i] ?? [])),
+    handles: (age) => (root.hidden ? [] : lists.flatMap((list) => list.handles(age))),
     scene: (name) => scene.follow(name, true),
     busy: (text) => setText(doing, text),
   };
