@@ -116,6 +116,8 @@ inline bool isLocal(const Light& light) { return light.type != kDirectional; }
 struct Plane { // horizontal ground, seen from above
     float height = 0;
     glm::vec3 albedo{0.5f};
+    float structure = 0;      // in [0, 1]: the albedo varies by up to this part of it (shaders/shared/ground.h)
+    float structure_size = 5; // m, length of the longest waves of the structure
 
     bool operator==(const Plane&) const = default;
 };

@@ -30,6 +30,7 @@ inline constexpr Limits kSigmaT{0, 1e4}; // 1/m, a point's own
 inline constexpr Limits kAnisotropy{0, 1};
 inline constexpr Limits kAsymmetry{-0.99, 0.99};
 inline constexpr Limits kDroplet{5, 50};                                             // micrometres; the fit's range
+inline constexpr Limits kStructure{0, 1};                                            // of an albedo, as a part of it
 inline constexpr Limits kPlanes{0, 64}, kObjects{0, 4096};                           // how many; boxes and spheres
 inline constexpr Limits kMeshes{0, 64}, kTriangles{1, 65'536};                       // how many; of all meshes
 inline constexpr Limits kMeshScale{1e-6, 1e6};                                       // m per unit of a file

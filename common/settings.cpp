@@ -197,6 +197,10 @@ constexpr SceneSetting kSettings[]{
                                "Height of the horizontal ground", kNobody, Form::height})),
     listed(
         {"plane.albedo", at<&P::plane, &Plane::albedo>, "", limits::kColour, "Diffuse albedo", kNobody, Form::colour}),
+    listed({"plane.structure", at<&P::plane, &Plane::structure>, "", limits::kStructure,
+            "How far the albedo varies from place to place, at most, as a part of it; 0: not at all"}),
+    listed(usually({0.1, 100}, {"plane.structure_size", at<&P::plane, &Plane::structure_size>, "m", limits::kLength,
+                                "Length of the longest waves of the structure"})),
     listed(usually({-30, 30}, {"box.centre", at<&P::box, &Box::centre>, "m", limits::kPlace, "Centre of the box",
                                kNobody, Form::place})),
     listed(usually({0.01, 20}, {"box.size", at<&P::box, &Box::size>, "m", limits::kLength, "Full edge lengths"})),

@@ -180,7 +180,10 @@ constexpr Table kTables[]{
      "One that is directional at most, and up to 1,024 points and spots. A file that does not mention lights has a\n"
      "directional one; `light = []` is a scene without. In commands points and spots have numbers, from\n"
      "`light[0]`; `to_light`, `irradiance` and `rotate` are of the directional one, which has none."},
-    {"plane", "`[[plane]]`", "Horizontal ground, seen from above; up to 64."},
+    {"plane", "`[[plane]]`",
+     "Horizontal ground, seen from above; up to 64. The albedo can have a structure, as soil and grass have: twenty\n"
+     "waves, the longest as long as `structure_size`, the shortest 1/46 of that. Each pixel sees the mean over its\n"
+     "footprint. The structure repeats after 64 times `structure_size`."},
     {"box", "`[[box]]`", "Boxes and spheres together: up to 4,096."},
     {"sphere", "`[[sphere]]`", "Boxes and spheres together: up to 4,096."},
     {"mesh", "`[[mesh]]`", "Triangles of a glTF file, see above; up to 64 files with 65,536 triangles together."},

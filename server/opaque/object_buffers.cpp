@@ -5,7 +5,9 @@
 namespace brume {
 ObjectCounts countsOf(std::span<const gpu::Opaque> objects) {
     const auto of = [&](uint32_t kind) { return uint32_t(std::ranges::count(objects, kind, &gpu::Opaque::kind)); };
-    return {of(gpu::kPlane), of(gpu::kBox), of(gpu::kSphere)};
+    const bool structure =
+        std::ranges::any_of(objects, [](const gpu::Opaque& o) { return o.kind == gpu::kPlane && o.half_size.x > 0; });
+    return {of(gpu::kPlane), of(gpu::kBox), of(gpu::kSphere), structure};
 }
 
 ObjectBuffers::ObjectBuffers(const gpu::Device& device, const Scene& scene) : device_(device) {

@@ -24,6 +24,7 @@ void fill(const gpu::Device& device, gpu::Buffer& buffer, const std::vector<T>& 
 // How many objects there are of each kind.
 struct ObjectCounts {
     uint32_t planes = 0, boxes = 0, spheres = 0;
+    bool structure = false; // True: some of the planes have one
     uint32_t bodies() const { return boxes + spheres; }
     auto operator<=>(const ObjectCounts&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
 };

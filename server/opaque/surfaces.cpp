@@ -29,11 +29,12 @@ const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
     Programs& made = programs_[variant];
     const gpu::SpecConstant planes{gpu::kIdPlanes, variant.objects.planes}, boxes{gpu::kIdBoxes, variant.objects.boxes},
         spheres{gpu::kIdSpheres, variant.objects.spheres}, many{gpu::kIdManyObjects, variant.many},
-        fog{gpu::kIdHasFog, variant.fog}, lights{gpu::kIdHasLocalLights, variant.local_lights};
+        structure{gpu::kIdHasStructure, variant.objects.structure}, fog{gpu::kIdHasFog, variant.fog},
+        lights{gpu::kIdHasLocalLights, variant.local_lights};
     if (by_draw_ && !made.draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes, boxes, spheres, many, meshes_, fog, lights};
+        const gpu::SpecConstant constants[] = {planes, boxes, spheres, many, structure, meshes_, fog, lights};
         gpu::GraphicsInfo graphics;
         graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
         graphics.blend = gpu::Blend::replace;
@@ -41,7 +42,7 @@ const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
     }
     if (!by_draw_ && !made.compute)
         made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes, boxes, spheres, many, meshes_, fog, lights});
+                                           {planes, boxes, spheres, many, structure, meshes_, fog, lights});
     return made;
 }
 

@@ -18,6 +18,7 @@ layout(constant_id = kIdPlanes) const uint kPlanes = 1;
 layout(constant_id = kIdBoxes) const uint kBoxes = 1;
 layout(constant_id = kIdSpheres) const uint kSpheres = 1;
 layout(constant_id = kIdManyObjects) const bool kMany = false;
+layout(constant_id = kIdHasStructure) const bool kHasStructure = false;
 const bool kHasBodies = kBoxes + kSpheres > 0;
 
 #include "shaders/lib/objects.glsl"
@@ -30,6 +31,7 @@ const bool kHasBodies = kBoxes + kSpheres > 0;
 #include "shaders/lib/local_light_depth.glsl"
 
 #include "shaders/lib/mesh_hits.glsl"
+#include "shaders/shared/ground.h"
 
 const uint kNone = ~0u;
 const uint kOfMesh = 0x80000000u; // bit of Hit::object: the rest is the index of a triangle
@@ -164,8 +166,16 @@ vec3 lit(Hit hit, vec3 x) {
     return hit.albedo * light;
 }
 
+// Albedo of a plane that is hit along `dir`, over the pixel.
+vec3 structuredAlbedo(Hit hit, vec3 dir) {
+    const vec3 x = eye.position + hit.depth * dir, plane = objects[hit.object].half_size;
+    const vec3 a = groundFootprint(dir, eye.ray_right, hit.depth), b = groundFootprint(dir, eye.ray_down, hit.depth);
+    return groundAlbedo(hit.albedo, plane.x, groundStructure(x.x, x.z, a, b, plane.y));
+}
+
 vec3 shade(vec3 dir, Hit hit) {
     const vec3 w = normalize(dir);
+    if (kHasStructure && hit.object < kPlanes) hit.albedo = structuredAlbedo(hit, dir);
     vec3 colour = skyRadiance(w);
     if (hit.object != kNone) colour = throughHaze(lit(hit, eye.position + hit.depth * dir), hit.depth * dot(dir, w), w);
     return colour;

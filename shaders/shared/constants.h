@@ -24,6 +24,7 @@ const uint kIdHasFog = 28u;         // bool: there is fog
 const uint kIdHasGlow = 29u;        // bool: some fog emits light
 const uint kIdHasLocalLights = 30u; // bool: there are points or spots
 const uint kIdHasMeshes = 32u;      // bool: there are meshes
+const uint kIdHasStructure = 33u;   // bool: some planes have a structure (ground.h)
 
 // The volumetric shadow map.
 const uint kIdShadowLanes = 9u; // lanes that work on one tile together, texels of its width; a power of two, at most 8

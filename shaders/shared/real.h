@@ -12,6 +12,7 @@ namespace brume::physics {
 using std::abs;
 using std::clamp;
 using std::exp;
+using std::floor;
 using std::log;
 using std::max;
 using std::min;

@@ -152,7 +152,7 @@ const uint kMostShadows = 64u;  // of objects on a ray that are kept apart
 struct Opaque {
     vec3 centre; // of a plane: only y counts
     uint kind;
-    vec3 half_size; // of a sphere: x is the radius
+    vec3 half_size; // of a sphere: x is the radius; of a plane: x is its structure, y the structure's size
     float yaw_cos;
     vec3 albedo;
     float yaw_sin;

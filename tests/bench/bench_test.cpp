@@ -51,6 +51,8 @@ TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
         [](auto& w) { w.lights[0].cos_outer = 0.5; },
         [](auto& w) { w.lights[0].cos_inner = 0.9; },
         [](auto& w) { w.obstacles[0].yaw = 1; },
+        [](auto& w) { w.obstacles[0].structure = 0.5; },
+        [](auto& w) { w.obstacles[0].structure = 0.5, w.obstacles[0].structure_size = 3; },
         [](auto& w) { w.sky_horizon.x = 1; },
         [](auto& w) { w.haze = 0.1; },
         [](auto& w) { w.phase.asymmetry = 0.5; },

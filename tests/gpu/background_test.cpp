@@ -11,6 +11,7 @@
 #include "shaders/shared/sky.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
+#include "tools/reference/medium_reference.h"
 #include "tools/reference/obstacle_tree.h"
 
 namespace brume::test {
@@ -127,6 +128,39 @@ TEST_F(BackgroundTest, HazeFadesSurfacesToTheSky) {
         EXPECT_GT(near, 100);
         EXPECT_GT(far, 20);
     }
+}
+
+// Every pixel of a ground with structure is as the reference has it, at all distances; other planes stay plain.
+TEST_F(BackgroundTest, GroundWithStructure) {
+    Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});
+    scene.planes = {{.height = -1, .albedo = {0.5f, 0.3f, 0.9f}, .structure = 0.8f, .structure_size = 3},
+                    {.height = -4, .albedo = glm::vec3(0.4f)}};
+    const Pose pose = lookAt({7000, 1, -3000}, {7000, 0, -3008}, 0.8f);
+    const uint32_t width = 96, height = 54;
+    const reference::World world = reference::worldOf(scene, particlesOf(scene));
+    const reference::Camera camera = reference::perspective(pose, int(width), int(height), kNearDepth);
+    reference::World plain = world;
+    for (reference::Obstacle& plane : plain.obstacles) plane.structure = 0;
+    for (const bool by_draw : {true, false}) {
+        SCOPED_TRACE(by_draw ? "draw" : "compute");
+        const Seen seen = see(scene, pose, width, height, by_draw);
+        int varied = 0;
+        for (uint32_t i = 0; i < width * height; ++i) {
+            const reference::Ray ray = reference::rayThrough(camera, i % width + 0.5, double(i / width) + 0.5);
+            if (ray.direction.y > -1e-2) continue;
+            const glm::dvec3 exact = reference::along(world, ray).total(), flat = reference::along(plain, ray).total();
+            // Float has steps of 0.5 mm there, and the shortest waves are 66 mm long: 1 % of their amplitudes.
+            for (int c = 0; c < 3; ++c)
+                ASSERT_NEAR(double(seen.radiance[4 * i + uint32_t(c)]) / exact[c], 1, 4e-3) << i;
+            varied += std::abs(exact.x / flat.x - 1) > 0.05;
+        }
+        EXPECT_GT(varied, 500);
+    }
+    scene.planes[0].height = -5; // below the other one, which has no structure
+    const Seen seen = see(scene, pose, width, height, true);
+    const uint32_t last = 4 * (width * height - 1);
+    EXPECT_NEAR(seen.radiance[last], seen.radiance[last - 4 * width / 2], 1e-6f);
+    EXPECT_GT(seen.radiance[last], 0);
 }
 
 // More objects than a bin has first ones, and a wall that fills bins in front of others.

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/fog.h"
+#include "shaders/shared/ground.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/scatter.h"
 #include "shaders/shared/sky.h"
@@ -34,6 +35,8 @@ void main() {
         insideFog(x[i], x[i + 1], vec3(x[i + 2]), x[i + 3], vec3(x[i + 4]), vec3(x[i + 5]), 0, x[i + 6]);
     sum += fogDistance(x[i], x[i + 1], x[i + 2], x[i + 3], x[i + 4], x[i + 5], x[i + 6]);
     sum += scatterOwn(fogDepth(x[i], x[i + 1], x[i + 2], x[i + 3], x[i + 4], part.begin, part.end), x[i + 5], x[i + 6]);
+    const vec3 a = groundFootprint(vec3(x[i]), vec3(x[i + 1]), x[i + 2]);
+    sum += groundAlbedo(vec3(x[i]), x[i + 1], groundStructure(x[i + 2], x[i + 3], a, vec3(x[i + 4]), x[i + 5])).x;
     sum += skyZenithPart(x[i]) + skySeen(x[i]) + skyZenithSeen(x[i]);
     x[i] = sum;
 }

@@ -81,12 +81,15 @@ TEST(Lists, AnObjectIsMovedTurnedAndColoured) {
                                        {"box[1].size", glm::vec3(1, 2, -3)},
                                        {"box[0].yaw", 0.5f},
                                        {"sphere[0].radius", 2.0f},
-                                       {"plane[1].albedo", glm::vec3(0.25f)}});
+                                       {"plane[1].albedo", glm::vec3(0.25f)},
+                                       {"plane[1].structure", 2.0f},
+                                       {"plane[0].structure_size", 3.0f}});
     EXPECT_EQ(after.why, "");
     EXPECT_EQ(after.lists().boxes[1], (Box{.centre = {5, 6, 7}, .size = {1, 2, float(limits::kLength.lo)}}));
     EXPECT_EQ(after.lists().boxes[0], (Box{.centre = {1, 0, 0}, .yaw = 0.5f}));
     EXPECT_EQ(after.lists().spheres[0], (Sphere{.centre = {3, 0, 0}, .radius = 2}));
-    EXPECT_EQ(after.lists().planes[1], (Plane{.height = -1, .albedo = glm::vec3(0.25f)}));
+    EXPECT_EQ(after.lists().planes[0], (Plane{.height = -2, .structure_size = 3}));
+    EXPECT_EQ(after.lists().planes[1], (Plane{.height = -1, .albedo = glm::vec3(0.25f), .structure = 1}));
 }
 
 // Those of [objects] are no elements: they stay, behind the file's own.

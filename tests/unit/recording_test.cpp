@@ -279,9 +279,9 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreNamed) {
     EXPECT_NE(readError().find("no recording"), std::string::npos);
     put("#!/bin/sh\n");
     EXPECT_NE(readError().find("no recording"), std::string::npos);
-    for (const char* other : {"5", "7"}) {
+    for (const char* other : {"6", "8"}) {
         put(std::string("brume-recording ") + other + "\n");
-        EXPECT_NE(readError().find(std::string("version ") + other + "; this server replays version 6"),
+        EXPECT_NE(readError().find(std::string("version ") + other + "; this server replays version 7"),
                   std::string::npos)
             << readError();
     }

@@ -87,6 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[fog]]\n[[fog]]\n[[fog]]\n[[fog]]\n[[fog]]", 1, "fog", "5", "0 to 4"},
         Wrong{"[medium]\nlayout = \"none\"\ncount = 3", 3, "medium.count", "not used", "no particles"},
         Wrong{"[[sphere]]\n\n[[sphere]]\nradius = -1", 4, "sphere[1].radius", "-1 is not", "from 0.001"},
+        Wrong{"[[plane]]\nstructure = 1.5", 2, "plane[0].structure", "1.5 is not", "a number from 0 to 1"},
         Wrong{"[[box]]\nsize = [1, 0, 1]", 2, "box[0].size", "is not", "from 0.001"},
         Wrong{"[camera]\nposition = [1, 2, 3]\ntarget = [1, 2, 3]", 3, "camera.target", "is where the camera stands",
               "any place"},

@@ -127,6 +127,8 @@ radius = 2.25
 phase = "droplets"
 [[plane]]
 height = -3.7
+structure = 0.3
+structure_size = 12.5
 [[box]]
 yaw = 0.3
 [[box]]

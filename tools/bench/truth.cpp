@@ -50,10 +50,12 @@ public:
         add(radius), add(range), add(double(shadows));
     }
     void add(const reference::Obstacle& obstacle) {
-        const auto& [kind, centre, half_size, yaw, albedo, corners, beyond] = obstacle; // `beyond` follows from corners
+        const auto& [kind, centre, half_size, yaw, albedo, corners, beyond, structure,
+                     structure_size] = obstacle; // `beyond` follows from corners
         add(double(kind)), add(centre), add(half_size), add(yaw), add(albedo);
         if (kind == reference::Obstacle::Kind::triangle)
             for (const glm::dvec3& corner : corners) add(corner);
+        if (structure > 0) add(structure), add(structure_size);
     }
     template <class Element>
     void add(const std::vector<Element>& list) {

@@ -21,12 +21,22 @@ Camera orthographic(const Pose& pose, int width, int height, double height_m) {
 Ray rayThrough(const Camera& camera, double x, double y) {
     const double right = (2 * x - camera.width) / camera.height * camera.half_height;
     const double up = (1 - 2 * y / camera.height) * camera.half_height;
+    const double pixel = 2 * camera.half_height / camera.height;
+    const glm::dvec3 step_right = pixel * camera.world_from_view[0], step_down = -pixel * camera.world_from_view[1];
     if (camera.orthographic)
-        return {camera.position + camera.world_from_view * glm::dvec3(right, up, 0), -camera.world_from_view[2],
-                camera.near_depth};
+        return {.origin = camera.position + camera.world_from_view * glm::dvec3(right, up, 0),
+                .direction = -camera.world_from_view[2],
+                .begin = camera.near_depth,
+                .right = step_right,
+                .down = step_down,
+                .parallel = true};
     const glm::dvec3 in_view(right, up, -1);
-    return {camera.position, glm::normalize(camera.world_from_view * in_view),
-            camera.near_depth * glm::length(in_view)};
+    const double length = glm::length(in_view);
+    return {.origin = camera.position,
+            .direction = glm::normalize(camera.world_from_view * in_view),
+            .begin = camera.near_depth * length,
+            .right = step_right / length,
+            .down = step_down / length};
 }
 
 } // namespace brume::reference

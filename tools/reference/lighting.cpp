@@ -83,15 +83,16 @@ void Lighting::scattered(glm::dvec3 x, glm::dvec3 w, std::span<const PhaseLobes>
     }
 }
 
-glm::dvec3 Lighting::surface(int object, glm::dvec3 x, glm::dvec3 normal) const {
+glm::dvec3 Lighting::surface(const Hit& hit, const Ray& ray) const {
+    const glm::dvec3 x = ray.at(hit.t), normal = hit.normal;
     glm::dvec3 light = world_.sky_horizon * physics::skySeen(normal.y) +
                        (world_.sky_zenith - world_.sky_horizon) * physics::skyZenithSeen(normal.y);
     for (size_t i = 0; i < world_.lights.size(); ++i) {
         const Arrival arrival = arrivalAt(world_.lights[i], x);
         const double cosine = glm::dot(normal, arrival.to_light);
-        if (cosine > 0) light += arrival.irradiance * (cosine / kPi * std::exp(-depth(i, x, arrival, object)));
+        if (cosine > 0) light += arrival.irradiance * (cosine / kPi * std::exp(-depth(i, x, arrival, hit.object)));
     }
-    return world_.obstacles[object].albedo * light;
+    return albedoAt(world_.obstacles[hit.object], ray, hit.t) * light;
 }
 
 void Lighting::edges(const Ray& ray, std::vector<double>& t) const {

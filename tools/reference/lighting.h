@@ -27,9 +27,9 @@ public:
     // Of each phase function the sum over lights of E p T_L Vis: radiance scattered at x toward -w per unit of
     // scattering, where w is the ray's direction. `sums` is as long as `phases`.
     void scattered(glm::dvec3 x, glm::dvec3 w, std::span<const PhaseLobes> phases, std::span<glm::dvec3> sums) const;
-    // Radiance that a surface point of obstacle `object` reflects, by Lambert's law: of the lights, past objects and
-    // medium, and of the whole sky above the horizon (shaders/shared/sky.h).
-    glm::dvec3 surface(int object, glm::dvec3 x, glm::dvec3 normal) const;
+    // Radiance that the ray's surface reflects, by Lambert's law: of the lights, past objects and medium, and of the
+    // whole sky above the horizon (shaders/shared/sky.h).
+    glm::dvec3 surface(const Hit& hit, const Ray& ray) const;
 
     // Optical depth from x to light `i`; kInfinity if an object other than `skip` is in between.
     double depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip = -1) const;

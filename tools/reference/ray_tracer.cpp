@@ -42,8 +42,7 @@ RayResult RayTracer::trace(const Ray& ray) {
     const Hit hit = stage_.lighting.obstacles().nearest(ray);
     ray_.end = std::min(ray.end, hit.t);
     if (hit.object >= 0)
-        result.background =
-            throughHaze(world_, stage_.lighting.surface(hit.object, ray.at(hit.t), hit.normal), hit.t, ray.direction);
+        result.background = throughHaze(world_, stage_.lighting.surface(hit, ray), hit.t, ray.direction);
     else if (std::isinf(ray.end))
         result.background = skyRadiance(world_, ray.direction);
     gather();

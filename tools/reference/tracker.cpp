@@ -43,7 +43,7 @@ public:
             const Collision collision = collide(ray, random);
             if (!(collision.t < ray.end)) {
                 if (hit.object >= 0) {
-                    const glm::dvec3 surface = lighting_.surface(hit.object, ray.at(hit.t), hit.normal);
+                    const glm::dvec3 surface = lighting_.surface(hit, ray);
                     radiance += weight * (order == 0 ? throughHaze(world_, surface, hit.t, ray.direction) : surface);
                 } else
                     radiance += weight * (order == 0 ? skyRadiance(world_, ray.direction) : world_.ambient);

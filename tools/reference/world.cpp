@@ -6,6 +6,7 @@
 #include <map>
 
 #include "common/scene_limits.h"
+#include "shaders/shared/ground.h"
 #include "shaders/shared/sky.h"
 
 namespace brume::reference {
@@ -58,6 +59,16 @@ std::vector<Obstacle> obstaclesOf(std::span<const Triangle> triangles) {
     return out;
 }
 
+glm::dvec3 albedoAt(const Obstacle& obstacle, const Ray& ray, double t) {
+    if (!(obstacle.structure > 0)) return obstacle.albedo;
+    const glm::dvec3 x = ray.at(t);
+    const double depth = ray.parallel ? 1 : t;
+    const double mean =
+        physics::groundStructure(x.x, x.z, physics::groundFootprint(ray.direction, ray.right, depth),
+                                 physics::groundFootprint(ray.direction, ray.down, depth), obstacle.structure_size);
+    return physics::groundAlbedo(obstacle.albedo, obstacle.structure, mean);
+}
+
 LightSource directional(const brume::Light& light) {
     LightSource source;
     source.colour = light.irradiance;
@@ -98,8 +109,11 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     for (const brume::Light& light : now.local_lights) world.lights.push_back(localLight(light));
     for (const brume::Fog& fog : now.fogs)
         if (fog.extinction > 0) world.fogs.push_back(fogOf(fog));
-    for (const Plane& p : scene.planes)
+    for (const Plane& p : scene.planes) {
         world.obstacles.push_back({Obstacle::Kind::plane, {0, p.height, 0}, glm::dvec3(0), 0, p.albedo});
+        world.obstacles.back().structure = double(p.structure);
+        world.obstacles.back().structure_size = double(p.structure_size);
+    }
     for (const Box& b : scene.boxes)
         world.obstacles.push_back({Obstacle::Kind::box, b.centre, glm::dvec3(b.size) * 0.5, b.yaw, b.albedo});
     for (const Sphere& s : scene.spheres)

@@ -23,6 +23,9 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Ray {
     glm::dvec3 origin, direction;
     double begin = 0, end = kInfinity;
+    // Steps to the rays of the pixels to the right and below: m per m of distance, of parallel rays m. 0: of no pixel.
+    glm::dvec3 right{0}, down{0};
+    bool parallel = false;
     glm::dvec3 at(double t) const { return origin + t * direction; }
 };
 
@@ -101,7 +104,10 @@ struct Obstacle {
     // Of a triangle: the third corner of the one other triangle at the edge from corner i to the next. Without one,
     // every shadow of the triangle ends at the edge.
     std::optional<glm::dvec3> beyond[3]{};
+    double structure = 0, structure_size = 1; // of a plane: shaders/shared/ground.h
 };
+// Albedo where the ray meets the obstacle, `t` away: of a plane with structure the mean over the ray's pixel.
+glm::dvec3 albedoAt(const Obstacle& obstacle, const Ray& ray, double t);
 // The triangles of meshes.
 std::vector<Obstacle> obstaclesOf(std::span<const Triangle> triangles);
 
