@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,6 +20,8 @@
 #include "shaders/shared/types.h"
 
 namespace brume {
+
+class ShownLights;
 
 // One picture to plan for.
 struct PlanView {
@@ -57,6 +60,8 @@ struct PlanScene {
     // Particles that one of the sample stands for.
     double weight() const { return sample.empty() ? 0 : double(particles) / double(sample.size()); }
     double support(const gpu::Particle& particle) const; // m, radius beyond which it is cut
+    // False: there is one fog without a ball, and nothing else. Pixels have its light in closed form.
+    bool needsRays() const { return particles > 0 || tick.fog_count != 1 || tick.fogs[0].radius <= kNoBall; }
 };
 
 inline constexpr float kCoarsestShadow = 0.05f, kFinestShadow = 2e-4f; // relative errors, ends of PlanScene::shadows
@@ -103,6 +108,7 @@ public:
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
     const ShownMedium& shown() const;                      // found when first asked for: work alone does not need it
+    const ShownLights& shownLights() const;                // the same
     // Pixels in the ranges of points and spots, one for every light that reaches it.
     double litPixels() const { return lit_pixels_; }
     // The pieces that these pixels' rays are cut into: at cones and fogs, and at the slabs of particles.
@@ -124,6 +130,7 @@ private:
     double pixel_, near_, far_, lit_pixels_ = 0;
     std::vector<Seen> seen_;
     mutable std::optional<ShownMedium> shown_;
+    mutable std::shared_ptr<const ShownLights> shown_lights_;
 };
 
 // Number of cells that [lo, hi] touches, in a row of `count` cells of `size` from 0.

@@ -48,7 +48,7 @@ float fogBefore(vec3 dir, float end) {
 // The quantities of a pixel's whole ray; its depth is that of particles and fog. `dir`: of unit view depth; `end`: view
 // depth where it ends.
 void wholeRay(MediumRun run, vec4 across, vec3 dir, float end, out float ray[kMostFieldQuantities]) {
-    ray[kFieldDepth] = max(dot(across, run.whole[kFieldDepth]), 0);
+    ray[kFieldDepth] = isFogOnly() ? 0 : max(dot(across, run.whole[kFieldDepth]), 0); // rays are not made then
     if (kHasFog) {
         float scale[kMostFieldQuantities];
         const float fog = fieldScale(dir, end, ray[kFieldDepth], scale);

@@ -101,6 +101,16 @@ TEST(PromiseRows, WhatIsNoRowIsRefusedWithItsLine) {
     }
 }
 
+TEST(PromiseRows, ThoseOfAnotherKindOfScenesAreRefused) {
+    const std::filesystem::path file = folder("promise-kinds") / "rows.jsonl";
+    std::ofstream(file) << R"({"seed":1,"budget":0.005,"kind":"lit"})" << '\n';
+    EXPECT_EQ(readRows(file, 0.005, RandomKind::lit).size(), 1u);
+    EXPECT_THROW(readRows(file, 0.005), std::runtime_error);
+    std::ofstream(file) << R"({"seed":1,"budget":0.005})" << '\n'; // of a time when there was one kind
+    EXPECT_EQ(readRows(file, 0.005).size(), 1u);
+    EXPECT_THROW(readRows(file, 0.005, RandomKind::lit), std::runtime_error);
+}
+
 json row(uint64_t seed, const char* layout, double predicted, double measured) {
     return {{"seed", seed},
             {"half", seed % 2 ? "judge" : "train"},
@@ -137,6 +147,15 @@ TEST(PromisePage, CountsWhatHolds) {
           "1 of 2 are within 0.01. Of 2 that the plan predicts within, 1 are. Measured over predicted: median"})
         EXPECT_NE(page.find(line), page.npos) << line << '\n' << page;
     EXPECT_LT(page.find("| 3 | sheet, 3 particles"), page.find("| 2 | ball, 3 particles")); // the worst first
+    EXPECT_EQ(page.find("points and spots"), page.npos);
+    for (size_t i = 0; i < 4; ++i) rows[i]["kind"] = "lit", rows[i]["fogs"] = i / 2, rows[i]["local_lights"] = 3;
+    rows[0]["promised"] = false;
+    const std::string lit = promisePage(rows, 0.005, 0.01);
+    for (const char* line :
+         {"| fogs | scenes |", "| 1 | 2 | 50 % | 50 % | 2.50 | 0.5 % | 2 % |", "| points and spots | scenes |",
+          "| 3 | 4 | 50 % | 75 % | 1.00 | 0.5 % | 2 % |", "| local lights | 1 | 0 % | 100 % | 1.50 | 0.6 % | 0.6 % |",
+          "| fogs and local lights | 2 | 50 % | 50 % |"})
+        EXPECT_NE(lit.find(line), lit.npos) << line << '\n' << lit;
     const std::string plot = promisePlot(rows);
     size_t circles = 0;
     for (size_t at = plot.find("<circle"); at != plot.npos; at = plot.find("<circle", at + 1)) ++circles;

@@ -85,10 +85,37 @@ TEST(LocalLightWork, ParticlesAreAddedToTheDepthOfEveryLightThatTheyDim) {
     EXPECT_EQ(work(), 400);
 }
 
+// One fog without particles and without a ball is in closed form at every pixel.
+TEST(FogWork, OneAloneHasNoRays) {
+    Scene scene = haze(0);
+    const auto work = [&](const char* method) {
+        const PlanInputs inputs = inputsOf(scene);
+        RenderSettings settings = settingsOf(4, 32);
+        settings.method = method, settings.grid.spacing = 0.5f;
+        const Work all = ViewWork(inputs.scene, inputs.views[0]).of(settings);
+        double rays = 0;
+        for (const CostInfo* cost : planOf(method)->costs())
+            if (std::string_view(cost->pass).find("slab") == 0 || std::string_view(cost->pass) == "grid rays")
+                rays += all[*cost];
+        return rays;
+    };
+    for (const char* method : {"slabs", "grid"}) {
+        EXPECT_EQ(work(method), 0) << method;
+        scene.fogs[0].radius = 5;
+        EXPECT_GT(work(method), 0) << method;
+        scene.fogs[0].radius = 0;
+        scene.fogs.push_back(scene.fogs[0]);
+        EXPECT_GT(work(method), 0) << method;
+        scene.fogs.pop_back();
+    }
+}
+
 // Where nearly all time is the lights', rays and slabs would be given up in vain.
 TEST(LocalLightPlan, OverloadTakesNoStepThatDoesNotHelp) {
     const auto relaxed = [](uint32_t lights) {
-        PlanInputs inputs = inputsOf(haze(lights));
+        Scene scene = haze(lights);
+        scene.fogs.push_back({.extinction = 0.01f}); // one alone has no rays
+        PlanInputs inputs = inputsOf(scene);
         inputs.scene.wanted.rate = 2, inputs.scene.wanted.slabs = 64;
         inputs.relaxed = 10;
         return makePlan(inputs, builtInCosts()).relaxed;

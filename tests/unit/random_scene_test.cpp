@@ -42,6 +42,8 @@ TEST(RandomScene, OneSeedIsOneSceneOnAllMachines) {
     // Written down once. Whoever changes what is drawn changes all measured numbers, and says so.
     EXPECT_EQ(hashOf(randomScene(1)), 111035736804915302u);
     EXPECT_EQ(hashOf(randomScene(12)), 9869892175150951151u);
+    EXPECT_EQ(hashOf(randomScene(1, RandomKind::lit)), 5632757605867036181u);
+    EXPECT_EQ(hashOf(randomScene(12, RandomKind::lit)), 17916982376064681256u);
 }
 
 TEST(RandomScene, LoadsAsItWasDrawn) {
@@ -98,6 +100,60 @@ TEST(RandomScene, CoversItsRanges) {
     EXPECT_NEAR(with_objects, kScenes / 3, kScenes / 12);
     EXPECT_NEAR(lobes, kScenes * 2 / 3, kScenes / 12);
     for (const int part : {thin, dense, few, many, small, large}) EXPECT_GT(part, kScenes / 10);
+}
+
+// Scenes of kind `lit`: what the others have, smaller, and fogs, points, spots and more bodies.
+TEST(RandomScene, LitOnesLoadAsTheyWereDrawn) {
+    EXPECT_EQ(hashOf(randomScene(7, RandomKind::lit)), hashOf(randomScene(7, RandomKind::lit)));
+    EXPECT_NE(randomScene(7, RandomKind::lit).scene.name, randomScene(7).scene.name); // neither file replaces the other
+    for (uint64_t seed = 0; seed < 60; ++seed) {
+        const RandomScene random = randomScene(seed, RandomKind::lit);
+        const Scene scene = loadScene(save(random, folder()));
+        const SceneLists lists = Simulation(scene).now().lists;
+        ASSERT_EQ(lists.lights.size(), localLightsOf(random.scene).size()) << seed;
+        ASSERT_EQ(lists.fogs.size(), random.scene.fogs.size()) << seed;
+        ASSERT_EQ(scene.boxes.size() + scene.spheres.size(), random.scene.boxes.size() + random.scene.spheres.size());
+        for (size_t i = 0; i < lists.lights.size(); ++i) {
+            const Light &loaded = lists.lights[i], &drawn = random.scene.lights[i + 1]; // the sun is the first
+            EXPECT_EQ(loaded.type, drawn.type) << seed;
+            EXPECT_EQ(loaded.position, drawn.position) << seed;
+            EXPECT_EQ(loaded.intensity, drawn.intensity) << seed;
+            EXPECT_EQ(loaded.range, drawn.range) << seed;
+            EXPECT_EQ(loaded.shadows, drawn.shadows) << seed;
+            EXPECT_NEAR(glm::dot(loaded.axis, drawn.axis), 1, 1e-6) << seed;
+        }
+        for (size_t i = 0; i < lists.fogs.size(); ++i) {
+            EXPECT_EQ(lists.fogs[i].extinction, random.scene.fogs[i].extinction) << seed;
+            EXPECT_EQ(lists.fogs[i].lo, random.scene.fogs[i].lo) << seed;
+            EXPECT_EQ(lists.fogs[i].radius, random.scene.fogs[i].radius) << seed;
+        }
+    }
+}
+
+TEST(RandomScene, LitOnesCoverTheirRanges) {
+    constexpr int kScenes = 300;
+    std::map<size_t, int> fogs, lights;
+    int points = 0, spots = 0, endless = 0, unshadowed = 0, balls = 0, layers = 0, thinning = 0, bodies = 0;
+    for (uint64_t seed = 0; seed < kScenes; ++seed) {
+        const RandomScene random = randomScene(seed, RandomKind::lit);
+        ASSERT_TRUE(random.points.position.size() <= 2000 && random.size.x <= 480) << seed;
+        ++fogs[random.scene.fogs.size()], ++lights[localLightsOf(random.scene).size()];
+        bodies += !random.scene.boxes.empty() || !random.scene.spheres.empty();
+        for (const Fog& fog : random.scene.fogs)
+            balls += fog.radius > 0, layers += fog.falloff == 0 && fog.hi<1e4f, thinning += fog.falloff> 0;
+        for (const Light& light : localLightsOf(random.scene)) {
+            (light.type == kPoint ? points : spots) += 1;
+            endless += light.range == 0, unshadowed += !light.shadows;
+            EXPECT_GT(light.radius, 0) << seed;
+        }
+    }
+    EXPECT_EQ(fogs.size(), 3u);
+    EXPECT_EQ(lights.size(), 7u);
+    for (const auto& [count, scenes] : fogs) EXPECT_GT(scenes, kScenes / 6) << count;
+    for (const auto& [count, scenes] : lights) EXPECT_GT(scenes, kScenes / 14) << count;
+    EXPECT_NEAR(bodies, kScenes * 2 / 3, kScenes / 8);
+    for (const int part : {points, spots, endless, unshadowed}) EXPECT_GT(part, kScenes / 2);
+    for (const int part : {balls, layers, thinning}) EXPECT_GT(part, kScenes / 8);
 }
 
 // The depth that was drawn is that of the written points, by an exact sum.

@@ -170,6 +170,11 @@ private:
         command->add_option("--frames", feature_frames_, "of each")->check(CLI::Range(1, 10000));
         command->add_option("--out", features_out_, kOutHelp)->default_str("");
 
+        command = addPlain("scaling", kMeasurements, "what a view costs with 1 to 1,024 lights, and 10 to 4,000 boxes",
+                           [this] { scaling(context_, scaling_frames_, scaling_out_); });
+        command->add_option("--frames", scaling_frames_, "of each")->check(CLI::Range(1, 10000));
+        command->add_option("--out", scaling_out_, kOutHelp)->default_str("");
+
         command = addPlain("native", kMeasurements, "slabs on Vulkan beside the same maths on this CPU's vector units",
                            [this] { nativeSlabs(context_, native_); });
         command
@@ -189,6 +194,8 @@ private:
                                      [this] { keepPromise(context_, promise_); });
         command->add_option("--scenes", q.scenes, "how many")->check(CLI::Range(1, 1'000'000));
         command->add_option("--seed", q.seed, "of the first; the next has the next seed");
+        command->add_option("--kind", promise_.kind, "sun: particles and objects; lit: fogs, points and spots besides")
+            ->check(CLI::IsMember({"sun", "lit"}));
         command->add_option("--method", q.method, "instead of auto: how its error is predicted");
         command->add_option("--budget", q.budget, "render.error: relative RMSE")->check(CLI::Range(1e-5, 1.0));
         command->add_option("--pixels", q.pixels, "compared of each")->check(CLI::Range(40, 1'000'000));
@@ -242,8 +249,8 @@ private:
     CorrectionOptions correction_;
     ReportOptions report_;
     PlanTable planned_;
-    std::string plan_out_, features_out_, pictures_only_, pictures_out_;
-    uint32_t feature_frames_ = 10;
+    std::string plan_out_, features_out_, scaling_out_, pictures_only_, pictures_out_;
+    uint32_t feature_frames_ = 10, scaling_frames_ = 5;
     NativeOptions native_;
 };
 

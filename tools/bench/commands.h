@@ -48,7 +48,8 @@ struct WhichOptions {
 int answerWhich(const Context& context, const WhichOptions& options);
 
 struct PromiseOptions {
-    PromiseQuestion question; // its folder is replaced
+    PromiseQuestion question; // its folder and kind are replaced
+    std::string kind = "sun";
     std::filesystem::path rows = "build/promise.jsonl", out;
 };
 void keepPromise(const Context& context, PromiseOptions options);
@@ -70,6 +71,7 @@ void sweep(const Context& context, const SweepOptions& options);
 void calibrateDevice(const Context& context, double seconds);
 void plan(const Context& context, const PlanTable& wanted, const std::filesystem::path& out);
 void features(const Context& context, uint32_t frames, const std::filesystem::path& out);
+void scaling(const Context& context, uint32_t frames, const std::filesystem::path& out);
 
 struct NativeOptions {
     std::string instructions, out;

@@ -12,5 +12,7 @@ namespace brume::bench {
 // frames of each in turns. Returns Markdown. Throws std::runtime_error if a picture changes by more than rounding:
 // then the time would not be that of a feature.
 std::string featuresTable(const gpu::Device& device, uint32_t frames);
+// The same of `slabs` and `grid` on `cloud`, and of what they alone draw: fog, meshes and shafts.
+std::string absentFeatures(const gpu::Device& device, uint32_t frames);
 
 } // namespace brume::bench

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "common/random.h"
 #include "server/methods/plans.h"
 #include "server/methods/rays/ray_plan.h"
-#include "common/random.h"
 #include "tools/bench/error.h"
 #include "tools/bench/truth.h"
 #include "tools/bench/which.h"
@@ -66,7 +66,7 @@ double deviationAt(const PlanScene& scene, double part) {
 class Member {
 public:
     Member(const gpu::Device& device, const CostModel& model, const PromiseQuestion& question, uint64_t seed)
-        : device_(device), model_(model), question_(question), random_(randomScene(seed)) {
+        : device_(device), model_(model), question_(question), random_(randomScene(seed, question.kind)) {
         wanted_.scene = save(random_, question.folder);
         wanted_.size = random_.size;
         wanted_.set = {std::begin(kMediumAlone), std::end(kMediumAlone)};
@@ -76,11 +76,12 @@ public:
     }
 
     json row() {
-        row_ = {{"seed", random_.seed},       {"half", random_.seed > kTrained ? "judge" : "train"},
-                {"budget", question_.budget}, {"layout", random_.layout},
-                {"camera", random_.camera},   {"count", random_.points.position.size()},
-                {"spread", random_.spread},   {"depth", random_.depth},
-                {"width", random_.size.x},    {"height", random_.size.y}};
+        row_ = {{"seed", random_.seed},        {"half", random_.seed > kTrained ? "judge" : "train"},
+                {"budget", question_.budget},  {"layout", random_.layout},
+                {"camera", random_.camera},    {"count", random_.points.position.size()},
+                {"spread", random_.spread},    {"depth", random_.depth},
+                {"width", random_.size.x},     {"height", random_.size.y},
+                {"kind", nameOf(random_.kind)}};
         Stage stage(device_, wanted_, 0, model_);
         addScene(stage.scene());
         addPlan(stage);
@@ -114,6 +115,7 @@ private:
     void addScene(const Scene& scene) {
         const glm::vec3 view = glm::normalize(scene.camera.target - scene.camera.position);
         row_["objects"] = scene.planes.size() + scene.boxes.size() + scene.spheres.size();
+        row_["fogs"] = scene.fogs.size(), row_["local_lights"] = localLightsOf(scene).size();
         row_["anisotropy"] = scene.medium.anisotropy, row_["asymmetry"] = scene.medium.asymmetry;
         row_["toward_light"] = glm::dot(view, scene.lights.front().to_light); // -1: the light is behind the eye
     }
@@ -135,6 +137,7 @@ private:
         row_["predicted_light"] = view.shown().lightFactor() * lightError(shadow.resolution.error);
         row_["predicted_rays"] = raysError(view, s.rate);
         row_["predicted_slabs"] = slabsError(view, s.slabs);
+        row_["predicted_lights"] = localLightsError(view, s.rate, s.slabs);
         row_["ray_spacing"] = view.raySpacing(s.rate), row_["slab_thickness"] = view.slabThickness(s.slabs);
         row_["inside"] = view.inside(), row_["deviation"] = scene.extent.deviation;
         row_["deviation_5"] = deviationAt(scene, 0.05), row_["deviation_50"] = deviationAt(scene, 0.5);
@@ -269,11 +272,11 @@ json promiseRow(const gpu::Device& device, const CostModel& model, const Promise
     try {
         return member.row();
     } catch (const std::exception& e) { // one scene's failure is a result, and does not end the others
-        return {{"seed", seed}, {"budget", question.budget}, {"why_not", e.what()}};
+        return {{"seed", seed}, {"kind", nameOf(question.kind)}, {"budget", question.budget}, {"why_not", e.what()}};
     }
 }
 
-std::vector<json> readRows(const std::filesystem::path& file, double budget) {
+std::vector<json> readRows(const std::filesystem::path& file, double budget, RandomKind kind) {
     std::vector<json> rows;
     std::ifstream in(file);
     std::string line;
@@ -287,6 +290,8 @@ std::vector<json> readRows(const std::filesystem::path& file, double budget) {
             fail("no row of brume-bench promise");
         if (!row.contains("budget") || !row["budget"].is_number() || row["budget"] != budget)
             fail(fmt::format("a row of another budget than {}", budget));
+        if (row.value("kind", json("sun")) != nameOf(kind))
+            fail(fmt::format("a row of another kind of scenes than {}", nameOf(kind)));
         rows.push_back(std::move(row));
     }
     return rows;
@@ -294,7 +299,7 @@ std::vector<json> readRows(const std::filesystem::path& file, double budget) {
 
 std::vector<json> measureRows(const gpu::Device& device, const CostModel& model, const PromiseQuestion& question,
                               const std::filesystem::path& file) {
-    std::vector<json> known = readRows(file, question.budget), rows;
+    std::vector<json> known = readRows(file, question.budget, question.kind), rows;
     if (!file.parent_path().empty()) std::filesystem::create_directories(file.parent_path());
     std::ofstream out(file, std::ios::app);
     for (uint64_t seed = question.seed; seed < question.seed + question.scenes; ++seed) {

@@ -9,12 +9,14 @@
 
 #include "server/plan/cost_model.h"
 #include "tools/bench/stage.h"
+#include "tools/random_scene/random_scene.h"
 
 namespace brume::bench {
 
 struct PromiseQuestion {
-    uint64_t seed = 1;            // of the first scene; the others follow
-    uint32_t scenes = 60;         // number of seeds
+    uint64_t seed = 1;    // of the first scene; the others follow
+    uint32_t scenes = 60; // number of seeds
+    RandomKind kind = RandomKind::sun;
     std::string method = "auto";  // render.method
     double budget = 0.005;        // render.error
     double flip = 0.01;           // render.flip
@@ -31,8 +33,10 @@ nlohmann::json promiseRow(const gpu::Device& device, const CostModel& model, con
                           uint64_t seed);
 
 // Rows of earlier runs, one JSON object a line; none where the file is missing. Throws std::runtime_error with file
-// and line for anything else, and for rows of another budget.
-std::vector<nlohmann::json> readRows(const std::filesystem::path& file, double budget);
+// and line for anything else, and for rows of another budget or kind.
+std::vector<nlohmann::json> readRows(const std::filesystem::path& file, double budget,
+                                     RandomKind kind = RandomKind::sun);
+inline const char* nameOf(RandomKind kind) { return kind == RandomKind::lit ? "lit" : "sun"; }
 
 // Measures the seeds that `file` does not have yet, and appends a row for each. Returns the rows of all seeds asked
 // for.

@@ -72,6 +72,24 @@ std::string table(std::span<const json> rows, double budget, const char* head,
     return out + '\n';
 }
 
+// Of rows that count fogs and local lights.
+std::string litTables(std::span<const json> rows, double budget) {
+    std::string out = table(rows, budget, "fogs", [](const json& row) { return row.at("fogs").dump(); });
+    out += table(rows, budget, "points and spots", [](const json& row) { return row.at("local_lights").dump(); });
+    std::vector<json> promised;
+    std::ranges::copy_if(rows, std::back_inserter(promised),
+                         [](const json& row) { return isMeasured(row) && row.at("promised").get<bool>(); });
+    const auto has = [](const json& row, const char* key) { return number(row, key) > 0; };
+    return out + "Views in which the plan promises the budget:\n\n" +
+           table(promised, budget, "promised views with", [&](const json& row) {
+               const bool fog = has(row, "fogs"), lights = has(row, "local_lights");
+               return fog && lights ? "fogs and local lights"
+                      : fog         ? "fogs"
+                      : lights      ? "local lights"
+                                    : "the sun alone";
+           });
+}
+
 std::string worstTable(std::vector<json> rows) {
     std::erase_if(rows, [](const json& row) { return !isMeasured(row); });
     std::ranges::sort(rows, std::greater{}, [](const json& row) { return number(row, "measured"); });
@@ -147,6 +165,8 @@ std::string promisePage(std::span<const json> rows, double budget, double flip) 
     out += table(rows, budget, "camera", [](const json& row) { return text(row, "camera"); });
     out += table(rows, budget, "method", [](const json& row) { return text(row, "method"); });
     out += table(rows, budget, "objects", [](const json& row) { return number(row, "objects") > 0 ? "some" : "none"; });
+    const auto isLit = [](const json& row) { return isMeasured(row) && row.value("kind", "sun") == "lit"; };
+    if (std::ranges::any_of(rows, isLit)) out += litTables(rows, budget);
     return out + "The worst, to be opened again by their seeds:\n\n" + worstTable({rows.begin(), rows.end()});
 }
 

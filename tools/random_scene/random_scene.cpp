@@ -9,12 +9,13 @@
 #include "common/scene_text.h"
 #include "tools/random_scene/random_cameras.h"
 #include "tools/random_scene/random_layout.h"
+#include "tools/random_scene/random_lights.h"
 
 namespace brume {
 namespace {
 
 // One stream of random numbers for each part: what one part draws does not move another's.
-enum Part : uint64_t { features, positions, colours, lights, views, objects };
+enum Part : uint64_t { features, positions, colours, lights, views, objects, fogs, local_lights, casters };
 
 // exp(-x) for x >= 0, 3 % less at x = 4; from exact operations only.
 double fading(double x) {
@@ -72,18 +73,9 @@ void addPoints(RandomScene& out, uint32_t layout, uint32_t count, float radius) 
     }
 }
 
-void addObjects(RandomScene& out, Random random, float radius) {
-    if (random.bits() % 3 != 0) return;
-    Scene& scene = out.scene;
-    if (random.bits() % 2 == 0) {
-        const float height = -radius * random.uniform(0.3f, 1);
-        scene.planes.push_back({height, randomColour(random)});
-        glm::vec3& to_light = scene.lights.front().to_light; // from below it would light nothing
-        to_light.y = std::abs(to_light.y);
-        glm::vec3& eye = scene.camera.position; // the ground is seen from above only
-        if (eye.y < height + 0.1f * radius) eye.y = height + 0.1f * radius + (height + 0.1f * radius - eye.y);
-    }
-    const uint64_t count = 1 + random.bits() % 3;
+// 1 to `most` boxes and spheres among the points.
+void addBodies(Scene& scene, Random& random, uint64_t most, float radius) {
+    const uint64_t count = 1 + random.bits() % most;
     for (uint64_t i = 0; i < count; ++i) {
         const glm::vec3 at = 1.2f * radius * random.inBall();
         const float half = radius * random.uniform(0.05f, 0.3f);
@@ -97,23 +89,49 @@ void addObjects(RandomScene& out, Random random, float radius) {
     }
 }
 
+void addObjects(RandomScene& out, Random random, float radius) {
+    if (random.bits() % 3 != 0) return;
+    Scene& scene = out.scene;
+    if (random.bits() % 2 == 0) {
+        const float height = -radius * random.uniform(0.3f, 1);
+        scene.planes.push_back({height, randomColour(random)});
+        glm::vec3& to_light = scene.lights.front().to_light; // from below it would light nothing
+        to_light.y = std::abs(to_light.y);
+        glm::vec3& eye = scene.camera.position; // the ground is seen from above only
+        if (eye.y < height + 0.1f * radius) eye.y = height + 0.1f * radius + (height + 0.1f * radius - eye.y);
+    }
+    addBodies(scene, random, 3, radius);
+}
+
 void write(std::ofstream& out, const glm::vec3& v) { out.write(reinterpret_cast<const char*>(&v), sizeof v); }
 void write(std::ofstream& out, float v) { out.write(reinterpret_cast<const char*>(&v), sizeof v); }
 
-std::string fileName(const RandomScene& random) { return "random-" + std::to_string(random.seed); }
+std::string fileName(const RandomScene& random) {
+    return (random.kind == RandomKind::lit ? "random-lit-" : "random-") + std::to_string(random.seed);
+}
+
+void addLit(RandomScene& out, float radius) {
+    Random random(out.seed, casters);
+    if (random.bits() % 2 == 0) addBodies(out.scene, random, 6, radius);
+    const LitPlace place{out.points.position, radius};
+    addRandomFogs(out.scene, place, Random(out.seed, fogs));
+    addRandomLights(out.scene, place, Random(out.seed, local_lights));
+}
 
 } // namespace
 
-RandomScene randomScene(uint64_t seed) {
+RandomScene randomScene(uint64_t seed, RandomKind kind) {
+    const bool lit = kind == RandomKind::lit;
     RandomScene out;
     out.seed = seed;
+    out.kind = kind;
     Random random(seed, features);
     const auto layout = uint32_t(random.bits() % randomLayouts().size());
-    const auto count = uint32_t(logUniform(random, 1, 20'000));
+    const auto count = uint32_t(logUniform(random, 1, lit ? 2000 : 20'000));
     out.layout = randomLayouts()[layout];
     out.spread = logUniform(random, 1, 30);
     out.depth = logUniform(random, 0.01f, 100);
-    const auto width = uint32_t(logUniform(random, 160, 1920));
+    const auto width = uint32_t(logUniform(random, 160, lit ? 480 : 1920));
     out.size = {width, width * 9 / 16};
     const float radius = logUniform(random, 2, 50); // m
 
@@ -128,6 +146,7 @@ RandomScene randomScene(uint64_t seed) {
     Random view(seed, views);
     out.camera = placeRandomCamera(scene.camera, out.points.position, radius, view);
     addObjects(out, Random(seed, objects), radius);
+    if (lit) addLit(out, radius);
     return out;
 }
 

@@ -76,6 +76,7 @@ public:
 
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
         addDisplayWork(view, settings, work);
+        if (!view.scene().needsRays()) return;
         const glm::dvec2 rays = raysOf(view, settings);
         work[kRays] = rays.x * rays.y * settings.slabs * (isCubic(settings) ? kCubicSampling : 1) *
                       quantitiesOf(view.scene()) * facesKept(view);

@@ -66,6 +66,9 @@ void addFogSlabs(gpu::SlabGrid& grid, const EyeInputs& in) {
     grid.fog_step = kFogStep * in.medium->extent->deviation;
 }
 
+// False: pixels have all light in closed form, and nothing reads what rays hold (isFogOnly() of shaders/lib/fog.glsl).
+bool needsRays(const EyeInputs& in) { return in.medium->count > 0 || !in.shared->lone_fog; }
+
 // The grid of the whole picture, but for its rows.
 gpu::SlabGrid gridOf(const EyeInputs& in) {
     gpu::SlabGrid grid{};
@@ -205,7 +208,9 @@ gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t fir
 
 void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
     gpu::everythingBefore(commands.handle()); // the group before has used the same buffers
-    if (features_.opaque) recordEnds(commands, group);
+    const bool rays = needsRays(*group.any);
+    if (features_.opaque && (rays || features_.casters)) recordEnds(commands, group); // shafts read who may cast them
+    if (!rays) return;
     recordRays(commands, group);
     if (group.rate > 1) recordSpline(commands, group);
 }

@@ -35,6 +35,7 @@ public:
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
         addDisplayWork(view, settings, work);
         const PlanScene& scene = view.scene();
+        if (!scene.needsRays()) return;
         const glm::dvec2 rays = raysOf(view, settings);
         const double tiles_x = std::ceil(rays.x / gpu::kSlabTile), tiles_y = std::ceil(rays.y / gpu::kSlabTile);
         const double sheets = groupsOf(settings.slabs, gpu::kSlabTile);
