@@ -128,7 +128,7 @@ RenderSettings Prices::in(const ViewWork& view, const RenderSettings& way) const
 
 std::optional<double> Prices::errorIn(const ViewWork& view, const RenderSettings& way) const {
     const RenderSettings own = in(view, way);
-    return view.sees() ? planOf(own.method)->error(own, view) : 0;
+    return view.errs() ? planOf(own.method)->error(own, view) : 0;
 }
 
 double Prices::corrected(size_t i, const RenderSettings& way, double rays, double light) const {
@@ -175,7 +175,7 @@ Candidate Prices::with(Candidate c, size_t shadow) const {
 
 double predictedError(const PlanScene& scene, const RenderSettings& settings, const PlanView& view) {
     const ViewWork work(scene, view);
-    const std::optional<double> error = work.sees() ? planOf(settings.method)->error(settings, work) : std::nullopt;
+    const std::optional<double> error = work.errs() ? planOf(settings.method)->error(settings, work) : std::nullopt;
     if (!error) return 0;
     // Settings finer than the plan's may ask for a shadow map that was not looked at: the next coarser one then.
     const PlanScene::Shadow* shadow = nullptr;

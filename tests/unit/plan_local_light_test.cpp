@@ -154,5 +154,23 @@ TEST(LocalLightPlan, LearnsWhatLightsCost) {
     EXPECT_NEAR(learning.model()[costs::kOpaque] / model[costs::kOpaque], 0.5, 0.02);
 }
 
+// Balls without particles have edges that rays smear. One fog alone is exact, and has no error to predict.
+TEST(FogAlone, ItsErrorIsPredictedWhereItHasRays) {
+    Scene scene = haze(0);
+    const auto errorOf = [&](uint32_t rate) {
+        const PlanInputs inputs = inputsOf(scene);
+        return predictedError(inputs.scene, settingsOf(rate, 32), inputs.views[0]);
+    };
+    EXPECT_EQ(errorOf(8), 0);
+    scene.fogs[0].radius = 3;
+    EXPECT_GT(errorOf(8), 1.9 * errorOf(4));
+    EXPECT_GT(errorOf(4), 1e-3);
+    scene.render.method = kAutoMethod;
+    const PlanInputs inputs = inputsOf(scene);
+    const Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_GT(plan.chosen.error, 0);
+    EXPECT_LE(plan.chosen.error, double(scene.render.error));
+}
+
 } // namespace
 } // namespace brume
