@@ -31,9 +31,11 @@ double pixelsOf(std::span<const PlanView> views) {
 }
 
 // Throws gpu::Error when these pictures need more than `target` bytes for the largest, or `planes` for all.
-void checkPictures(std::span<const EyeRequest> eyes, bool full, uint64_t target, uint64_t planes) {
+void checkPictures(std::span<const EyeRequest> eyes, bool full, const SceneFeatures& features, uint64_t target,
+                   uint64_t planes) {
+    const uint64_t of_pixel = Renderer::mostBytesOfPixel(features);
     for (const EyeRequest& eye : eyes)
-        if (Renderer::kMostBytesOfPixel * eye.width * eye.height > target)
+        if (of_pixel * eye.width * eye.height > target)
             throw gpu::Error(
                 fmt::format("a picture of {} x {} takes more than half of --picture-memory: ask for smaller "
                             "ones or allow more",
@@ -214,8 +216,9 @@ bool FrameLoop::renderOneShot(Batch& batch) {
 
 // False when the device cannot draw the batch, or memory is short; it is dropped then.
 bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
+    const SceneFeatures features = featuresOf(scene_, simulation_.now(), drawn_);
     try {
-        checkPictures(batch.eyes, batch.still_pictures, picture_memory_ / 2, mostPlaneBytes());
+        checkPictures(batch.eyes, batch.still_pictures, features, picture_memory_ / 2, mostPlaneBytes());
         renderer_->draws(drawn_);
         renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, batch.still_pictures);
     } catch (const gpu::DeviceLost&) {
@@ -227,7 +230,7 @@ bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
         drop(batch, "out of memory; use smaller pictures, fewer viewers or fewer particles");
         return false;
     }
-    room_.use(Renderer::pictureBytes(batch.eyes, batch.still_pictures), batch.taken);
+    room_.use(Renderer::pictureBytes(batch.eyes, batch.still_pictures, features), batch.taken);
     return true;
 }
 

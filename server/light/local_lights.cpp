@@ -27,8 +27,8 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
 LocalLights::LocalLights(const gpu::Device& device) : device_(device) { prepare({}, 0, 0); }
 
 void LocalLights::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
-    buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, 256), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device,
-                   name);
+    buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                   gpu::Memory::device, name);
 }
 
 void LocalLights::prepare(std::span<const EyeRequest> eyes, uint32_t lights, uint32_t volumes) {

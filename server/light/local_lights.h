@@ -27,12 +27,21 @@ public:
     // Precondition: the group has a field, and its eye's bins are recorded. Ends with its writes visible to compute.
     void record(gpu::Commands& commands, const ViewGroup& group);
 
+    static constexpr uint64_t kBytesOfPixel = 3 * sizeof(float);
+    static constexpr uint64_t kMostBytesOfBins = 1; // of a pixel: a bin of 256 pixels has at most 32 words
+    // Bytes that pictures take.
+    uint64_t pictureBytes() const {
+        const auto taken = [](const gpu::Buffer& buffer) { return buffer.size() > kLeastBytes ? buffer.size() : 0; };
+        return taken(bits_) + taken(lit_);
+    }
     const gpu::Buffer& bits() const { return bits_; }     // uint[bins][words], a bit for each light
     const gpu::Buffer& depths() const { return depths_; } // float[volumes][kLightVolume^2][kLightShells]
     const gpu::Buffer& lit() const { return lit_; }       // vec3[rows][columns] of the last eye's pixels, W/(m^2 sr)
     void giveBack();
 
 private:
+    static constexpr uint64_t kLeastBytes = 256; // of a buffer that is bound without pictures
+
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
 
     const gpu::Device& device_;

@@ -20,10 +20,15 @@ public:
     // Precondition: the group has a field. Ends with its writes visible to compute.
     void record(gpu::Commands& commands, const ViewGroup& group);
 
+    static constexpr uint64_t kBytesOfPixel = 3 * sizeof(float);
+    // Bytes that pictures take.
+    uint64_t pictureBytes() const { return sunlit_.size() > kLeastBytes ? sunlit_.size() : 0; }
     const gpu::Buffer& sunlit() const { return sunlit_; } // vec3[rows][columns] of the last eye's pixels, 0 ... 1
     void giveBack();
 
 private:
+    static constexpr uint64_t kLeastBytes = 256; // of a buffer that is bound without pictures
+
     const gpu::Device& device_;
     std::map<std::tuple<uint32_t, uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram>
         programs_; // rate, step

@@ -92,11 +92,12 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.submitted();
 }
 
-uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full) {
+uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full, const SceneFeatures& features) {
+    const uint64_t of_pixel = Targets::kBytesOfPixel + lightBytesOfPixel(features);
     uint64_t planes = 0, target = 0;
     for (const EyeRequest& eye : eyes) {
         planes += PlaneLayout{eye.width, eye.height, full}.bytes();
-        target = std::max(target, Targets::kBytesOfPixel * eye.width * eye.height);
+        target = std::max(target, of_pixel * eye.width * eye.height);
     }
     return planes + target;
 }

@@ -76,13 +76,17 @@ public:
     // Bytes on the device whose number depends on the pictures' sizes, without the methods' fields and a submission's
     // own.
     uint64_t pictureBytes() const {
-        return targets_.bytes() + coarse_targets_.bytes() + planes_.size() + compose_.pictureBytes();
+        return targets_.bytes() + coarse_targets_.bytes() + planes_.size() + compose_.pictureBytes() +
+               shafts_.pictureBytes() + local_lights_.pictureBytes();
     }
     // Bytes of a pixel of the largest picture, besides its planes: its target, a coarse target with a quarter of the
-    // pixels, and a shaded node of eight bytes for a quarter of them.
-    static constexpr uint64_t kMostBytesOfPixel = Targets::kBytesOfPixel * 5 / 4 + 8 / 4;
+    // pixels, a shaded node of eight bytes for a quarter of them, and light that is kept for each pixel.
+    static uint64_t mostBytesOfPixel(const SceneFeatures& features) {
+        return Targets::kBytesOfPixel * 5 / 4 + 8 / 4 + lightBytesOfPixel(features) +
+               (features.local_lights ? LocalLights::kMostBytesOfBins : 0);
+    }
     // Bytes of pictureBytes() that pictures of `eyes` need at least, however they are drawn. `full` as for submit().
-    static uint64_t pictureBytes(std::span<const EyeRequest> eyes, bool full);
+    static uint64_t pictureBytes(std::span<const EyeRequest> eyes, bool full, const SceneFeatures& features);
     // Frees the memory of pictures and of methods; pipelines stay. Precondition: nothing is on the device.
     void giveBack();
     // Methods that are kept on the device, with their programs and buffers.
@@ -100,6 +104,10 @@ public:
     std::vector<glm::vec4> readRadiance();
 
 private:
+    static uint64_t lightBytesOfPixel(const SceneFeatures& features) {
+        return (features.casters ? Shafts::kBytesOfPixel : 0) +
+               (features.local_lights ? LocalLights::kBytesOfPixel : 0);
+    }
     Method& methodFor(const RenderSettings& settings);
     uint32_t drawingStep(const MethodNeeds& needs) const;
     bool hasMedium() { return !upload_.all().empty() || features_.fog; }

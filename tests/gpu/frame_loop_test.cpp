@@ -89,6 +89,25 @@ TEST_F(FrameLoopTest, APictureThatCannotBeCostsItsViewerThePlaceAndNobodyElse) {
     EXPECT_FALSE(failed_);
 }
 
+// A picture that fits without lamps does not with them.
+TEST_F(FrameLoopTest, LightThatIsKeptForEachPixelCountsAsPictureMemory) {
+    FrameLoop::Options options;
+    options.picture_memory = 2 * 35 * 320 * 180; // half of it for the target: 35 bytes a pixel
+    for (const char* file : {"server/scenes/cloud.toml", "server/scenes/stage.toml"}) {
+        Scene scene = loadScene(file);
+        const bool lit = scene.name == "stage";
+        Audience audience{{}, sceneFacts(scene), 8, 4};
+        FrameLoop loop(std::move(scene), device(), audience, metrics_, options);
+        loop.start([&] { failed_ = true; });
+        Looker looker(audience, 320, 180);
+        looker.look(1, 0);
+        EXPECT_EQ(looker.next() == nullptr, lit) << file;
+        EXPECT_EQ(looker.refusal().find("ask for smaller") != std::string::npos, lit) << looker.refusal();
+        loop.stop();
+    }
+    EXPECT_FALSE(failed_);
+}
+
 FrameLoop::NextScene nextScene(const char* file, const std::vector<std::string>& settings = {}) {
     const Scene scene = loadScene(file, settings);
     return {scene, Simulation(scene), {"another"}, {}};

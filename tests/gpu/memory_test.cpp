@@ -74,7 +74,7 @@ TEST_F(MemoryTest, WhatPicturesTookIsGivenBack) {
     submission_.giveBack();
     const uint64_t before = device().memoryInUse();
     draw({&large, 1});
-    EXPECT_GE(renderer_.pictureBytes(), Renderer::pictureBytes({&large, 1}, false));
+    EXPECT_GE(renderer_.pictureBytes(), Renderer::pictureBytes({&large, 1}, false, {}));
     EXPECT_GT(device().memoryInUse(), before + 960 * 540 * 20);
     renderer_.giveBack();
     submission_.giveBack();
@@ -82,6 +82,37 @@ TEST_F(MemoryTest, WhatPicturesTookIsGivenBack) {
     EXPECT_LE(device().memoryInUse(), before);
     draw({&small, 1}); // goes on
     EXPECT_GT(renderer_.pictureBytes(), 0u);
+}
+
+// The light of lamps and the sun's shafts are kept for every pixel: these bytes count, and go with the others.
+TEST_F(MemoryTest, LightThatIsKeptForEachPixelCounts) {
+    constexpr uint64_t kPixels = 960 * 540;
+    const EyeRequest large = eyeOf(960, 540);
+    uint64_t dark = 0;
+    for (const bool lit : {false, true}) {
+        Scene scene = loadScene("server/scenes/cloud.toml");
+        scene.render.method = "slabs";
+        scene.boxes = {{{0, 8, 0}, {1, 1, 1}, 0, glm::vec3(0.5f)}};
+        if (lit)
+            scene.lights.push_back({.type = kPoint, .position = {3, 3, 3}, .intensity = glm::vec3(20), .range = 4});
+        else
+            scene.lights.clear();
+        const Simulation simulation(scene);
+        Renderer renderer(device(), scene, simulation.capacity());
+        Submission submission(device(), "light");
+        submitAndWait(renderer, submission, simulation, {&large, 1});
+        const SceneFeatures features = featuresOf(scene, simulation.now());
+        EXPECT_EQ(features.casters && features.local_lights, lit);
+        const uint64_t planes = PlaneLayout{960, 540, false}.bytes();
+        EXPECT_GE(renderer.pictureBytes(), Renderer::pictureBytes({&large, 1}, false, features));
+        EXPECT_LE(renderer.pictureBytes(), Renderer::mostBytesOfPixel(features) * kPixels + planes);
+        if (lit)
+            EXPECT_GE(renderer.pictureBytes(), dark + kPixels * 24);
+        else
+            dark = renderer.pictureBytes();
+        renderer.giveBack();
+        EXPECT_EQ(renderer.pictureBytes(), 0u);
+    }
 }
 
 // The same pictures again and again: nothing is allocated.
