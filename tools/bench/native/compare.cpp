@@ -18,8 +18,8 @@ constexpr uint32_t kEvery = 5; // of the pixels that are compared with the refer
 
 Case caseOf(const std::string& scene, const std::string& camera) {
     return {.scene = scene,
-            // every pixel interpolated and shaded, as the native program does
-            .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "render.method=slabs", "render.shading=1"},
+            // without a ground, every pixel interpolated and shaded, as the native program does
+            .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "plane=[]", "render.method=slabs", "render.shading=1"},
             .camera = camera,
             .size = kSize};
 }
@@ -88,7 +88,7 @@ std::string nativeTable(const gpu::Device& device, Truth& truth, const native::K
     drawn.set.insert(drawn.set.end(), {"render.method=sphere", "medium.count=1"});
     Stage display(device, drawn);
     display.frame();
-    for (const char* scene : {"cloud", "cloud-5000"})
+    for (const char* scene : {"cloud", "cloud-5000", "plume", "cumulus"})
         for (const char* camera : {"outside", "inside"}) {
             Case wanted = caseOf(scene, camera);
             RenderSettings way = Stage(device, wanted).plan().chosen.settings;
