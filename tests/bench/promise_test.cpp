@@ -152,7 +152,7 @@ TEST(PromisePage, CountsWhatHolds) {
     rows[0]["promised"] = false;
     const std::string lit = promisePage(rows, 0.005, 0.01);
     for (const char* line :
-         {"| fogs | scenes |", "| 1 | 2 | 50 % | 50 % | 2.50 | 0.5 % | 2 % |", "| points and spots | scenes |",
+         {"| fogs | scenes |", "| 1 | 2 | 50 % | 50 % | 1.00 | 0.5 % | 2 % |", "| points and spots | scenes |",
           "| 3 | 4 | 50 % | 75 % | 1.00 | 0.5 % | 2 % |", "| local lights | 1 | 0 % | 100 % | 1.50 | 0.6 % | 0.6 % |",
           "| fogs and local lights | 2 | 50 % | 50 % |"})
         EXPECT_NE(lit.find(line), lit.npos) << line << '\n' << lit;
