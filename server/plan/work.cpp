@@ -6,7 +6,6 @@
 #include "server/inputs/eye_request.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
-#include "server/plan/shown_lights.h"
 #include "shaders/shared/support.h"
 
 namespace brume {
@@ -130,11 +129,6 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
 const ShownMedium& ViewWork::shown() const {
     if (!shown_) shown_.emplace(scene_, view_);
     return *shown_;
-}
-
-const ShownLights& ViewWork::shownLights() const {
-    if (!shown_lights_) shown_lights_ = std::make_shared<const ShownLights>(scene_, view_);
-    return *shown_lights_;
 }
 
 Work ViewWork::of(const RenderSettings& settings) const {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,8 +19,6 @@
 #include "shaders/shared/types.h"
 
 namespace brume {
-
-class ShownLights;
 
 // One picture to plan for.
 struct PlanView {
@@ -110,7 +107,6 @@ public:
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
     const ShownMedium& shown() const;                      // found when first asked for: work alone does not need it
-    const ShownLights& shownLights() const;                // the same
     // Pixels in the ranges of points and spots, one for every light that reaches it.
     double litPixels() const { return lit_pixels_; }
     // The pieces that these pixels' rays are cut into: at cones and fogs, and at the slabs of particles.
@@ -132,7 +128,6 @@ private:
     double pixel_, near_, far_, lit_pixels_ = 0;
     std::vector<Seen> seen_;
     mutable std::optional<ShownMedium> shown_;
-    mutable std::shared_ptr<const ShownLights> shown_lights_;
 };
 
 // Number of cells that [lo, hi] touches, in a row of `count` cells of `size` from 0.

@@ -137,7 +137,6 @@ private:
         row_["predicted_light"] = view.shown().lightFactor() * lightError(shadow.resolution.error);
         row_["predicted_rays"] = raysError(view, s.rate);
         row_["predicted_slabs"] = slabsError(view, s.slabs);
-        row_["predicted_lights"] = localLightsError(view, s.rate, s.slabs);
         row_["ray_spacing"] = view.raySpacing(s.rate), row_["slab_thickness"] = view.slabThickness(s.slabs);
         row_["inside"] = view.inside(), row_["deviation"] = scene.extent.deviation;
         row_["deviation_5"] = deviationAt(scene, 0.05), row_["deviation_50"] = deviationAt(scene, 0.5);

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "server/medium/band_limit.h"
-#include "server/plan/shown_lights.h"
 
 namespace brume {
 namespace {
@@ -21,16 +20,7 @@ constexpr double kWidened = 0.7, kSlabsWiden = 1 / kWidened;
 // 0.4 to 0.53 for dense balls before a bright sky.
 constexpr double kFogEdges = 0.5;
 
-// Light that falls with the square of its distance d has the relative second derivative 6 / d^2, and a slab that holds
-// its mean extinction leaves a twelfth of that times its squared thickness.
-constexpr double kFallingLight = 6.0 / 12;
-// Chosen for one point or spot alone in the random scenes of kind lit, seeds 1 to 110.
-constexpr double kLocalRays = 1.5; // spacings of rays count for so many where points and spots light
-constexpr double kGlow = 0.3;      // of squared thickness and spacing in the length of a glow's medium
-constexpr double kDirections = 2.2, kShells = 0.7;
-
 double square(double x) { return x * x; }
-double bounded(double x) { return x / (1 + x); }
 
 } // namespace
 
@@ -105,30 +95,9 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
     return std::hypot(std::sqrt(sum), displaced);
 }
 
-double fallingLightError(double thickness, double bend) { return bounded(kFallingLight * square(thickness) * bend); }
-
-double glowError(double apart) { return bounded(kGlow * square(apart)); }
-
-double localLightsError(const ViewWork& view, uint32_t rate, uint32_t slabs) {
-    if (view.scene().local_lights.empty() || view.scene().particles == 0) return 0;
-    const ShownLights& shown = view.shownLights();
-    const double thickness = (view.far() - view.near()) / slabs;
-    double sum = square(kDirections * shown.directions()) + square(kShells * shown.shells());
-    for (const ShownLights::Bend& bin : shown.bends()) sum += bin.part * square(fallingLightError(thickness, bin.bend));
-    for (const ShownLights::Core& core : shown.cores()) {
-        const double across = rate > 1 ? glowError(rate / core.projected) : 0;
-        sum += core.part * (square(glowError(thickness / core.length)) + square(across));
-    }
-    if (rate > 1)
-        for (const ShownLights::Size& size : shown.sizes())
-            sum += size.part * square(rayError(kLocalRays * rate / size.projected));
-    return std::sqrt(sum);
-}
-
 std::optional<double> RayPlan::error(const RenderSettings& settings, const ViewWork& view) const {
     const double across = std::hypot(raysError(view, settings.rate), fogError(view, settings.rate));
-    const double lights = localLightsError(view, settings.rate, settings.slabs);
-    return std::hypot(std::hypot(kLeastError, nodeError(settings, view), lights), across,
+    return std::hypot(std::hypot(kLeastError, nodeError(settings, view)), across,
                       slabsError(view, settings.slabs, widens()));
 }
 

@@ -45,15 +45,6 @@ double endsError(double thickness, uint32_t slabs);
 double sampledError(double thickness);
 // Of particles that the near plane cuts.
 double cutError(double thickness, double light_depth);
-// Of the light of points and spots among particles: slabs in which it falls, rays between which it does, and the
-// volumes of the particles' depth (ShownLights).
-double localLightsError(const ViewWork& view, uint32_t rate, uint32_t slabs);
-// Of slabs `thickness` m thick, in which extinction is even and the light of a point or a spot is not. `bend`:
-// ShownLights::Bend.
-double fallingLightError(double thickness, double bend);
-// Of the glow around a light. `apart`: thickness of slabs or spacing of rays, in the length in which extinction
-// changes.
-double glowError(double apart);
 
 class RayPlan : public MethodPlan {
 public:
