@@ -170,6 +170,7 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
     const reference::World world = worldOf(job);
     const reference::Stage stage(world, {.tolerance = kTolerance, .light_cells = 1});
     reference::RayTracer tracer(stage);
+    const bool structure = reference::hasStructure(world);
     const reference::Camera camera = reference::perspective(job.pose, int(job.size.x), int(job.size.y), kNearDepth);
     std::vector<uint32_t> order;
     for (uint32_t i = 0; i < job.pixels.size(); ++i)
@@ -180,11 +181,13 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
     for (const uint32_t i : order) {
         if (stop.stop_requested() || threadSeconds() > until) break;
         const glm::dvec2 corner(job.pixels[i]);
-        const auto at = [&](double x, double y) {
-            return tracer.trace(reference::rayThrough(camera, corner.x + x, corner.y + y));
+        const auto at = [&](double x, double y, bool even) {
+            reference::Ray ray = reference::rayThrough(camera, corner.x + x, corner.y + y);
+            ray.even = even;
+            return tracer.trace(ray);
         };
         const bool edges = mayHaveEdge(stage, camera, corner);
-        const reference::PixelResult pixel = reference::pixelOf(at, edges, kShows);
+        const reference::PixelResult pixel = reference::pixelOf(at, edges, structure, kShows);
         if (pixel.edge || pixel.transmittance >= kShows) continue;
         found.push_back(comparedTo(pixel.centre, job.values[i], job.drawn));
     }

@@ -32,15 +32,18 @@ protected:
             reference::worldOf(scene, particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
         const reference::Stage stage(world, {.tolerance = 1e-5});
         reference::RayTracer tracer(stage);
+        const bool structure = reference::hasStructure(world);
         const reference::Camera camera = reference::perspective(pose, kWidth, kHeight, kNear);
         double errors = 0, values = 0, worst = 0;
         int count = 0;
         for (uint32_t y = kEvery / 2; y < kHeight; y += kEvery)
             for (uint32_t x = kEvery / 2; x < kWidth; x += kEvery) {
-                const auto at = [&](double dx, double dy) {
-                    return tracer.trace(reference::rayThrough(camera, x + dx, y + dy));
+                const auto at = [&](double dx, double dy, bool even) {
+                    reference::Ray ray = reference::rayThrough(camera, x + dx, y + dy);
+                    ray.even = even;
+                    return tracer.trace(ray);
                 };
-                const reference::PixelResult truth = reference::pixelOf(at, !world.obstacles.empty());
+                const reference::PixelResult truth = reference::pixelOf(at, !world.obstacles.empty(), structure);
                 if (truth.edge) continue;
                 const glm::dvec4 got(picture.at(x, y));
                 const glm::dvec3 off = glm::dvec3(got) - truth.total;

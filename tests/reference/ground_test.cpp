@@ -5,6 +5,7 @@
 
 #include "common/camera.h"
 #include "tools/reference/medium_reference.h"
+#include "tools/reference/pixel.h"
 
 namespace {
 
@@ -55,6 +56,35 @@ TEST(Ground, ParallelRaysSeeTheMean) {
 // Within the change of the footprint across a pixel.
 TEST(Ground, APerspectiveViewSeesTheMean) {
     expectMeans(perspective(brume::lookAt({3, 4, 9}, {3.2f, 0, 0}, 0.2f), 48, 36), 2e-3);
+}
+
+// A structure is no edge, though it varies within pixels. A sphere on it has one, and its pixels keep the structure.
+TEST(Ground, AStructureIsNoEdge) {
+    World world = ground();
+    Obstacle ball;
+    ball.kind = Obstacle::Kind::sphere;
+    ball.centre = {3.2, 0.5, 0};
+    ball.half_size = glm::dvec3(0.5);
+    world.obstacles.push_back(ball);
+    const Camera camera = perspective(brume::lookAt({3, 4, 9}, {3.2f, 0, 0}, 0.4f), 48, 36);
+    int edges = 0, varied = 0;
+    for (int y = 0; y < 36; ++y)
+        for (int x = 0; x < 48; ++x) {
+            const auto at = [&](double dx, double dy, bool even) {
+                Ray ray = rayThrough(camera, x + dx, y + dy);
+                ray.even = even;
+                return along(world, ray);
+            };
+            const PixelResult pixel = pixelOf(at, true, hasStructure(world));
+            edges += pixel.edge;
+            varied += pixelOf(at, true, false).edge;
+            if (!pixel.edge) {
+                EXPECT_EQ(pixel.total, at(0.5, 0.5, false).total());
+            }
+        }
+    EXPECT_GT(edges, 20) << "of the ball";
+    EXPECT_LT(edges, 48 * 36 / 10);
+    EXPECT_GT(varied, 2 * edges) << "the structure is too weak for this test";
 }
 
 } // namespace

@@ -104,6 +104,7 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
     reference::Settings settings;
     settings.tolerance = kTolerance;
     const reference::Stage stage(world, settings);
+    const bool structure = reference::hasStructure(world);
     RadianceImage image{int(pixels.size()), 1, {}, {}};
     image.radiance.resize(pixels.size());
     image.transmittance.resize(pixels.size());
@@ -117,10 +118,12 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
                 return;
             }
             const glm::dvec2 corner(pixels[i]);
-            const auto at = [&](double x, double y) {
-                return tracer.trace(rayThrough(camera, corner.x + x, corner.y + y));
+            const auto at = [&](double x, double y, bool even) {
+                reference::Ray ray = rayThrough(camera, corner.x + x, corner.y + y);
+                ray.even = even;
+                return tracer.trace(ray);
             };
-            const reference::PixelResult pixel = reference::pixelOf(at, !world.obstacles.empty());
+            const reference::PixelResult pixel = reference::pixelOf(at, !world.obstacles.empty(), structure);
             image.radiance[i] = pixel.total;
             image.transmittance[i] = float(pixel.transmittance);
             image.edges[i] = pixel.edge;

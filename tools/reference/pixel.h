@@ -18,29 +18,37 @@ struct PixelResult {
 // much, which is allowed for.
 bool isEdge(glm::vec3 centre, glm::vec3 mean, glm::vec3 corners);
 
-// `at(x, y)`: the ray's result at this position in the pixel, each in [0, 1]. `objects`: true if the world has any;
-// without them nothing has edges. Edges do not matter where the centre's transmittance is `most` or more.
+// True if some plane has a structure.
+bool hasStructure(const World& world);
+
+// `at(x, y, even)`: the ray's result at this position in the pixel, each in [0, 1]; `even`: Ray::even. `objects`: true
+// if the world has any; without them nothing has edges. `structure`: hasStructure(). A structure varies within a pixel,
+// but is no edge. Edges do not matter where the centre's transmittance is `most` or more.
 template <class At>
-PixelResult pixelOf(const At& at, bool objects, double most = 2) {
-    PixelResult pixel{.centre = at(0.5, 0.5)};
+PixelResult pixelOf(const At& at, bool objects, bool structure, double most = 2) {
+    PixelResult pixel{.centre = at(0.5, 0.5, false)};
     pixel.total = pixel.centre.total(), pixel.transmittance = pixel.centre.transmittance;
     if (!objects || pixel.transmittance >= most) return pixel;
     struct Mean {
         glm::dvec3 total{0};
         double transmittance = 0;
     };
-    const auto meanAt = [&](double off) { // of the rays at four points that far from the centre, in pixels
+    // Of the rays at four points that far from the centre, in pixels.
+    const auto meanAt = [&](double off, bool even) {
         Mean mean;
         for (const double x : {-off, off})
             for (const double y : {-off, off}) {
-                const RayResult ray = at(0.5 + x, 0.5 + y);
+                const RayResult ray = at(0.5 + x, 0.5 + y, even);
                 mean.total += ray.total() / 4.0, mean.transmittance += ray.transmittance / 4;
             }
         return mean;
     };
-    const Mean mean = meanAt(0.25), corners = meanAt(0.5);
-    pixel.edge = isEdge(pixel.total, mean.total, corners.total);
-    if (pixel.edge) pixel.total = mean.total, pixel.transmittance = mean.transmittance;
+    const glm::dvec3 centre = structure ? at(0.5, 0.5, true).total() : pixel.total;
+    Mean mean = meanAt(0.25, structure);
+    pixel.edge = isEdge(centre, mean.total, meanAt(0.5, structure).total);
+    if (!pixel.edge) return pixel;
+    if (structure) mean = meanAt(0.25, false);
+    pixel.total = mean.total, pixel.transmittance = mean.transmittance;
     return pixel;
 }
 

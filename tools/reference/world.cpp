@@ -60,7 +60,7 @@ std::vector<Obstacle> obstaclesOf(std::span<const Triangle> triangles) {
 }
 
 glm::dvec3 albedoAt(const Obstacle& obstacle, const Ray& ray, double t) {
-    if (!(obstacle.structure > 0)) return obstacle.albedo;
+    if (!(obstacle.structure > 0) || ray.even) return obstacle.albedo;
     const glm::dvec3 x = ray.at(t);
     const double depth = ray.parallel ? 1 : t;
     const double mean =

@@ -26,6 +26,7 @@ struct Ray {
     // Steps to the rays of the pixels to the right and below: m per m of distance, of parallel rays m. 0: of no pixel.
     glm::dvec3 right{0}, down{0};
     bool parallel = false;
+    bool even = false; // True: planes are seen without their structure
     glm::dvec3 at(double t) const { return origin + t * direction; }
 };
 
