@@ -18,8 +18,9 @@ constexpr uint32_t kEvery = 5; // of the pixels that are compared with the refer
 
 Case caseOf(const std::string& scene, const std::string& camera) {
     return {.scene = scene,
-            // without a ground, every pixel interpolated and shaded, as the native program does
-            .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "plane=[]", "render.method=slabs", "render.shading=1"},
+            // no ground, no lobe, no ambient light, every pixel interpolated and shaded, as in the native program
+            .set = {"sky.zenith=[0,0,0]", "sky.horizon=[0,0,0]", "sky.ambient=[0,0,0]", "plane=[]",
+                    "medium.anisotropy=0", "render.method=slabs", "render.shading=1"},
             .camera = camera,
             .size = kSize};
 }
