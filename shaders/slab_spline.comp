@@ -31,8 +31,8 @@ const float kNothing = 1e-4; // optical depth: where all rays around have less, 
 // What the 5x5 nodes around a node say of it.
 struct Around {
     float coefficient;
-    float least, most; // of their values
-    uint positive;     // a bit for each node, row by row: its value is
+    float least, most; // values of these nodes
+    uint positive;     // a bit for each node, row by row; 1: its value is positive
 };
 
 // Nodes at the border are repeated. A ray without medium has no value of scattered light, but pixels beside it need

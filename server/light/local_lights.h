@@ -28,7 +28,7 @@ public:
     void record(gpu::Commands& commands, const ViewGroup& group);
 
     static constexpr uint64_t kBytesOfPixel = 3 * sizeof(float);
-    static constexpr uint64_t kMostBytesOfBins = 1; // of a pixel: a bin of 256 pixels has at most 32 words
+    static constexpr uint64_t kMostBytesOfBins = 1; // bytes for each pixel: 256 share a bin of at most 32 words
     // Bytes that pictures take.
     uint64_t pictureBytes() const {
         const auto taken = [](const gpu::Buffer& buffer) { return buffer.size() > kLeastBytes ? buffer.size() : 0; };
@@ -40,7 +40,7 @@ public:
     void giveBack();
 
 private:
-    static constexpr uint64_t kLeastBytes = 256; // of a buffer that is bound without pictures
+    static constexpr uint64_t kLeastBytes = 256; // size of a buffer that is bound without pictures
 
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
 

@@ -27,7 +27,7 @@ public:
     void giveBack();
 
 private:
-    static constexpr uint64_t kLeastBytes = 256; // of a buffer that is bound without pictures
+    static constexpr uint64_t kLeastBytes = 256; // size of a buffer that is bound without pictures
 
     const gpu::Device& device_;
     std::map<std::tuple<uint32_t, uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram>

@@ -106,7 +106,7 @@ TEST(PromiseRows, ThoseOfAnotherKindOfScenesAreRefused) {
     std::ofstream(file) << R"({"seed":1,"budget":0.005,"kind":"lit"})" << '\n';
     EXPECT_EQ(readRows(file, 0.005, RandomKind::lit).size(), 1u);
     EXPECT_THROW(readRows(file, 0.005), std::runtime_error);
-    std::ofstream(file) << R"({"seed":1,"budget":0.005})" << '\n'; // of a time when there was one kind
+    std::ofstream(file) << R"({"seed":1,"budget":0.005})" << '\n'; // rows without a kind are of the first one
     EXPECT_EQ(readRows(file, 0.005).size(), 1u);
     EXPECT_THROW(readRows(file, 0.005, RandomKind::lit), std::runtime_error);
 }

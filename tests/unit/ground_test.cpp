@@ -81,7 +81,7 @@ TEST(Ground, AmplitudesAreOneTogether) {
     std::vector<std::array<double, 2>> waves{{63, 9}, {-12, 78}, {-75, 60}, {72, 92}};
     for (size_t i = 0; i < 16; ++i)
         waves.push_back({2 * waves[i][0] + waves[i][1], 2 * waves[i][1] - waves[i][0]}); // turned and shortened
-    constexpr int kPlaces = 1 << 15; // of a lattice over the period; it tells all these waves apart
+    constexpr int kPlaces = 1 << 15; // lattice points over the period: enough to tell all waves apart
     std::vector<std::complex<double>> amplitudes(waves.size());
     double squares = 0;
     for (int i = 0; i < kPlaces; ++i) {

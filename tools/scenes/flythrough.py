@@ -152,7 +152,7 @@ def roofs(town):
     town.lamp(88, 3, 31, times(COLD, 2), 13)
 
 
-HEAD = """# Six places of a town in fog, after the fly-through of seed 004: docs/scenes.md has a view of each. Made by
+HEAD = """# Six places of a town in fog, after the fly-through of seed 004: docs/gallery.md has a view of each. Made by
 # tools/scenes/flythrough.py.
 name = "flythrough"
 """
@@ -223,8 +223,11 @@ def main():
     town.lists["light"].insert(0, sun)
     for name, lines in town.lists.items():
         print(f"{name} = [")
-        for line in lines:
-            print(f"    {line}" if line.startswith("#") else f"    {line},")
+        for line, following in zip(lines, [*lines[1:], "#"]):
+            if not line.startswith("#"):
+                print(f"    {line},")
+            elif not following.startswith("#"):  # a place that has some
+                print(f"    {line}")
         print("]\n" if name != "sphere" else "]")
     print(TAIL, end="")
 
