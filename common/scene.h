@@ -53,10 +53,11 @@ struct Medium : PhaseSettings {
     bool extinction_by_depth = false;
     // True: the scene gives no scale, and points of files without sizes have one that follows from their spacing.
     bool scale_by_spacing = false;
-    float falloff = 1.6f;    // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
-    float extinction = 15;   // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
-    Range multiplier{5, 10}; // per particle, uniform
-    glm::vec3 albedo{0.9f};  // rho, in [0, 1]
+    float falloff = 1.6f;           // f: u = scale * f, extinction = peak * exp(-50 r^2 / u^2)
+    float extinction = 15;          // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
+    Range multiplier{5, 10};        // per particle, uniform
+    glm::vec3 albedo{0.9f};         // rho, in [0, 1]
+    glm::vec3 extinction_colour{1}; // in [0, 1]: extinctionParts()
     uint64_t seed = 1;
     Emitter emitter; // layout emitter only
     // Layouts file and sequence only, resolved against the scene's folder. Of a sequence its name has a run of #, each
@@ -68,15 +69,22 @@ struct Medium : PhaseSettings {
 
 // A medium without particles: extinction * e^(-falloff (y - height)) between two heights and within a ball.
 struct Fog : PhaseSettings {
-    float extinction = 0.02f;    // 1/m, at `height`; 0: there is no fog
-    float height = 0;            // m
-    float falloff = 0;           // 1/m; 0: homogeneous
-    float lo = -5e4f, hi = 5e4f; // m, heights where it begins and ends; the ends of limits::kPlace: nowhere
-    glm::vec3 centre{0};         // m, of the ball
-    float radius = 0;            // m, of the ball; 0: there is none
-    glm::vec3 albedo{0.9f};      // in [0, 1]
-    glm::vec3 emission{0};       // W/(m^2 sr): fog that nothing is seen through emits (1 - albedo) * emission
+    float extinction = 0.02f;       // 1/m, at `height`; 0: there is no fog
+    float height = 0;               // m
+    float falloff = 0;              // 1/m; 0: homogeneous
+    float lo = -5e4f, hi = 5e4f;    // m, heights where it begins and ends; the ends of limits::kPlace: nowhere
+    glm::vec3 centre{0};            // m, of the ball
+    float radius = 0;               // m, of the ball; 0: there is none
+    glm::vec3 albedo{0.9f};         // in [0, 1]
+    glm::vec3 emission{0};          // W/(m^2 sr): fog that nothing is seen through emits (1 - albedo) * emission
+    glm::vec3 extinction_colour{1}; // in [0, 1]: extinctionParts()
 };
+
+// Extinction of red, green and blue as parts of the medium's: only the ratios of its colour count. Black is as white.
+inline glm::vec3 extinctionParts(glm::vec3 colour) {
+    const float most = glm::max(colour.x, glm::max(colour.y, colour.z));
+    return most > 0 ? colour / most : glm::vec3(1);
+}
 
 struct SimulationSettings {
     float spring = 4;             // 1/s^2, acceleration toward the target per metre

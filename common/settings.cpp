@@ -103,6 +103,9 @@ constexpr SceneSetting kSettings[]{
      "Factor of each particle, uniform in this range"},
     {"medium.albedo", at<&P::medium, &Medium::albedo>, "", limits::kColour,
      "Single-scattering albedo; a factor where points have their own", kControllers, Form::colour},
+    {"medium.extinction_colour", at<&P::medium, &Medium::extinction_colour>, "", limits::kColour,
+     "Extinction of red, green and blue in relation to each other; the largest of them is the medium's", kControllers,
+     Form::colour},
     {"medium.phase", at<&P::medium, &Medium::phase>, "", kNone,
      "Phase function: `mixture` (1 − a) / 4π + a HG(g), `double` (1 − a) HG(h) + a HG(g), `rayleigh`, or `droplets` of "
      "water",
@@ -167,6 +170,8 @@ constexpr SceneSetting kSettings[]{
             Form::colour}),
     listed(usually({0, 10}, {"fog.emission", at<&P::fog, &Fog::emission>, "W/(m² sr)", limits::kRadiance,
                              "Fog that nothing is seen through emits (1 − albedo) times this", kNobody, Form::colour})),
+    listed({"fog.extinction_colour", at<&P::fog, &Fog::extinction_colour>, "", limits::kColour,
+            "Extinction of red, green and blue, as `medium.extinction_colour`", kNobody, Form::colour}),
     listed({"fog.phase", at<&P::fog, &Fog::phase>, "", kNone, "Phase function, as `medium.phase`", kNobody, Form::plain,
             kPhases}),
     listed({"fog.anisotropy", at<&P::fog, &Fog::anisotropy>, "", limits::kAnisotropy, "a, as `medium.anisotropy`"}),

@@ -217,10 +217,11 @@ bool FrameLoop::renderOneShot(Batch& batch) {
 // False when the device cannot draw the batch, or memory is short; it is dropped then.
 bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
     const SceneFeatures features = featuresOf(scene_, simulation_.now(), drawn_);
+    const bool full = batch.still_pictures || huesOf(simulation_.now()).size() > 1;
     try {
-        checkPictures(batch.eyes, batch.still_pictures, features, picture_memory_ / 2, mostPlaneBytes());
+        checkPictures(batch.eyes, full, features, picture_memory_ / 2, mostPlaneBytes());
         renderer_->draws(drawn_);
-        renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, batch.still_pictures);
+        renderer_->submit(batch.submission, simulation_, batch.eyes, &settings, full);
     } catch (const gpu::DeviceLost&) {
         throw;
     } catch (const gpu::Error& error) {
@@ -230,7 +231,7 @@ bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
         drop(batch, "out of memory; use smaller pictures, fewer viewers or fewer particles");
         return false;
     }
-    room_.use(Renderer::pictureBytes(batch.eyes, batch.still_pictures, features), batch.taken);
+    room_.use(Renderer::pictureBytes(batch.eyes, full, features), batch.taken);
     return true;
 }
 
@@ -317,7 +318,8 @@ void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const Pictur
     size_t next = job; // first of the jobs that have not got their frame
     try {
         const PoseRequest& wanted = batch.jobs[job].due.request;
-        const EncodedPictures pictures = encodePictures(views, {wanted.quality, wanted.lossless}, jpeg);
+        const EncodedPictures pictures =
+            encodePictures(views, {wanted.quality, wanted.lossless, wanted.still_picture}, jpeg);
         const Clock::time_point encoded = Clock::now();
         metrics_.encoded(uint32_t(views.size()));
         for (; next < batch.jobs.size(); ++next) {

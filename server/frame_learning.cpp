@@ -49,9 +49,10 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     try {
         job->particles.resize(simulation_.liveCount());
         simulation_.write(job->particles);
-        glm::vec3 lo, hi;
-        boundsOf(job->particles, job->now.medium.falloff, lo, hi);
-        if (!job->particles.empty()) job->pixels = pixelsOf(job->pose, job->size, lo, hi, job->number);
+        glm::vec3 lo = job->pose.position, hi = lo; // with fog any pixel may show the medium
+        const bool fog = std::ranges::any_of(job->now.lists.fogs, isThere);
+        if (!fog) boundsOf(job->particles, job->now.medium.falloff, lo, hi);
+        if (fog || !job->particles.empty()) job->pixels = pixelsOf(job->pose, job->size, lo, hi, job->number);
     } catch (const std::bad_alloc&) { // where memory is short nothing is measured, and the picture is drawn
     }
     if (job->pixels.empty()) return meter_.drop(std::move(job));

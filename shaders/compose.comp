@@ -140,6 +140,7 @@ void main() {
         if (kFull) {
             for (uint row = 0; row < 2 && !(odd && row == 1); ++row)
                 [[unroll]] for (uint c = 0; c < 3; ++c) {
+                    if ((tick.channels >> c & 1) == 0) continue;
                     const uint at = fullWord(view.planes, c, top + row, block_x + block);
                     planes[at] = full[(3 * row + c) * kMostWords + 2 * block];
                     planes[at + 1] = full[(3 * row + c) * kMostWords + 2 * block + 1];

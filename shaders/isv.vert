@@ -25,7 +25,7 @@ void main() {
     const uint i = triangle < proxy.ring ? fanVertex(triangle, gl_VertexIndex % 3, proxy.ring) : 0;
     gl_Position = vec4(proxy.ndc[i], 0, 1);
     centre_scale = vec4(c, p.scale);
-    albedo_sigma = vec4(p.albedo, p.sigma_t);
+    albedo_sigma = vec4(p.albedo, tick.extinction * p.sigma_t);
     inverse_depth = proxy.inverse_depth[i];
     clipped = uint(proxy.clipped);
 }

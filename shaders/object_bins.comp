@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// Object bins, per eye: which boxes and spheres the rays of a bin of pixels may hit. A lane is a bin. Objects behind
-// one that fills the bin are left out.
+// Object bins, per eye: which boxes and spheres the rays of a bin of pixels may hit. A lane is a bin. It goes from near
+// objects to far ones, and ends behind one that fills the bin.
 #include "shaders/shared/types.h"
 
 layout(local_size_x = 64) in;
@@ -12,15 +12,13 @@ layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
 layout(scalar, binding = 2) readonly buffer Objects { Opaque objects[]; };
 layout(scalar, binding = 3) buffer Bins { uint object_bins[]; };
+layout(scalar, binding = 4) readonly buffer Order { uint object_order[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/object_bins.glsl"
 
 vec3 corners[4]; // rays through the bin's corners
-
-// Radius of a ball around the object.
-float reachOf(Opaque o) { return o.kind == kBox ? length(o.half_size) : o.half_size.x; }
 
 // View depth before which all rays of the bin hit the object; kMiss if some do not. It is convex: where the corners'
 // rays hit it, all do, and the deepest hit is at a corner.
@@ -52,13 +50,13 @@ void main() {
     [[dont_unroll]] for (uint word = 0; word < objectWords(); ++word) {
         uint bits = 0;
         [[dont_unroll]] for (uint i = 32 * word; i < min(32 * word + 32, count); ++i) {
-            const Opaque o = objects[tick.plane_count + i];
+            const Opaque o = objects[object_order[i]];
             const vec3 to = o.centre - eye.position;
-            const float reach = reachOf(o), along = dot(to, middle);
+            if (bodyBegin(o, o.kind, to) > filled) break;
+            const float reach = bodyReach(o, o.kind), along = dot(to, middle);
             const float across = sqrt(max(dot(to, to) - along * along, 0));
             const bool near = dot(to, to) <= reach * reach;
             if (!near && (along < -reach || across * cosine - along * sine > reach)) continue;
-            if (-dot(to, eye.back) - reach > filled) continue;
             bits |= 1u << (i & 31);
             filled = min(filled, filledDepth(o));
         }

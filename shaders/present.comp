@@ -9,6 +9,7 @@
 
 layout(local_size_x = 8, local_size_y = 4) in;
 
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // lib/planes.glsl
 layout(scalar, binding = 4) readonly buffer Shaded { uint shaded[]; };  // lib/shaded.glsl
 
@@ -64,6 +65,7 @@ void main() {
                     }
                     if (b > 0 && !second) break;
                     [[unroll]] for (uint c = 0; c < 3; ++c) {
+                        if ((tick.channels >> c & 1) == 0) continue;
                         const uint at = fullWord(view.planes, c, view.first + top + row, block + b);
                         planes[at] = words[c].x;
                         planes[at + 1] = words[c].y;

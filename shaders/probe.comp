@@ -27,7 +27,7 @@ layout(rgba32f, binding = 2) uniform readonly image2D radiance;
 layout(scalar, binding = 3) readonly buffer Pixels { uvec2 pixels[]; };
 layout(scalar, binding = 4) readonly buffer Field { float field[]; }; // shared/field.h
 layout(scalar, binding = 5) readonly buffer Sunlit { vec3 sunlit[]; }; // written by shafts.comp
-layout(scalar, binding = 6) writeonly buffer Values { vec4 values[]; };
+layout(scalar, binding = 6) buffer Values { vec4 values[]; };
 layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
 layout(binding = 8) uniform sampler2D view_depth;
 
@@ -73,5 +73,14 @@ void main() {
     if (i >= push.count) return;
     const uvec2 pixel = pixels[i];
     if (pixel.y < views[0].first || pixel.y >= views[0].end) return; // in another band of the picture
-    values[i] = kDrawn ? drawnAt(pixel) : mediumAt(ivec2(pixel));
+    const vec4 value = kDrawn ? drawnAt(pixel) : mediumAt(ivec2(pixel));
+    if (tick.channels == kAllChannels) {
+        values[i] = value;
+        return;
+    }
+    // Red is among the first channels that are drawn. The transmittance is the mean of all channels'.
+    vec4 sum = (tick.channels & 1) != 0 ? vec4(0) : values[i];
+    for (uint c = 0; c < 3; ++c)
+        if ((tick.channels >> c & 1) != 0) sum[c] = value[c], sum.a += value.a / 3;
+    values[i] = sum;
 }

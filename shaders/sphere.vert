@@ -48,7 +48,7 @@ void main() {
     const float u = p.scale * tick.falloff;
     const float radius = supportRadius(p.sigma_t, u, tick.cut);
     centre_radius = vec4(c, radius);
-    albedo_sigma = vec4(p.albedo, p.sigma_t);
+    albedo_sigma = vec4(p.albedo, tick.extinction * p.sigma_t);
     k = 7.0710678118655 / u;
 
     const vec3 v = vec3(dot(eye.right, c), dot(eye.up, c), -dot(eye.back, c));

@@ -44,7 +44,7 @@ void main() {
     splat.across_y = affine(splat.k * distance * 1.2011224 * up).xz;
     splat.along = affine(c);
     splat.albedo = p.albedo;
-    splat.log_line = log2(lineDepth(p.sigma_t, splat.k, 1.0));
+    splat.log_line = log2(max(lineDepth(tick.extinction * p.sigma_t, splat.k, 1.0), 1e-30));
     splat.slope = vec3(0);
     splat.light = kLookUp;
     splat.curvature = 0;

@@ -16,10 +16,10 @@ JpegEncoder::JpegEncoder() : handle_(tjInitCompress()) {
 
 JpegEncoder::~JpegEncoder() { tjDestroy(handle_); }
 
-std::vector<uint8_t> JpegEncoder::encode(const PictureView& picture, int quality) {
+std::vector<uint8_t> JpegEncoder::encode(const PictureView& picture, int quality, bool half_chroma) {
     const PlaneLayout& layout = picture.layout;
     const int width = int(layout.width), height = int(layout.height);
-    const int sampling = layout.full ? TJSAMP_444 : TJSAMP_420;
+    const int sampling = layout.full && !half_chroma ? TJSAMP_444 : TJSAMP_420;
     const size_t most = tjBufSize(width, height, sampling);
     if (most == size_t(-1)) throw std::runtime_error(std::string("libjpeg-turbo: ") + tjGetErrorStr2(nullptr));
     if (scratch_.size() < most) scratch_.resize(most);

@@ -16,8 +16,9 @@ public:
     JpegEncoder(const JpegEncoder&) = delete;
     JpegEncoder& operator=(const JpegEncoder&) = delete;
 
-    // `quality`: 1 ... 100. Throws std::runtime_error if libjpeg-turbo refuses (a picture without pixels).
-    std::vector<uint8_t> encode(const PictureView& picture, int quality);
+    // `quality`: 1 ... 100. `half_chroma`: true for 4:2:0 from R, G, B planes, too. Throws std::runtime_error if
+    // libjpeg-turbo refuses (a picture without pixels).
+    std::vector<uint8_t> encode(const PictureView& picture, int quality, bool half_chroma = false);
     // Bytes of scratch memory: about what the largest picture so far takes.
     uint64_t bytes() const { return scratch_.capacity() + rgb_.capacity(); }
     // Frees the scratch memory.

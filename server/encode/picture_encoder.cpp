@@ -29,7 +29,8 @@ EncodedPictures encodePictures(std::span<const PictureView> eyes, const EncodeRe
         return out;
     }
     out.quality = request.lossless ? kNearlyLossless : request.quality;
-    for (size_t eye = 0; eye < eyes.size(); ++eye) out.bytes[eye] = shared(jpeg.encode(eyes[eye], out.quality));
+    for (size_t eye = 0; eye < eyes.size(); ++eye)
+        out.bytes[eye] = shared(jpeg.encode(eyes[eye], out.quality, !request.full_colour));
     return out;
 }
 

@@ -26,6 +26,8 @@ struct EncodedPictures {
 struct EncodeRequest {
     uint8_t quality = 80;  // JPEG, 1 ... 100
     bool lossless = false; // True: PNG, or JPEG of quality 97 if PNG takes more than 4 MiB
+    // False: JPEG with half as many chroma samples each way, also from planes R, G, B.
+    bool full_colour = true;
 };
 
 // Encodes the pictures of one or two eyes. `jpeg`: the calling thread's own encoder. Precondition: for lossless

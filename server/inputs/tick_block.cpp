@@ -136,6 +136,8 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.sky_zenith = scene.sky.zenith;
     tick.sky_horizon = scene.sky.horizon;
     tick.haze = scene.sky.haze;
+    tick.extinction = 1;
+    tick.channels = gpu::kAllChannels;
 
     const LightBounds medium = mediumBounds(particles, tick);
     tick.map.lo = medium.lo;

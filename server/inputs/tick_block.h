@@ -4,7 +4,8 @@
 
 #include <span>
 
-#include "server/sim/simulation.h"
+#include "server/inputs/scene_features.h"
+#include "shaders/shared/types.h"
 
 namespace brume {
 
@@ -12,5 +13,11 @@ namespace brume {
 // outside them shadows.
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
                    std::span<const gpu::Opaque> objects);
+
+// False: there is one fog without a ball, and nothing else. Pixels have its light in closed form (isFogOnly() of
+// shaders/lib/fog.glsl), and nothing reads what rays hold.
+inline bool needsRays(const gpu::Tick& tick) {
+    return tick.particle_count > 0 || tick.fog_count != 1 || tick.fogs[0].radius < kNoBall;
+}
 
 } // namespace brume

@@ -29,7 +29,9 @@ struct TickInputs {
     const gpu::Sampler* nearest = nullptr;
     float lobe_width = 1;   // rad, PhaseLobes::width()
     SceneFeatures features; // that shaders are compiled for
-    bool lone_fog = false;  // True: there is one fog, without a ball: its light needs no slabs
+    bool needs_rays = true; // needsRays() the tick
+    // True: the passes before were the same group's in another hue, and what no colour changes is there already.
+    bool again = false;
     // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one.
     bool uses_target = false;
 };

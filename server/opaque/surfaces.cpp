@@ -10,6 +10,8 @@
 namespace brume {
 namespace {
 
+constexpr VkDeviceSize kOrderBytes = gpu::kMostBodies * sizeof(uint32_t);
+
 uint32_t binsOf(uint32_t width, uint32_t height) {
     return gpu::groups(width, gpu::kObjectBin) * gpu::groups(height, gpu::kObjectBin);
 }
@@ -18,7 +20,7 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
 
 Surfaces::Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes, bool by_draw)
     : device_(device), first_(objects), meshes_{gpu::kIdHasMeshes, meshes}, by_draw_(by_draw) {
-    prepare({}, objects);
+    prepare({}, objects, {});
 }
 
 bool Surfaces::isMany() const {
@@ -46,13 +48,38 @@ const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
     return made;
 }
 
-void Surfaces::prepare(std::span<const EyeRequest> eyes, const ObjectCounts& objects) {
+void Surfaces::prepare(std::span<const EyeRequest> eyes, const ObjectCounts& objects,
+                       std::span<const gpu::Opaque> all) {
     objects_ = objects;
     const uint32_t words = gpu::groups(isMany() ? objects.bodies() : 0, 32), of_words = gpu::groups(words, 32);
     VkDeviceSize bytes = 256;
     for (const EyeRequest& eye : eyes)
         bytes = std::max(bytes, VkDeviceSize(binsOf(eye.width, eye.height)) * (words + of_words) * sizeof(uint32_t));
     bins_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "object bins");
+    order_.atLeast(device_, std::max<size_t>(isMany() ? eyes.size() : 0, 1) * kOrderBytes,
+                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "order of objects");
+    if (isMany()) writeOrder(eyes, all);
+}
+
+// By bodyBegin() of shaders/lib/object_bins.glsl.
+void Surfaces::writeOrder(std::span<const EyeRequest> eyes, std::span<const gpu::Opaque> all) {
+    for (size_t eye = 0; eye < eyes.size(); ++eye) {
+        const glm::vec3 forward = eyes[eye].pose.orientation * glm::vec3(0, 0, -1);
+        nearest_.clear();
+        for (uint32_t i = 0; i < all.size(); ++i) {
+            if (all[i].kind == gpu::kPlane) continue;
+            const float reach = all[i].kind == gpu::kBox ? glm::length(all[i].half_size) : all[i].half_size.x;
+            nearest_.emplace_back(glm::dot(all[i].centre - eyes[eye].pose.position, forward) - reach, i);
+        }
+        std::ranges::sort(nearest_);
+        const std::span<uint32_t> order = order_.mapped<uint32_t>(nearest_.size(), eye * kOrderBytes);
+        std::ranges::transform(nearest_, order.begin(), [](const auto& one) { return one.second; });
+    }
+    order_.flush();
+}
+
+gpu::Resource Surfaces::orderOf(uint32_t binding, const EyeInputs& in) const {
+    return gpu::storageBuffer(binding, order_, isMany() ? in.view * kOrderBytes : 0, kOrderBytes);
 }
 
 // Ends with its writes visible to all.
@@ -61,8 +88,8 @@ void Surfaces::recordBins(gpu::Commands& commands, const EyeInputs& in) {
     if (!bins_program_)
         bins_program_ =
             gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, object_bins_comp, "object_bins"}, {});
-    bins_program_.bind(
-        commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.shared->objects), gpu::storageBuffer(3, bins_)});
+    bins_program_.bind(commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.shared->objects),
+                                  gpu::storageBuffer(3, bins_), orderOf(4, in)});
     vkCmdDispatch(commands.handle(), gpu::groups(binsOf(in.size.width, in.size.height), 64), 1, 1);
     gpu::everythingBefore(commands.handle());
 }
@@ -81,19 +108,19 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
                         depths = gpu::storageBuffer(9, *in.shared->light_depths),
                         nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_),
                         triangles = gpu::storageBuffer(12, *in.shared->triangles),
-                        mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes);
+                        mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes), order = orderOf(14, in);
     ObjectCounts compiled = objects_;
     if (many) compiled.boxes = std::min(compiled.boxes, 1u), compiled.spheres = std::min(compiled.spheres, 1u);
     const Programs& programs = programsFor({compiled, many, in.shared->features.fog, in.shared->features.local_lights});
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
         programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
-                                      bins, triangles, mesh_nodes});
+                                      bins, triangles, mesh_nodes, order});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
         programs.compute.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
-                                         bins, triangles, mesh_nodes, gpu::storageImage(5, in.target->radiance),
+                                         bins, triangles, mesh_nodes, order, gpu::storageImage(5, in.target->radiance),
                                          gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }

@@ -3,6 +3,8 @@
 
 #include <map>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "server/gpu/commands.h"
 #include "server/inputs/eye_inputs.h"
@@ -20,10 +22,10 @@ public:
         : Surfaces(device, objects, meshes, device.isCpu()) {}
     Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes, bool by_draw);
 
-    // Makes room for pictures of these sizes and so many objects. Other numbers of boxes and spheres than at first are
-    // looked for in bins, as many objects are: one more then needs no other shader. Precondition: nothing of it is on
-    // the device.
-    void prepare(std::span<const EyeRequest> eyes, const ObjectCounts& objects);
+    // Makes room for pictures of these eyes and these objects. Other numbers of boxes and spheres than at first are
+    // looked for in bins, as many objects are: one more then needs no other shader. `all`: the objects, planes first.
+    // Precondition: nothing of it is on the device.
+    void prepare(std::span<const EyeRequest> eyes, const ObjectCounts& objects, std::span<const gpu::Opaque> all);
     // Writes all of the eye's target, with transmittance 1. Every kind of pass may read and write it afterwards.
     void record(gpu::Commands& commands, const EyeInputs& in);
 
@@ -40,6 +42,8 @@ private:
     };
     const Programs& programsFor(const Variant& variant);
     bool isMany() const;
+    void writeOrder(std::span<const EyeRequest> eyes, std::span<const gpu::Opaque> all);
+    gpu::Resource orderOf(uint32_t binding, const EyeInputs& in) const;
     void recordBins(gpu::Commands& commands, const EyeInputs& in);
 
     const gpu::Device& device_;
@@ -48,7 +52,9 @@ private:
     const gpu::SpecConstant meshes_;
     const bool by_draw_;
     gpu::ComputeProgram bins_program_;
-    gpu::Buffer bins_; // uint[bins][words]: which of many the rays of a bin of the last eye's pixels may hit
+    gpu::Buffer bins_;  // uint[bins][words]: which of many the rays of a bin of the last eye's pixels may hit
+    gpu::Buffer order_; // uint[eyes][kMostBodies]: indices of boxes and spheres, the nearest first
+    std::vector<std::pair<float, uint32_t>> nearest_; // scratch of writeOrder()
     std::map<Variant, Programs> programs_;
 };
 

@@ -2,7 +2,7 @@
 //
 // A text file, one line a record, each written whole by one write() as soon as it is known:
 //
-//   brume-recording 7
+//   brume-recording 8
 //   0123456789abcdef {"scene":"plume",...}                        the scene and its overrides: RecordingHead
 //   0123456789abcdef {"tick":0,"state":"fedcba9876543210"}        the state before the first tick
 //   0123456789abcdef {"tick":17,"state":"...","commands":[...]}   every tick with commands, and one each second
@@ -10,7 +10,7 @@
 //   0123456789abcdef {"tick":60,"state":"...","errors":[...]}     measured errors of viewers' pictures
 //   0123456789abcdef {"tick":99,"state":"...","end":"stopped"}    the last line of a server that ended by itself
 //
-// The 16 digits are an XXH3 hash of the previous line's digits (for the first: of "brume-recording 7") and of the
+// The 16 digits are an XXH3 hash of the previous line's digits (for the first: of "brume-recording 8") and of the
 // JSON. A line that was changed, left out or moved is detected by it. "state" is Simulation::stateHash() after the
 // tick, "frame" a hash of the picture.
 #pragma once

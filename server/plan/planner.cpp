@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/phase_lobes.h"
+#include "server/inputs/hues.h"
 #include "server/inputs/local_light_block.h"
 #include "server/inputs/tick_block.h"
 #include "server/medium/band_limit.h"
@@ -59,6 +60,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     out.tick = makeTick(scene, now, particles, objects);
     out.casters = std::min(out.tick.opaque_count - out.tick.plane_count + triangles, kMostCounted);
     out.state = stateOf(particles, out.tick);
+    out.hues = uint32_t(huesOf(now).size());
     out.particles = uint32_t(particles.size());
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);
     const size_t stride = std::max<size_t>((particles.size() + kSample - 1) / kSample, 1);

@@ -43,6 +43,11 @@ Work& Work::operator+=(const Work& other) {
     return *this;
 }
 
+Work& Work::operator*=(double times) {
+    for (double& units : units_) units *= times;
+    return *this;
+}
+
 double Work::ms(const CostModel& model) const {
     double ns = 0;
     for (size_t i = 0; i < allCosts().size(); ++i) ns += units_[i] * model.ns[i];
@@ -134,6 +139,7 @@ const ShownMedium& ViewWork::shown() const {
 Work ViewWork::of(const RenderSettings& settings) const {
     Work work;
     planOf(settings.method)->addViewWork(*this, settings, work);
+    work *= scene_.hues;
     return work;
 }
 

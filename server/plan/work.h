@@ -10,7 +10,7 @@
 
 #include "common/camera.h"
 #include "common/scene.h"
-#include "server/inputs/scene_features.h"
+#include "server/inputs/tick_block.h"
 #include "server/light/shadow_resolution.h"
 #include "server/medium/extent.h"
 #include "server/plan/cost_model.h"
@@ -38,6 +38,8 @@ struct PlanScene {
     uint32_t objects = 0, casters = 0;         // those that a pixel may meet, by and large: kMostCounted at most
     std::vector<gpu::LocalLight> local_lights; // points and spots
     gpu::Tick tick{};                          // light, falloff, cut, bounds of the shadow volume
+    // Times that a view's passes run for one picture (server/inputs/hues.h).
+    uint32_t hues = 1;
     uint32_t particles = 0;
     std::vector<gpu::Particle> sample; // evenly chosen; each stands for weight() particles
     MediumSample medium_sample;
@@ -57,8 +59,7 @@ struct PlanScene {
     // Particles that one of the sample stands for.
     double weight() const { return sample.empty() ? 0 : double(particles) / double(sample.size()); }
     double support(const gpu::Particle& particle) const; // m, radius beyond which it is cut
-    // False: there is one fog without a ball, and nothing else. Pixels have its light in closed form.
-    bool needsRays() const { return particles > 0 || tick.fog_count != 1 || tick.fogs[0].radius <= kNoBall; }
+    bool needsRays() const { return brume::needsRays(tick); }
 };
 
 inline constexpr float kCoarsestShadow = 0.05f, kFinestShadow = 2e-4f; // relative errors, ends of PlanScene::shadows
@@ -70,6 +71,7 @@ public:
     double operator[](const CostInfo& cost) const { return units_[numberOf(cost)]; }
     double operator[](size_t number) const { return units_[number]; }
     Work& operator+=(const Work& other);
+    Work& operator*=(double times);
     double ms(const CostModel& model) const;
 
 private:

@@ -137,8 +137,8 @@ void Compose::present(gpu::Commands& commands, const ViewGroup& group) {
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"},
                                       {{gpu::kIdStep, group.step}, {gpu::kIdFull, full_}});
-    program.bind(commands,
-                 {group.block, gpu::storageBuffer(3, *group.any->shared->planes), gpu::storageBuffer(4, shaded_)});
+    program.bind(commands, {group.any->medium->tick, group.block, gpu::storageBuffer(3, *group.any->shared->planes),
+                            gpu::storageBuffer(4, shaded_)});
     const uint32_t width = group.most([](const gpu::View& v) { return v.eye.size.x; });
     const uint32_t rows = group.most([](const gpu::View& v) { return v.end - v.first; });
     vkCmdDispatch(cmd, gpu::groups(width, 128), gpu::groups(rows, 32), group.count());

@@ -5,6 +5,7 @@
 #include "common/phase_lobes.h"
 #include "server/inputs/eye_block.h"
 #include "server/inputs/local_light_block.h"
+#include "server/inputs/tick_block.h"
 
 namespace brume {
 namespace {
@@ -40,6 +41,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     if (settings) now_.render = *settings;
     if (lists_) leaveOut(now_.lists, *lists_);
     features_ = besides_ | featuresOf(scene_, now_, lists_.value_or(SceneFeatures()));
+    hues_ = huesOf(now_);
     if (objects_.follow(scene_, now_.lists)) {
         opaque_shadow_.invalidate();
         particle_light_.invalidate();
@@ -51,45 +53,56 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     step_ = drawingStep(needs);
     drawn_.clear();
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
-    fitPictures(s, eyes, full);
+    fitPictures(s, eyes, full || hues_.size() > 1);
     probe_.prepare(s.probe);
     upload_.take(simulation, scene_, now_, objects_.all(), eyes, s.particles_);
     writeLocalLights(s, eyes);
-    surfaces_.prepare(eyes, objects_.counts());
+    surfaces_.prepare(eyes, objects_.counts(), objects_.all());
     shafts_.prepare(features_.casters ? eyes : std::span<const EyeRequest>());
     const UniformBlocks blocks(s.uniforms_, eyes.size());
-    upload_.writeBlocks(blocks);
+    upload_.writeBlocks(blocks, hues_);
 
     targets_.fit(drawsCoarsely() ? eyes : drawn_);
     if (drawsCoarsely()) coarse_targets_.fit(drawn_);
     const VkCommandBuffer cmd = s.commands.begin();
     upload_.record(s.commands, s.particles_);
-    recordLight(s, needs);
+    recordLight(s);
 
     gatherInputs(s, blocks, eyes);
     s.uniforms_.flush();
     const std::span<const ViewGroup> groups = groupsOf(method);
     compose_.prepare(groups);
-    const bool has_medium = hasMedium();
-    if (has_medium) method.recordTick(s.commands, shared_, *inputs_.front().medium);
+    if (hasMedium()) method.recordTick(s.commands, shared_, *inputs_.front().medium);
     const EyeInputs* before = nullptr;
     for (const ViewGroup& group : groups) {
-        targets_.use(cmd, *group.any->target);
-        if (needsSurfaces(group, before)) {
-            if (features_.local_lights) local_lights_.recordBins(s.commands, *group.any);
-            surfaces_.record(s.commands, *group.any);
+        for (uint32_t hue = 0; hue < hues_.size(); ++hue) {
+            if (hues_.size() > 1) gpu::everythingBefore(cmd); // the hue before has used the same buffers and images
+            upload_.enter(blocks, hue);
+            shared_.again = hue > 0;
+            if (needs.particle_light && !before) recordParticleLight(s.commands);
+            recordGroup(s, method, group, before);
+            if (hues_.size() > 1 && compose_.keepsRadiance()) keepHue(s.commands, group, hue);
         }
-        if (has_medium && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
-        if (has_medium) method.recordGroup(s.commands, group);
-        if (features_.casters && group.field) shafts_.record(s.commands, group);
-        if (features_.local_lights && group.field) local_lights_.record(s.commands, group);
-        compose_.record(s.commands, group);
-        if (has_medium && !s.probe.pixels.empty()) probe_.record(s.commands, group, s.probe, views_[s.probe.eye]);
-        before = group.any;
+        if (hues_.size() == 1) before = group.any;
     }
     recordReadBack(s);
     s.commands.submit();
     upload_.submitted();
+}
+
+// One group in one hue. `before`: the eye whose surfaces the target has; null: none.
+void Renderer::recordGroup(Submission& s, Method& method, const ViewGroup& group, const EyeInputs* before) {
+    targets_.use(s.commands.handle(), *group.any->target);
+    if (needsSurfaces(group, before)) {
+        if (features_.local_lights) local_lights_.recordBins(s.commands, *group.any);
+        surfaces_.record(s.commands, *group.any);
+    }
+    if (hasMedium() && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
+    if (hasMedium()) method.recordGroup(s.commands, group);
+    if (features_.casters && group.field) shafts_.record(s.commands, group);
+    if (features_.local_lights && group.field) local_lights_.record(s.commands, group);
+    compose_.record(s.commands, group);
+    if (hasMedium() && !s.probe.pixels.empty()) probe_.record(s.commands, group, s.probe, views_[s.probe.eye]);
 }
 
 uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full, const SceneFeatures& features) {
@@ -149,7 +162,7 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
     if (bytes > mostPictureBytes(device_))
         throw gpu::Error("pictures of " + std::to_string(bytes >> 20) + " MiB together, the device allows " +
                          std::to_string(mostPictureBytes(device_) >> 20) + " MiB: ask for smaller ones");
-    s.uniforms_.atLeast(device_, UniformBlocks::bytes(eyes.size()),
+    s.uniforms_.atLeast(device_, UniformBlocks::bytes(eyes.size(), hues_.size()),
                         VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
                         "uniforms");
     s.planes_.atLeast(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "planes readback");
@@ -181,8 +194,8 @@ void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes)
     local_lights_.prepare(eyes, uint32_t(light_blocks_.size()), volumes);
 }
 
-// Records both shadow maps, and the light cached on the particles of every list that some eye sees.
-void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
+// Records the shadow maps and the depths toward local lights: of all hues, since depths are as the extinction.
+void Renderer::recordLight(Submission& s) {
     MediumView& all = upload_.all();
     opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects(), objects_.all());
     mesh_shadow_.record(s.commands, all.tick, upload_.tick(), meshes_);
@@ -192,15 +205,22 @@ void Renderer::recordLight(Submission& s, const MethodNeeds& needs) {
     }
     local_lights_.recordDepths(s.commands, all, s.local_lights_, light_blocks_);
     all.light = nullptr;
-    if (!needs.particle_light) return;
+}
+
+// Records the light cached on the particles of every list that some eye sees.
+void Renderer::recordParticleLight(gpu::Commands& commands) {
+    MediumView& all = upload_.all();
+    if (hues_.size() > 1) { // it is that of another hue
+        particle_light_.invalidate();
+        upload_.invalidateLight();
+    }
     const auto record = [&](ParticleLight& light, MediumView& medium) {
-        light.record(s.commands,
-                     {medium.tick, &objects_.objects(), medium.particles, &shadow_volume_.image(), &linear_},
+        light.record(commands, {medium.tick, &objects_.objects(), medium.particles, &shadow_volume_.image(), &linear_},
                      medium.count, now_.render.tiles.light_tolerance);
         medium.light = &light.buffer();
     };
     bool seen = false; // True: some eye sees the full list, not a level of detail
-    for (size_t i = 0; i < s.pictures_.size(); ++i) seen = seen || &upload_.of(i) == &all;
+    for (size_t i = 0; i < views_.size(); ++i) seen = seen || &upload_.of(i) == &all;
     if (seen) record(particle_light_, all);
     for (MergedMedia::Medium* level : upload_.levels()) {
         if (!level->light) level->light = std::make_unique<ParticleLight>(device_, upload_.capacity());
@@ -229,7 +249,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .nearest = &nearest_,
                .lobe_width = float(lobesOf(now_.medium).width()),
                .features = features_,
-               .lone_fog = upload_.tick().fog_count == 1 && upload_.tick().fogs[0].radius > kNoBall,
+               .needs_rays = needsRays(upload_.tick()),
                .uses_target = features_.opaque || compose_.keepsRadiance()};
     inputs_.clear();
     for (uint32_t i = 0; i < eyes.size(); ++i) {
@@ -303,10 +323,35 @@ void Renderer::recordReadBack(Submission& s) {
     gpu::transferToHost(cmd);
 }
 
+// Keeps what the target holds of a group in one hue.
+void Renderer::keepHue(gpu::Commands& commands, const ViewGroup& group, uint32_t hue) {
+    const EyeInputs& in = *group.any;
+    const VkDeviceSize bytes = VkDeviceSize(in.size.width) * in.size.height * sizeof(glm::vec4);
+    kept_.resize(hues_.size());
+    kept_[hue].atLeast(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "radiance of a hue");
+    const Rows rows = group.field ? Rows{group.views.front().first, group.views.front().end} : Rows{0, in.size.height};
+    gpu::everythingBefore(commands.handle());
+    copyRows(commands.handle(), *in.target, in.size.width, rows, kept_[hue]);
+}
+
+// Of several hues the channels of each, and the mean transmittance.
+std::vector<glm::vec4> Renderer::readDrawn(VkExtent2D size) {
+    if (hues_.size() == 1) return readTarget(device_, targets_.of(size), size);
+    std::vector<glm::vec4> all(size_t(size.width) * size.height, glm::vec4(0));
+    for (size_t hue = 0; hue < hues_.size(); ++hue) {
+        kept_[hue].invalidate();
+        const std::span<const glm::vec4> pixels = kept_[hue].mapped<glm::vec4>(all.size());
+        for (int c = 0; c < 3; ++c)
+            if (hues_[hue].channels >> c & 1)
+                for (size_t i = 0; i < all.size(); ++i) all[i][c] = pixels[i][c], all[i].a += pixels[i].a / 3;
+    }
+    return all;
+}
+
 std::vector<glm::vec4> Renderer::readRadiance() {
-    if (step_ == 1 || features_.opaque) return readTarget(device_, targets_.of(last_size_), last_size_);
+    if (step_ == 1 || features_.opaque) return readDrawn(last_size_);
     const VkExtent2D drawn{drawn_.back().width, drawn_.back().height};
-    return interpolated(readTarget(device_, targets_.of(drawn), drawn), drawn.width, last_size_, step_);
+    return interpolated(readDrawn(drawn), drawn.width, last_size_, step_);
 }
 
 } // namespace brume

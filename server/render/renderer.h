@@ -58,7 +58,8 @@ public:
     // Records and submits everything for `eyes` at the simulation's present state, and does not wait for the device:
     // submission.commands.wait() does.
     // `settings`: resolved settings of the plan. Null: the simulation's, whose method must then not be "auto".
-    // `full`: true for planes R, G, B; false for planes Y, Cb, Cr with half as many chroma samples each way.
+    // `full`: true for planes R, G, B; false for planes Y, Cb, Cr with half as many chroma samples each way. Pictures
+    // of several hues are full, whatever is asked for.
     // Precondition: no other submission of this renderer is on the device.
     // Throws gpu::Error, for example when pictures do not fit the device's memory. Then destroy this renderer.
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
@@ -115,10 +116,14 @@ private:
     bool drawsCoarsely() const { return step_ > 1 && features_.opaque; }
     void fitPictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
     void writeLocalLights(Submission& submission, std::span<const EyeRequest> eyes);
-    void recordLight(Submission& submission, const MethodNeeds& needs);
+    void recordLight(Submission& submission);
+    void recordParticleLight(gpu::Commands& commands);
     void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
+    void recordGroup(Submission& submission, Method& method, const ViewGroup& group, const EyeInputs* before);
+    void keepHue(gpu::Commands& commands, const ViewGroup& group, uint32_t hue);
+    std::vector<glm::vec4> readDrawn(VkExtent2D size);
     void recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye);
     void recordReadBack(Submission& submission);
 
@@ -157,6 +162,7 @@ private:
     // Of the present submission.
     SceneNow now_;
     SceneFeatures features_;
+    std::vector<Hue> hues_;
     std::vector<gpu::LocalLight> light_blocks_;
     uint32_t step_ = 1;             // one pixel is drawn for step_ x step_ of the finished pictures
     std::vector<EyeRequest> drawn_; // the pixels that are drawn: all, or every step_-th
@@ -166,6 +172,7 @@ private:
     std::vector<EyeInputs> coarse_inputs_; // the same eyes at every step_-th pixel, if drawsCoarsely()
     std::vector<ViewGroup> no_medium_;     // one per eye, for a scene without particles
     VkExtent2D last_size_{};               // of the last eye's finished picture
+    std::vector<gpu::Buffer> kept_;        // with several hues and keepRadiance(): vec4[], radiance of each
 };
 
 } // namespace brume

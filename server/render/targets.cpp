@@ -94,6 +94,15 @@ void Targets::giveBack() {
     memory_ = {};
 }
 
+void copyRows(VkCommandBuffer cmd, const RenderTarget& target, uint32_t width, Rows rows, const gpu::Buffer& to) {
+    VkBufferImageCopy copy{};
+    copy.bufferOffset = VkDeviceSize(width) * rows.first * sizeof(glm::vec4);
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    copy.imageOffset = {0, int32_t(rows.first), 0};
+    copy.imageExtent = {width, rows.end - rows.first, 1};
+    vkCmdCopyImageToBuffer(cmd, target.radiance.handle(), VK_IMAGE_LAYOUT_GENERAL, to.handle(), 1, &copy);
+}
+
 std::vector<glm::vec4> readTarget(const gpu::Device& device, const RenderTarget& target, VkExtent2D size) {
     const size_t count = size_t(size.width) * size.height;
     const gpu::Buffer pixels(device, count * sizeof(glm::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
@@ -101,10 +110,7 @@ std::vector<glm::vec4> readTarget(const gpu::Device& device, const RenderTarget&
     gpu::Commands commands(device, "read radiance");
     const VkCommandBuffer cmd = commands.begin();
     gpu::everythingBefore(cmd);
-    VkBufferImageCopy copy{};
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {size.width, size.height, 1};
-    vkCmdCopyImageToBuffer(cmd, target.radiance.handle(), VK_IMAGE_LAYOUT_GENERAL, pixels.handle(), 1, &copy);
+    copyRows(cmd, target, size.width, {0, size.height}, pixels);
     gpu::transferToHost(cmd);
     commands.submit();
     commands.wait(~0ull);

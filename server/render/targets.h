@@ -42,6 +42,13 @@ private:
     const RenderTarget* used_ = nullptr;
 };
 
+struct Rows {
+    uint32_t first, end;
+};
+// Copies rows of the target's radiance, `width` pixels each, to the same places of a buffer that begins with row 0.
+// Precondition: the device is done with them.
+void copyRows(VkCommandBuffer cmd, const RenderTarget& target, uint32_t width, Rows rows, const gpu::Buffer& to);
+
 // The first `size` pixels of the target's radiance, row by row. Waits for the device: slow, for tests and measurements.
 std::vector<glm::vec4> readTarget(const gpu::Device& device, const RenderTarget& target, VkExtent2D size);
 

@@ -47,18 +47,25 @@ void TickUpload::take(const Simulation& simulation, const Scene& scene, const Sc
     staging.flush();
 }
 
-void TickUpload::writeBlocks(const UniformBlocks& blocks) {
-    blocks.setTick(tick_);
-    all_.tick = blocks.tick();
+void TickUpload::writeBlocks(const UniformBlocks& blocks, std::span<const Hue> hues) {
+    for (uint32_t hue = 0; hue < hues.size(); ++hue) {
+        blocks.setTick(hue, hues[hue].of(tick_));
+        uint32_t level = 0;
+        for (const MergedMedia::Medium* medium : levels_.media())
+            blocks.setLevel(hue, level++, hues[hue].of(medium->tick));
+    }
     all_.particles = &particles_;
     all_.count = tick_.particle_count;
     all_.extent = &extent_;
+    for (MergedMedia::Medium* medium : levels_.media())
+        medium->view = {{}, &medium->particles, medium->tick.particle_count, all_.version, nullptr, &medium->extent};
+    enter(blocks, 0);
+}
+
+void TickUpload::enter(const UniformBlocks& blocks, uint32_t hue) {
+    all_.tick = blocks.tick(hue);
     uint32_t level = 0;
-    for (MergedMedia::Medium* medium : levels_.media()) {
-        blocks.setLevel(level, medium->tick);
-        medium->view = {blocks.level(level++), &medium->particles, medium->tick.particle_count, all_.version, nullptr,
-                        &medium->extent};
-    }
+    for (MergedMedia::Medium* medium : levels_.media()) medium->view.tick = blocks.level(hue, level++);
 }
 
 const MediumView& TickUpload::of(size_t eye) const {

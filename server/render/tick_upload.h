@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/inputs/eye_request.h"
+#include "server/inputs/hues.h"
 #include "server/inputs/medium_view.h"
 #include "server/render/merged_media.h"
 #include "server/render/uniform_blocks.h"
@@ -23,8 +24,10 @@ public:
     // as makeTick() wants them. Precondition: nothing of this is on the device.
     void take(const Simulation& simulation, const Scene& scene, const SceneNow& now,
               std::span<const gpu::Opaque> objects, std::span<const EyeRequest> eyes, gpu::Buffer& staging);
-    // Writes the tick's blocks, and makes views of all lists. After take().
-    void writeBlocks(const UniformBlocks& blocks);
+    // Writes the tick's blocks in all hues, and makes views of all lists, with those of the first hue. After take().
+    void writeBlocks(const UniformBlocks& blocks, std::span<const Hue> hues);
+    // From now on the views have the blocks of this hue.
+    void enter(const UniformBlocks& blocks, uint32_t hue);
     // Records the copies from `staging`. Ends with its writes visible to compute.
     void record(gpu::Commands& commands, const gpu::Buffer& staging) const;
     // The submission is on its way: what take() found is what the device has.

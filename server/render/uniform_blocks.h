@@ -1,7 +1,7 @@
 // Where the uniform blocks of one submission lie in its buffer:
 //
-//   | gpu::Tick | gpu::View, one per eye | gpu::Tick, one per level of detail | DrawnEye, one per eye, of the pixels
-//   drawn |
+//   | gpu::View, one per eye | DrawnEye, one per eye, of the pixels drawn | of every hue gpu::Tick, and one per level
+//   of detail |
 #pragma once
 
 #include "server/gpu/program.h"
@@ -18,25 +18,25 @@ struct DrawnEye {
 class UniformBlocks {
 public:
     UniformBlocks(const gpu::Buffer& buffer, size_t eyes) : buffer_(buffer), eyes_(uint32_t(eyes)) {}
-    static VkDeviceSize bytes(size_t eyes) { return (3 * eyes + 1) * kBlockBytes; }
+    static VkDeviceSize bytes(size_t eyes, size_t hues) { return (2 * eyes + hues * (eyes + 1)) * kBlockBytes; }
 
-    void setTick(const gpu::Tick& tick) const { buffer_.mapped<gpu::Tick>(1)[0] = tick; }
+    void setTick(uint32_t hue, const gpu::Tick& tick) const { buffer_.mapped<gpu::Tick>(1, atTick(hue))[0] = tick; }
     void setPicture(uint32_t eye, const gpu::View& view) const { buffer_.mapped<gpu::View>(1, at(eye))[0] = view; }
-    void setLevel(uint32_t level, const gpu::Tick& tick) const {
-        buffer_.mapped<gpu::Tick>(1, at(eyes_ + level))[0] = tick;
+    void setLevel(uint32_t hue, uint32_t level, const gpu::Tick& tick) const {
+        buffer_.mapped<gpu::Tick>(1, atLevel(hue, level))[0] = tick;
     }
     void setDrawn(uint32_t eye, const DrawnEye& drawn) const {
-        buffer_.mapped<DrawnEye>(1, at(2 * eyes_ + eye))[0] = drawn;
+        buffer_.mapped<DrawnEye>(1, at(eyes_ + eye))[0] = drawn;
     }
 
-    gpu::Resource tick() const { return gpu::uniformBuffer(0, buffer_, 0, sizeof(gpu::Tick)); }
+    gpu::Resource tick(uint32_t hue) const { return gpu::uniformBuffer(0, buffer_, atTick(hue), sizeof(gpu::Tick)); }
     gpu::Resource picture(uint32_t eye) const { return gpu::storageBuffer(1, buffer_, at(eye), sizeof(gpu::View)); }
     gpu::Resource pictureEye(uint32_t eye) const { return gpu::uniformBuffer(1, buffer_, at(eye), sizeof(DrawnEye)); }
-    gpu::Resource level(uint32_t level) const {
-        return gpu::uniformBuffer(0, buffer_, at(eyes_ + level), sizeof(gpu::Tick));
+    gpu::Resource level(uint32_t hue, uint32_t level) const {
+        return gpu::uniformBuffer(0, buffer_, atLevel(hue, level), sizeof(gpu::Tick));
     }
     gpu::Resource drawnEye(uint32_t eye) const {
-        return gpu::uniformBuffer(1, buffer_, at(2 * eyes_ + eye), sizeof(DrawnEye));
+        return gpu::uniformBuffer(1, buffer_, at(eyes_ + eye), sizeof(DrawnEye));
     }
 
 private:
@@ -44,7 +44,9 @@ private:
         768; // a multiple of 256, the largest alignment that a device may ask for
     static_assert(sizeof(gpu::Tick) <= kBlockBytes && sizeof(gpu::View) <= kBlockBytes &&
                   offsetof(gpu::View, eye) == 0);
-    static VkDeviceSize at(uint32_t block) { return (block + 1) * kBlockBytes; }
+    static VkDeviceSize at(uint32_t block) { return block * kBlockBytes; }
+    VkDeviceSize atTick(uint32_t hue) const { return at(2 * eyes_ + hue * (eyes_ + 1)); }
+    VkDeviceSize atLevel(uint32_t hue, uint32_t level) const { return atTick(hue) + at(1 + level); }
 
     const gpu::Buffer& buffer_;
     uint32_t eyes_;

@@ -12,6 +12,7 @@ layout(scalar, binding = 10) readonly buffer Nodes { ObjectNode object_nodes[]; 
 layout(scalar, binding = 11) readonly buffer Bins { uint object_bins[]; };
 layout(scalar, binding = 12) readonly buffer Triangles { Triangle triangles[]; };
 layout(scalar, binding = 13) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
+layout(scalar, binding = 14) readonly buffer Order { uint object_order[]; };
 
 // Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
 layout(constant_id = kIdPlanes) const uint kPlanes = 1;
@@ -30,6 +31,7 @@ const bool kHasBodies = kBoxes + kSpheres > 0;
 #include "shaders/lib/local_lights.glsl"
 #include "shaders/lib/local_light_depth.glsl"
 
+#include "shaders/lib/body_hits.glsl"
 #include "shaders/lib/mesh_hits.glsl"
 #include "shaders/shared/ground.h"
 
@@ -49,24 +51,13 @@ uint object_bin; // with kMany: index in object_bins of the pixel's bin
 // pixels from it in x and y.
 float pixelReach() { return 0.61 * (length(eye.ray_right) + length(eye.ray_down)); }
 
-// True if a ray through any point of the pixel may hit the object.
-bool mayHit(Opaque o, uint kind, vec3 middle) {
-    const float pixel = pixelReach();
-    const vec3 off = o.centre - eye.position, across = cross(off, middle);
-    const float reach = (kind == kBox ? length(o.half_size) : o.half_size.x) + pixel * length(off);
-    return dot(across, across) <= reach * reach * dot(middle, middle);
-}
-
-// Bits of boxes and spheres that may be hit: the scene's first one, its second one ...; with kMany the bin's. From the
-// 32nd on all count as hit.
+// Bits of boxes and spheres that may be hit, of few: the scene's first one, its second one ...
 uint mayHit(vec3 middle) {
-    uint may = 0, i;
-    for (uint n = 0; n < (kMany ? 0 : kBoxes + kSpheres); ++n)
-        if (mayHit(objects[kPlanes + n], n < kBoxes ? kBox : kSphere, middle)) may |= 1u << n;
-    if (!kMany) return may;
-    BinWalk walk = walkBin(object_bin);
-    [[dont_unroll]] while (walk.visited < 32 && nextObject(walk, i))
-        if (mayHit(objects[i], objects[i].kind, middle)) may |= 1u << (walk.visited - 1);
+    uint may = 0;
+    for (uint n = 0; n < (kMany ? 0 : kBoxes + kSpheres); ++n) {
+        const Opaque o = objects[kPlanes + n];
+        if (mayHit(o, n < kBoxes ? kBox : kSphere, o.centre - eye.position, middle, pixelReach())) may |= 1u << n;
+    }
     return may;
 }
 
@@ -83,13 +74,12 @@ Hit nearest(vec3 dir, uint may) {
     for (uint i = 0; i < kPlanes; ++i) meet(i, kPlane, dir, hit);
     for (uint n = 0; n < (kMany ? 0 : kBoxes + kSpheres); ++n)
         if ((may & 1u << n) != 0) meet(kPlanes + n, n < kBoxes ? kBox : kSphere, dir, hit);
-    if (!kMany) return hit;
-    uint i;
-    BinWalk walk = walkBin(object_bin);
-    [[dont_unroll]] while (nextObject(walk, i))
-        if (walk.visited > 32 || (may & 1u << (walk.visited - 1)) != 0)
-            meet(i, kSpheres == 0 ? kBox : kBoxes == 0 ? kSphere : objects[i].kind, dir, hit);
     return hit;
+}
+
+// The box or sphere that one of the pixel's rays has hit, if it is before `hit`.
+void meetBody(uint n, vec3 dir, inout Hit hit) {
+    if (body_depth[n] < hit.depth) meet(body_hit[n], objects[body_hit[n]].kind, dir, hit);
 }
 
 // The triangle that one of the pixel's rays has hit, if it is before `hit`.
@@ -103,6 +93,7 @@ void meetMesh(uint n, vec3 dir, inout Hit hit) {
 // The first hit of one of the pixel's rays: 0: through its centre, 1 ... 4: of its samples.
 Hit nearest(uint n, vec3 dir, uint may) {
     Hit hit = nearest(dir, may);
+    if (kMany && kHasBodies) meetBody(n, dir, hit);
     if (kHasMeshes) meetMesh(n, dir, hit);
     return hit;
 }
@@ -190,12 +181,12 @@ vec3 background(vec2 centre, out float view_depth) {
     uint may = 0;
     if (kMany) object_bin = objectBinOf(uvec2(centre));
     if (kHasBodies) may = mayHit(middle);
-    if (kHasMeshes) {
-        const vec3 rays[kMeshRays] =
-            vec3[](middle, rayDirection(centre + offsets[0]), rayDirection(centre + offsets[1]),
-                   rayDirection(centre + offsets[2]), rayDirection(centre + offsets[3]));
-        hitMeshes(middle, rays, pixelReach());
-    }
+    const vec3 rays[kPixelRays] =
+        vec3[](middle, rayDirection(centre + offsets[0]), rayDirection(centre + offsets[1]),
+               rayDirection(centre + offsets[2]), rayDirection(centre + offsets[3]));
+    if (kMany && kHasBodies)
+        hitBodies(object_bin, kSpheres == 0 ? 0 : kBoxes == 0 ? 1 : 2, middle, rays, pixelReach());
+    if (kHasMeshes) hitMeshes(middle, rays, pixelReach());
     const Hit hit = nearest(0, middle, may);
     view_depth = hit.depth;
     bool edge = false;

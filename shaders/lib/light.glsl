@@ -7,7 +7,7 @@ vec3 toShadowVolume(vec3 x) {
     return vec3(dot(tick.map.u, vec4(x, 1)), dot(tick.map.v, vec4(x, 1)), dot(tick.map.plane, vec4(x, 1)));
 }
 
-// Optical depth of the medium between such a position and the light, linear between texels and between planes. A
+// Optical depth of the particles between such a position and the light, linear between texels and between planes. A
 // layer holds four planes; its last is also the first of the next layer. So one filtered fetch has both neighbouring
 // planes of any position.
 float lightDepth(vec3 in_volume) {
@@ -15,7 +15,7 @@ float lightDepth(vec3 in_volume) {
     const float layer = min(floor(plane * 0.333333343), float((tick.map.slices - 2) / 3));
     const vec4 depth = textureLod(shadow_volume, vec3(in_volume.xy, layer), 0);
     const vec3 part = clamp(plane - 3 * layer - vec3(0, 1, 2), 0, 1);
-    return depth.x + dot(part, depth.yzw - depth.xyz);
+    return tick.extinction * (depth.x + dot(part, depth.yzw - depth.xyz));
 }
 
 // The same anywhere: there is no medium beside the map and before its first plane.

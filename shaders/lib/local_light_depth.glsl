@@ -19,5 +19,5 @@ float particlesFrom(LocalLight light, vec3 away, float distance) {
                            light_depths[first + row + 1], light_depths[first + row + kLightShells + 1]);
     const vec4 depths = mix(here, next, along);
     const vec2 rows = mix(depths.xz, depths.yw, part.x);
-    return mix(rows.x, rows.y, part.y);
+    return tick.extinction * mix(rows.x, rows.y, part.y);
 }

@@ -1,14 +1,13 @@
-// The triangles that the rays of one pixel hit first. Include after lib/mesh.glsl and lib/eye.glsl.
-const uint kMeshRays = 5; // that a pixel has: through its centre, and its four samples
+// The triangles that the rays of one pixel hit first. Include after lib/mesh.glsl and lib/body_hits.glsl.
 
-float mesh_depth[kMeshRays]; // view depth; kNoTriangle if none is hit
-uint mesh_hit[kMeshRays];    // index of the triangle
+float mesh_depth[kPixelRays]; // view depth; kNoTriangle if none is hit
+uint mesh_hit[kPixelRays];    // index of the triangle
 
 // One walk for all rays of a pixel: they are at most `pixel` m apart from the middle one at view depth 1.
-void hitMeshes(vec3 middle, vec3 rays[kMeshRays], float pixel) {
+void hitMeshes(vec3 middle, vec3 rays[kPixelRays], float pixel) {
     const MeshRay ray = meshRay(eye.position, middle);
-    MeshRay single[kMeshRays];
-    for (uint n = 0; n < kMeshRays; ++n) {
+    MeshRay single[kPixelRays];
+    for (uint n = 0; n < kPixelRays; ++n) {
         mesh_depth[n] = kNoTriangle;
         single[n] = meshRay(eye.position, rays[n]);
     }
@@ -23,7 +22,7 @@ void hitMeshes(vec3 middle, vec3 rays[kMeshRays], float pixel) {
         if (met && node.object != kInnerNode) {
             const Triangle triangle = triangles[node.object];
             furthest = 0;
-            for (uint n = 0; n < kMeshRays; ++n) {
+            for (uint n = 0; n < kPixelRays; ++n) {
                 const float t = hitTriangle(triangle, single[n]);
                 if (t >= eye.near_depth && t < mesh_depth[n]) {
                     mesh_depth[n] = t;

@@ -1,6 +1,7 @@
 // Bins of objects: which boxes and spheres the rays of a bin of pixels may hit, as object_bins.comp writes it. A bin
-// has a bit for each of them in `objectWords()` words. Before those stand words with a bit for each word that is not 0.
-// Include after the tick and the eye's blocks, and `uint object_bins[]`.
+// has a bit for each of them in `objectWords()` words, in the order of `object_order`: by bodyBegin(), the nearest
+// first. Before those stand words with a bit for each word that is not 0. Include after the tick and the eye's blocks,
+// `uint object_bins[]` and `uint object_order[]`.
 uint objectWords() { return (tick.opaque_count - tick.plane_count + 31) / 32; }
 uint wordsOfWords() { return (objectWords() + 31) / 32; }
 uvec2 objectBins() { return (eye.size + kObjectBin - 1) / kObjectBin; }
@@ -8,15 +9,19 @@ uvec2 objectBins() { return (eye.size + kObjectBin - 1) / kObjectBin; }
 uint objectBin(uint bin) { return bin * (wordsOfWords() + objectWords()); }
 uint objectBinOf(uvec2 pixel) { return objectBin(pixel.y / kObjectBin * objectBins().x + pixel.x / kObjectBin); }
 
-// The objects of a bin, one after the other.
+// Radius of a ball around the object, m.
+float bodyReach(Opaque o, uint kind) { return kind == kBox ? length(o.half_size) : o.half_size.x; }
+// View depth before which nothing of the object lies. `off`: its centre from the eye.
+float bodyBegin(Opaque o, uint kind, vec3 off) { return -dot(off, eye.back) - bodyReach(o, kind); }
+
+// The objects of a bin, the nearest first.
 struct BinWalk {
     uint bin;          // index of its first word
     uint words, bits;  // those that are left
     uint group, word;  // indices of the words that they were read from
-    uint visited;      // number of objects so far
 };
 
-BinWalk walkBin(uint bin) { return BinWalk(bin, object_bins[bin], 0, 0, 0, 0); }
+BinWalk walkBin(uint bin) { return BinWalk(bin, object_bins[bin], 0, 0, 0); }
 
 // True if there is one more, `object`.
 bool nextObject(inout BinWalk walk, out uint object) {
@@ -30,8 +35,7 @@ bool nextObject(inout BinWalk walk, out uint object) {
         walk.words &= walk.words - 1;
         walk.bits = object_bins[walk.bin + wordsOfWords() + walk.word];
     }
-    object = tick.plane_count + 32 * walk.word + findLSB(walk.bits);
+    object = object_order[32 * walk.word + findLSB(walk.bits)];
     walk.bits &= walk.bits - 1;
-    ++walk.visited;
     return true;
 }

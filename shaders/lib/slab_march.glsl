@@ -20,6 +20,9 @@ float beforeFirst(vec4 first) {
     return parabola + cubic * (sum * sum) / max(sum * sum + 64 * cubic * cubic, 1e-37);
 }
 
+// The medium's quantities at the middle of slab s, in the channels that are drawn.
+vec4 drawnMedium(uint s) { return tick.extinction * mediumAt(s); }
+
 // Writes the quantities of a ray at faces `first` to `last`.
 void writeFaces(uint first, uint last, uint node, float sum[kMostFieldQuantities]) {
     for (uint face = first; face <= last; ++face)
@@ -59,14 +62,14 @@ void march() {
         before = here[kExtinction];
         here = next;
         next = then;
-        then = ahead - frontSlabs() < grid.slabs ? mediumAt(ahead - frontSlabs()) : vec4(0);
+        then = ahead - frontSlabs() < grid.slabs ? drawnMedium(ahead - frontSlabs()) : vec4(0);
         if (ahead < slabs.x + 2) continue;
         const uint face = ahead - 2, s = face - frontSlabs(); // the slab and its near face
         // Beyond the ends of a row, as it goes on. Logarithms of Gaussians are concave, which bounds that.
         const float square = here[kExtinction] * here[kExtinction];
         if (s == 0) {
             before = beforeFirst(
-                vec4(here[kExtinction], next[kExtinction], then[kExtinction], mediumAt(3)[kExtinction]));
+                vec4(here[kExtinction], next[kExtinction], then[kExtinction], drawnMedium(3)[kExtinction]));
             before = clamp(before, 0, square / max(next[kExtinction], 1e-30));
         }
         if (s + 1 == grid.slabs)

@@ -112,7 +112,11 @@ struct Tick {
     vec2 mesh_lo;
     vec2 mesh_hi;
     uint mesh_size;
+    // Of pictures of red, green and blue that are not drawn together, since the extinction differs.
+    float extinction; // part of the particles' extinction
+    uint channels;    // bits of red, green and blue: those that are drawn
 };
+const uint kAllChannels = 7u;
 
 // One eye of one viewer. Affine functions of the pixel: value at pixel (0, 0), and steps to the right and down.
 struct Eye {
@@ -263,7 +267,7 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 84 && sizeof(Tick) == 568 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 84 && sizeof(Tick) == 576 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
 static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);

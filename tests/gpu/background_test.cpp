@@ -54,7 +54,7 @@ protected:
         ShadowVolume volume(device(), uint32_t(particles.size()));
         OpaqueShadow casters(device());
         Surfaces surfaces(device(), objects.counts(), !scene.triangles.empty(), by_draw);
-        surfaces.prepare(std::array{EyeRequest{.width = width, .height = height}}, objects.counts());
+        surfaces.prepare(std::array{EyeRequest{pose, width, height}}, objects.counts(), objects.all());
 
         gpu::Commands commands(device(), "background");
         const VkCommandBuffer cmd = commands.begin();

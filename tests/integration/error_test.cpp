@@ -14,9 +14,11 @@ namespace {
 
 constexpr milliseconds kLong(60'000);
 
-// Frames of a viewer in front of the cloud, up to the first that tells its error, or `most` of them.
-size_t framesUntilMeasured(Watcher& watcher, size_t most) {
-    watcher.look(lookAt({0, 2, 26}, {0, 0, 0}, 0.8f));
+const Pose kBeforeTheCloud = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
+
+// Frames of a viewer, up to the first that tells its error, or `most` of them.
+size_t framesUntilMeasured(Watcher& watcher, size_t most, const Pose& pose = kBeforeTheCloud) {
+    watcher.look(pose);
     const auto done = [&] {
         return watcher.frames.size() >= most || (!watcher.frames.empty() && watcher.last().measured > 0);
     };
@@ -58,6 +60,14 @@ TEST(MeasuredError, IsInFramesMetricsAndViewersUnlessItIsTurnedOff) {
     Watcher watcher(server.endpoint());
     EXPECT_EQ(framesUntilMeasured(watcher, 2 * frames), 2 * frames);
     EXPECT_FALSE(metric(server.port(), "brume_picture_error"));
+}
+
+TEST(MeasuredError, FogWithoutParticlesIsMeasured) {
+    RunningServer server({"--measure-error", "1", "--scene", "dusty-room"});
+    Watcher watcher(server.endpoint());
+    framesUntilMeasured(watcher, 10'000, lookAt({-2.4f, 1.5f, 3.6f}, {0.9f, 1.15f, -1.2f}, 1));
+    EXPECT_GT(watcher.last().measured, 0);
+    EXPECT_LT(watcher.last().measured_low, 0.005) << "what the scene promises";
 }
 
 TEST(MeasuredError, ABrokenPromiseIsLogged) {

@@ -60,6 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[medium]\nasymmetry = 1", 2, "medium.asymmetry", "1 is not", "from -0.99 to 0.99"},
         Wrong{"[medium]\nalbedo = [0.5, 1.5, 0.5]", 2, "medium.albedo", "is not", "from 0 to 1"},
         Wrong{"[medium]\nalbedo = [0.5, 0.5]", 2, "medium.albedo", "an array of 2", "[x, y, z]"},
+        Wrong{"[medium]\nextinction_colour = [0.5, -0.5, 0.5]", 2, "medium.extinction_colour", "is not", "from 0 to 1"},
         Wrong{"[medium]\nalbedo = 0.5", 2, "medium.albedo", "0.5 is not", "[x, y, z]"},
         Wrong{"[medium]\nscale = [3, 2]", 2, "medium.scale", "upside down", "lowest first"},
         Wrong{"[medium]\nscale = [1, 2, 3]", 2, "medium.scale", "an array of 3", "[lowest, highest]"},
@@ -150,6 +151,7 @@ radius = 3
 phase = "double"
 second_asymmetry = -0.25
 emission = [1, 0.5, 0]
+extinction_colour = [0.5, 0, 1]
 [[plane]]
 height = -1
 [[box]]
@@ -199,6 +201,9 @@ spacing = "auto"
     EXPECT_EQ(scene.fogs[1].phase, "double");
     EXPECT_EQ(scene.fogs[1].second_asymmetry, -0.25f);
     EXPECT_EQ(scene.fogs[1].emission, glm::vec3(1, 0.5f, 0));
+    EXPECT_EQ(scene.fogs[0].extinction_colour, glm::vec3(1));
+    EXPECT_EQ(scene.fogs[1].extinction_colour, glm::vec3(0.5f, 0, 1));
+    EXPECT_EQ(scene.medium.extinction_colour, glm::vec3(1));
     EXPECT_EQ(scene.planes.at(0).height, -1);
     EXPECT_EQ(scene.boxes.size(), 2u);
     EXPECT_EQ(scene.spheres.at(0).radius, 2);
@@ -330,8 +335,8 @@ TEST(Scene, IsFoundByNameOrPath) {
     } catch (const SceneError& error) {
         EXPECT_NE(
             std::string(error.what())
-                .find("cloud, cloud-5000, cloud-65535, courtyard, cumulus, dusty-room, flythrough, islands, lamp, "
-                      "morning, plume, props, smoke-spots, stage, street, tubes"),
+                .find("cloud, cloud-5000, cloud-65535, courtyard, cumulus, dusk, dusty-room, flythrough, islands, "
+                      "lamp, morning, plume, props, smoke-spots, stage, street, tubes"),
             std::string::npos)
             << error.what();
     }

@@ -40,9 +40,10 @@ public:
         add(balls), add(sigma_t), add(albedo);
     }
     void add(const reference::Fog& fog) {
-        const auto& [sigma_t, albedo, falloff, lo, hi, centre, radius, base, phase, emission] = fog;
+        const auto& [sigma_t, albedo, falloff, lo, hi, centre, radius, base, phase, emission, colour] = fog;
         add(sigma_t), add(albedo), add(falloff), add(lo), add(hi), add(centre), add(radius), add(base);
         add(phase), add(emission);
+        if (colour != glm::dvec3(1)) add(colour);
     }
     void add(const reference::LightSource& light) {
         const auto& [kind, colour, to_light, position, axis, cos_outer, cos_inner, radius, range, shadows] = light;
@@ -64,11 +65,12 @@ public:
     }
     void add(const reference::World& world) {
         const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, zenith, horizon, haze,
-                     ambient, phase] = world;
+                     ambient, phase, colour] = world;
         add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs),
             add(lights);
         add(obstacles), add(zenith), add(horizon), add(haze), add(ambient);
         add(phase);
+        if (colour != glm::dvec3(1)) add(colour);
     }
     void add(const PhaseLobes& phase) {
         const auto& [part, asymmetry, draine, second] = phase;

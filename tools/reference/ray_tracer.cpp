@@ -18,6 +18,13 @@ double reachFor(const World& world, double tolerance) {
 
 } // namespace
 
+struct ChannelStage {
+    ChannelStage(const World& of, int channel, const Settings& settings)
+        : world(inChannel(of, channel)), stage(world, settings) {}
+    const World world;
+    const Stage stage;
+};
+
 Stage::Stage(const World& w, const Settings& s)
     : world(w), settings(s), reach(reachFor(w, s.tolerance)), lighting(w, reach, s.shadows, s.light_cells) {
     if (!(s.tolerance >= 1e-12 && s.tolerance <= 1e-2)) throw std::invalid_argument("tolerance is in [1e-12, 1e-2]");
@@ -25,7 +32,12 @@ Stage::Stage(const World& w, const Settings& s)
         throw std::invalid_argument("sequential composition is of Gaussian particles alone");
     if (w.cut_light && w.support != Support::tetrahedron)
         throw std::invalid_argument("cut_light needs the support to be the tetrahedron");
+    if (!isColoured(w)) return;
+    for (int channel = 0; channel < 3; ++channel)
+        channels.push_back(std::make_unique<const ChannelStage>(w, channel, s));
 }
+
+Stage::~Stage() = default;
 
 RayTracer::RayTracer(const Stage& stage) : stage_(stage), world_(stage.world), phases_{stage.world.phase} {
     for (const Fog& fog : world_.fogs) {
@@ -34,9 +46,24 @@ RayTracer::RayTracer(const Stage& stage) : stage_(stage), world_(stage.world), p
         if (same == phases_.end()) phases_.push_back(fog.phase);
     }
     sources_.resize(phases_.size());
+    for (const auto& channel : stage.channels) channels_.emplace_back(channel->stage);
+}
+
+RayResult RayTracer::traceChannels(const Ray& ray) {
+    RayResult all;
+    glm::dvec3 transmittances;
+    for (int c = 0; c < 3; ++c) {
+        const RayResult one = channels_[size_t(c)].trace(ray);
+        all.scattered[c] = one.scattered[c], all.background[c] = one.background[c];
+        transmittances[c] = one.transmittance;
+    }
+    all.transmittance = sum(transmittances) / 3;
+    all.background *= all.transmittance > 0 ? transmittances / all.transmittance : glm::dvec3(0);
+    return all;
 }
 
 RayResult RayTracer::trace(const Ray& ray) {
+    if (!channels_.empty()) return traceChannels(ray);
     RayResult result;
     ray_ = ray;
     const Hit hit = stage_.lighting.obstacles().nearest(ray);
@@ -94,17 +121,12 @@ double RayTracer::depthFromBegin(double t) const {
     return depth;
 }
 
-// Where fog without an end counts as ended: opaque, or what is left of it is below the tolerance.
-double RayTracer::endOfFog() const {
-    double end = ray_.begin;
-    for (const Fog& fog : world_.fogs) {
-        const Interval part = common(insideFog(fog, ray_), {ray_.begin, ray_.end});
-        if (part.empty()) continue;
-        const double whole = depthOn(fog, ray_), opaque = 10 - std::log(stage_.settings.tolerance);
-        const double depth = std::min(opaque, whole * (1 - 1e-3 * stage_.settings.tolerance));
-        end = std::max(end, std::isinf(part.end) ? ray_.begin + distanceOfDepth(fog, ray_, depth) : part.end);
-    }
-    return end;
+// Where a fog counts as ended: opaque, or what is left of it is below the tolerance.
+double RayTracer::endOf(const Fog& fog, Interval part) const {
+    const double whole = depthOn(fog, ray_), opaque = 10 - std::log(stage_.settings.tolerance);
+    if (!std::isinf(part.end) && whole <= opaque) return part.end;
+    const double depth = std::min(opaque, whole * (1 - 1e-3 * stage_.settings.tolerance));
+    return std::min(ray_.begin + distanceOfDepth(fog, ray_, depth), part.end);
 }
 
 void RayTracer::findBreaks() {
@@ -128,9 +150,8 @@ void RayTracer::findBreaks() {
         }
     }
     for (const Interval part : ball_parts_) cover(part);
-    const double fog_end = endOfFog();
-    for (const Interval part : fog_parts_)
-        if (!part.empty()) cover({part.begin, std::min(part.end, fog_end)});
+    for (size_t f = 0; f < world_.fogs.size(); ++f)
+        if (const Interval part = fog_parts_[f]; !part.empty()) cover({part.begin, endOf(world_.fogs[f], part)});
     if (!(end > begin)) return;
     stage_.lighting.edges(ray_, breaks_);
     std::erase_if(breaks_, [&](double t) { return !(t >= begin && t <= end); });

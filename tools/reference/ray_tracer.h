@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "tools/reference/gauss_legendre.h"
@@ -29,21 +30,27 @@ struct Settings {
 };
 
 struct RayResult {
-    glm::dvec3 scattered{0};  // by the medium, from lights and ambient light
-    glm::dvec3 background{0}; // the opaque surface or the sky; black if the ray ends before
-    double transmittance = 1; // of the medium in front of it
+    glm::dvec3 scattered{0}; // by the medium, from lights and ambient light
+    // The opaque surface or the sky; black if the ray ends before. In coloured worlds each channel is multiplied by its
+    // transmittance over the mean one.
+    glm::dvec3 background{0};
+    double transmittance = 1; // of the medium in front of it; of coloured worlds the mean over channels
     glm::dvec3 total() const { return scattered + transmittance * background; }
 };
+
+struct ChannelStage; // a Stage with its world
 
 // Data that all rays share. `world` must outlive it.
 struct Stage {
     Stage(const World& world, const Settings& settings);
+    ~Stage();
     const World& world;
     Settings settings;
     double reach; // units of 1/k: the depth lacks less than the tolerance, over all particles
     Lighting lighting;
     const ErfTable& table = ErfTable::shared();
     GaussLegendre rules[3]{GaussLegendre(4), GaussLegendre(8), GaussLegendre(16)};
+    std::vector<std::unique_ptr<const ChannelStage>> channels; // of a coloured world: red, green, blue
 };
 
 // Each thread has its own. It keeps its memory from ray to ray.
@@ -77,9 +84,10 @@ private:
         double at(int i) const { return (t0 + t1) / 2 + (t1 - t0) / 2 * rule->node(i); }
     };
 
+    RayResult traceChannels(const Ray& ray);
     void gather();
     void findBreaks();
-    double endOfFog() const;
+    double endOf(const Fog& fog, Interval part) const;
     double depthFromBegin(double t) const;
     double finest(double t0, double t1, bool& empty) const; // largest k of the particles there
     Panel panelOn(double t0, double t1, double k);
@@ -102,6 +110,7 @@ private:
     std::vector<glm::dvec3> sources_;  // sum of E p T_L Vis with each of phases_
     std::vector<double> breaks_;
     std::vector<Panel> panels_, refined_;
+    std::vector<RayTracer> channels_; // of Stage::channels
 };
 
 } // namespace brume::reference

@@ -24,9 +24,9 @@ struct TrackedPicture {
     std::vector<glm::dvec3> radiance, standard_error;
 };
 
-// Throws std::invalid_argument unless the world's support is full and its composition overlapping. The camera sees
-// the sky; scattered rays that leave the medium meet World::ambient from all directions, those that meet an obstacle
-// its shading (Lighting::surface).
+// Throws std::invalid_argument unless the world's support is full, its composition overlapping and it is not coloured.
+// The camera sees the sky; scattered rays that leave the medium meet World::ambient from all directions, those that
+// meet an obstacle its shading (Lighting::surface).
 TrackedPicture track(const World& world, const Camera& camera, const TrackSettings& settings = {});
 
 } // namespace brume::reference

@@ -99,7 +99,26 @@ Fog fogOf(const brume::Fog& fog) {
     out.base = double(fog.height);
     out.phase = lobesOf(fog);
     out.emission = fog.emission;
+    out.extinction_colour = extinctionParts(fog.extinction_colour);
     return out;
+}
+
+bool isColoured(const World& world) {
+    const auto coloured = [](glm::dvec3 colour) { return colour != glm::dvec3(1); };
+    return coloured(world.extinction_colour) || std::ranges::any_of(world.fogs, coloured, &Fog::extinction_colour);
+}
+
+World inChannel(const World& world, int channel) {
+    World one = world;
+    const double part = world.extinction_colour[channel];
+    for (Blob& blob : one.blobs) blob.sigma_t *= part, blob.half_line *= part;
+    one.balls.sigma_t *= part;
+    one.extinction_colour = glm::dvec3(1);
+    for (Fog& fog : one.fogs) {
+        fog.sigma_t *= fog.extinction_colour[channel];
+        fog.extinction_colour = glm::dvec3(1);
+    }
+    return one;
 }
 
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const Present& now) {
@@ -124,6 +143,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     world.haze = double(scene.sky.haze);
     world.ambient = scene.sky.ambient;
     world.phase = lobesOf(now.medium);
+    world.extinction_colour = extinctionParts(now.medium.extinction_colour);
     return world;
 }
 

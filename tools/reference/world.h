@@ -78,7 +78,8 @@ struct Fog {
     double radius = kInfinity; // m
     double base = 0;           // m
     PhaseLobes phase;
-    glm::dvec3 emission{0}; // radiance; the fog emits (1 - albedo) * emission * extinction per metre
+    glm::dvec3 emission{0};          // radiance; the fog emits (1 - albedo) * emission * extinction per metre
+    glm::dvec3 extinction_colour{1}; // parts of the extinction for red, green and blue, in [0, 1]
 };
 
 struct LightSource {
@@ -125,7 +126,12 @@ struct World {
     double haze = 0;                          // 1/m; throughHaze()
     glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
     PhaseLobes phase;                         // of everything but fogs, which have their own
+    glm::dvec3 extinction_colour{1};          // of everything but fogs: as theirs
 };
+// True: the extinction of some medium differs among red, green and blue.
+bool isColoured(const World& world);
+// The world as one channel (0, 1, 2: red, green, blue) sees it: not coloured.
+World inChannel(const World& world, int channel);
 
 // The parts of a scene that commands and time change, as they are now (Simulation::now()). `light`: the directional
 // one.

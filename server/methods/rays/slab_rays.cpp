@@ -58,16 +58,13 @@ Grown grown(double length, double thickness) {
 // Slabs of fog, around those of the particles.
 void addFogSlabs(gpu::SlabGrid& grid, const EyeInputs& in) {
     const double end = double(grid.depth) + double(grid.thickness) * grid.slabs;
-    const bool slabs = in.medium->count > 0 || in.shared->features.opaque || !in.shared->lone_fog;
+    const bool slabs = in.shared->needs_rays || in.shared->features.opaque;
     const double first = slabs ? double(grid.thickness) : kFogFar;
     const Grown front = grown(double(grid.depth) - double(kNearDepth), first), back = grown(kFogFar - end, first);
     grid.front = front.slabs, grid.front_unit = front.unit;
     grid.back = back.slabs, grid.back_unit = back.unit;
     grid.fog_step = kFogStep * in.medium->extent->deviation;
 }
-
-// False: pixels have all light in closed form, and nothing reads what rays hold (isFogOnly() of shaders/lib/fog.glsl).
-bool needsRays(const EyeInputs& in) { return in.medium->count > 0 || !in.shared->lone_fog; }
 
 // The grid of the whole picture, but for its rows.
 gpu::SlabGrid gridOf(const EyeInputs& in) {
@@ -208,7 +205,7 @@ gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t fir
 
 void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
     gpu::everythingBefore(commands.handle()); // the group before has used the same buffers
-    const bool rays = needsRays(*group.any);
+    const bool rays = group.any->shared->needs_rays;
     if (features_.opaque && (rays || features_.casters)) recordEnds(commands, group); // shafts read who may cast them
     if (!rays) return;
     recordRays(commands, group);

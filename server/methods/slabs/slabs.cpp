@@ -36,7 +36,7 @@ private:
         const EyeInputs& in = *group.any;
         const uint32_t columns = group.most([](const gpu::View& v) { return v.grid.lines.x; });
         const uint32_t rows = group.most([](const gpu::View& v) { return v.grid.lines.y; });
-        {
+        if (!in.shared->again) {
             const gpu::Commands::Pass pass(commands, "bin", group.view());
             gpu::everythingBefore(cmd);
             if (group.bins > 0) vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
@@ -46,7 +46,7 @@ private:
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 32), 1, group.count());
             gpu::computeToCompute(cmd);
         }
-        {
+        if (!in.shared->again) {
             const gpu::Commands::Pass pass(commands, "slabs", group.view());
             struct Push {
                 uint32_t sheets, quantities;

@@ -48,8 +48,10 @@ public:
                        cellsTouched(s.top + margin, s.bottom + margin, side, tiles_y) *
                        cellsTouched(s.near - view.near(), s.far - view.near(), sheet, sheets);
         constexpr double kSamples = double(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
-        work[kBin] = scene.particles * (tiles_x + tiles_y + sheets);
-        work[kSlabs] = quantitiesOf(scene) * kSamples * (reached * scene.weight() + 0.5 * tiles_x * tiles_y * sheets);
+        const double once = 1.0 / scene.hues; // of the times that passes run: these do not depend on the colour
+        work[kBin] = once * scene.particles * (tiles_x + tiles_y + sheets);
+        work[kSlabs] =
+            once * quantitiesOf(scene) * kSamples * (reached * scene.weight() + 0.5 * tiles_x * tiles_y * sheets);
         work[kLight] = rays.x * rays.y * settings.slabs * facesKept(view);
     }
 };
