@@ -55,13 +55,13 @@ void march() {
     float before;
     vec4 here = vec4(0), next = vec4(0), then = vec4(0);
     const bool goes_on = kHasFog && last_face == lastFace(); // True: there is fog behind the last face, too
-    for (uint ahead = slabs.x; ahead < slabs.y + (goes_on ? 3 : 2); ++ahead) {
+    for (uint ahead = slabs.x; ahead < slabs.y + kSlabsAhead + (goes_on ? 1 : 0); ++ahead) {
         before = here[kExtinction];
         here = next;
         next = then;
         then = ahead - frontSlabs() < grid.slabs ? mediumAt(ahead - frontSlabs()) : vec4(0);
-        if (ahead < slabs.x + 2) continue;
-        const uint face = ahead - 2, s = face - frontSlabs(); // the slab and its near face
+        if (ahead < slabs.x + kSlabsAhead) continue;
+        const uint face = ahead - kSlabsAhead, s = face - frontSlabs(); // the slab and its near face
         // Beyond the ends of a row, as it goes on. Logarithms of Gaussians are concave, which bounds that.
         const float square = here[kExtinction] * here[kExtinction];
         if (s == 0) {
