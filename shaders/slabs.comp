@@ -43,7 +43,9 @@ const float kMostFade = 20;
 
 // True if no ray of the tile reads the sheet: it begins behind the last face that pixels read.
 bool isHidden(uvec2 tile, uint sheet) {
-    return kHasOpaque && frontSlabs() + sheet * kLanes >= uint(field[fieldKept(tile) + 1]) + kSlabsAhead;
+    if (!kHasOpaque) return false;
+    const uint last = uint(field[fieldKept(tile) + 1]);
+    return last == 0 || frontSlabs() + sheet * kLanes >= last + kSlabsAhead;
 }
 
 void main() {
