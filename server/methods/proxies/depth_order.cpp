@@ -27,10 +27,11 @@ DepthOrder::DepthOrder(const gpu::Device& device, uint32_t capacity)
       sort_(device, capacity) {
     const VkDeviceSize bytes = std::max(capacity, 1u) * sizeof(uint32_t);
     keys_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth keys");
-    values_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth order");
+    values_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                          gpu::Memory::device, "depth order");
     arguments_ = gpu::Buffer(device, sizeof(gpu::DrawArguments),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                              gpu::Memory::device, "draw arguments");
 }
 
