@@ -99,7 +99,7 @@ void main() {
     const ivec2 last_pixel = ivec2(eye.size) - 1;
     const ivec2 lo = clamp((first - kCellsBefore) * int(grid.rate), ivec2(0), last_pixel);
     const ivec2 hi = clamp((first + int(kSlabTile) - 1 + kCellsBehind) * int(grid.rate) - 1, ivec2(0), last_pixel);
-    // Of particles all before a surface is read where objects shadow them. Blocks of pixels may see farther than the tile.
+    // Where objects shadow particles, all before a surface is read. Blocks of pixels may see farther than the tile.
     bool shadowed = kHasCasters && !kHasFog && findCasters(tile, lo, hi, kMiss);
     findDepths(lo, hi, shadowed ? farDepth() : 2 * kMiss);
     vec2 range = uintBitsToFloat(uvec2(nearest, furthest)); // no ray goes on behind what is seen
