@@ -101,7 +101,8 @@ void main() {
     const ivec2 hi = clamp((first + int(kSlabTile) - 1 + kCellsBehind) * int(grid.rate) - 1, ivec2(0), last_pixel);
     // Where objects shadow particles, all before a surface is read. Blocks of pixels may see farther than the tile.
     bool shadowed = kHasCasters && !kHasFog && findCasters(tile, lo, hi, kMiss);
-    findDepths(lo, hi, shadowed ? farDepth() : 2 * kMiss);
+    const ivec2 end = kHasCasters && kHasFog ? min((hi | int(kPixelTile - 1)) + 1, last_pixel) : hi;
+    findDepths(lo, end, shadowed ? farDepth() : 2 * kMiss);
     vec2 range = uintBitsToFloat(uvec2(nearest, furthest)); // no ray goes on behind what is seen
     if (kHasCasters && kHasFog) shadowed = findCasters(tile, lo, hi, range.y);
     if (shadowed) range.x = 0;
