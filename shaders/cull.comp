@@ -3,11 +3,14 @@
 #extension GL_EXT_scalar_block_layout : require
 // Culling, per eye: lists the particles that are in the picture, with keys that sort them far to near. The key is the
 // distance of a particle's centre from the eye, or from the middle between both eyes of a stereo viewer.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/sort_key.h"
 #include "shaders/shared/support.h"
 
 layout(local_size_x = 64) in;
+
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true; // True: particles behind all surfaces are left out
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
@@ -17,6 +20,7 @@ layout(scalar, binding = 4) writeonly buffer Values { uint values[]; };
 layout(scalar, binding = 5) buffer Arguments { DrawArguments arguments; };
 
 layout(scalar, binding = 6) uniform OtherBlock { Eye other; }; // the other eye of a stereo viewer, otherwise this eye
+layout(scalar, binding = 7) readonly buffer Furthest { float furthest[]; }; // written by furthest_depths.comp
 
 layout(push_constant, scalar) uniform Push {
     uint full_support; // 1: proxies are spheres around the full Gaussian, 0: tetrahedra
@@ -34,6 +38,27 @@ bool isVisible(Eye e, vec3 centre, float radius) {
            all(lessThan((at - depth * hi) * inversesqrt(1 + hi * hi), vec2(radius)));
 }
 
+const float kBehind = 1.001; // least distance of what is hidden, over that of the surfaces: rounding takes less
+
+// True if the ball lies behind the surfaces of all tiles that its box in the picture meets. Precondition: it is visible
+// but for them.
+bool isHidden(vec3 centre, float radius) {
+    const vec3 c = centre - eye.position;
+    const float depth = -dot(eye.back, c), near = max(depth - radius, eye.near_depth), far = depth + radius;
+    const vec2 at = vec2(dot(eye.right, c), -dot(eye.up, c)), lo = at - radius, hi = at + radius;
+    const vec2 pixels = vec2(eye.size) / (2 * pictureHalf()); // per unit of slope
+    const vec2 first = (min(lo / near, lo / far) - pictureCorner()) * pixels - 1, // a pixel more: rounding
+               last = (max(hi / near, hi / far) - pictureCorner()) * pixels + 1;
+    const uvec2 tiles = (eye.size + kPixelTile - 1) / kPixelTile;
+    const uvec2 a = uvec2(clamp(first / float(kPixelTile), vec2(0), vec2(tiles - 1))),
+                b = uvec2(clamp(last / float(kPixelTile), vec2(0), vec2(tiles - 1)));
+    const float before = length(c) - radius; // distance of its nearest point
+    bool hidden = true;
+    for (uint y = a.y; y <= b.y && hidden; ++y)
+        for (uint x = a.x; x <= b.x && hidden; ++x) hidden = before > kBehind * furthest[y * tiles.x + x];
+    return hidden;
+}
+
 void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= tick.particle_count) return;
@@ -41,7 +66,9 @@ void main() {
     const float support = supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut);
     const float radius = push.full_support != 0 ? support : support < 0 ? support : p.scale;
     uint key = kDropped;
-    if (radius > 0 && (isVisible(eye, p.centre, radius) || isVisible(other, p.centre, radius))) {
+    bool drawn = radius > 0 && (isVisible(eye, p.centre, radius) || isVisible(other, p.centre, radius));
+    if (kHasOpaque && drawn) drawn = !isHidden(p.centre, radius);
+    if (drawn) {
         key = sortKeyFarToNear(length(p.centre - 0.5 * (eye.position + other.position)));
         if (key != kDropped) atomicAdd(arguments.instance_count, 1);
     }

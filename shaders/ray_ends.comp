@@ -44,14 +44,15 @@ bool cornersAreExtremes(vec2 lo, vec2 hi) {
 // Bits of view depths: not negative, so that they are ordered as the depths are.
 shared uint nearest, furthest;
 
-// Puts the least and the largest view depth of the pixels between `lo` and `hi` there. Called by all lanes.
-void findDepths(ivec2 lo, ivec2 hi) {
+// Puts the least and the largest view depth of the pixels between `lo` and `hi` there; no more than some, once a depth
+// is at least `enough`. Called by all lanes.
+void findDepths(ivec2 lo, ivec2 hi, float enough) {
     const int lane = int(gl_LocalInvocationIndex), lanes = int(gl_WorkGroupSize.x);
     const bool corners = cornersAreExtremes(vec2(lo) + 0.5, vec2(hi) + 0.5);
     const ivec2 step = corners ? max(hi - lo - 1, 2) : ivec2(2 * lanes, 2);
     const vec2 texel = 1 / vec2(textureSize(view_depth, 0));
     vec2 range = vec2(kMiss, 0);
-    for (int y = lo.y; y <= hi.y; y += step.y)
+    for (int y = lo.y; y <= hi.y && range.y < enough; y += step.y)
         for (int x = lo.x + (corners ? 0 : 2 * lane); x <= hi.x; x += step.x) { // 2x2 pixels
             const vec4 z = textureGather(view_depth, vec2(min(ivec2(x, y), hi - 1) + 1) * texel);
             range.x = min(range.x, min(min(z.x, z.y), min(z.z, z.w)));
@@ -98,19 +99,18 @@ void main() {
     const ivec2 last_pixel = ivec2(eye.size) - 1;
     const ivec2 lo = clamp((first - kCellsBefore) * int(grid.rate), ivec2(0), last_pixel);
     const ivec2 hi = clamp((first + int(kSlabTile) - 1 + kCellsBehind) * int(grid.rate) - 1, ivec2(0), last_pixel);
-    vec2 range = vec2(0, kMiss);
-    if (kHasFog) { // it reaches to what is seen: no ray goes on behind that
-        findDepths(lo, hi);
-        range = uintBitsToFloat(uvec2(nearest, furthest));
-        if (kHasCasters && findCasters(tile, lo, hi, range.y)) range.x = 0;
-    } else if (!kHasCasters || !findCasters(tile, lo, hi, kMiss)) {
-        findDepths(lo, hi);
-        range = uintBitsToFloat(uvec2(nearest, furthest));
-    }
+    // Where objects shadow particles, all before a surface is read. Blocks of pixels may see farther than the tile.
+    bool shadowed = kHasCasters && !kHasFog && findCasters(tile, lo, hi, kMiss);
+    const ivec2 end = kHasCasters && kHasFog ? min((hi | int(kPixelTile - 1)) + 1, last_pixel) : hi;
+    findDepths(lo, end, shadowed ? farDepth() : 2 * kMiss);
+    vec2 range = uintBitsToFloat(uvec2(nearest, furthest)); // no ray goes on behind what is seen
+    if (kHasCasters && kHasFog) shadowed = findCasters(tile, lo, hi, range.y);
+    if (shadowed) range.x = 0;
     if (kHasLocalLights && tick.particle_count > 0) range.x = min(range.x, grid.depth); // pixels read all of them
     if (gl_LocalInvocationIndex > 0) return;
-    const vec2 below = clamp(floor(facesAt(range)), vec2(0), vec2(lastFace() - 1));
+    const vec2 faces = facesAt(range), below = clamp(floor(faces), vec2(0), vec2(lastFace() - 1));
+    const bool before_all = !kHasFog && faces.y <= 0; // True: all surfaces are before the particles
     field[fieldKept(tile)] = max(below.x - 1, 0);
-    field[fieldKept(tile) + 1] = min(below.y + 2, lastFace());
+    field[fieldKept(tile) + 1] = before_all ? 0 : min(below.y + 2, lastFace());
     field[fieldKept(tile) + 2] = 0; // the march writes 1
 }

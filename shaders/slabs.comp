@@ -7,7 +7,7 @@
 // Method `slabs`, second pass, per eye: the extinction of all particles in each slab of each ray, sampled at the
 // slab's middle. One workgroup per tile of 8x8 rays and sheet of slabs; a lane is a slab. The rays' points on its
 // plane are equally spaced. A Gaussian is then a product of two recurrences, and adding a particle to 64 rays costs
-// little more than 64 multiply-adds.
+// little more than 64 multiply-adds. Sheets that lie behind all surfaces of a tile are left out.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/field.h"
@@ -15,12 +15,17 @@
 
 layout(local_size_x_id = kIdSheet) in;
 
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdSunColours) const uint kSunColours = 1;
+layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
+
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
-// [quantity][tile][slab][ray / 4]: quantities of the medium (shared/field.h), 1/m. Of a sheet without members the first
-// number is negative, and no other is written.
+// [quantity][tile][slab][ray / 4]: quantities of the medium (shared/field.h), 1/m. Of a sheet that is hidden or has no
+// members the first number is negative, and no other is written.
 layout(scalar, binding = 3) writeonly buffer Added { vec4 added[]; };
 layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };    // written by slab_bins.comp
+layout(scalar, binding = 5) readonly buffer Field { float field[]; }; // with objects: what ray_ends.comp has written
 
 layout(push_constant, scalar) uniform Push {
     uint sheets;     // z of workgroups: views, then quantities, then sheets; a view may have fewer sheets
@@ -34,6 +39,14 @@ const float kMostFade = 20;
 #include "shaders/lib/frustum.glsl"
 #include "shaders/lib/spread.glsl"
 #include "shaders/lib/tile_members.glsl"
+#include "shaders/lib/field_planes.glsl"
+
+// True if no ray of the tile reads the sheet: it begins behind the last face that pixels read.
+bool isHidden(uvec2 tile, uint sheet) {
+    if (!kHasOpaque) return false;
+    const uint last = uint(field[fieldKept(tile) + 1]);
+    return last == 0 || frontSlabs() + sheet * kLanes >= last + kSlabsAhead;
+}
 
 void main() {
     const uvec2 spread = spreadRows(), tile = uvec2(gl_WorkGroupID.x, spread.x);
@@ -53,7 +66,7 @@ void main() {
     const float last = middleDepth(sheet * kLanes + kLanes - 1); // depth of the sheet's last slab
 
     const uvec3 line = uvec3(tile, sheet) + uvec3(0, grid.lines.x, grid.lines.x + grid.lines.y);
-    const uint words = (tick.particle_count + 31) / 32;
+    const uint words = isHidden(tile, sheet) ? 0 : (tick.particle_count + 31) / 32;
 
     float sum[kPoints];
     [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;

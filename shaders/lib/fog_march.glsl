@@ -35,7 +35,6 @@ bool fog_ended;                     // True: at_end has the ray's quantities whe
 float at_end[kMostFieldQuantities];
 float fog_phase[kMostFogs];
 
-float fogPassed() { return kHasFog ? fog_passed + fog_own : 0; }
 float fogOnRay(float begin, float end) { return fogBetween(eye.position, march_dir, march_length, begin, end); }
 
 void startFog(float end) {

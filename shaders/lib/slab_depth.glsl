@@ -49,6 +49,8 @@ vec2 facesAt(vec2 depths) {
     if (!kHasFog) return (depths - grid.depth) / grid.thickness;
     return vec2(faceAt(depths.x), faceAt(depths.y));
 }
+// Slabs behind a face whose medium the march up to it reads (lib/slab_march.glsl).
+const uint kSlabsAhead = 2;
 // True: particles are added to none of the fog slab.
 bool isFogAlone(uint fog_slab) {
     return kHasFog && (fog_slab < grid.front || fog_slab >= grid.front + grid.slabs);

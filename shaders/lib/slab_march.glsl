@@ -57,14 +57,15 @@ void march() {
     // Extinction at the middle of the previous slab, the medium at the middles of this one and the next two.
     float before;
     vec4 here = vec4(0), next = vec4(0), then = vec4(0);
+    float seen = 0; // optical depth of particles up to the first face behind all surfaces of the tile: the last but one
     const bool goes_on = kHasFog && last_face == lastFace(); // True: there is fog behind the last face, too
-    for (uint ahead = slabs.x; ahead < slabs.y + (goes_on ? 3 : 2); ++ahead) {
+    for (uint ahead = slabs.x; ahead < slabs.y + kSlabsAhead + (goes_on ? 1 : 0); ++ahead) {
         before = here[kExtinction];
         here = next;
         next = then;
         then = ahead - frontSlabs() < grid.slabs ? drawnMedium(ahead - frontSlabs()) : vec4(0);
-        if (ahead < slabs.x + 2) continue;
-        const uint face = ahead - 2, s = face - frontSlabs(); // the slab and its near face
+        if (ahead < slabs.x + kSlabsAhead) continue;
+        const uint face = ahead - kSlabsAhead, s = face - frontSlabs(); // the slab and its near face
         // Beyond the ends of a row, as it goes on. Logarithms of Gaussians are concave, which bounds that.
         const float square = here[kExtinction] * here[kExtinction];
         if (s == 0) {
@@ -111,13 +112,14 @@ void march() {
             sum[kFieldDepth] += slab;
         }
         known = slab > 0;
+        if (face + 1 < last_face || last_face == lastFace()) seen = sum[kFieldDepth];
         if (kHasOpaque && inside && face + 1 >= first_face && face < last_face)
             writeFaces(face + 1, face + 1, mine, sum);
     }
     if (!inside) return;
     if (kHasOpaque) { // up to what the ray hits
-        writeFaces(max(first_face, slabs.y + 1), last_face, mine, sum);
-        if (sum[kFieldDepth] + fogPassed() > 0) field[fieldKept(gl_WorkGroupID.xy) + 2] = 1;
+        writeFaces(max(first_face, slabs.y + 1), max(last_face, 2), mine, sum); // the first three are always read
+        if (seen > 0) field[fieldKept(gl_WorkGroupID.xy) + 2] = 1;
         const float end = clamp(faceAt(surfaceDepth(at)), 0, float(lastFace()));
         const float face = min(floor(end), float(lastFace() - 1));
         for (uint q = 0; q < quantities; ++q) {

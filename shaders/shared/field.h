@@ -64,9 +64,9 @@ const uint kMostFieldQuantities = 16u;
 // are.
 //
 // Of a tile of rays only the faces are written that pixels read: those around their surfaces, and all before them where
-// an object throws a shadow. Behind the planes are numbers of each tile: the first and the last face written, and 1
-// where any ray has medium before that one, else 0. Then SlabGrid::caster_words whole numbers follow. Their bits are
-// the objects that may throw a shadow on the medium in the tile's pixels.
+// an object throws a shadow. Behind the planes are numbers of each tile: the first and the last face written, or 0 as
+// last where all surfaces are before the particles; 1 where rays have particles before surfaces, else 0; then
+// SlabGrid::caster_words whole numbers, whose bits are the objects that may throw a shadow on the tile's medium.
 const uint kFieldKept = 3u;
 const uint kWordCasters = 24u; // bits of a number: a float holds whole numbers of so many bits
 struct FieldPlanes {

@@ -158,5 +158,26 @@ TEST_F(FogTest, LightThroughAWindow) {
     judge(scene, {inside}, 1.5e-2); // of the shaft, whose light is looked up between rays
 }
 
+// The light of one fog is each pixel's own, however far apart rays are: also beside things so close to the eye that
+// what casts the shadow is behind them.
+TEST_F(FogTest, ShadowsBesideSomethingCloseAreThoseOfEveryRate) {
+    Scene scene = withoutCloud();
+    scene.lights[0].to_light = glm::normalize(glm::vec3(0.8f, 0.5f, 0.1f));
+    scene.fogs = {{.extinction = 0.03f, .falloff = 0.02f}};
+    const glm::vec3 grey(0.5f);
+    scene.boxes = {{{8, 10, -20}, {1, 12, 14}, 0, grey},
+                   {{-0.4f, 1, 7}, {0.5f, 6, 0.1f}, 0, grey},
+                   {{0.6f, 1, 7}, {0.45f, 6, 0.1f}, 0, grey}};
+    scene.render.method = "slabs";
+    scene.render.shading = 1; // shafts at every pixel
+    Stage stage(device(), scene, 1);
+    std::vector<Picture> pictures;
+    for (const uint32_t rate : {1u, 2u, 3u, 4u, 8u}) {
+        scene.render.rate = rate;
+        pictures.push_back(stage.see(scene, lookAt({0, 3, 10}, {0, 4, -10}, 0.9f), 320, 180));
+        EXPECT_TRUE(pictures.back().pixels == pictures.front().pixels) << rate;
+    }
+}
+
 } // namespace
 } // namespace brume::test

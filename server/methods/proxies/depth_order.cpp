@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/methods/proxies/furthest_depths.h"
 #include "shaders/cull_comp.h"
 #include "shaders/draw_arguments_comp.h"
 
@@ -9,33 +10,52 @@ namespace brume {
 
 using gpu::storageBuffer;
 
+namespace {
+
+// True: the order is of this eye and this picture alone. The head's other eye, and the finer picture after a coarse
+// one, see past other edges.
+bool isOwn(const EyeInputs& in) {
+    return in.step == 1 && in.eye.buffer.buffer == in.stereo_partner.buffer.buffer &&
+           in.eye.buffer.offset == in.stereo_partner.buffer.offset;
+}
+
+} // namespace
+
 DepthOrder::DepthOrder(const gpu::Device& device, uint32_t capacity)
-    : cull_(device, {VK_SHADER_STAGE_COMPUTE_BIT, cull_comp, "cull"}),
+    : device_(device), cull_(device, {VK_SHADER_STAGE_COMPUTE_BIT, cull_comp, "cull"}, {{gpu::kIdHasOpaque, false}}),
       draw_arguments_(device, {VK_SHADER_STAGE_COMPUTE_BIT, draw_arguments_comp, "draw_arguments"}),
       sort_(device, capacity) {
     const VkDeviceSize bytes = std::max(capacity, 1u) * sizeof(uint32_t);
     keys_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth keys");
-    values_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "depth order");
+    values_ = gpu::Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                          gpu::Memory::device, "depth order");
     arguments_ = gpu::Buffer(device, sizeof(gpu::DrawArguments),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                              gpu::Memory::device, "draw arguments");
 }
 
 void DepthOrder::record(gpu::Commands& commands, const EyeInputs& in, Support support, uint32_t vertices,
-                        uint32_t particles_per_group) {
+                        uint32_t particles_per_group, const FurthestDepths* furthest) {
     if (in.order_ready) return;
+    const bool leaves_out = furthest && isOwn(in);
+    if (leaves_out && !cull_hidden_)
+        cull_hidden_ = {device_, {VK_SHADER_STAGE_COMPUTE_BIT, cull_comp, "cull"}, {{gpu::kIdHasOpaque, true}}};
     const VkCommandBuffer cmd = commands.handle();
     {
         const gpu::Commands::Pass pass(commands, "cull", in.view);
         gpu::everythingBefore(cmd); // the scratch is shared by all eyes
         vkCmdFillBuffer(cmd, arguments_.handle(), 0, sizeof(gpu::DrawArguments), 0);
         gpu::transferToCompute(cmd);
+        if (leaves_out) furthest->record(commands, in);
         const uint32_t full_support = support == Support::sphere;
-        cull_.bind(commands,
-                   {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles), storageBuffer(3, keys_),
-                    storageBuffer(4, values_), storageBuffer(5, arguments_), in.stereo_partner},
-                   full_support);
+        const gpu::Buffer& depths = leaves_out ? furthest->buffer() : *in.medium->particles; // bound, but not read
+        (leaves_out ? cull_hidden_ : cull_)
+            .bind(commands,
+                  {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles), storageBuffer(3, keys_),
+                   storageBuffer(4, values_), storageBuffer(5, arguments_), in.stereo_partner,
+                   storageBuffer(7, depths)},
+                  full_support);
         vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
         gpu::computeToCompute(cmd);
         const uint32_t push[] = {vertices, particles_per_group};

@@ -7,21 +7,26 @@
 
 namespace brume {
 
+class FurthestDepths;
+
 class DepthOrder {
 public:
     DepthOrder(const gpu::Device& device, uint32_t capacity);
 
     enum class Support { tetrahedron, sphere };
     // Afterwards draws may read order() and arguments(): instance i is the i-th farthest particle that the eye, or the
-    // other one of its head, can see. Records nothing for an eye whose order is ready.
+    // other one of its head, can see. Records nothing for an eye whose order is ready. With `furthest` it leaves out
+    // what objects hide, unless another eye or picture uses the same order. Precondition then: surfaces are drawn.
     void record(gpu::Commands& commands, const EyeInputs& in, Support support, uint32_t vertices,
-                uint32_t particles_per_group);
+                uint32_t particles_per_group, const FurthestDepths* furthest = nullptr);
 
     const gpu::Buffer& order() const { return values_; }
     const gpu::Buffer& arguments() const { return arguments_; }
 
 private:
+    const gpu::Device& device_;
     gpu::ComputeProgram cull_, draw_arguments_;
+    gpu::ComputeProgram cull_hidden_; // made when it is first needed
     RadixSort sort_;
     gpu::Buffer keys_, values_, arguments_;
 };

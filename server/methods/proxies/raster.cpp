@@ -1,6 +1,9 @@
 #include "server/methods/proxies/raster.h"
 
+#include <optional>
 #include <utility>
+
+#include "server/methods/proxies/furthest_depths.h"
 
 namespace brume {
 namespace {
@@ -22,18 +25,24 @@ public:
             constants.insert(constants.end(), info_.constants.begin(), info_.constants.end());
             programs_[may_be_cut] = gpu::GraphicsProgram(device_, info_.shaders, graphics, constants);
         }
-        has_opaque_ = f.opaque;
+        if (f.opaque) furthest_.emplace(device_);
         mesh_ = info_.shaders.front().stage == VK_SHADER_STAGE_MESH_BIT_EXT;
+    }
+
+    std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
+        if (furthest_) furthest_->prepare(eyes);
+        return Method::prepare(eyes);
     }
 
     void recordGroup(gpu::Commands& commands, const ViewGroup& group) override {
         const EyeInputs& in = *group.any;
         const VkCommandBuffer cmd = commands.handle();
-        order_.record(commands, in, info_.support, info_.vertices, info_.particles_per_group);
+        order_.record(commands, in, info_.support, info_.vertices, info_.particles_per_group,
+                      furthest_ ? &*furthest_ : nullptr);
 
         const gpu::Commands::Pass pass(commands, "medium", in.view);
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance});
-        programs_[has_opaque_ || in.near_plane_cuts].bind(
+        programs_[furthest_ || in.near_plane_cuts].bind(
             commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.medium->particles),
                        gpu::storageBuffer(4, order_.order()), gpu::storageBuffer(5, order_.arguments()),
                        gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
@@ -52,8 +61,8 @@ private:
     const gpu::Device& device_;
     DepthOrder& order_;
     RasterInfo info_;
-    gpu::GraphicsProgram programs_[2]; // [1]: an interval may be cut inside a particle
-    bool has_opaque_ = false;
+    std::optional<FurthestDepths> furthest_; // with objects
+    gpu::GraphicsProgram programs_[2];       // [1]: an interval may be cut inside a particle
     bool mesh_ = false;
 };
 

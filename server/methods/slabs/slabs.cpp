@@ -51,11 +51,17 @@ private:
             struct Push {
                 uint32_t sheets, quantities;
             } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), quantitiesOf(in)};
-            const uint32_t sheet = group.views.front().grid.sheet;
-            program(slabs_comp, "slabs", sheet, {{gpu::kIdSheet, sheet}})
+            program(slabs_comp, "slabs", gpu::fieldQuantities(group.colours),
+                    {{gpu::kIdSheet, group.views.front().grid.sheet},
+                     {gpu::kIdHasOpaque, features_.opaque},
+                     {gpu::kIdHasFog, features_.fog},
+                     {gpu::kIdHasGlow, features_.glow},
+                     {gpu::kIdHasLocalLights, features_.local_lights},
+                     {gpu::kIdSunColours, group.colours.sun},
+                     {gpu::kIdAmbientColours, group.colours.ambient}})
                 .bind(commands,
                       {in.medium->tick, group.block, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
-                       gpu::storageBuffer(4, bins_)},
+                       gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, field_)},
                       push);
             vkCmdDispatch(cmd, columns, rows, push.sheets * push.quantities * group.count());
             gpu::computeToCompute(cmd);
