@@ -29,6 +29,7 @@ FogPart fog_parts[kMostFogs];
 float particle_begin, slab_length; // where the first slab begins, and the length of each
 uint slabs_before;                 // the number of slabs that the ray enters
 float depth_to[kMostSlabs + 2];    // optical depth of the particles before each face, and one behind the last entered
+float depth_log[kMostSlabs + 1];   // slabLog() of each slab
 
 // Fills what belongs to particles, as the pixel's neighbours among the rays have it.
 void readParticles(ivec2 pixel, float metres) {
@@ -44,6 +45,7 @@ void readParticles(ivec2 pixel, float metres) {
     [[dont_unroll]] for (uint face = 1; face <= min(slabs_before + 1, grid.slabs); ++face) {
         const float value = dot(across, fieldColumns(fieldFace(kFieldDepth, frontSlabs() + face), run, down));
         depth_to[face] = max(value, depth_to[face - 1]);
+        depth_log[face - 1] = slabLog(depth_to[face] - depth_to[face - 1]);
     }
 }
 
@@ -63,9 +65,8 @@ vec3 albedoOf(uint slab, ivec2 pixel) {
 
 // How extinction grows within a slab. What lies before the first and behind the last one is not known.
 GrownSlab growthOf(uint slab) {
-    const float before = slab > 0 ? depth_to[slab] - depth_to[slab - 1] : 0;
-    const float behind = slab + 1 < grid.slabs ? depth_to[slab + 2] - depth_to[slab + 1] : 0;
-    return grownSlab(before, depth_to[slab + 1] - depth_to[slab], behind);
+    const float unknown = slabLog(0), before = slab > 0 ? depth_log[slab - 1] : unknown;
+    return grownSlab(before, depth_log[slab], slab + 1 < grid.slabs ? depth_log[slab + 1] : unknown);
 }
 
 float phaseAt(Phase p, vec3 away) {
@@ -126,7 +127,7 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
     const float nearest = begin > 0 ? begin : end < 0 ? -end : 0;
     const float size = max((end - begin) * inversesqrt(nearest * nearest + h * h), particles + fog);
     const float wanted = max(part.angle / kMostAngle, (particles + fog) / kMostDepth);
-    const GrownSlab grown = in_slab ? growthOf(slab) : grownSlab(0, 0, 0);
+    const GrownSlab grown = in_slab ? growthOf(slab) : grownSlab(-70, -70, -70);
     const bool whole = !in_slab || end - begin > 0.999 * slab_length; // only then its mean extinction is known
     const bool is_tiny = size < kTiny && whole, is_short = size < kShort && abs(grown.growth) < kMostGrowth;
     const uint nodes = is_tiny ? 1 : is_short ? 2 : 4; // that a panel has

@@ -19,13 +19,15 @@ BRUME_STRUCT GrownSlab {
     real square; // mean square of the place, from the slab's middle
 };
 
-// before, own, behind: depths of the slab before it, of itself and of the one behind it, if all have one length, >= 0;
-// 0: unknown.
+// Of a slab's depth, what grownSlab() takes. 0: unknown.
+BRUME_FN real slabLog(real depth) { return log(max(depth, real(1e-30))); }
+
+// before, own, behind: slabLog() of the slab before it, of itself and of the one behind it, if all have one length.
 BRUME_FN BRUME_OF(GrownSlab) grownSlab(real before, real own, real behind) {
-    const real known = real(1e-30), most = real(8);
+    const real known = real(-69), most = real(8);
     const bool has_before = own > known && before > known, has_behind = own > known && behind > known;
-    const real from = has_before ? min(max(log(own) - log(before), -most), most) : real(0);
-    const real to = has_behind ? min(max(log(behind) - log(own), -most), most) : real(0);
+    const real from = has_before ? min(max(own - before, -most), most) : real(0);
+    const real to = has_behind ? min(max(behind - own, -most), most) : real(0);
     const bool both = has_before && has_behind;
     const real growth = both ? real(0.5) * (from + to) : from + to;
     BRUME_OF(GrownSlab) slab;

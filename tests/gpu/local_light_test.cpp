@@ -113,5 +113,21 @@ TEST_F(LocalLightTest, FallsWithinThickSlabs) {
     judge(scene, {kOutside, kInside});
 }
 
+// Particles that are small beside their distance from a light: 0.2 of 8 m. Directions over the whole sphere would be
+// more than two deviations apart.
+TEST_F(LocalLightTest, SmallParticlesFarAway) {
+    Scene scene = sceneOf(randomPoints(200, 4, 1.2f, 3), 1.6f);
+    scene.lights.clear();
+    scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0.002f)};
+    scene.render.rate = 1;
+    scene.render.slabs = 128;
+    scene.render.grid.spacing = 0.25f;
+    scene.lights = {point({5, 5, 4})};
+    judge(scene, {kOutside}, kAmongParticles);
+    scene.lights = {spot({-5, 5, 4}, {1, -1, -0.8f})};
+    scene.lights[0].inner = 0.2f, scene.lights[0].outer = 0.4f;
+    judge(scene, {kOutside}, kAmongParticles);
+}
+
 } // namespace
 } // namespace brume::test

@@ -121,6 +121,11 @@ TEST(AddedBefore, IsAPartForAllInputs) {
     }
 }
 
+template <typename real>
+physics::GrownSlab<real> grownSlab(real before, real own, real behind) {
+    return physics::grownSlab(physics::slabLog(before), physics::slabLog(own), physics::slabLog(behind));
+}
+
 double rootMean(double sum, int count) { return std::sqrt(sum / count); }
 
 // A Gaussian of deviation 1, lit by a light whose least distance from the ray is `distance` and `along` behind its
@@ -141,7 +146,7 @@ SlabsErrors litGaussian(double thickness, double distance, double along) {
         for (double z = -kEnd + thickness * phase / kPhases; z < kEnd; z += thickness) {
             const double own = upTo(z + thickness) - upTo(z);
             const auto slab =
-                physics::grownSlab(upTo(z) - upTo(z - thickness), own, upTo(z + 2 * thickness) - upTo(z + thickness));
+                grownSlab(upTo(z) - upTo(z - thickness), own, upTo(z + 2 * thickness) - upTo(z + thickness));
             for (int i = 0; i < kSteps; ++i) {
                 const double at = (i + 0.5) / kSteps, lit = own * light(z + at * thickness) / kSteps;
                 grown += physics::grownPlace(slab, at).extinction * lit, even += lit;
@@ -164,9 +169,9 @@ TEST(SlabGrowth, FollowsALitGaussian) {
 
 TEST(SlabGrowth, IsExactWhereExtinctionGrowsOrFallsGeometrically) {
     for (const double rate : {-5.0, -0.7, 0.0, 0.4, 3.0}) {
-        const auto slab = physics::grownSlab(2 * std::exp(-rate), 2.0, 2 * std::exp(rate));
-        EXPECT_NEAR(physics::grownSlab(0.0, 2.0, 2 * std::exp(rate)).growth, rate, 1e-9) << "the first";
-        EXPECT_NEAR(physics::grownSlab(2 * std::exp(-rate), 2.0, 0.0).growth, rate, 1e-9) << "the last";
+        const auto slab = grownSlab(2 * std::exp(-rate), 2.0, 2 * std::exp(rate));
+        EXPECT_NEAR(grownSlab(0.0, 2.0, 2 * std::exp(rate)).growth, rate, 1e-9) << "the first";
+        EXPECT_NEAR(grownSlab(2 * std::exp(-rate), 2.0, 0.0).growth, rate, 1e-9) << "the last";
         double sum = 0, moment = 0;
         for (int i = 0; i < 2000; ++i) {
             const double at = (i + 0.5) / 2000, extinction = physics::grownPlace(slab, at).extinction;
@@ -183,7 +188,7 @@ TEST(SlabGrowth, IsFiniteForAllInputs) {
     std::uniform_real_distribution<float> exponent(-44, 38), part(0, 1);
     for (int i = 0; i < 20000; ++i) {
         const auto any = [&] { return std::pow(10.0f, exponent(random)) * (random() % 8 ? 1.0f : 0.0f); };
-        const auto slab = physics::grownSlab(any(), any(), any());
+        const auto slab = grownSlab(any(), any(), any());
         const auto place = physics::grownPlace(slab, part(random));
         ASSERT_TRUE(place.before >= -1e-6f && place.before <= 1.000001f) << place.before;
         ASSERT_TRUE(place.extinction >= 0 && place.extinction <= 10) << place.extinction;
