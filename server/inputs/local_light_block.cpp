@@ -14,6 +14,7 @@ constexpr float kApart = 0.3f, kShellsApart = 0.5f;
 // As many directions and distances has every volume of all directions, to the farthest particle. Others have at least
 // as many on the same angle and length.
 constexpr float kSide = 64, kShells = 48;
+constexpr float kConeShare = 16;
 constexpr double kMostWork = 1e9;           // numbers times pairs of a particle and a light; more only if they must
 constexpr uint32_t kMostNumbers = 16 << 20; // of all volumes, before they are as coarse as they may be
 
@@ -73,13 +74,16 @@ uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, double pa
     setCone(light, extent);
     const float all = light.volume_cosine < -1 ? kOctahedron : std::sqrt(8 * (1 - light.volume_cosine)); // rad
     const float apart = kApart * extent.deviation / (near + 0.5f * length);
-    const double numbers = before > kMostNumbers ? 0 : kMostWork / std::max(pairs, 1.0); // that it may have
+    // Numbers that it may have. All directions of a narrow cone meet particles.
+    const double share = std::min(kConeShare * (all / kOctahedron) * (all / kOctahedron), 1.0f);
+    const double numbers = before > kMostNumbers ? 0 : share * kMostWork / std::max(pairs, 1.0);
     // A multiple of `step`, as wanted, between the least and what the numbers allow.
     const auto count = [](float wanted, float least, double allowed, uint32_t most, uint32_t step) {
-        const double bounded = std::max(std::min({double(wanted), allowed, double(most)}), double(least));
-        return std::min(step * uint32_t(std::ceil(bounded / step)), most);
+        const double bounded = std::min({double(wanted), allowed, double(most)});
+        const uint32_t steps = uint32_t(std::max(std::floor(bounded / step), std::ceil(double(least) / step)));
+        return std::min(step * std::max(steps, 1u), most);
     };
-    const float least_side = kSide * all / kOctahedron, least_shells = kShells * length / whole;
+    const float least_side = std::max(kSide * all / kOctahedron, 16.0f), least_shells = kShells * length / whole;
     light.volume_shells = count(length / (kShellsApart * extent.deviation), least_shells,
                                 numbers / (least_side * least_side), gpu::kMostLightShells, 8);
     light.volume_side =
