@@ -1,11 +1,22 @@
 #include "server/inputs/local_light_block.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace brume {
 namespace {
 
-constexpr float kEndless = 1e15f; // m, a range
+constexpr float kEndless = 1e15f;   // m, a range
+constexpr float kWidest = 0.2f;     // cosine of the half angle of cones; wider ones are all directions
+constexpr float kOctahedron = 3.5f; // rad, along a side of the octahedron's square
+// Directions and distances of a volume in standard deviations of the medium, halfway through it.
+constexpr float kApart = 0.3f, kShellsApart = 0.5f;
+// As many directions and distances has every volume of all directions, to the farthest particle. Others have at least
+// as many on the same angle and length.
+constexpr float kSide = 64, kShells = 48;
+constexpr float kConeShare = 16;
+constexpr double kMostWork = 1e9;           // numbers times pairs of a particle and a light; more only if they must
+constexpr uint32_t kMostNumbers = 16 << 20; // of all volumes, before they are as coarse as they may be
 
 // The ball that holds what a spot lights: that around its cone's tip and rim.
 void boundSpot(gpu::LocalLight& out, float outer) {
@@ -13,6 +24,23 @@ void boundSpot(gpu::LocalLight& out, float outer) {
     const float half = wide ? out.range * std::cos(outer) : out.range / (2 * std::cos(outer));
     out.bound = out.position + half * out.axis;
     out.reach = wide ? out.range * std::sin(outer) : half;
+}
+
+// The cone of the volume's directions: the narrower one of a spot's own and of that around the particles.
+void setCone(gpu::LocalLight& light, const MediumExtent& extent) {
+    light.volume_axis = light.axis;
+    light.volume_cosine = light.cos_outer;
+    const glm::vec3 to = 0.5f * (extent.lo + extent.hi) - light.position, axis = to / std::max(glm::length(to), 1e-6f);
+    float cosine = 1;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 at(corner & 1 ? extent.hi.x : extent.lo.x, corner & 2 ? extent.hi.y : extent.lo.y,
+                           corner & 4 ? extent.hi.z : extent.lo.z);
+        const glm::vec3 away = at - light.position;
+        cosine = std::min(cosine, glm::dot(away, axis) / std::max(glm::length(away), 1e-6f));
+    }
+    cosine -= 1e-4f; // rounding
+    if (cosine > std::max(light.volume_cosine, kWidest)) light.volume_axis = axis, light.volume_cosine = cosine;
+    if (light.volume_cosine < kWidest) light.volume_cosine = -2;
 }
 
 } // namespace
@@ -30,18 +58,40 @@ gpu::LocalLight localLightBlock(const Light& light) {
                         .bound = light.position,
                         .reach = light.range > 0 ? light.range : kEndless,
                         .volume = gpu::kNoVolume,
-                        .volume_step = 1};
+                        .volume_step = 1,
+                        .volume_axis = light.axis,
+                        .volume_cosine = -2};
     if (spot && light.range > 0) boundSpot(out, light.outer);
     return out;
 }
 
-void setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t volume) {
+uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, double pairs, uint32_t before) {
     const glm::vec3 from_lo = light.position - extent.lo, from_hi = light.position - extent.hi;
     const glm::vec3 outside = glm::max(glm::max(-from_lo, from_hi), 0.0f);
     const glm::vec3 farthest = glm::max(glm::abs(from_lo), glm::abs(from_hi));
-    light.volume = volume;
-    light.volume_near = glm::length(outside);
-    light.volume_step = std::max(glm::length(farthest) - light.volume_near, 1e-3f) / float(gpu::kLightShells - 1);
+    const float near = glm::length(outside), whole = std::max(glm::length(farthest) - near, 1e-3f);
+    const float length = std::clamp(light.range - near, 1e-3f, whole);
+    setCone(light, extent);
+    const float all = light.volume_cosine < -1 ? kOctahedron : std::sqrt(8 * (1 - light.volume_cosine)); // rad
+    const float apart = kApart * extent.deviation / (near + 0.5f * length);
+    // Numbers that it may have. All directions of a narrow cone meet particles.
+    const double share = std::min(kConeShare * (all / kOctahedron) * (all / kOctahedron), 1.0f);
+    const double numbers = before > kMostNumbers ? 0 : share * kMostWork / std::max(pairs, 1.0);
+    // A multiple of `step`, as wanted, between the least and what the numbers allow.
+    const auto count = [](float wanted, float least, double allowed, uint32_t most, uint32_t step) {
+        const double bounded = std::min({double(wanted), allowed, double(most)});
+        const uint32_t steps = uint32_t(std::max(std::floor(bounded / step), std::ceil(double(least) / step)));
+        return std::min(step * std::max(steps, 1u), most);
+    };
+    const float least_side = std::max(kSide * all / kOctahedron, 16.0f), least_shells = kShells * length / whole;
+    light.volume_shells = count(length / (kShellsApart * extent.deviation), least_shells,
+                                numbers / (least_side * least_side), gpu::kMostLightShells, 8);
+    light.volume_side =
+        count(all / apart, least_side, std::sqrt(numbers / light.volume_shells), gpu::kMostLightSide, 16);
+    light.volume = before;
+    light.volume_near = near;
+    light.volume_step = length / float(light.volume_shells - 1);
+    return light.volume_side * light.volume_side * light.volume_shells;
 }
 
 } // namespace brume

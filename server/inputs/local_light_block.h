@@ -11,7 +11,9 @@ namespace brume {
 
 // Without a volume of the particles' depth.
 gpu::LocalLight localLightBlock(const Light& light);
-// Gives it the volume of that number, whose shells reach from one side of the particles to the other.
-void setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t volume);
+// Gives it a volume of the particles' depth that begins after `before` numbers of others. Returns how many it has. Its
+// directions are those to the particles that the light shines on. They and its distances are as fine as the particles
+// ask for, within bounds by the work of all volumes. `pairs`: of a particle and a light that has a volume.
+uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, double pairs, uint32_t before);
 
 } // namespace brume

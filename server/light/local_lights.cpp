@@ -11,9 +11,6 @@
 namespace brume {
 namespace {
 
-constexpr VkDeviceSize kVolumeBytes =
-    VkDeviceSize(gpu::kLightVolume) * gpu::kLightVolume * gpu::kLightShells * sizeof(float);
-
 bool sameBits(std::span<const gpu::LocalLight> a, std::span<const gpu::LocalLight> b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
@@ -41,7 +38,7 @@ void LocalLights::prepare(std::span<const EyeRequest> eyes, uint32_t lights, uin
     fit(bits_, bits * gpu::groups(lights, 32) * sizeof(uint32_t), "local light bins");
     fit(lit_, lit * sizeof(glm::vec3), "local light");
     const VkDeviceSize before = depths_.size();
-    fit(depths_, volumes * kVolumeBytes, "local light depths");
+    fit(depths_, volumes * sizeof(float), "local light depths");
     if (depths_.size() != before) last_lights_.clear();
 }
 
@@ -64,7 +61,7 @@ void LocalLights::recordDepths(gpu::Commands& commands, const MediumView& medium
     gpu::everythingBefore(commands.handle());
     depths_program_.bind(commands, {medium.tick, gpu::storageBuffer(1, *medium.particles),
                                     gpu::storageBuffer(2, buffer), gpu::storageBuffer(3, depths_)});
-    vkCmdDispatch(commands.handle(), gpu::kLightVolume / 8, gpu::kLightVolume / 8, uint32_t(lights.size()));
+    vkCmdDispatch(commands.handle(), gpu::kMostLightSide / 8, gpu::kMostLightSide / 8, uint32_t(lights.size()));
     gpu::everythingBefore(commands.handle());
 }
 

@@ -16,7 +16,7 @@ class LocalLights {
 public:
     explicit LocalLights(const gpu::Device& device);
 
-    // Makes room for pictures of these sizes and so many lights, `volumes` of which have one of the particles' depth.
+    // Makes room for pictures of these sizes, so many lights, and `volumes` numbers of the particles' depth.
     // Precondition: nothing of it is on the device.
     void prepare(std::span<const EyeRequest> eyes, uint32_t lights, uint32_t volumes);
     // The volumes, unless particles and lights are those of the last call. Ends with its writes visible to all.
@@ -35,7 +35,7 @@ public:
         return taken(bits_) + taken(lit_);
     }
     const gpu::Buffer& bits() const { return bits_; }     // uint[bins][words], a bit for each light
-    const gpu::Buffer& depths() const { return depths_; } // float[volumes][kLightVolume^2][kLightShells]
+    const gpu::Buffer& depths() const { return depths_; } // of LocalLight::volume
     const gpu::Buffer& lit() const { return lit_; }       // vec3[rows][columns] of the last eye's pixels, W/(m^2 sr)
     void giveBack();
 

@@ -183,9 +183,11 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
 void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes) {
     light_blocks_.clear();
     uint32_t volumes = 0;
+    const uint32_t particles = upload_.tick().particle_count;
+    const double pairs = double(particles) * double(std::ranges::count_if(now_.lists.lights, &Light::shadows));
     for (const Light& light : now_.lists.lights) {
         gpu::LocalLight& block = light_blocks_.emplace_back(localLightBlock(light));
-        if (upload_.tick().particle_count > 0 && light.shadows) setVolume(block, upload_.extent(), volumes++);
+        if (particles > 0 && light.shadows) volumes += setVolume(block, upload_.extent(), pairs, volumes);
     }
     s.local_lights_.atLeast(device_, std::max<size_t>(light_blocks_.size(), 1) * sizeof(gpu::LocalLight),
                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "local lights");

@@ -4,6 +4,7 @@
 // lib/local_lights.glsl, lib/local_light_depth.glsl and lib/point_shadow.glsl.
 #include "shaders/shared/equiangular.h"
 #include "shaders/shared/phase.h"
+#include "shaders/shared/slab_growth.h"
 
 const uint kMostSlabs = 512;
 // The largest panels of four nodes; docs/methods.md has the errors.
@@ -16,8 +17,9 @@ const vec2 kFogBreaks = vec2(1, 3);
 const uint kMostPanels = 8; // that a piece is divided into
 // Pieces of two nodes and of one: shorter than this part of their distance from the light, and as thin.
 const float kShort = 0.4, kTiny = 0.1;
-const float kCore = 12;    // pixels around a light's image in which its glow is no polynomial
-const float kThin = 6;     // pixels, half the width of cones and the falloff of layers that fall between nodes
+const float kMostGrowth = 2; // of extinction in a slab, where two nodes do
+const float kCore = 12;      // pixels around a light's image in which its glow is no polynomial
+const float kThin = 6;       // pixels, half the width of cones and the falloff of layers that fall between nodes
 const uint kMostPieces = 700; // that a ray's part in one light is divided into
 
 // The pixel's ray: places in m from the eye.
@@ -26,7 +28,8 @@ float ray_end;
 FogPart fog_parts[kMostFogs];
 float particle_begin, slab_length; // where the first slab begins, and the length of each
 uint slabs_before;                 // the number of slabs that the ray enters
-float depth_to[kMostSlabs + 2];    // optical depth of the particles before each face
+float depth_to[kMostSlabs + 2];    // optical depth of the particles before each face, and one behind the last entered
+float depth_log[kMostSlabs + 1];   // slabLog() of each slab
 
 // Fills what belongs to particles, as the pixel's neighbours among the rays have it.
 void readParticles(ivec2 pixel, float metres) {
@@ -39,9 +42,10 @@ void readParticles(ivec2 pixel, float metres) {
     const FieldRun run = fieldRun(pixel);
     const vec4 down = through(run.down), across = kRate == 1 ? vec4(1, 0, 0, 0) : through(fieldPart(pixel.x));
     depth_to[0] = 0;
-    [[dont_unroll]] for (uint face = 1; face <= slabs_before; ++face) {
+    [[dont_unroll]] for (uint face = 1; face <= min(slabs_before + 1, grid.slabs); ++face) {
         const float value = dot(across, fieldColumns(fieldFace(kFieldDepth, frontSlabs() + face), run, down));
         depth_to[face] = max(value, depth_to[face - 1]);
+        depth_log[face - 1] = slabLog(depth_to[face] - depth_to[face - 1]);
     }
 }
 
@@ -57,6 +61,12 @@ vec3 albedoOf(uint slab, ivec2 pixel) {
                                         fieldColumns(fieldFace(q, face), run, down));
     }
     return clamp(scattering / max(depth_to[slab + 1] - depth_to[slab], 1e-20), 0, 1);
+}
+
+// How extinction grows within a slab. What lies before the first and behind the last one is not known.
+GrownSlab growthOf(uint slab) {
+    const float unknown = slabLog(0), before = slab > 0 ? depth_log[slab - 1] : unknown;
+    return grownSlab(before, depth_log[slab], slab + 1 < grid.slabs ? depth_log[slab + 1] : unknown);
 }
 
 float phaseAt(Phase p, vec3 away) {
@@ -117,9 +127,14 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
     const float nearest = begin > 0 ? begin : end < 0 ? -end : 0;
     const float size = max((end - begin) * inversesqrt(nearest * nearest + h * h), particles + fog);
     const float wanted = max(part.angle / kMostAngle, (particles + fog) / kMostDepth);
-    const uint nodes = size < kTiny ? 1 : size < kShort ? 2 : 4; // that a panel has
+    const GrownSlab grown = in_slab ? growthOf(slab) : grownSlab(-70, -70, -70);
+    const bool whole = !in_slab || end - begin > 0.999 * slab_length; // only then its mean extinction is known
+    const bool is_tiny = size < kTiny && whole, is_short = size < kShort && abs(grown.growth) < kMostGrowth;
+    const uint nodes = is_tiny ? 1 : is_short ? 2 : 4; // that a panel has
     const uint panels = nodes < 4 ? 1 : uint(clamp(ceil(wanted), 1, float(kMostPanels)));
     const vec3 albedo = in_slab ? albedoOf(slab, pixel) : vec3(0);
+    // One node has the mean extinction, and the place where that is: light is taken as linear.
+    const float shift = is_tiny ? grownShift(grown) * (end - begin) * particles / (particles + fog) : 0;
     vec3 sum = vec3(0);
     [[dont_unroll]] for (uint node = 0; node < nodes * panels; ++node) {
         // Gauss and Legendre's: places in a panel of width 1, and weights.
@@ -128,7 +143,7 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
         const float apart = nodes == 4 ? (outer ? 0.430568156 : 0.169990522) : nodes == 2 ? 0.288675135 : 0;
         const float weight = nodes == 4 ? (outer ? 0.173927423 : 0.326072577) : 1 / float(nodes);
         const float u = (float(node / nodes) + 0.5 + (2 * i < nodes ? -apart : apart)) / float(panels);
-        const float t = clamp(equiangularPlace(part, u), begin, end), place = closest + t;
+        const float even = clamp(equiangularPlace(part, u), begin, end), t = even + shift, place = closest + t;
         const vec3 away = offset + t * ray_dir;
         const float distance = sqrt(offset2 + t * t);
         const float sent = sentTo(light, away, distance);
@@ -138,8 +153,10 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
         const vec3 w = away / max(distance, 1e-20);
         vec3 source = vec3(0);
         if (in_slab) {
-            passed += particles * ((place - particle_begin) / slab_length - float(slab));
-            source = albedo * (particles / slab_length * phaseAt(tick.phase, w));
+            const GrownPlace here = grownPlace(grown, (place - particle_begin) / slab_length - float(slab));
+            const float extinction = particles / slab_length * (is_tiny ? 1 : here.extinction);
+            passed += particles * here.before;
+            source = albedo * (extinction * phaseAt(tick.phase, w));
         }
         [[dont_unroll]] for (uint f = 0; f < fogCount(); ++f) {
             if (place < fog_parts[f].begin || place > fog_parts[f].end) continue;
@@ -147,7 +164,8 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
             const float sigma = tick.fogs[f].sigma_t * exp(min(-tick.fogs[f].falloff * height, 60));
             source += tick.fogs[f].albedo * (sigma * phaseAt(tick.fogs[f].phase, w));
         }
-        sum += source * (weight * sent * exp(-passed));
+        const float falls = is_tiny ? (even * even + h * h) / (t * t + h * h) : 1; // the angle is even in that
+        sum += source * (weight * sent * falls * exp(-passed));
     }
     return sum * (equiangularWeight(part) / float(panels));
 }

@@ -80,14 +80,18 @@ struct LocalLight {
     uint shadows;                   // 1: objects and particles shadow it; 0: only fog dims it
     vec3 bound;                     // a ball that holds all it lights: its centre,
     float reach;                    // and its radius, m; 1e15 and more: all
-    uint volume;                    // number of its volume of the particles' depth; kNoVolume: it has none
-    float volume_near, volume_step; // m, distance of the volume's first shell, and between two
+    uint volume;                    // first number of its volume of the particles' depth; kNoVolume: it has none
+    uint volume_side;               // directions along a side of the volume's square
+    uint volume_shells;             // its distances
+    float volume_near, volume_step; // m, distance of the first shell, and between two
+    vec3 volume_axis;               // unit, the middle of the cone that its directions fill,
+    float volume_cosine;            // and the cosine of the cone's half angle; -2: they are all directions
 };
 
 const uint kPixelTile = 16u; // pixels along a side of a bin of local lights, and of a tile of shafts
 const uint kNoVolume = 0xffffffffu;
-const uint kLightVolume = 64u; // directions of a volume along a side of its octahedron's square
-const uint kLightShells = 48u; // distances
+const uint kMostLightSide = 128u; // of LocalLight::volume_side
+const uint kMostLightShells = 96u;
 
 // Values that all viewers share in one tick.
 struct Tick {
@@ -267,7 +271,7 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 84 && sizeof(Tick) == 576 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 108 && sizeof(Tick) == 576 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
 static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);

@@ -95,5 +95,39 @@ TEST_F(LocalLightTest, AmongParticles) {
     judge(scene, {kOutside, kBelow}, kAmongParticles);
 }
 
+// Slabs two thirds of a deviation thick, of particles among which light falls much within one. Taken as even within
+// slabs, extinction errs by a twelfth of the light's relative bend, 6 / d^2, times the squared thickness: up to 2.8 %.
+TEST_F(LocalLightTest, FallsWithinThickSlabs) {
+    Scene scene = sceneOf({{.centre = {0, 0, 0}, .scale = 8, .sigma_t = 0.3f},
+                           {.centre = {1.5f, 0.5f, -1}, .scale = 9, .sigma_t = 0.2f}});
+    scene.lights.clear();
+    scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0.002f)};
+    scene.render.rate = 1;
+    scene.render.slabs = 16;
+    scene.render.grid.spacing = 0.25f;
+    scene.lights = {point({2.5f, 2.5f, 2})};
+    judge(scene, {kOutside, kBelow});
+    scene.lights = {point({-2, -2.8f, 2})};
+    judge(scene, {kOutside, kBelow, kInside});
+    scene.fogs = {{.extinction = 0.02f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    judge(scene, {kOutside, kInside});
+}
+
+// Particles that are small beside their distance from a light: 0.2 of 8 m. Directions over the whole sphere would be
+// more than two deviations apart.
+TEST_F(LocalLightTest, SmallParticlesFarAway) {
+    Scene scene = sceneOf(randomPoints(200, 4, 1.2f, 3), 1.6f);
+    scene.lights.clear();
+    scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0.002f)};
+    scene.render.rate = 1;
+    scene.render.slabs = 128;
+    scene.render.grid.spacing = 0.25f;
+    scene.lights = {point({5, 5, 4})};
+    judge(scene, {kOutside}, kAmongParticles);
+    scene.lights = {spot({-5, 5, 4}, {1, -1, -0.8f})};
+    scene.lights[0].inner = 0.2f, scene.lights[0].outer = 0.4f;
+    judge(scene, {kOutside}, kAmongParticles);
+}
+
 } // namespace
 } // namespace brume::test

@@ -1,6 +1,7 @@
 // What points and spots cost in the plan, and what overload gives up where they take the time.
 #include <gtest/gtest.h>
 
+#include "server/inputs/local_light_block.h"
 #include "server/plan/cost_learning.h"
 #include "tests/unit/plan_scenes.h"
 
@@ -170,6 +171,33 @@ TEST(FogAlone, ItsErrorIsPredictedWhereItHasRays) {
     const Plan plan = makePlan(inputs, builtInCosts());
     EXPECT_GT(plan.chosen.error, 0);
     EXPECT_LE(plan.chosen.error, double(scene.render.error));
+}
+
+// Few pairs of particles and lights have fine volumes. Many have no more numbers than 64x64x48, and a spot far fewer.
+TEST(LocalLightVolume, IsAsFineAsTheWorkAllows) {
+    const MediumExtent extent{.lo = glm::vec3(-4), .hi = glm::vec3(4), .deviation = 0.1f};
+    const auto numbersOf = [&](const Light& light, double pairs, gpu::LocalLight& block) {
+        block = localLightBlock(light);
+        const uint32_t numbers = setVolume(block, extent, pairs, 7);
+        EXPECT_EQ(numbers, block.volume_side * block.volume_side * block.volume_shells);
+        EXPECT_EQ(block.volume, 7u);
+        EXPECT_EQ(block.volume_side % 16, 0u); // a workgroup does not cross the octahedron's folds
+        return numbers;
+    };
+    Light light{.type = kPoint, .position = {1, 0, 0}, .range = 20};
+    gpu::LocalLight block;
+    EXPECT_EQ(numbersOf(light, 100, block), gpu::kMostLightSide * gpu::kMostLightSide * gpu::kMostLightShells);
+    EXPECT_LT(block.volume_cosine, -1) << "inside: all directions";
+    EXPECT_EQ(numbersOf(light, 1e5, block), 64u * 64 * 48);
+    light.range = 2;
+    EXPECT_EQ(numbersOf(light, 1e5, block), 64u * 64 * 16) << "the shells that were there before";
+    EXPECT_NEAR(block.volume_near + block.volume_step * float(block.volume_shells - 1), 2, 1e-5);
+    light.position = {30, 0, 0}, light.range = 0;
+    numbersOf(light, 1e5, block);
+    EXPECT_GT(block.volume_cosine, 0.95f) << "the cone around the particles";
+    light.type = kSpot, light.axis = {-1, 0, 0}, light.inner = 0.05f, light.outer = 0.1f;
+    EXPECT_LE(numbersOf(light, 1e5, block), 16u * 16 * 48);
+    EXPECT_FLOAT_EQ(block.volume_cosine, block.cos_outer) << "its own cone is narrower";
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "shaders/shared/scatter.h"
+#include "shaders/shared/slab_growth.h"
 #include "shaders/shared/widened.h"
 
 namespace brume {
@@ -117,6 +118,80 @@ TEST(AddedBefore, IsAPartForAllInputs) {
         const auto any = [&] { return std::pow(10.0f, exponent(random)) * (random() % 8 ? 1.0f : -1.0f); };
         const float added = physics::addedBefore(any(), any(), any(), part(random));
         ASSERT_TRUE(added >= 0 && added <= 1.000001f) << added;
+    }
+}
+
+template <typename real>
+physics::GrownSlab<real> grownSlab(real before, real own, real behind) {
+    return physics::grownSlab(physics::slabLog(before), physics::slabLog(own), physics::slabLog(behind));
+}
+
+double rootMean(double sum, int count) { return std::sqrt(sum / count); }
+
+// A Gaussian of deviation 1, lit by a light whose least distance from the ray is `distance` and `along` behind its
+// middle; slabs have their own depths only. Error of the light that it scatters, root mean square over phases of the
+// slabs: with growth and without.
+struct SlabsErrors {
+    double grown, even;
+};
+SlabsErrors litGaussian(double thickness, double distance, double along) {
+    constexpr int kPhases = 8, kSteps = 200;
+    constexpr double kEnd = 8;
+    const auto upTo = [](double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); };
+    const auto light = [&](double z) { return 1 / ((z - along) * (z - along) + distance * distance); };
+    double grown_sum = 0, even_sum = 0, exact = 0;
+    for (double z = -kEnd; z < kEnd; z += 1e-3) exact += (upTo(z + 1e-3) - upTo(z)) * light(z + 5e-4);
+    for (int phase = 0; phase < kPhases; ++phase) {
+        double grown = 0, even = 0;
+        for (double z = -kEnd + thickness * phase / kPhases; z < kEnd; z += thickness) {
+            const double own = upTo(z + thickness) - upTo(z);
+            const auto slab =
+                grownSlab(upTo(z) - upTo(z - thickness), own, upTo(z + 2 * thickness) - upTo(z + thickness));
+            for (int i = 0; i < kSteps; ++i) {
+                const double at = (i + 0.5) / kSteps, lit = own * light(z + at * thickness) / kSteps;
+                grown += physics::grownPlace(slab, at).extinction * lit, even += lit;
+            }
+        }
+        grown_sum += (grown / exact - 1) * (grown / exact - 1), even_sum += (even / exact - 1) * (even / exact - 1);
+    }
+    return {rootMean(grown_sum, kPhases), rootMean(even_sum, kPhases)};
+}
+
+// Errors fall with the fourth power of the thickness; of even extinction with the second.
+TEST(SlabGrowth, FollowsALitGaussian) {
+    for (const auto& [distance, along] : {std::pair(3.0, 0.0), std::pair(3.0, 3.0), std::pair(1.0, 0.0)}) {
+        const SlabsErrors thick = litGaussian(0.8, distance, along), thin = litGaussian(0.4, distance, along);
+        EXPECT_LT(thick.grown, 0.06 * thick.even) << distance << ' ' << along;
+        EXPECT_LT(thin.grown, thick.grown / 10) << distance << ' ' << along;
+        EXPECT_GT(thin.even, thick.even / 5) << distance << ' ' << along;
+    }
+}
+
+TEST(SlabGrowth, IsExactWhereExtinctionGrowsOrFallsGeometrically) {
+    for (const double rate : {-5.0, -0.7, 0.0, 0.4, 3.0}) {
+        const auto slab = grownSlab(2 * std::exp(-rate), 2.0, 2 * std::exp(rate));
+        EXPECT_NEAR(grownSlab(0.0, 2.0, 2 * std::exp(rate)).growth, rate, 1e-9) << "the first";
+        EXPECT_NEAR(grownSlab(2 * std::exp(-rate), 2.0, 0.0).growth, rate, 1e-9) << "the last";
+        double sum = 0, moment = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const double at = (i + 0.5) / 2000, extinction = physics::grownPlace(slab, at).extinction;
+            EXPECT_NEAR(physics::grownPlace(slab, at).before, sum + 0.5 * extinction / 2000, 1e-5) << rate;
+            sum += extinction / 2000, moment += extinction * (at - 0.5) / 2000;
+        }
+        EXPECT_NEAR(sum, 1, 1e-5) << rate;
+        EXPECT_NEAR(physics::grownShift(slab), moment, std::abs(rate) > 4 ? 0.02 : 0.006) << rate;
+    }
+}
+
+TEST(SlabGrowth, IsFiniteForAllInputs) {
+    std::mt19937 random(10);
+    std::uniform_real_distribution<float> exponent(-44, 38), part(0, 1);
+    for (int i = 0; i < 20000; ++i) {
+        const auto any = [&] { return std::pow(10.0f, exponent(random)) * (random() % 8 ? 1.0f : 0.0f); };
+        const auto slab = grownSlab(any(), any(), any());
+        const auto place = physics::grownPlace(slab, part(random));
+        ASSERT_TRUE(place.before >= -1e-6f && place.before <= 1.000001f) << place.before;
+        ASSERT_TRUE(place.extinction >= 0 && place.extinction <= 10) << place.extinction;
     }
 }
 
