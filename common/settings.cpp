@@ -104,8 +104,9 @@ constexpr SceneSetting kSettings[]{
     {"medium.albedo", at<&P::medium, &Medium::albedo>, "", limits::kColour,
      "Single-scattering albedo; a factor where points have their own", kControllers, Form::colour},
     {"medium.extinction_colour", at<&P::medium, &Medium::extinction_colour>, "", limits::kColour,
-     "Extinction of red, green and blue in relation to each other; the largest of them is the medium's", kControllers,
-     Form::colour},
+     "Extinction of red, green and blue in relation to each other; the largest of them is the medium's; black is as "
+     "white",
+     kControllers, Form::colour},
     {"medium.phase", at<&P::medium, &Medium::phase>, "", kNone,
      "Phase function: `mixture` (1 − a) / 4π + a HG(g), `double` (1 − a) HG(h) + a HG(g), `rayleigh`, or `droplets` of "
      "water",

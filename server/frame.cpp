@@ -164,6 +164,7 @@ bool FrameLoop::render(Batch& batch) {
                              .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
                              .still_ratio = before.still_ms / before.chosen.ms(),
                              .still = before.passes.empty() || planner_->drawable(finer(before.chosen.settings), true),
+                             .full = hasSeveralHues(),
                              .held = held_,
                              .bytes = mostPlaneBytes()},
                             batch.taken, batch);
@@ -214,10 +215,12 @@ bool FrameLoop::renderOneShot(Batch& batch) {
     return submit(batch, way.settings);
 }
 
+bool FrameLoop::hasSeveralHues() const { return huesOf(simulation_.now(), simulation_.liveCount()).size() > 1; }
+
 // False when the device cannot draw the batch, or memory is short; it is dropped then.
 bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
     const SceneFeatures features = featuresOf(scene_, simulation_.now(), drawn_);
-    const bool full = batch.still_pictures || huesOf(simulation_.now()).size() > 1;
+    const bool full = batch.still_pictures || hasSeveralHues();
     try {
         checkPictures(batch.eyes, full, features, picture_memory_ / 2, mostPlaneBytes());
         renderer_->draws(drawn_);

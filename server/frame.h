@@ -91,6 +91,7 @@ private:
     bool renderOneShot(Batch& batch);
     bool submit(Batch& batch, const RenderSettings& settings);
     uint64_t mostPlaneBytes() const;
+    bool hasSeveralHues() const;
     void giveBack(Clock::time_point now);
     uint64_t pictureBytes() const;
     void drop(Batch& batch, const char* why);

@@ -25,11 +25,14 @@ struct Hue {
     }
 };
 
-// One to three hues that have all channels together, that of red first.
-inline std::vector<Hue> huesOf(const Medium& medium, std::span<const Fog> fogs) {
+static_assert(gpu::kMostFogs == 4); // Hue::fogs
+
+// One to three hues that have all channels together, that of red first. `particles`: their number.
+inline std::vector<Hue> huesOf(const Medium& medium, std::span<const Fog> fogs, uint32_t particles) {
     std::vector<Hue> hues;
     for (int channel = 0; channel < 3; ++channel) {
-        Hue hue{.channels = 1u << channel, .particles = extinctionParts(medium.extinction_colour)[channel]};
+        Hue hue{.channels = 1u << channel};
+        if (particles > 0) hue.particles = extinctionParts(medium.extinction_colour)[channel];
         uint32_t count = 0;
         for (const Fog& fog : fogs)
             if (isThere(fog) && count < gpu::kMostFogs)
@@ -43,6 +46,8 @@ inline std::vector<Hue> huesOf(const Medium& medium, std::span<const Fog> fogs) 
     }
     return hues;
 }
-inline std::vector<Hue> huesOf(const SceneNow& now) { return huesOf(now.medium, now.lists.fogs); }
+inline std::vector<Hue> huesOf(const SceneNow& now, uint32_t particles) {
+    return huesOf(now.medium, now.lists.fogs, particles);
+}
 
 } // namespace brume

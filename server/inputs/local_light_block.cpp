@@ -15,8 +15,11 @@ constexpr float kApart = 0.3f, kShellsApart = 0.5f;
 // as many on the same angle and length.
 constexpr float kSide = 64, kShells = 48;
 constexpr float kConeShare = 16;
-constexpr double kMostWork = 1e9;           // numbers times pairs of a particle and a light; more only if they must
-constexpr uint32_t kMostNumbers = 16 << 20; // of all volumes, before they are as coarse as they may be
+constexpr double kMostWork = 1e9; // numbers times pairs of a particle and a light; more only if they must
+// Numbers of all volumes, together no more than fit a buffer of 128 MiB: of those that are finer than they must be, and
+// of those with the least directions and distances. More lights than 128 have fewer.
+constexpr double kMostNumbers = 7 << 20, kMostOfLeast = 24 << 20;
+constexpr float kFewShells = 24;
 
 // The ball that holds what a spot lights: that around its cone's tip and rim.
 void boundSpot(gpu::LocalLight& out, float outer) {
@@ -65,7 +68,8 @@ gpu::LocalLight localLightBlock(const Light& light) {
     return out;
 }
 
-uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, double pairs, uint32_t before) {
+uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t particles, uint32_t lights,
+                   uint32_t before) {
     const glm::vec3 from_lo = light.position - extent.lo, from_hi = light.position - extent.hi;
     const glm::vec3 outside = glm::max(glm::max(-from_lo, from_hi), 0.0f);
     const glm::vec3 farthest = glm::max(glm::abs(from_lo), glm::abs(from_hi));
@@ -76,14 +80,18 @@ uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, double pa
     const float apart = kApart * extent.deviation / (near + 0.5f * length);
     // Numbers that it may have. All directions of a narrow cone meet particles.
     const double share = std::min(kConeShare * (all / kOctahedron) * (all / kOctahedron), 1.0f);
-    const double numbers = before > kMostNumbers ? 0 : share * kMostWork / std::max(pairs, 1.0);
+    const double numbers =
+        std::min(share * kMostWork / std::max(double(particles), 1.0), kMostNumbers) / std::max(lights, 1u);
     // A multiple of `step`, as wanted, between the least and what the numbers allow.
     const auto count = [](float wanted, float least, double allowed, uint32_t most, uint32_t step) {
         const double bounded = std::min({double(wanted), allowed, double(most)});
         const uint32_t steps = uint32_t(std::max(std::floor(bounded / step), std::ceil(double(least) / step)));
         return std::min(step * std::max(steps, 1u), most);
     };
-    const float least_side = std::max(kSide * all / kOctahedron, 16.0f), least_shells = kShells * length / whole;
+    float side = kSide, shells = kShells;
+    if (const double room = kMostOfLeast / std::max(lights, 1u); side * side * shells > room)
+        shells = kFewShells, side = 16 * std::floor(float(std::sqrt(room / shells)) / 16);
+    const float least_side = std::max(side * all / kOctahedron, 16.0f), least_shells = shells * length / whole;
     light.volume_shells = count(length / (kShellsApart * extent.deviation), least_shells,
                                 numbers / (least_side * least_side), gpu::kMostLightShells, 8);
     light.volume_side =

@@ -13,7 +13,8 @@ namespace brume {
 gpu::LocalLight localLightBlock(const Light& light);
 // Gives it a volume of the particles' depth that begins after `before` numbers of others. Returns how many it has. Its
 // directions are those to the particles that the light shines on. They and its distances are as fine as the particles
-// ask for, within bounds by the work of all volumes. `pairs`: of a particle and a light that has a volume.
-uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, double pairs, uint32_t before);
+// ask for, within bounds by the work and the size of all volumes. `particles`: how many; `lights`: those with a volume.
+uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t particles, uint32_t lights,
+                   uint32_t before);
 
 } // namespace brume

@@ -30,11 +30,10 @@ void LocalLights::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name)
 
 void LocalLights::prepare(std::span<const EyeRequest> eyes, uint32_t lights, uint32_t volumes) {
     VkDeviceSize bits = 0, lit = 0;
-    if (lights > 0)
-        for (const EyeRequest& eye : eyes) {
-            bits = std::max<VkDeviceSize>(bits, binsOf(eye.width, eye.height));
-            lit = std::max<VkDeviceSize>(lit, VkDeviceSize(eye.width) * eye.height);
-        }
+    for (const EyeRequest& eye : eyes) {
+        bits = std::max<VkDeviceSize>(bits, binsOf(eye.width, eye.height));
+        lit = std::max<VkDeviceSize>(lit, VkDeviceSize(eye.width) * eye.height);
+    }
     fit(bits_, bits * gpu::groups(lights, 32) * sizeof(uint32_t), "local light bins");
     fit(lit_, lit * sizeof(glm::vec3), "local light");
     const VkDeviceSize before = depths_.size();

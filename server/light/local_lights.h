@@ -16,7 +16,8 @@ class LocalLights {
 public:
     explicit LocalLights(const gpu::Device& device);
 
-    // Makes room for pictures of these sizes, so many lights, and `volumes` numbers of the particles' depth.
+    // Makes room for pictures of these sizes, which may have no lights, so many lights, and `volumes` numbers of the
+    // particles' depth.
     // Precondition: nothing of it is on the device.
     void prepare(std::span<const EyeRequest> eyes, uint32_t lights, uint32_t volumes);
     // The volumes, unless particles and lights are those of the last call. Ends with its writes visible to all.

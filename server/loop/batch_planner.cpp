@@ -28,7 +28,7 @@ void BatchPlanner::fit(std::span<const std::shared_ptr<Viewer>> viewers, double 
                                    : std::numeric_limits<double>::infinity());
 }
 
-void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still,
+void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, bool full,
                            Clock::time_point now) {
     due_.clear();
     requests_.clear();
@@ -39,7 +39,7 @@ void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uin
         if (!due) continue;
         const auto same = std::find_if(requests_.begin(), requests_.end(),
                                        [&](const PoseRequest& request) { return samePictures(request, *due); });
-        const PlaneLayout layout{due->width, due->height, still};
+        const PlaneLayout layout{due->width, due->height, full};
         draw_requests_.push_back({.viewer = viewer->id(),
                                   .pixels = pixelsOf(*due),
                                   .eyes = due->views,
@@ -103,10 +103,10 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     out.full_batch_ratio = 1;
     schedule_.expect(limits.ms_per_pixel);
     fit(viewers, limits.most_ms);
-    findDue(viewers, scene, false, now);
+    findDue(viewers, scene, false, limits.full, now);
     if (draw_requests_.empty() && limits.still) { // no viewer's picture has changed
         out.still_pictures = true;
-        findDue(viewers, scene, true, now);
+        findDue(viewers, scene, true, true, now);
     }
     const size_t watched = requests_.size();
     findOneShots(viewers, limits.held);

@@ -49,6 +49,7 @@ public:
         double ms_per_pixel = 0;                                  // predicted, until pictures were measured
         double still_ratio = 1;           // predicted time of a still picture / of the same while it moves
         bool still = true;                // False: still pictures wait
+        bool full = false;                // True: all pictures have full colour, also those that move
         std::span<const uint32_t> held{}; // ids of viewers whose one-shot pictures wait
         uint64_t bytes = ~0ull;           // of a batch's pictures; a viewer that exceeds them alone is drawn alone
     };
@@ -84,7 +85,8 @@ private:
     void findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> held);
     void takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers, const PoseRequest& request, uint64_t scene,
                      Clock::time_point now, BatchContents& out);
-    void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, Clock::time_point now);
+    void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, bool full,
+                 Clock::time_point now);
     uint32_t seatOf(const std::string& owner);
     void keepRecent(size_t watched, Clock::time_point now);
     void add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due, BatchContents& out) const;

@@ -60,7 +60,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     out.tick = makeTick(scene, now, particles, objects);
     out.casters = std::min(out.tick.opaque_count - out.tick.plane_count + triangles, kMostCounted);
     out.state = stateOf(particles, out.tick);
-    out.hues = uint32_t(huesOf(now).size());
+    out.hues = uint32_t(huesOf(now, simulation.liveCount()).size());
     out.particles = uint32_t(particles.size());
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut);
     const size_t stride = std::max<size_t>((particles.size() + kSample - 1) / kSample, 1);
@@ -84,7 +84,7 @@ Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms, Co
     : scene_(scene), costs_(std::move(model)), ways_(ways), overload_(frame_budget_ms) {
     inputs_.methods = allMethods();
     inputs_.corrections = &corrections_;
-    if (ways) inputs_.compiled = [ways](const RenderSettings& way) { return ways->has(way, false); };
+    if (ways) inputs_.compiled = [this](const RenderSettings& way) { return ways_->has(way, inputs_.scene.hues > 1); };
 }
 
 const RenderSettings& Planner::settings(const Simulation& simulation, std::span<const PlanView> views, bool changed,
@@ -138,8 +138,11 @@ void Planner::make() {
     plan_ = makePlan(inputs_, costs_.model());
     inputs_.before = plan_.base;
     inputs_.before_deviation_px = plan_.reference_deviation_px;
-    if (ways_)
-        for (const RenderSettings& way : plan_.wanted) ways_->want(way, false);
+    for (const RenderSettings& way : plan_.wanted) {
+        if (!ways_) break;
+        ways_->want(way, false); // also where its pictures have several hues: its pixels are read back then
+        if (inputs_.scene.hues > 1) ways_->want(way, true);
+    }
     const RenderSettings& now = plan_.chosen.settings;
     if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
         spdlog::debug("plan: {}", summary(plan_));
@@ -160,14 +163,16 @@ uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings, b
     if (reference <= 0) return 0;
     RenderSettings own = settings;
     own.rate = rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / reference);
-    if (!ways_ || ways_->has(own, still)) return own.rate;
-    ways_->want(own, still);
-    return nearestCompiledRate(own, [&](const RenderSettings& way) { return ways_->has(way, still); });
+    const bool full = still || inputs_.scene.hues > 1;
+    if (!ways_ || ways_->has(own, full)) return own.rate;
+    ways_->want(own, full);
+    return nearestCompiledRate(own, [&](const RenderSettings& way) { return ways_->has(way, full); });
 }
 
 bool Planner::drawable(const RenderSettings& settings, bool still) const {
-    if (!ways_ || ways_->has(settings, still)) return true;
-    ways_->want(settings, still);
+    const bool full = still || inputs_.scene.hues > 1;
+    if (!ways_ || ways_->has(settings, full)) return true;
+    ways_->want(settings, full);
     return false;
 }
 

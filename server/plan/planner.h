@@ -46,7 +46,8 @@ public:
     // or finer ones. `still`: of a still picture. 0: use settings.rate.
     uint32_t rateOf(const PlanView& view, const RenderSettings& settings, bool still = false) const;
 
-    // True: the shaders of these settings are compiled. If not, they are wanted from now on.
+    // True: the shaders of these settings are compiled. If not, they are wanted from now on. Pictures of several hues
+    // take those of full colour, as still ones do.
     bool drawable(const RenderSettings& settings, bool still) const;
 
     // brume::predictedError() in the scene of the last plan.

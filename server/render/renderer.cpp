@@ -41,11 +41,10 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     if (settings) now_.render = *settings;
     if (lists_) leaveOut(now_.lists, *lists_);
     features_ = besides_ | featuresOf(scene_, now_, lists_.value_or(SceneFeatures()));
-    hues_ = huesOf(now_);
+    hues_ = huesOf(now_, simulation.liveCount());
     if (objects_.follow(scene_, now_.lists)) {
         opaque_shadow_.invalidate();
-        particle_light_.invalidate();
-        upload_.invalidateLight();
+        invalidateParticleLight();
     }
     Method& method = methodFor(now_.render);
     const MethodNeeds needs = method.needs();
@@ -85,6 +84,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
         }
         if (hues_.size() == 1) before = group.any;
     }
+    if (hues_.size() > 1) invalidateParticleLight(); // it is that of the last hue
     recordReadBack(s);
     s.commands.submit();
     upload_.submitted();
@@ -178,22 +178,29 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
         at += picture.layout.bytes();
     }
     compose_.fullColour(full);
+    if (hues_.size() == 1 || !compose_.keepsRadiance()) return;
+    kept_.resize(hues_.size());
+    for (gpu::Buffer& kept : kept_)
+        for (const EyeRequest& eye : drawsCoarsely() ? eyes : drawn_)
+            kept.atLeast(device_, VkDeviceSize(eye.width) * eye.height * sizeof(glm::vec4),
+                         VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "radiance of a hue");
 }
 
 void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes) {
     light_blocks_.clear();
     uint32_t volumes = 0;
     const uint32_t particles = upload_.tick().particle_count;
-    const double pairs = double(particles) * double(std::ranges::count_if(now_.lists.lights, &Light::shadows));
+    const auto dimmed = uint32_t(std::ranges::count_if(now_.lists.lights, &Light::shadows));
     for (const Light& light : now_.lists.lights) {
         gpu::LocalLight& block = light_blocks_.emplace_back(localLightBlock(light));
-        if (particles > 0 && light.shadows) volumes += setVolume(block, upload_.extent(), pairs, volumes);
+        if (particles > 0 && light.shadows) volumes += setVolume(block, upload_.extent(), particles, dimmed, volumes);
     }
     s.local_lights_.atLeast(device_, std::max<size_t>(light_blocks_.size(), 1) * sizeof(gpu::LocalLight),
                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "local lights");
     std::ranges::copy(light_blocks_, s.local_lights_.mapped<gpu::LocalLight>(light_blocks_.size()).begin());
     s.local_lights_.flush();
-    local_lights_.prepare(eyes, uint32_t(light_blocks_.size()), volumes);
+    local_lights_.prepare(features_.local_lights ? eyes : std::span<const EyeRequest>(), uint32_t(light_blocks_.size()),
+                          volumes);
 }
 
 // Records the shadow maps and the depths toward local lights: of all hues, since depths are as the extinction.
@@ -202,20 +209,21 @@ void Renderer::recordLight(Submission& s) {
     opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects(), objects_.all());
     mesh_shadow_.record(s.commands, all.tick, upload_.tick(), meshes_);
     if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved())) {
-        particle_light_.invalidate();
-        upload_.invalidateLight();
+        invalidateParticleLight();
     }
     local_lights_.recordDepths(s.commands, all, s.local_lights_, light_blocks_);
     all.light = nullptr;
 }
 
+void Renderer::invalidateParticleLight() {
+    particle_light_.invalidate();
+    upload_.invalidateLight();
+}
+
 // Records the light cached on the particles of every list that some eye sees.
 void Renderer::recordParticleLight(gpu::Commands& commands) {
     MediumView& all = upload_.all();
-    if (hues_.size() > 1) { // it is that of another hue
-        particle_light_.invalidate();
-        upload_.invalidateLight();
-    }
+    if (hues_.size() > 1) invalidateParticleLight();
     const auto record = [&](ParticleLight& light, MediumView& medium) {
         light.record(commands, {medium.tick, &objects_.objects(), medium.particles, &shadow_volume_.image(), &linear_},
                      medium.count, now_.render.tiles.light_tolerance);
@@ -328,9 +336,6 @@ void Renderer::recordReadBack(Submission& s) {
 // Keeps what the target holds of a group in one hue.
 void Renderer::keepHue(gpu::Commands& commands, const ViewGroup& group, uint32_t hue) {
     const EyeInputs& in = *group.any;
-    const VkDeviceSize bytes = VkDeviceSize(in.size.width) * in.size.height * sizeof(glm::vec4);
-    kept_.resize(hues_.size());
-    kept_[hue].atLeast(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "radiance of a hue");
     const Rows rows = group.field ? Rows{group.views.front().first, group.views.front().end} : Rows{0, in.size.height};
     gpu::everythingBefore(commands.handle());
     copyRows(commands.handle(), *in.target, in.size.width, rows, kept_[hue]);

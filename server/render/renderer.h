@@ -118,6 +118,7 @@ private:
     void writeLocalLights(Submission& submission, std::span<const EyeRequest> eyes);
     void recordLight(Submission& submission);
     void recordParticleLight(gpu::Commands& commands);
+    void invalidateParticleLight();
     void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;

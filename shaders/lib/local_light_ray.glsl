@@ -39,6 +39,7 @@ void readParticles(ivec2 pixel, float metres) {
     if (tick.particle_count == 0) return;
     const float passed = ceil((ray_end - particle_begin) / slab_length);
     slabs_before = uint(clamp(passed, 0, float(grid.slabs)));
+    if (slabs_before == 0) return;
     const FieldRun run = fieldRun(pixel);
     const vec4 down = through(run.down), across = kRate == 1 ? vec4(1, 0, 0, 0) : through(fieldPart(pixel.x));
     depth_to[0] = 0;

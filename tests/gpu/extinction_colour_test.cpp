@@ -47,8 +47,9 @@ TEST_F(ExtinctionColourTest, ParticlesOfManyAlbedos) {
 TEST_F(ExtinctionColourTest, ParticlesAndFogsOfOtherColours) {
     Scene scene = cloudScene();
     addObjects(scene);
-    scene.fogs = {{.extinction = 0.05f, .height = -4, .falloff = 0.2f, .extinction_colour = {0.2f, 0.5f, 1}},
-                  {.extinction = 0, .extinction_colour = {1, 0, 0}}};
+    scene.fogs = {{.extinction = 0, .extinction_colour = {1, 0, 0}}, // is not there
+                  {.extinction = 0.05f, .height = -4, .falloff = 0.2f, .extinction_colour = {0.2f, 0.5f, 1}},
+                  {.extinction = 0.4f, .hi = -3, .extinction_colour = {0, 1, 0.5f}}};
     judge(scene, {kOutside, kInside});
 }
 
@@ -131,6 +132,22 @@ TEST_F(ExtinctionColourTest, GreyIsAsWhite) {
     for (const float grey : {0.25f, 0.0f}) {
         scene.medium.extinction_colour = glm::vec3(grey);
         EXPECT_EQ(render(device(), scene, kOutside, kWidth, kHeight).pixels, white.pixels) << grey;
+    }
+}
+
+// A renderer that has drawn a medium of three hues draws what comes after as a fresh one does.
+TEST_F(ExtinctionColourTest, NothingIsLeftOfHuesThatWere) {
+    for (const char* method : {"tiles", "slabs", "grid"}) {
+        Scene scene = cloudScene();
+        scene.render.method = method;
+        scene.render.grid.spacing = 0.5f;
+        Stage stage(device(), scene, kPlainCapacity);
+        for (const glm::vec3 colour : {glm::vec3(1, 1, 0.1f), glm::vec3(1), glm::vec3(0.2f, 1, 1), glm::vec3(1)}) {
+            scene.medium.extinction_colour = colour;
+            EXPECT_EQ(stage.see(scene, kOutside, kWidth, kHeight).pixels,
+                      render(device(), scene, kOutside, kWidth, kHeight).pixels)
+                << method << ' ' << colour.x << ' ' << colour.z;
+        }
     }
 }
 

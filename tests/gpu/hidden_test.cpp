@@ -294,31 +294,6 @@ TEST_F(HiddenTest, WallsAtEveryDepthEndTheMediumThere) {
     }
 }
 
-// What is behind a wall is added to nothing: with the wall before it a frame takes a fraction of the time.
-TEST_F(HiddenTest, SlabsBehindAWallCostLittle) {
-    std::map<float, float> least; // ms of all passes, by the place of the wall
-    for (const float wall : {-14.f, 8.f}) {
-        Scene scene = sceneOf(randomPoints(300, 8, 2.5f, 0.1f, 5), 1.6f);
-        scene.render.method = "slabs";
-        scene.render.rate = 1;
-        scene.render.slabs = 128;
-        scene.boxes = {{{0, 0, wall}, {90, 90, 0.5f}, 0, glm::vec3(0.5f)}};
-        const Simulation simulation(scene);
-        Renderer renderer(device(), scene, simulation.capacity());
-        Submission submission(device(), "behind");
-        least[wall] = 1e9f;
-        for (int frame = 0; frame < 5; ++frame) {
-            const EyeRequest eye{lookAt({0, 0, 18}, {0, 0, 0}, 0.8f), kWidth, kHeight};
-            submitAndWait(renderer, submission, simulation, {&eye, 1});
-            float sum = 0;
-            for (const gpu::PassSample& pass : submission.commands.readTimes()) sum += pass.ms;
-            least[wall] = std::min(least[wall], sum);
-        }
-    }
-    std::printf("before a wall %.2f ms, behind it %.2f ms\n", double(least[-14]), double(least[8]));
-    EXPECT_LT(least[8], 0.5f * least[-14]);
-}
-
 // The true picture, with a wall before most of the medium, whose shadow falls on it.
 TEST_F(HiddenTest, AWallBeforeMostOfTheMediumErrsNoMore) {
     Scene scene = sceneOf(randomPoints(200, 9, 2.5f, 0.1f, 5), 1.6f);

@@ -67,6 +67,20 @@ TEST_F(MemoryTest, PicturesOfManyShapesInOneSubmissionAreThoseOfEachAlone) {
     for (size_t i = 0; i < std::size(eyes); ++i) EXPECT_EQ(bytesOf(submission_.pictures()[i]), alone[i]) << i;
 }
 
+// Shaders stay compiled for points and spots when the last one is removed, and go on to write what those light.
+TEST_F(MemoryTest, ThereIsRoomForLocalLightWithoutLights) {
+    Scene scene = scene_;
+    scene.medium.layout = Layout::none;
+    scene.fogs = {{.extinction = 0.05f}, {.extinction = 0.05f, .radius = 3}};
+    scene.render.method = "slabs";
+    const SceneFeatures compiled{.opaque = true, .fog = true, .local_lights = true};
+    const Simulation simulation(scene);
+    Renderer renderer(device(), scene, simulation.capacity(), compiled);
+    const EyeRequest eye = eyeOf(320, 180);
+    submitAndWait(renderer, submission_, simulation, {&eye, 1});
+    EXPECT_GE(renderer.pictureBytes(), Renderer::pictureBytes({&eye, 1}, false, compiled));
+}
+
 TEST_F(MemoryTest, WhatPicturesTookIsGivenBack) {
     const EyeRequest small = eyeOf(64, 36), large = eyeOf(960, 540);
     draw({&small, 1});

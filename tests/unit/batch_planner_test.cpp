@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/loop/batch_planner.h"
+#include "server/render/picture.h"
 #include "server/loop/tick_source.h"
 
 namespace brume {
@@ -86,6 +87,19 @@ TEST(BatchPlanner, ThePlanIsMadeForAllOfTheLastSecond) {
     viewers.erase(viewers.begin());
     viewers[0]->setPose(poseOf(2, 128, 72, 1));
     EXPECT_EQ(at(1116), Widths{128}) << "who has left counts no more";
+}
+
+// Pictures of full colour take twice the bytes.
+TEST(BatchPlanner, FullColourCountsInTheBytesOfABatch) {
+    for (const bool full : {false, true}) {
+        BatchPlanner planner;
+        BatchContents batch;
+        std::vector viewers{viewerOf(1), viewerOf(2)};
+        for (size_t i = 0; i < viewers.size(); ++i) viewers[i]->setPose(poseOf(1, 64, 36, float(i)));
+        const uint64_t bytes = 2 * PlaneLayout{64, 36, false}.bytes();
+        EXPECT_TRUE(planner.plan(viewers, 1, {.budget_ms = 50, .full = full, .bytes = bytes}, kStart, batch));
+        EXPECT_EQ(batch.jobs.size(), full ? 1u : 2u);
+    }
 }
 
 // Snapshots neither hold up those who watch, nor wait for them, nor count in what the plan is made for.

@@ -173,12 +173,28 @@ TEST(FogAlone, ItsErrorIsPredictedWhereItHasRays) {
     EXPECT_LE(plan.chosen.error, double(scene.render.error));
 }
 
+// However many lights there are, their volumes fit what every device lets a shader see of a buffer.
+TEST(LocalLightVolume, OfAllLightsFitABuffer) {
+    const MediumExtent extent{.lo = glm::vec3(-4), .hi = glm::vec3(4), .deviation = 0.01f};
+    for (const uint32_t particles : {1u, 100u, 100'000u})
+        for (const uint32_t lights : {1u, 6u, 64u, 128u, 129u, 200u, 512u, 1024u}) {
+            uint32_t numbers = 0;
+            for (uint32_t i = 0; i < lights; ++i) {
+                gpu::LocalLight block = localLightBlock({.type = kPoint, .position = {1, 0, 0}});
+                numbers += setVolume(block, extent, particles, lights, numbers);
+                EXPECT_GE(block.volume_side, 32u);
+                EXPECT_GE(block.volume_shells, 24u);
+            }
+            EXPECT_LE(numbers * sizeof(float), size_t{128} << 20) << particles << ' ' << lights;
+        }
+}
+
 // Few pairs of particles and lights have fine volumes. Many have no more numbers than 64x64x48, and a spot far fewer.
 TEST(LocalLightVolume, IsAsFineAsTheWorkAllows) {
     const MediumExtent extent{.lo = glm::vec3(-4), .hi = glm::vec3(4), .deviation = 0.1f};
-    const auto numbersOf = [&](const Light& light, double pairs, gpu::LocalLight& block) {
+    const auto numbersOf = [&](const Light& light, uint32_t pairs, gpu::LocalLight& block) {
         block = localLightBlock(light);
-        const uint32_t numbers = setVolume(block, extent, pairs, 7);
+        const uint32_t numbers = setVolume(block, extent, pairs, 1, 7);
         EXPECT_EQ(numbers, block.volume_side * block.volume_side * block.volume_shells);
         EXPECT_EQ(block.volume, 7u);
         EXPECT_EQ(block.volume_side % 16, 0u); // a workgroup does not cross the octahedron's folds
@@ -188,15 +204,15 @@ TEST(LocalLightVolume, IsAsFineAsTheWorkAllows) {
     gpu::LocalLight block;
     EXPECT_EQ(numbersOf(light, 100, block), gpu::kMostLightSide * gpu::kMostLightSide * gpu::kMostLightShells);
     EXPECT_LT(block.volume_cosine, -1) << "inside: all directions";
-    EXPECT_EQ(numbersOf(light, 1e5, block), 64u * 64 * 48);
+    EXPECT_EQ(numbersOf(light, 100'000, block), 64u * 64 * 48);
     light.range = 2;
-    EXPECT_EQ(numbersOf(light, 1e5, block), 64u * 64 * 16) << "the shells that were there before";
+    EXPECT_EQ(numbersOf(light, 100'000, block), 64u * 64 * 16) << "the shells that were there before";
     EXPECT_NEAR(block.volume_near + block.volume_step * float(block.volume_shells - 1), 2, 1e-5);
     light.position = {30, 0, 0}, light.range = 0;
-    numbersOf(light, 1e5, block);
+    numbersOf(light, 100'000, block);
     EXPECT_GT(block.volume_cosine, 0.95f) << "the cone around the particles";
     light.type = kSpot, light.axis = {-1, 0, 0}, light.inner = 0.05f, light.outer = 0.1f;
-    EXPECT_LE(numbersOf(light, 1e5, block), 16u * 16 * 48);
+    EXPECT_LE(numbersOf(light, 100'000, block), 16u * 16 * 48);
     EXPECT_FLOAT_EQ(block.volume_cosine, block.cos_outer) << "its own cone is narrower";
 }
 

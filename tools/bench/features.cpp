@@ -35,6 +35,7 @@ constexpr Compiled kCompiled[] = {
 constexpr Compiled kOfFields[] = {
     {"what the scene has", {}},
     {"fog besides", {.fog = true}},
+    {"points and spots besides", {.opaque = true, .local_lights = true}},
     {"meshes besides", {.opaque = true, .meshes = true}},
     {"objects that cast shadows besides, and their shafts", {.opaque = true, .bodies = true, .casters = true}},
 };
