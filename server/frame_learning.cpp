@@ -49,7 +49,7 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     try {
         job->particles.resize(simulation_.liveCount());
         simulation_.write(job->particles);
-        glm::vec3 lo = job->pose.position, hi = lo; // with fog any pixel may show the medium
+        glm::vec3 lo = job->pose.position - 1.0f, hi = lo + 2.0f; // around the eye: with fog any pixel may show it
         const bool fog = std::ranges::any_of(job->now.lists.fogs, isThere);
         if (!fog) boundsOf(job->particles, job->now.medium.falloff, lo, hi);
         if (fog || !job->particles.empty()) job->pixels = pixelsOf(job->pose, job->size, lo, hi, job->number);

@@ -21,6 +21,7 @@ const float kMostGrowth = 2; // of extinction in a slab, where two nodes do
 const float kCore = 12;      // pixels around a light's image in which its glow is no polynomial
 const float kThin = 6;       // pixels, half the width of cones and the falloff of layers that fall between nodes
 const uint kMostPieces = 700; // that a ray's part in one light is divided into
+const float kNoDepth = 1e-9;  // optical depth of a slab below which it counts as empty
 
 // The pixel's ray: places in m from the eye.
 vec3 ray_dir; // unit
@@ -112,9 +113,10 @@ vec4 fogBreaks(vec2 ends) {
 }
 
 // What a piece of the ray scatters of a light of intensity 1. The piece lies within each fog or outside it, and within
-// one slab or outside all. `closest`: the place closest to the light; begin and end count from there; slab:
-// slabs_before for none.
-vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float end, uint slab, ivec2 pixel) {
+// one slab or where there are no particles. `closest`: the place closest to the light; begin and end count from there;
+// slab: slabs_before for none; before: optical depth of the particles in front of the slab.
+vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float end, uint slab, float before,
+             ivec2 pixel) {
     const bool in_slab = slab < slabs_before;
     const float particles = in_slab ? depth_to[slab + 1] - depth_to[slab] : 0;
     if (!kHasFog && !(particles > 0)) return vec3(0);
@@ -122,8 +124,6 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
     const EquiangularPart part = equiangularPart(h, begin, end);
     const float from = closest + begin, fog_before = fogTo(from), fog = fogTo(closest + end) - fog_before;
     if (!(particles + fog > 0)) return vec3(0);
-    // Optical depth of the particles before the piece.
-    const float before = in_slab ? depth_to[slab] : from < particle_begin ? 0 : depth_to[slabs_before];
     if (before + fog_before > kDeep) return vec3(0);
     const float nearest = begin > 0 ? begin : end < 0 ? -end : 0;
     const float size = max((end - begin) * inversesqrt(nearest * nearest + h * h), particles + fog);
@@ -171,9 +171,11 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
     return sum * (equiangularWeight(part) / float(panels));
 }
 
-// Brings `next` to the end of the piece of medium that begins at `at`: where a fog begins or ends, or a slab of
-// particles. Returns the piece's slab; slabs_before: none. Both count from `closest`.
-uint pieceFrom(float at, float closest, inout float next) {
+// Brings `next` to the end of the piece of medium that begins at `at`: where a fog begins or ends, or a slab that has
+// particles. Both count from `closest`. Returns the piece's slab; slabs_before: none. `before`: optical depth of the
+// particles in front of it.
+uint pieceFrom(float at, float closest, inout float next, out float before) {
+    before = 0;
     [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) {
         const vec2 ends = vec2(fog_parts[i].begin, fog_parts[i].end) - closest;
         if (ends.x > at) next = min(next, ends.x);
@@ -187,9 +189,12 @@ uint pieceFrom(float at, float closest, inout float next) {
     }
     uint slab = uint(clamp((at - first) / slab_length, 0, float(slabs_before)));
     if (!(first + float(slab + 1) * slab_length > at)) ++slab; // rounded down to the face that it is at
-    if (slab >= slabs_before) return slabs_before;
-    next = min(next, first + float(slab + 1) * slab_length);
-    return slab;
+    slab = min(slab, slabs_before);
+    const uint here = slab;
+    [[dont_unroll]] while (slab < slabs_before && depth_to[slab + 1] - depth_to[slab] < kNoDepth) ++slab;
+    before = depth_to[slab];
+    if (slab < slabs_before) next = min(next, first + float(slab == here ? slab + 1 : slab) * slab_length);
+    return slab == here ? slab : slabs_before;
 }
 
 // Keeps the shadow of object `o` if the ray meets it in `part`.
@@ -263,14 +268,15 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
             }
         }
         if (!is_hidden) {
-            const uint slab = pieceFrom(at, closest, next);
+            float before;
+            const uint slab = pieceFrom(at, closest, next, before);
             if (inner.x > at) next = min(next, inner.x);
             if (inner.y > at) next = min(next, inner.y);
             [[dont_unroll]] for (uint i = 0; i < 4; ++i) {
                 if (breaks[i] > at) next = min(next, breaks[i]);
                 if (fog_breaks[i] > at) next = min(next, fog_breaks[i]);
             }
-            sum += ofPiece(light, closest, offset, at, next, slab, pixel);
+            sum += ofPiece(light, closest, offset, at, next, slab, before, pixel);
             at = next;
         }
     }
