@@ -53,7 +53,7 @@ public:
 private:
     void stamp(uint32_t query) const;
 
-    static constexpr uint32_t kMaxPasses = 3 * 1024;
+    static constexpr uint32_t kMaxPasses = 1024;
     static constexpr uint32_t kPushingQuery = 2 * kMaxPasses; // never read: it follows a stamp that is to be taken
     static constexpr uint32_t kQueries = kPushingQuery + 1;   // two for each pass, and that one
     const Device& device_;
