@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "server/loop/batch_planner.h"
-#include "server/render/picture.h"
 #include "server/loop/tick_source.h"
+#include "server/render/picture.h"
 
 namespace brume {
 namespace {
