@@ -80,7 +80,6 @@ double fogError(const ViewWork& view, uint32_t rate) {
 
 double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
     const double thickness = (view.far() - view.near()) / slabs, light = view.shown().lightDepth();
-    const bool lamps = !view.scene().local_lights.empty(); // their light varies along the view as much as across
     double sum = 0, displaced = 0;
     for (const ShownMedium::Size& size : view.shown().sizes()) {
         const double h = thickness / size.deviation;
@@ -89,7 +88,7 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
                 size.light * (displacedError(thickness, size.deviation, size.extinction) + endsError(h, slabs));
         const double along = widened ? std::max(kWidened * h, 1.0) : 1; // deviations of a particle on the view axis
         const double sampled = sampledError(h * std::sqrt(1 / square(along) + size.oblique));
-        const double wide = widened ? widenedError(h, lamps ? 1 : size.oblique) : 0;
+        const double wide = widened ? widenedError(h, size.oblique) : 0;
         sum += size.part * (square(slabError(h, size.bend, light)) + square(wide) + square(sampled)) +
                size.cut * square(cutError(h, light));
     }
