@@ -12,9 +12,10 @@ namespace brume {
 
 // Channels in which all extinctions are alike.
 struct Hue {
-    uint32_t channels = gpu::kAllChannels;              // bits of red, green and blue
-    float particles = 1;                                // part of the particles' extinction
-    std::array<float, gpu::kMostFogs> fogs{1, 1, 1, 1}; // of gpu::Tick::fogs
+    uint32_t channels = gpu::kAllChannels; // bits of red, green and blue
+    float particles = 1;                   // part of the particles' extinction
+    // Parts of the extinctions of gpu::Tick::fogs, in their order.
+    std::array<float, gpu::kMostFogs> fogs{1, 1, 1, 1};
 
     // The tick as it is in these channels.
     gpu::Tick of(gpu::Tick tick) const {
@@ -25,7 +26,7 @@ struct Hue {
     }
 };
 
-static_assert(gpu::kMostFogs == 4); // Hue::fogs
+static_assert(gpu::kMostFogs == 4); // as many ones as Hue::fogs begins with
 
 // One to three hues that have all channels together, that of red first. `particles`: their number.
 inline std::vector<Hue> huesOf(const Medium& medium, std::span<const Fog> fogs, uint32_t particles) {

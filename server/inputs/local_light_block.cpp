@@ -14,12 +14,12 @@ constexpr float kApart = 0.3f, kShellsApart = 0.5f;
 // As many directions and distances has every volume of all directions, to the farthest particle. Others have at least
 // as many on the same angle and length.
 constexpr float kSide = 64, kShells = 48;
-constexpr float kConeShare = 16;
+constexpr float kConeShare = 16;  // how much more work a direction of a cone may take than one of all
 constexpr double kMostWork = 1e9; // numbers times pairs of a particle and a light; more only if they must
-// Numbers of all volumes, together no more than fit a buffer of 128 MiB: of those that are finer than they must be, and
-// of those with the least directions and distances. More lights than 128 have fewer.
+// Most numbers of all volumes: those beyond the least directions and distances, and the least ones. Both together fit a
+// buffer of 128 MiB. Where there are more than 128 lights, each has fewer than the least.
 constexpr double kMostNumbers = 7 << 20, kMostOfLeast = 24 << 20;
-constexpr float kFewShells = 24;
+constexpr float kFewShells = 24; // distances of a volume then
 
 // The ball that holds what a spot lights: that around its cone's tip and rim.
 void boundSpot(gpu::LocalLight& out, float outer) {

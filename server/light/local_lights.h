@@ -36,7 +36,7 @@ public:
         return taken(bits_) + taken(lit_);
     }
     const gpu::Buffer& bits() const { return bits_; }     // uint[bins][words], a bit for each light
-    const gpu::Buffer& depths() const { return depths_; } // of LocalLight::volume
+    const gpu::Buffer& depths() const { return depths_; } // float[]: all volumes (LocalLight::volume)
     const gpu::Buffer& lit() const { return lit_; }       // vec3[rows][columns] of the last eye's pixels, W/(m^2 sr)
     void giveBack();
 

@@ -1,6 +1,6 @@
 // The boxes and spheres that the rays of one pixel hit first, where there are many. Include after lib/objects.glsl,
 // lib/object_bins.glsl and lib/eye.glsl.
-const uint kPixelRays = 5; // that a pixel has: through its centre, and its four samples
+const uint kPixelRays = 5; // rays of a pixel: through its centre, and its four samples
 
 float body_depth[kPixelRays]; // view depth; kMiss if none is hit
 uint body_hit[kPixelRays];    // index of the object
@@ -17,7 +17,7 @@ bool mayHit(Opaque o, uint kind, vec3 off, vec3 middle, float pixel) {
 // `kinds`: 1 for spheres only, 0 for boxes only, 2 for both.
 void hitBodies(uint bin, uint kinds, vec3 middle, vec3 rays[kPixelRays], float pixel) {
     for (uint n = 0; n < kPixelRays; ++n) body_depth[n] = kMiss;
-    float furthest = kMiss; // of the hits of all rays
+    float furthest = kMiss; // view depth of the farthest hit among the rays
     uint i;
     BinWalk walk = walkBin(bin);
     [[dont_unroll]] while (nextObject(walk, i)) {

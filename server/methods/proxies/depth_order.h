@@ -15,8 +15,9 @@ public:
 
     enum class Support { tetrahedron, sphere };
     // Afterwards draws may read order() and arguments(): instance i is the i-th farthest particle that the eye, or the
-    // other one of its head, can see. Records nothing for an eye whose order is ready. With `furthest` it leaves out
-    // what objects hide, unless another eye or picture uses the same order. Precondition then: surfaces are drawn.
+    // other one of its head, can see. Records nothing for an eye whose order is ready. With `furthest`
+    // particles that objects hide are left out, unless another eye or picture uses the same order. Precondition then:
+    // surfaces are drawn.
     void record(gpu::Commands& commands, const EyeInputs& in, Support support, uint32_t vertices,
                 uint32_t particles_per_group, const FurthestDepths* furthest = nullptr);
 

@@ -48,7 +48,7 @@ public:
                        cellsTouched(s.top + margin, s.bottom + margin, side, tiles_y) *
                        cellsTouched(s.near - view.near(), s.far - view.near(), sheet, sheets);
         constexpr double kSamples = double(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
-        const double once = 1.0 / scene.hues; // of the times that passes run: these do not depend on the colour
+        const double once = 1.0 / scene.hues; // Bins and slabs run once, other passes once for each hue.
         work[kBin] = once * scene.particles * (tiles_x + tiles_y + sheets);
         work[kSlabs] =
             once * quantitiesOf(scene) * kSamples * (reached * scene.weight() + 0.5 * tiles_x * tiles_y * sheets);
