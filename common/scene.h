@@ -203,10 +203,48 @@ struct GridSettings {
     bool operator==(const GridSettings&) const = default;
 };
 
+// Froxels: cells of an eye's view volume, `pixels` wide, cut by slices that grow with their distance. Methods froxels
+// and lit march through them.
+struct FroxelSettings {
+    uint32_t pixels = 8;         // between neighbouring rays, 1...32
+    uint32_t slices = 128;       // along every ray, 8...512
+    float far = kAuto;           // m of view depth, where slices end; auto: where the medium does
+    std::string shadows = "ray"; // froxels: how objects shadow the medium: map | ray | grid | hybrid
+
+    bool operator==(const FroxelSettings&) const = default;
+};
+// Light past objects, kept in voxels of world space.
+struct ShadowGridSettings {
+    float voxel = kAuto;             // m; auto: 1/200 of the longest side of what it covers
+    std::string values = "coverage"; // bits | coverage: of a voxel's centre, or the part of the voxel that is lit
+    std::string lookup = "linear";   // nearest | linear
+    bool parity = false;             // True: each update makes every other layer of voxels
+    bool retrace = false;            // True: every tick makes all of it again, though nothing has moved
+
+    bool operator==(const ShadowGridSettings&) const = default;
+};
+// With shadows = "hybrid": light past objects in coarse froxels before each eye; behind them the grid is read.
+struct ShadowFrustumSettings {
+    uint32_t pixels = 16; // 1...64
+    float part = 0.333f;  // of the slices, from the eye on
+
+    bool operator==(const ShadowFrustumSettings&) const = default;
+};
+// Method lit: extinction and light at nodes of world space.
+struct LitSettings {
+    float spacing = kAuto; // m between nodes; auto: as the medium's particles need, or 1/96 of what they cover
+
+    bool operator==(const LitSettings&) const = default;
+};
+
 struct MethodSettings {
     IsvSettings isv;
     TilesSettings tiles;
     GridSettings grid;
+    FroxelSettings froxels;
+    ShadowGridSettings shadow_grid;
+    ShadowFrustumSettings shadow_frustum;
+    LitSettings lit;
 
     bool operator==(const MethodSettings&) const = default;
 };

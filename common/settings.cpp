@@ -27,6 +27,9 @@ constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase
 constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
 constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
 constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
+constexpr std::string_view kShadowsOfFroxels[]{"map", "ray", "grid", "hybrid"};
+constexpr std::string_view kVoxelValues[]{"bits", "coverage"};
+constexpr std::string_view kVoxelLookups[]{"nearest", "linear"};
 constexpr std::string_view kPlacesOfObjects[]{kNoObjects, kCourtyard, kStreet, kIslands, kAtrium};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
 
@@ -294,6 +297,37 @@ constexpr SceneSetting kSettings[]{
      limits::kLeastTransmittance, "Where a ray may end; what lies behind counts for no more than this"},
     {"render.grid.spacing", at<&P::render, &R::grid, &GridSettings::spacing>, "deviations", limits::kGridSpacing,
      "Distance of the nodes; `auto`: 0.5. Below 0.25 sampling is cubic", kNobody, Form::or_auto},
+
+    usually({4, 16}, {"render.froxels.pixels", at<&P::render, &R::froxels, &FroxelSettings::pixels>, "pixels",
+                      limits::kFroxelPixels, "`froxels`, `lit`: pixels between rays", kOperators}),
+    usually({16, 256}, {"render.froxels.slices", at<&P::render, &R::froxels, &FroxelSettings::slices>, "",
+                        limits::kSlices, "`froxels`, `lit`: slices along every ray", kOperators}),
+    {"render.froxels.far", at<&P::render, &R::froxels, &FroxelSettings::far>, "m", limits::kFroxelFar,
+     "View depth where the slices end; `auto`: where the medium does", kNobody, Form::or_auto},
+    {"render.froxels.shadows", at<&P::render, &R::froxels, &FroxelSettings::shadows>, "", kNone,
+     "`froxels`: whether objects shadow a place in the medium is asked of a shadow `map`, by a `ray`, from the shared "
+     "shadow `grid`, or `hybrid`: from the shadow frustum near the eye, and from the grid behind it",
+     kOperators, Form::plain, kShadowsOfFroxels},
+    {"render.shadow_grid.voxel", at<&P::render, &R::shadow_grid, &ShadowGridSettings::voxel>, "m", limits::kVoxel,
+     "Width of a voxel; `auto`: 1/200 of the longest side of what the grid covers", kNobody, Form::or_auto},
+    {"render.shadow_grid.values", at<&P::render, &R::shadow_grid, &ShadowGridSettings::values>, "", kNone,
+     "What a voxel keeps of a light: `bits`, whether its centre is lit, or `coverage`, the part of it that is lit",
+     kNobody, Form::plain, kVoxelValues},
+    {"render.shadow_grid.lookup", at<&P::render, &R::shadow_grid, &ShadowGridSettings::lookup>, "", kNone,
+     "The voxels that a place reads: the `nearest`, or the eight around it, between which it is `linear`", kNobody,
+     Form::plain, kVoxelLookups},
+    {"render.shadow_grid.parity", at<&P::render, &R::shadow_grid, &ShadowGridSettings::parity>, "", kNone,
+     "True: each update makes every other layer of voxels"},
+    {"render.shadow_grid.retrace", at<&P::render, &R::shadow_grid, &ShadowGridSettings::retrace>, "", kNone,
+     "True: all voxels are made again every tick, though nothing has moved"},
+    {"render.shadow_frustum.pixels", at<&P::render, &R::shadow_frustum, &ShadowFrustumSettings::pixels>, "pixels",
+     limits::kFrustumPixels, "With `hybrid`: width of the shadow frustum's froxels"},
+    {"render.shadow_frustum.part", at<&P::render, &R::shadow_frustum, &ShadowFrustumSettings::part>, "",
+     limits::kFrustumPart, "With `hybrid`: part of the slices that the shadow frustum covers, from the eye on"},
+    {"render.lit.spacing", at<&P::render, &R::lit, &LitSettings::spacing>, "m", limits::kVoxel,
+     "Distance of the nodes; `auto`: half a standard deviation of the particles, or without any 1/96 of the longest "
+     "side of what the nodes cover",
+     kNobody, Form::or_auto},
 };
 
 // The settings that `Holds` is true for.

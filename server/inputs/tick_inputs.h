@@ -2,14 +2,22 @@
 // go.
 #pragma once
 
+#include <span>
+
+#include "common/bounding_tree.h"
 #include "common/scene.h"
 #include "server/gpu/resource.h"
 #include "server/inputs/scene_features.h"
+#include "shaders/shared/types.h"
 
 namespace brume {
 
 struct TickInputs {
     const RenderSettings* settings = nullptr;  // in use: every choice is made
+    const gpu::Tick* tick = nullptr;           // of all particles; on the CPU
+    std::span<const gpu::LocalLight> lights;   // points and spots; on the CPU
+    Bounds3 objects_bounds;                    // m, of boxes, spheres and meshes
+    uint64_t objects_version = 0;              // changes whenever an object does
     const gpu::Buffer* objects = nullptr;      // gpu::Opaque[]: planes come first
     const gpu::Buffer* object_nodes = nullptr; // gpu::ObjectNode[]: the tree of the others
     const gpu::Buffer* triangles = nullptr;    // gpu::Triangle[]: of meshes
@@ -32,6 +40,7 @@ struct TickInputs {
     bool needs_rays = true; // needsRays() the tick
     // True: the passes before were the same group's in another hue, and what no colour changes is there already.
     bool again = false;
+    uint32_t hue = 0; // index of the hue that is drawn
     // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one.
     bool uses_target = false;
 };

@@ -60,7 +60,9 @@ std::vector<gpu::ObjectNode> meshNodes(std::span<const Triangle> triangles) {
 
 MeshBuffers::MeshBuffers(const gpu::Device& device, std::span<const Triangle> all) {
     fill(device, triangles, blocksOf(all), "triangles");
-    fill(device, nodes, meshNodes(all), "mesh nodes");
+    const std::vector<gpu::ObjectNode> tree = meshNodes(all);
+    fill(device, nodes, tree, "mesh nodes");
+    if (!tree.empty()) bounds = {tree.front().lo, tree.front().hi};
 }
 
 } // namespace brume

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/bounding_tree.h"
 #include "common/scene.h"
 #include "server/gpu/resource.h"
 #include "shaders/shared/types.h"
@@ -18,6 +19,7 @@ struct MeshBuffers {
 
     gpu::Buffer triangles; // gpu::Triangle[]
     gpu::Buffer nodes;     // gpu::ObjectNode[]: meshNodes()
+    Bounds3 bounds;        // m, of all triangles
 };
 
 } // namespace brume

@@ -28,7 +28,10 @@ bool ObjectBuffers::follow(const Scene& scene, const SceneLists& lists) {
 void ObjectBuffers::write() {
     counts_ = countsOf(all_);
     fill(device_, objects_, all_, "objects");
-    fill(device_, nodes_, objectNodes(all_), "object nodes");
+    const std::vector<gpu::ObjectNode> nodes = objectNodes(all_);
+    fill(device_, nodes_, nodes, "object nodes");
+    bounds_ = nodes.empty() ? Bounds3() : Bounds3{nodes.front().lo, nodes.front().hi};
+    ++version_;
 }
 
 } // namespace brume

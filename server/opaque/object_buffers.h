@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "common/bounding_tree.h"
 #include "common/scene.h"
 #include "server/gpu/resource.h"
 #include "server/sim/lists.h"
@@ -41,6 +42,8 @@ public:
     const ObjectCounts& counts() const { return counts_; }       // of all()
     const gpu::Buffer& objects() const { return objects_; }      // gpu::Opaque[]: all()
     const gpu::Buffer& nodes() const { return nodes_; }          // gpu::ObjectNode[]: objectNodes()
+    const Bounds3& bounds() const { return bounds_; }            // m, of boxes and spheres
+    uint64_t version() const { return version_; }                // changes with the objects
 
 private:
     void write();
@@ -52,6 +55,8 @@ private:
     std::vector<gpu::Opaque> all_;
     ObjectCounts counts_;
     gpu::Buffer objects_, nodes_;
+    Bounds3 bounds_;
+    uint64_t version_ = 0;
 };
 
 } // namespace brume

@@ -78,6 +78,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
             if (hues_.size() > 1) gpu::everythingBefore(cmd); // the hue before has used the same buffers and images
             upload_.enter(blocks, hue);
             shared_.again = hue > 0;
+            shared_.hue = hue;
             if (needs.particle_light && !before) recordParticleLight(s.commands);
             recordGroup(s, method, group, before);
             if (hues_.size() > 1 && compose_.keepsRadiance()) keepHue(s.commands, group, hue);
@@ -147,7 +148,7 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
 uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
     const uint32_t rate = now_.render.rate;
     // Between drawn pixels every object's shadow is looked for at each.
-    if (!needs.draws || rate < 2 || objects_.all().size() > kMostOfCells) return 1;
+    if (!needs.draws || needs.every_pixel || rate < 2 || objects_.all().size() > kMostOfCells) return 1;
     return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
 }
 
@@ -240,6 +241,10 @@ void Renderer::recordParticleLight(gpu::Commands& commands) {
 
 void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes) {
     shared_ = {.settings = &now_.render,
+               .tick = &upload_.tick(),
+               .lights = light_blocks_,
+               .objects_bounds = objects_.bounds(),
+               .objects_version = objects_.version(),
                .objects = &objects_.objects(),
                .object_nodes = &objects_.nodes(),
                .triangles = &meshes_.triangles,
@@ -261,6 +266,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .features = features_,
                .needs_rays = needsRays(upload_.tick()),
                .uses_target = features_.opaque || compose_.keepsRadiance()};
+    shared_.objects_bounds.add(meshes_.bounds);
     inputs_.clear();
     for (uint32_t i = 0; i < eyes.size(); ++i) {
         const gpu::LightMap& map = upload_.tick().map;

@@ -48,6 +48,9 @@ const uint kIdRate = 18u;           // pixels between neighbouring rays
 const uint kIdSunColours = 19u;     // FieldColours::sun (field.h)
 const uint kIdAmbientColours = 20u; // FieldColours::ambient
 
+// Method `froxels`.
+const uint kIdShadows = 34u; // of objects: kShadowsByMap and so on (froxels.h)
+
 // The picture.
 const uint kIdStep = 21u;   // pixels between neighbouring nodes of a picture that is shaded or drawn coarsely
 const uint kIdDrawn = 22u;  // bool: `radiance` holds the medium already

@@ -121,7 +121,7 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
             EXPECT_EQ(
                 error.what(),
                 method +
-                    std::string(": it draws no fog, no meshes, and no light of points and spots; use slabs or grid"));
+                    std::string(": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels or lit"));
         }
     }
 }

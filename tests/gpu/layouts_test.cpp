@@ -38,7 +38,7 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     };
 #define AT(Struct, member) offsetof(Struct, member)
     expect(1000, {AT(Tick, sun.to_light), AT(Tick, falloff),         AT(Tick, map.x),          AT(Tick, phase.part),
-                  AT(Tick, map.y),        AT(Tick, phase.second),       AT(Tick, sun.irradiance), AT(Tick, cut),
+                  AT(Tick, map.y),        AT(Tick, phase.second),    AT(Tick, sun.irradiance), AT(Tick, cut),
                   AT(Tick, ambient),      AT(Tick, particle_count),  AT(Tick, map.lo),         AT(Tick, map.slices),
                   AT(Tick, map.hi),       AT(Tick, map.opaque_size), AT(Tick, map.opaque_lo),  AT(Tick, map.opaque_hi),
                   AT(Tick, map.texels),   AT(Tick, opaque_count),    AT(Tick, sky_zenith),     AT(Tick, sky_horizon),

@@ -1,0 +1,56 @@
+#include "server/light/shadow_frustum.h"
+
+#include <algorithm>
+
+#include "shaders/shadow_frustum_comp.h"
+
+namespace brume {
+
+void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_block, const TickInputs& shared,
+                          const ShadowGrid& grid, std::span<const gpu::Eye> eyes,
+                          std::span<const ShadowSlices> slices) {
+    count_ = 0;
+    if (eyes.empty()) return;
+    const gpu::Commands::Pass pass(commands, "shadow frusta");
+    const uint32_t pixels = shared.settings->shadow_frustum.pixels;
+    std::vector<gpu::ShadowFrustum> frusta;
+    uint32_t words = 0, most = 0; // of all, and of the largest
+    for (size_t i = 0; i < eyes.size(); ++i) {
+        const ShadowSlices& own = slices[slices.size() > 1 ? i : 0];
+        const uint32_t columns = gpu::groups(eyes[i].size.x, pixels), rows = gpu::groups(eyes[i].size.y, pixels),
+                       padded = 4 * gpu::groups(columns, 4), own_words = padded / 4 * rows * own.count;
+        frusta.push_back({eyes[i], words, padded, rows, own.count, pixels, own.near, own.unit, own.growth});
+        count_ += uint64_t(columns) * rows * own.count;
+        words += own_words;
+        most = std::max(most, own_words);
+    }
+    constexpr VkBufferUsageFlags kWritten = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    const VkDeviceSize bytes = frusta.size() * sizeof(gpu::ShadowFrustum);
+    frusta_.atLeast(device_, bytes, kWritten, gpu::Memory::device, "shadow frusta");
+    froxels_.atLeast(device_, std::max<VkDeviceSize>(words * sizeof(uint32_t), 256),
+                     kWritten | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "shadow froxels");
+    const bool meshes = shared.features.meshes;
+    gpu::ComputeProgram& program = programs_[meshes];
+    if (!program)
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_frustum_comp, "shadow_frustum"},
+                                      {{gpu::kIdHasMeshes, meshes}});
+    const VkCommandBuffer cmd = commands.handle();
+    gpu::everythingBefore(cmd);                                    // readers of the call before
+    constexpr size_t kAtOnce = 65536 / sizeof(gpu::ShadowFrustum); // that one update can write
+    for (size_t at = 0; at < frusta.size(); at += kAtOnce)
+        vkCmdUpdateBuffer(cmd, frusta_.handle(), at * sizeof(gpu::ShadowFrustum),
+                          std::min(kAtOnce, frusta.size() - at) * sizeof(gpu::ShadowFrustum), &frusta[at]);
+    gpu::everythingBefore(cmd);
+    if (most > 0) {
+        gpu::Resource tick = tick_block;
+        tick.binding = 0;
+        program.bind(commands, {tick, gpu::uniformBuffer(1, grid.block(), 0, sizeof(gpu::ShadowGridBlock)),
+                                gpu::storageBuffer(2, *shared.objects), gpu::storageBuffer(3, *shared.object_nodes),
+                                gpu::storageBuffer(4, *shared.triangles), gpu::storageBuffer(5, *shared.mesh_nodes),
+                                gpu::storageBuffer(6, frusta_), gpu::storageBuffer(7, froxels_)});
+        vkCmdDispatch(cmd, gpu::groups(most, 64), 1, uint32_t(frusta.size()));
+    }
+    gpu::everythingBefore(cmd);
+}
+
+} // namespace brume

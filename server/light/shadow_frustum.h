@@ -1,0 +1,45 @@
+// ShadowFrusta: which of the shadow grid's lights reach coarse froxels before each eye past opaque objects.
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "server/gpu/commands.h"
+#include "server/gpu/program.h"
+#include "server/inputs/tick_inputs.h"
+#include "server/light/shadow_grid.h"
+#include "shaders/shared/shadow_frustum.h"
+
+namespace brume {
+
+// Where slices lie: the middle of slice s at the view depth near + unit * (exp2(growth * (s + 0.5)) - 1), in m.
+struct ShadowSlices {
+    uint32_t count = 0;
+    float near = 0, unit = 1, growth = 1;
+};
+
+class ShadowFrusta {
+public:
+    explicit ShadowFrusta(const gpu::Device& device) : device_(device) {}
+
+    // Makes the froxels of all eyes, by one ray to each light. Slices of each eye: `slices` has one for all, or as many
+    // as there are eyes. Preconditions: the grid has recorded this tick's lights; nothing of the frusta is on the
+    // device. Ends with its writes visible to all.
+    void record(gpu::Commands& commands, const gpu::Resource& tick_block, const TickInputs& shared,
+                const ShadowGrid& grid, std::span<const gpu::Eye> eyes, std::span<const ShadowSlices> slices);
+
+    // For lib/shadow_frustum.glsl.
+    const gpu::Buffer& frusta() const { return frusta_; }   // gpu::ShadowFrustum[]: one for each eye
+    const gpu::Buffer& froxels() const { return froxels_; } // uint[]: four froxels each
+    // Of the last call. Those that do not begin in solids have a ray to each light.
+    uint64_t count() const { return count_; }
+
+private:
+    const gpu::Device& device_;
+    std::map<bool, gpu::ComputeProgram> programs_; // with meshes and without
+    gpu::Buffer frusta_, froxels_;
+    uint64_t count_ = 0;
+};
+
+} // namespace brume

@@ -1,0 +1,80 @@
+// ShadowGrid: which lights reach a place past opaque objects, in voxels of world space that all viewers share. Voxels
+// are made where some eye sees them, and made anew when lights or objects have changed: at rest nothing is traced.
+#pragma once
+
+#include <array>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "server/gpu/commands.h"
+#include "server/gpu/program.h"
+#include "server/inputs/tick_inputs.h"
+#include "shaders/shared/shadow_grid.h"
+#include "shaders/shared/types.h"
+
+namespace brume {
+
+// An eye's field of view between its near plane and `far`, widened by so many pixels.
+gpu::ShadowEye shadowEye(const gpu::Eye& eye, float far, float margin);
+
+// Lights of the grid, by slot: the sun if it shines, then the strongest local ones that have shadows.
+struct ShadowSlots {
+    static constexpr uint32_t kSun = gpu::kNoShadowSlot - 1, kMost = gpu::kMostShadowSlots;
+
+    std::vector<uint32_t> lights; // index of a local light, or kSun
+    bool operator==(const ShadowSlots&) const = default;
+};
+// A light that stays among those that are chosen keeps its slot.
+ShadowSlots shadowSlots(const gpu::Tick& tick, std::span<const gpu::LocalLight> lights, const ShadowSlots& before);
+
+// Where voxels lie, without lights. Bounds and voxels that are automatic snap to coarse steps, so that bounds that move
+// a little leave the grid as it is.
+gpu::ShadowGridBlock shadowGridShape(const ShadowGridSettings& settings, glm::vec3 lo, glm::vec3 hi, uint32_t slots);
+
+inline constexpr uint64_t kMostShadowGridBytes = 96 << 20; // larger grids get wider voxels
+
+struct ShadowGridInputs {
+    const gpu::Resource& tick_block;         // uniform block, binding 0
+    const gpu::Tick& tick;                   // what it holds
+    const TickInputs& shared;                // objects, trees and settings
+    std::span<const gpu::LocalLight> lights; // all of the tick
+    glm::vec3 lo, hi;                        // m, what the grid covers
+    std::span<const gpu::Eye> eyes;          // that will read it; more than kMostShadowEyes see all of it
+    float far = 0;                           // m of view depth, up to which they read it
+    float margin = 0;                        // pixels around pictures, where they read it, too
+    uint64_t key = 0;                        // changes whenever objects do
+};
+
+class ShadowGrid {
+public:
+    explicit ShadowGrid(const gpu::Device& device);
+
+    // Makes what these eyes see and is not there. Precondition: nothing of the grid's is on the device, its buffers may
+    // be replaced. Ends with its writes visible to all.
+    void record(gpu::Commands& commands, const ShadowGridInputs& in);
+
+    // For lib/shadow_grid.glsl.
+    const gpu::Buffer& block() const { return block_; }           // gpu::ShadowGridBlock: uniform block
+    const gpu::Buffer& voxels() const { return voxels_; }         // uint[]
+    const gpu::Buffer& slots() const { return slots_of_lights_; } // uint[]: slot of each local light, or kNoShadowSlot
+    const gpu::ShadowGridBlock& shape() const { return shape_; }  // as the last call wrote it
+    // Shadow rays of the last call whose submission is done.
+    uint64_t raysTraced() const;
+
+private:
+    bool fits(const ShadowGridInputs& in, const gpu::ShadowGridBlock& shape, const ShadowSlots& slots) const;
+
+    const gpu::Device& device_;
+    std::map<bool, gpu::ComputeProgram> programs_; // with meshes and without
+    gpu::Buffer block_, voxels_, states_, masks_, eyes_, slots_of_lights_, counter_, counted_;
+    gpu::ShadowGridBlock shape_{};
+    ShadowSlots slots_;
+    ShadowGridSettings settings_;
+    uint32_t version_ = 0; // of lights and objects in the voxels; 0: of none
+    uint32_t layer_ = 0;   // with parity: of the next call
+    uint64_t key_ = 0;
+    uint32_t objects_ = 0, triangles_ = 0;
+};
+
+} // namespace brume

@@ -1,0 +1,124 @@
+#include "server/methods/froxels/froxel_volume.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/inputs/eye_request.h"
+#include "server/inputs/world_box.h"
+#include "shaders/froxel_apply_comp.h"
+
+namespace brume {
+namespace {
+
+constexpr VkDeviceSize kMostBytes = 96 << 20; // of the volume: every device can bind 128 MiB
+constexpr float kMostGrowth = 16;             // thickness of the last slice over that of the first
+constexpr double kSeenDepth = 6;              // optical depth of fog behind which slices end
+constexpr double kFarthest = 1e4;             // m
+
+// Columns of rays, or rows, for so many pixels: one more than cells.
+uint32_t raysFor(uint32_t pixels, uint32_t apart) { return gpu::groups(pixels, apart) + 1; }
+
+VkDeviceSize bytesOf(uint32_t columns, uint32_t rows, uint32_t slices) {
+    return VkDeviceSize(columns) * rows * (slices + 1) * sizeof(glm::vec4);
+}
+
+// Rows of rays in a band.
+uint32_t bandRows(VkExtent2D size, const FroxelSettings& froxels) {
+    const uint32_t all = raysFor(size.height, froxels.pixels), columns = raysFor(size.width, froxels.pixels);
+    const VkDeviceSize fit = kMostBytes / bytesOf(columns, 1, froxels.slices);
+    return std::min(all, uint32_t(std::max<VkDeviceSize>(fit, 2)));
+}
+
+// Where the medium ends before an eye, m of view depth.
+double farOf(const EyeInputs& in) {
+    const TickInputs& shared = *in.shared;
+    const Bounds3 box = worldBox(shared, *in.medium);
+    double far = 0;
+    if (box.lo.x <= box.hi.x) {
+        const glm::dvec3 eye = in.pose.position, out = glm::max(glm::abs(eye - box.lo), glm::abs(eye - box.hi));
+        far = glm::length(out);
+    } else {
+        for (uint32_t i = 0; i < shared.tick->fog_count; ++i)
+            far = std::max(far, kSeenDepth / std::max(double(shared.tick->fogs[i].sigma_t), 1e-9));
+    }
+    return std::min(far, kFarthest);
+}
+
+} // namespace
+
+gpu::FroxelGrid froxelSlices(const EyeInputs& in) {
+    const FroxelSettings& settings = in.shared->settings->froxels;
+    gpu::FroxelGrid froxels{};
+    froxels.pixels = settings.pixels;
+    froxels.slices = settings.slices;
+    froxels.particles = in.medium->count > 0;
+    froxels.near = kNearDepth;
+    auto far = float(farOf(in));
+    if (!in.shared->features.fog) {
+        const glm::vec3 forward = in.pose.orientation * glm::vec3(0, 0, -1);
+        const DepthRange range = depthRange(*in.medium->extent, in.pose.position, forward);
+        froxels.near = std::max(range.near, kNearDepth);
+        far = range.far;
+    }
+    if (settings.far != kAuto) far = settings.far;
+    far = std::max(far, froxels.near + 1e-2f); // all of it behind the eye: slices without medium
+    const float growth = std::clamp(far / froxels.near, 1.01f, kMostGrowth);
+    froxels.growth = std::log2(growth) / float(froxels.slices);
+    froxels.unit = (far - froxels.near) / (growth - 1);
+    return froxels;
+}
+
+FroxelVolume::FroxelVolume(const MethodContext& context)
+    : device_(context.device), features_(context.features),
+      apply_(context.device, {VK_SHADER_STAGE_COMPUTE_BIT, froxel_apply_comp, "froxel_apply"},
+             {{gpu::kIdHasOpaque, context.features.opaque},
+              {gpu::kIdHasFog, context.features.fog},
+              {gpu::kIdHasGlow, context.features.glow},
+              {gpu::kIdHasAmbient, context.features.ambient}}) {
+    if (features_.opaque) furthest_.emplace(device_);
+}
+
+const gpu::Buffer& FroxelVolume::furthest() const { return furthest_ ? furthest_->buffer() : volume_; }
+
+std::span<const ViewGroup> FroxelVolume::prepare(std::span<const EyeInputs> eyes) {
+    VkDeviceSize bytes = 0;
+    for (const EyeInputs& in : eyes) {
+        const FroxelSettings& froxels = in.shared->settings->froxels;
+        bytes = std::max(bytes,
+                         bytesOf(raysFor(in.size.width, froxels.pixels), bandRows(in.size, froxels), froxels.slices));
+    }
+    volume_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "froxels");
+    if (furthest_) furthest_->prepare(eyes);
+    return Method::prepare(eyes);
+}
+
+void FroxelVolume::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
+    const EyeInputs& in = *group.any;
+    const VkCommandBuffer cmd = commands.handle();
+    gpu::everythingBefore(cmd); // the eye before has used the same buffers
+    if (furthest_) furthest_->record(commands, in);
+    const FroxelSettings& settings = in.shared->settings->froxels;
+    const uint32_t all = raysFor(in.size.height, settings.pixels), most = bandRows(in.size, settings);
+    gpu::FroxelGrid froxels = froxelSlices(in);
+    froxels.rays.x = raysFor(in.size.width, settings.pixels);
+    for (uint32_t row = 0; row + 1 < all; row += most - 1) {
+        froxels.first_row = row;
+        froxels.rays.y = std::min(most, all - row);
+        if (row > 0) gpu::computeToCompute(cmd); // the band before is drawn
+        recordRays(commands, in, froxels);
+        const gpu::Commands::Pass pass(commands, "froxels to pixels", in.view);
+        const struct {
+            gpu::FroxelGrid froxels;
+            glm::uvec2 rows;
+        } push{froxels,
+               {row * settings.pixels, std::min((row + froxels.rays.y - 1) * settings.pixels, in.size.height)}};
+        apply_.bind(commands,
+                    {in.medium->tick, in.eye, gpu::storageImage(2, in.target->radiance), gpu::storageBuffer(3, volume_),
+                     gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
+                    push);
+        vkCmdDispatch(cmd, gpu::groups(in.size.width, 16), gpu::groups(push.rows.y - push.rows.x, 4), 1);
+        gpu::computeToCompute(cmd);
+    }
+}
+
+} // namespace brume

@@ -1,0 +1,134 @@
+// Method `froxels`: every eye's view volume is cut into froxels, each with one sample of medium and light, as engines
+// do after Hillaire (2015). The known baseline beside which caches are judged.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "server/inputs/world_box.h"
+#include "server/light/shadow_frustum.h"
+#include "server/light/shadow_grid.h"
+#include "server/methods/froxels/froxel_volume.h"
+#include "server/methods/grid/medium_grid.h"
+#include "shaders/froxels_comp.h"
+
+namespace brume::methods::froxels {
+namespace {
+
+uint32_t shadowsOf(const RenderSettings& settings) {
+    const std::string& name = settings.froxels.shadows;
+    return name == "map"    ? gpu::kShadowsByMap
+           : name == "ray"  ? gpu::kShadowsByRay
+           : name == "grid" ? gpu::kShadowsByGrid
+                            : gpu::kShadowsHybrid;
+}
+
+class Froxels : public FroxelVolume {
+public:
+    explicit Froxels(const MethodContext& context)
+        : FroxelVolume(context), nodes_(context.device), grid_(context.device), frusta_(context.device) {}
+
+    std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
+        eyes_.clear(), slices_.clear();
+        far_ = 0;
+        for (const EyeInputs& in : eyes) {
+            const gpu::FroxelGrid froxels = froxelSlices(in);
+            const auto count = uint32_t(in.shared->settings->shadow_frustum.part * float(froxels.slices) + 0.5f);
+            eyes_.push_back(in.block->eye);
+            slices_.push_back({count, froxels.near, froxels.unit, froxels.growth});
+            far_ =
+                std::max(far_, froxels.near + froxels.unit * (std::exp2(froxels.growth * float(froxels.slices)) - 1));
+        }
+        return FroxelVolume::prepare(eyes);
+    }
+
+    void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {
+        nodes_.record(commands, medium, *tick.settings);
+        const uint32_t shadows = shadowsOf(*tick.settings);
+        if (shadows != gpu::kShadowsByGrid && shadows != gpu::kShadowsHybrid) return;
+        Bounds3 box = worldBox(tick, medium);
+        if (!(box.lo.x <= box.hi.x)) box = {glm::dvec3(-1), glm::dvec3(1)}; // nothing throws shadows
+        grid_.record(commands, {.tick_block = medium.tick,
+                                .tick = *tick.tick,
+                                .shared = tick,
+                                .lights = tick.lights,
+                                .lo = box.lo,
+                                .hi = box.hi,
+                                .eyes = eyes_,
+                                .far = far_,
+                                .margin = float(tick.settings->froxels.pixels),
+                                .key = tick.objects_version});
+        if (shadows == gpu::kShadowsHybrid) frusta_.record(commands, medium.tick, tick, grid_, eyes_, slices_);
+    }
+
+private:
+    static const gpu::Buffer& orAny(const gpu::Buffer& buffer, const gpu::Buffer& any) { return buffer ? buffer : any; }
+
+    void recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu::FroxelGrid& froxels) override {
+        const gpu::Commands::Pass pass(commands, "froxels", in.view);
+        const struct {
+            gpu::FroxelGrid froxels;
+            gpu::MediumGrid medium;
+            glm::vec3 albedo;
+            uint32_t view;
+        } push{froxels, nodes_.grid(), in.medium->extent->albedo, in.view};
+        const TickInputs& shared = *in.shared;
+        const gpu::Buffer& any = *shared.objects; // bound, but not read
+        program(shadowsOf(*shared.settings), in.medium->extent->one_albedo)
+            .bind(commands,
+                  {in.medium->tick,
+                   in.eye,
+                   gpu::storageBuffer(2, nodes_.nodes()),
+                   gpu::storageBuffer(3, volume()),
+                   gpu::storageBuffer(4, furthest()),
+                   gpu::storageBuffer(5, nodes_.marks()),
+                   gpu::sampledImage(6, *shared.shadow_volume, *shared.linear),
+                   gpu::sampledImage(7, *shared.opaque_shadow, *shared.nearest),
+                   gpu::storageBuffer(8, *shared.local_lights),
+                   gpu::storageBuffer(9, *shared.light_bits),
+                   gpu::storageBuffer(10, *shared.light_depths),
+                   gpu::storageBuffer(11, *shared.objects),
+                   gpu::storageBuffer(12, *shared.object_nodes),
+                   gpu::storageBuffer(13, *shared.triangles),
+                   gpu::storageBuffer(14, *shared.mesh_nodes),
+                   gpu::uniformBuffer(15, grid_.block(), 0, sizeof(gpu::ShadowGridBlock)),
+                   gpu::storageBuffer(16, orAny(grid_.voxels(), any)),
+                   gpu::storageBuffer(17, orAny(grid_.slots(), any)),
+                   gpu::storageBuffer(18, orAny(frusta_.frusta(), any)),
+                   gpu::storageBuffer(19, orAny(frusta_.froxels(), any))},
+                  push);
+        vkCmdDispatch(commands.handle(), gpu::groups(froxels.rays.x, 8), gpu::groups(froxels.rays.y, 8), 1);
+        gpu::computeToCompute(commands.handle());
+    }
+
+    const gpu::ComputeProgram& program(uint32_t shadows, bool one_albedo) {
+        gpu::ComputeProgram& made = programs_[{shadows, one_albedo}];
+        if (!made)
+            made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, froxels_comp, "froxels"},
+                                       {{gpu::kIdHasOpaque, features_.opaque},
+                                        {gpu::kIdHasCasters, features_.casters},
+                                        {gpu::kIdHasMeshes, features_.meshes},
+                                        {gpu::kIdHasAmbient, features_.ambient},
+                                        {gpu::kIdHasFog, features_.fog},
+                                        {gpu::kIdHasGlow, features_.glow},
+                                        {gpu::kIdHasLocalLights, features_.local_lights},
+                                        {gpu::kIdOneAlbedo, one_albedo},
+                                        {gpu::kIdShadows, shadows}});
+        return made;
+    }
+
+    GridPass nodes_;
+    ShadowGrid grid_;
+    ShadowFrusta frusta_;
+    // Of this submission.
+    std::vector<gpu::Eye> eyes_;
+    std::vector<ShadowSlices> slices_; // that the frusta cover
+    float far_ = 0;                    // m of view depth, where the slices of all eyes end
+    std::map<std::pair<uint32_t, bool>, gpu::ComputeProgram> programs_;
+};
+
+} // namespace
+
+std::unique_ptr<Method> make(const MethodContext& context) { return std::make_unique<Froxels>(context); }
+
+} // namespace brume::methods::froxels

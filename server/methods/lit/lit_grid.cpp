@@ -1,0 +1,100 @@
+#include "server/methods/lit/lit_grid.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "server/inputs/world_box.h"
+#include "shaders/lit_grid_comp.h"
+
+namespace brume {
+namespace {
+
+constexpr double kNodesAcross = 96; // along the longest side of a box without particles
+constexpr double kCoarser = 1.26;
+constexpr uint64_t kLeastBytes = 256; // of a buffer that is bound, but not read
+
+uint64_t nodesOf(const gpu::LitGridShape& shape) {
+    constexpr uint64_t kNodes = uint64_t(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
+    return uint64_t(shape.bricks.x) * shape.bricks.y * shape.bricks.z * kNodes;
+}
+// Of the larger buffer.
+uint64_t bytesOf(const gpu::LitGridShape& shape, bool local_lights) {
+    return nodesOf(shape) * (local_lights ? 3 * sizeof(glm::vec4) : sizeof(float));
+}
+
+gpu::LitGridShape shapeOver(const Bounds3& box, double spacing, bool local_lights) {
+    gpu::LitGridShape shape{};
+    for (;; spacing *= kCoarser) {
+        const glm::dvec3 first = glm::floor(box.lo / spacing), last = glm::ceil(box.hi / spacing);
+        shape.origin = first * spacing;
+        shape.spacing = float(spacing);
+        shape.bricks = glm::uvec3(glm::ceil(glm::min(last - first + 1.0, glm::dvec3(1e5)) / double(gpu::kSlabTile)));
+        if (bytesOf(shape, local_lights) <= kMostLitBytes) return shape;
+    }
+}
+
+bool sameBytes(const void* a, const void* b, size_t size) { return std::memcmp(a, b, size) == 0; }
+
+} // namespace
+
+gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes) {
+    const double asked = double(tick.settings->lit.spacing);
+    if (!tick.features.fog && asked == kAuto) {
+        const gpu::LitGridShape shape{nodes.origin, nodes.spacing, nodes.bricks, 1};
+        if (bytesOf(shape, tick.features.local_lights) <= kMostLitBytes) return shape;
+    }
+    const Bounds3 box = worldBox(tick, medium);
+    if (!(box.lo.x <= box.hi.x)) return {};
+    const glm::dvec3 size = box.hi - box.lo;
+    const double longest = std::max({size.x, size.y, size.z, 1e-3});
+    double spacing = longest / kNodesAcross;
+    if (medium.count > 0) spacing = std::min(spacing, double(nodes.spacing));
+    return shapeOver(box, asked != kAuto ? asked : spacing, tick.features.local_lights);
+}
+
+bool LitGrid::isKept(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape) {
+    const bool kept = medium_ == medium.version && objects_ == tick.objects_version && hue_ == tick.hue &&
+                      sameBytes(&shape, &shape_, sizeof shape) && sameBytes(tick.tick, &tick_, sizeof tick_) &&
+                      lights_.size() == tick.lights.size() &&
+                      (lights_.empty() || sameBytes(lights_.data(), tick.lights.data(), tick.lights.size_bytes()));
+    medium_ = medium.version, objects_ = tick.objects_version, hue_ = tick.hue, shape_ = shape, tick_ = *tick.tick;
+    lights_.assign(tick.lights.begin(), tick.lights.end());
+    return kept;
+}
+
+void LitGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes) {
+    if (isKept(tick, medium, litShape(tick, medium, nodes.grid()))) return;
+    const uint64_t bytes = tick.features.local_lights ? bytesOf(shape_, true) : 0;
+    nodes_.atLeast(device_, std::max<uint64_t>(bytes, kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                   gpu::Memory::device, "lit nodes");
+    sun_.atLeast(device_, std::max<uint64_t>(bytesOf(shape_, false), kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                 gpu::Memory::device, "sunlit nodes");
+    if (shape_.bricks.x == 0) return;
+    const gpu::Commands::Pass pass(commands, "lit grid");
+    gpu::ComputeProgram& program = programs_[tick.features];
+    if (!program)
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, lit_grid_comp, "lit_grid"},
+                                      {{gpu::kIdHasOpaque, tick.features.opaque},
+                                       {gpu::kIdHasCasters, tick.features.casters},
+                                       {gpu::kIdHasMeshes, tick.features.meshes},
+                                       {gpu::kIdHasFog, tick.features.fog},
+                                       {gpu::kIdHasGlow, tick.features.glow},
+                                       {gpu::kIdHasLocalLights, tick.features.local_lights}});
+    const struct {
+        gpu::LitGridShape lit;
+        gpu::MediumGrid medium;
+    } push{shape_, nodes.grid()};
+    gpu::everythingBefore(commands.handle()); // the eyes before have read it
+    program.bind(commands,
+                 {medium.tick, gpu::storageBuffer(3, nodes_), gpu::storageBuffer(4, sun_),
+                  gpu::storageBuffer(5, nodes.marks()), gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
+                  gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest), gpu::storageBuffer(8, *tick.local_lights),
+                  gpu::storageBuffer(9, *tick.light_bits), gpu::storageBuffer(10, *tick.light_depths),
+                  gpu::storageBuffer(11, *tick.objects), gpu::storageBuffer(12, *tick.object_nodes),
+                  gpu::storageBuffer(13, *tick.triangles), gpu::storageBuffer(14, *tick.mesh_nodes)},
+                 push);
+    vkCmdDispatch(commands.handle(), shape_.bricks.x, shape_.bricks.y, shape_.bricks.z);
+    gpu::computeToCompute(commands.handle());
+}
+
+} // namespace brume

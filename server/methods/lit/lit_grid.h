@@ -1,0 +1,48 @@
+// LitGrid: the light that arrives at nodes of world space, once a tick for all viewers (shaders/shared/lit_grid.h).
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "server/gpu/commands.h"
+#include "server/gpu/program.h"
+#include "server/inputs/eye_inputs.h"
+#include "server/methods/grid/medium_grid.h"
+#include "shaders/shared/lit_grid.h"
+
+namespace brume {
+
+inline constexpr uint64_t kMostLitBytes = 96ull << 20; // of the nodes: every device can bind 128 MiB
+
+// Where the nodes lie: those of the medium where there are only particles; else in the box of worldBox(), and as much
+// farther apart as they must be to fit kMostLitBytes. No bricks where that box holds nothing.
+gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes);
+
+class LitGrid {
+public:
+    explicit LitGrid(const gpu::Device& device) : device_(device) {}
+
+    // Records the nodes, unless medium, lights, objects and shape are those of the last call. Preconditions: `nodes` is
+    // recorded, and nothing of this is on the device. Ends with its writes visible to compute.
+    void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes);
+
+    const gpu::LitGridShape& shape() const { return shape_; }
+    const gpu::Buffer& nodes() const { return nodes_; } // vec4[plane][row][node][channel]; nothing without local lights
+    const gpu::Buffer& sun() const { return sun_; }     // float[plane][row][node]
+
+private:
+    bool isKept(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape);
+
+    const gpu::Device& device_;
+    std::map<SceneFeatures, gpu::ComputeProgram> programs_;
+    gpu::Buffer nodes_, sun_;
+    gpu::LitGridShape shape_{};
+    // What the nodes were made of.
+    std::optional<uint64_t> medium_, objects_;
+    uint32_t hue_ = 0;
+    gpu::Tick tick_{};
+    std::vector<gpu::LocalLight> lights_;
+};
+
+} // namespace brume

@@ -1,0 +1,101 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+// Method `froxels`, first pass, per eye: light and optical depth along coarse rays, one sample of all lights in each
+// slice (Hillaire, Physically Based and Unified Volumetric Rendering in Frostbite, 2015). A lane is a ray.
+#include "shaders/shared/constants.h"
+#include "shaders/shared/froxels.h"
+#include "shaders/shared/field.h"
+#include "shaders/shared/shadow_frustum.h"
+#include "shaders/shared/shadow_grid.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
+layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
+layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = true;
+layout(constant_id = kIdShadows) const uint kShadows = kShadowsByRay;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
+layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
+layout(scalar, binding = 3) writeonly buffer Volume { vec4 volume[]; };
+layout(scalar, binding = 4) readonly buffer Furthest { float furthest[]; }; // m, written by furthest_depths.comp
+layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };        // lib/grid_marks.glsl
+layout(binding = 6) uniform sampler2DArray shadow_volume;
+layout(binding = 7) uniform sampler2D opaque_shadow;
+layout(scalar, binding = 8) readonly buffer Lights { LocalLight local_lights[]; };
+layout(scalar, binding = 9) readonly buffer Bits { uint light_bits[]; };
+layout(scalar, binding = 10) readonly buffer Depths { float light_depths[]; };
+layout(scalar, binding = 11) readonly buffer Objects { Opaque objects[]; };
+layout(scalar, binding = 12) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
+layout(scalar, binding = 13) readonly buffer Triangles { Triangle triangles[]; };
+layout(scalar, binding = 14) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
+// The shared shadow grid and the shadow frusta; read with kShadowsByGrid and kShadowsHybrid alone.
+layout(scalar, binding = 15) uniform GridBlock { ShadowGridBlock shadow_grid; };
+layout(scalar, binding = 16) readonly buffer Voxels { uint shadow_voxels[]; };
+layout(scalar, binding = 17) readonly buffer Slots { uint slot_of_light[]; };
+layout(scalar, binding = 18) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
+layout(scalar, binding = 19) readonly buffer FrustumBits { uint shadow_froxels[]; };
+
+layout(push_constant, scalar) uniform Push {
+    FroxelGrid froxels;
+    MediumGrid medium;
+    vec3 albedo; // of all particles, where they have one
+    uint view;   // index of the eye's shadow frustum
+} push;
+
+#include "shaders/lib/grid_marks.glsl"
+#include "shaders/lib/medium_nodes.glsl"
+#include "shaders/lib/light.glsl"
+#include "shaders/lib/fog.glsl"
+#include "shaders/lib/objects.glsl"
+#include "shaders/lib/local_lights.glsl"
+#include "shaders/lib/local_light_depth.glsl"
+#include "shaders/lib/occluded.glsl"
+#include "shaders/lib/froxel_march.glsl"
+#include "shaders/lib/froxel_light.glsl"
+#include "shaders/lib/shadow_grid.glsl"
+#include "shaders/lib/shadow_frustum.glsl"
+
+// The part of the light of a slot of the shadow grid that objects let through to x. Outside the grid a ray tells.
+float litBySlot(uint slot, vec3 x, vec3 toward) {
+    if (kShadows == kShadowsHybrid && slot < kMostShadowSlots && ray_slice < shadow_frusta[push.view].slices)
+        return litInFrustum(push.view, slot, ray_pixel, ray_slice) ? 1 : 0;
+    bool known = false;
+    float part = 0;
+    if (kShadows == kShadowsByGrid || kShadows == kShadowsHybrid) part = litInGrid(slot, x, known);
+    return known ? part : isOccluded(x, toward, true) ? 0 : 1;
+}
+
+float litPart(uint i, vec3 x, vec3 away) { return litBySlot(slot_of_light[i], x, -away); }
+
+float sunlitPart(vec3 x) {
+    if (!kHasCasters) return 1;
+    const vec3 toward = kFarAway * tick.sun.to_light;
+    if (kShadows != kShadowsByMap) return litBySlot(shadow_grid.sun, x, toward);
+    if (!(visibility(toLightSpace(x)) > 0)) return 0;
+    return kHasMeshes && isShadowedByMesh(x, tick.sun.to_light, kFarAway, kInnerNode, 0) ? 0 : 1;
+}
+
+void addSlice(float near, float far, inout vec3 scattered, out float depth) {
+    depth = mediaOf(near, far, scattered);
+    if (!(depth > 0)) return;
+    const vec3 x = eye.position + 0.5 * (near + far) * ray_dir;
+    if (tick.sun.irradiance != vec3(0)) {
+        float through = sunThrough(x);
+        if (through > 0) through *= sunlitPart(x);
+        if (through > 0)
+            scattered += tick.sun.irradiance * through * scatteredFrom(-tick.sun.to_light);
+    }
+    if (kHasLocalLights) {
+        const uint bin = binOf(ray_pixel);
+        [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
+            [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
+                scattered += ofLocalLight(32 * word + findLSB(bits), x, near, far);
+    }
+}
+
+void main() { march(); }

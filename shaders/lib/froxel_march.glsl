@@ -1,0 +1,56 @@
+// Marches a ray through its slices and writes the light that is scattered toward the eye up to each face, and the
+// optical depth of the medium before it. A lane is a ray. Include after the tick, `eye`, `push.froxels`,
+// `vec4 volume[]`, `float furthest[]`, kHasOpaque, and
+//   void addSlice(float near, float far, inout vec3 scattered, out float depth): what the medium between two view
+//     depths scatters toward the eye, per unit of its own opacity over its depth, and its optical depth
+#include "shaders/lib/eye.glsl"
+#include "shaders/lib/froxel_depth.glsl"
+#include "shaders/shared/transmittance.h"
+
+vec3 ray_dir, ray_unit; // of unit view depth, and of unit length
+float ray_metres;       // length of ray_dir
+uvec2 ray_pixel;        // the pixel that the ray belongs to
+uint ray_slice;         // the slice that is added
+
+vec2 pixelOfRay(uvec2 ray) { return float(push.froxels.pixels) * vec2(ray + uvec2(0, push.froxels.first_row)) + 0.5; }
+
+void addSlice(float near, float far, inout vec3 scattered, out float depth);
+
+// The largest view depth that pixels read which this ray is a neighbour of.
+float furthestAround(vec2 at) {
+    if (!kHasOpaque) return kEndless;
+    const ivec2 tiles = (ivec2(eye.size) + int(kPixelTile) - 1) / int(kPixelTile);
+    const ivec2 lo = clamp(ivec2(at - float(push.froxels.pixels)) / int(kPixelTile), ivec2(0), tiles - 1),
+                hi = clamp(ivec2(at + float(push.froxels.pixels)) / int(kPixelTile), ivec2(0), tiles - 1);
+    float most = 0;
+    for (int y = lo.y; y <= hi.y; ++y)
+        for (int x = lo.x; x <= hi.x; ++x) most = max(most, furthest[y * tiles.x + x]);
+    return most;
+}
+
+void march() {
+    const uvec2 ray = gl_GlobalInvocationID.xy;
+    if (any(greaterThanEqual(ray, push.froxels.rays))) return;
+    const vec2 at = pixelOfRay(ray);
+    ray_dir = rayDirection(at);
+    ray_metres = length(ray_dir);
+    ray_unit = ray_dir / ray_metres;
+    ray_pixel = min(uvec2(at), eye.size - 1);
+    const float end = furthestAround(at);
+    vec3 light = vec3(0);
+    float passed = 0, near = faceDepth(0);
+    volume[froxelAt(0, ray)] = vec4(0);
+    // One face lies behind the furthest surface: pixels interpolate up to it.
+    [[dont_unroll]] for (uint slice = 0; slice < push.froxels.slices && near <= end; ++slice) {
+        const float far = faceDepth(float(slice + 1));
+        vec3 scattered = vec3(0);
+        ray_slice = slice;
+        float depth = 0;
+        if (passed < 30) addSlice(near, far, scattered, depth); // behind that nothing is seen
+        // The source is even within the slice: what it adds is exact then (Hillaire 2015).
+        light += scattered * (exp(-passed) * phi(depth));
+        passed += depth;
+        volume[froxelAt(slice + 1, ray)] = vec4(light, passed);
+        near = far;
+    }
+}

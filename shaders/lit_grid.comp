@@ -1,0 +1,91 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+// Method `lit`, once a tick for all viewers: the light that arrives at each node of the shared grid, past objects and
+// through the medium. A workgroup is a brick, a lane a column of nodes.
+#include "shaders/shared/constants.h"
+#include "shaders/shared/lit_grid.h"
+
+layout(local_size_x = 8, local_size_y = 8) in; // kSlabTile
+
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 3) writeonly buffer LitNodes { vec4 lit_nodes[]; };
+layout(scalar, binding = 4) writeonly buffer SunNodes { float sun_nodes[]; };
+layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; }; // lib/grid_marks.glsl
+layout(binding = 6) uniform sampler2DArray shadow_volume;
+layout(binding = 7) uniform sampler2D opaque_shadow;
+layout(scalar, binding = 8) readonly buffer Lights { LocalLight local_lights[]; };
+layout(scalar, binding = 10) readonly buffer Depths { float light_depths[]; };
+layout(scalar, binding = 11) readonly buffer Objects { Opaque objects[]; };
+layout(scalar, binding = 12) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
+layout(scalar, binding = 13) readonly buffer Triangles { Triangle triangles[]; };
+layout(scalar, binding = 14) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
+
+layout(push_constant, scalar) uniform Push {
+    LitGridShape lit;
+    MediumGrid medium;
+} push;
+
+Eye eye; // what is included names it; nothing here reads it
+
+#include "shaders/lib/grid_marks.glsl"
+#include "shaders/lib/light.glsl"
+#include "shaders/lib/fog.glsl"
+#include "shaders/lib/objects.glsl"
+#include "shaders/lib/lit_by.glsl"
+#include "shaders/lib/occluded.glsl"
+#include "shaders/lib/near_lights.glsl"
+
+const float kFarAway = 1e6;  // m, where the sun's rays are taken to begin
+const float kSunApart = 0.5; // spacings: the sun is looked for from so far around a node, four times
+
+// The part of the sun's light that arrives at x. Four rays around it smooth shadows' edges, as nodes apart do.
+float sunAt(vec3 x) {
+    const float toward = lightDepthAnywhere(toShadowVolume(x)) + (kHasFog ? fogTowardSun(x) : 0);
+    if (!(toward < 30)) return 0;
+    float seen = 1;
+    if (kHasCasters) {
+        seen = 0;
+        [[dont_unroll]] for (uint i = 0; i < 4; ++i) { // corners of a tetrahedron
+            const vec3 corner = vec3(i < 2 ? 1 : -1, i == 0 || i == 3 ? 1 : -1, (i & 1) == 0 ? 1 : -1);
+            const vec3 from = x + 0.5 * kSunApart * push.lit.spacing * corner;
+            seen += isOccluded(from, kFarAway * tick.sun.to_light, true) ? 0 : 0.25;
+        }
+    }
+    return seen * exp(-toward);
+}
+
+void main() {
+    const uvec3 brick = gl_WorkGroupID;
+    const bool known =
+        push.lit.particles == 0 || (marks[markWord(kRead, brick)] >> (brick.x % 32) & 1) != 0;
+    if (!known) return; // nothing reads it
+    const uvec3 size = push.lit.bricks * kSlabTile;
+    [[dont_unroll]] for (uint z = 0; z < kSlabTile; ++z) {
+        const uvec3 node = brick * kSlabTile + uvec3(gl_LocalInvocationID.xy, z);
+        const vec3 x = push.lit.origin + push.lit.spacing * vec3(node);
+        vec3 fluence = vec3(0);
+        mat3 ways = mat3(0); // columns: red, green, blue
+        [[dont_unroll]] for (uint i = 0; i < (kHasLocalLights ? tick.local_light_count : 0); ++i) {
+            const LocalLight light = local_lights[i];
+            const vec3 away = x - light.position;
+            const float distance = length(away), kept = keptPart(distance, push.lit.spacing);
+            const float sent = kept > 0 ? sentTo(light, away, distance) : 0;
+            if (!(sent > 0)) continue;
+            if (light.shadows != 0 && kHasOpaque && isOccluded(x, -away, true)) continue;
+            const float passed = (kHasFog ? fogFrom(light, away, distance) : 0) + particlesFrom(light, away, distance);
+            const float falls = 1 / (distance * distance + light.radius * light.radius);
+            const vec3 arrives = light.intensity * (kept * sent * falls * exp(-passed));
+            fluence += arrives;
+            ways += outerProduct(away / distance, arrives);
+        }
+        const uint at = (node.z * size.y + node.y) * size.x + node.x;
+        sun_nodes[at] = tick.sun.irradiance != vec3(0) ? sunAt(x) : 0;
+        if (kHasLocalLights)
+            [[unroll]] for (uint c = 0; c < 3; ++c) lit_nodes[3 * at + c] = vec4(ways[c], fluence[c]);
+    }
+}

@@ -1,0 +1,173 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+// Method `lit`, per eye: coarse rays that read the light which all viewers share, once in each slice, however many
+// lights there are. A lane is a ray.
+#include "shaders/shared/constants.h"
+#include "shaders/shared/froxels.h"
+#include "shaders/shared/field.h"
+#include "shaders/shared/lit_grid.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
+layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
+layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
+layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = true;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
+layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
+layout(scalar, binding = 3) writeonly buffer Volume { vec4 volume[]; };
+layout(scalar, binding = 4) readonly buffer Furthest { float furthest[]; }; // m, written by furthest_depths.comp
+layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };        // lib/grid_marks.glsl
+layout(binding = 6) uniform sampler2DArray shadow_volume;
+layout(binding = 7) uniform sampler2D opaque_shadow;
+layout(scalar, binding = 8) readonly buffer Lights { LocalLight local_lights[]; };
+layout(scalar, binding = 9) readonly buffer Bits { uint light_bits[]; };
+layout(scalar, binding = 10) readonly buffer Depths { float light_depths[]; };
+layout(scalar, binding = 11) readonly buffer Objects { Opaque objects[]; };
+layout(scalar, binding = 12) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
+layout(scalar, binding = 13) readonly buffer Triangles { Triangle triangles[]; };
+layout(scalar, binding = 14) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
+layout(scalar, binding = 15) readonly buffer LitNodes { vec4 lit_nodes[]; }; // written by lit_grid.comp
+layout(scalar, binding = 16) readonly buffer SunNodes { float sun_nodes[]; };
+
+layout(push_constant, scalar) uniform Push {
+    FroxelGrid froxels;
+    MediumGrid medium;
+    LitGridShape lit;
+    vec3 albedo; // of all particles, where they have one
+} push;
+
+#include "shaders/lib/grid_marks.glsl"
+#include "shaders/lib/medium_nodes.glsl"
+#include "shaders/lib/light.glsl"
+#include "shaders/lib/fog.glsl"
+#include "shaders/lib/objects.glsl"
+#include "shaders/lib/lit_by.glsl"
+#include "shaders/lib/occluded.glsl"
+#include "shaders/lib/near_lights.glsl"
+#include "shaders/lib/froxel_march.glsl"
+#include "shaders/lib/froxel_light.glsl"
+
+float litPart(uint i, vec3 x, vec3 away) { return isOccluded(x, -away, true) ? 0 : 1; }
+
+// Where a place lies among the nodes.
+uint first_node, node_row, node_sheet; // index of the first of eight; from one row and one sheet to the next
+vec3 node_part;                        // 0 ... 1, of the way to the next ones
+
+// False: x is not in the grid.
+bool enterNodes(vec3 x) {
+    const vec3 at = (x - push.lit.origin) / push.lit.spacing;
+    const uvec3 size = push.lit.bricks * kSlabTile;
+    if (any(lessThan(at, vec3(0))) || any(greaterThanEqual(at, vec3(size) - 1))) return false;
+    const uvec3 cell = uvec3(at);
+    node_part = at - vec3(cell);
+    node_row = size.x;
+    node_sheet = size.y * size.x;
+    first_node = cell.z * node_sheet + cell.y * node_row + cell.x;
+    return true;
+}
+
+float sunBetween() {
+    const uint n = first_node, m = n + node_sheet;
+    const vec4 below = vec4(sun_nodes[n], sun_nodes[n + 1], sun_nodes[n + node_row], sun_nodes[n + node_row + 1]);
+    const vec4 above = vec4(sun_nodes[m], sun_nodes[m + 1], sun_nodes[m + node_row], sun_nodes[m + node_row + 1]);
+    const vec4 here = mix(below, above, node_part.z);
+    return mix(mix(here.x, here.y, node_part.x), mix(here.z, here.w, node_part.x), node_part.y);
+}
+
+vec4 sheetBetween(uint n, uint c) {
+    return mix(mix(lit_nodes[3 * n + c], lit_nodes[3 * (n + 1) + c], node_part.x),
+               mix(lit_nodes[3 * (n + node_row) + c], lit_nodes[3 * (n + node_row + 1) + c], node_part.x), node_part.y);
+}
+
+// What the kept light of a channel scatters. The more its directions agree, the more of it counts as coming from their
+// mean: for one light that is exact.
+float scatteredBetween(uint c, vec3 even) {
+    const vec4 light = mix(sheetBetween(first_node, c), sheetBetween(first_node + node_sheet, c), node_part.z);
+    if (!(light.w > 0)) return 0;
+    const float directed = min(length(light.xyz), light.w);
+    float sum = (light.w - directed) * 0.07957747154594767 * even[c];
+    if (directed > 1e-4 * light.w) sum += directed * scatteredFrom(light.xyz / directed)[c];
+    return sum;
+}
+
+const uint kMostNear = 16;
+uint near_lights[kMostNear]; // lights whose near ball the ray meets
+uint near_count;
+bool all_near; // True: there are more
+
+void findNear() {
+    near_count = 0;
+    all_near = false;
+    const uint bin = binOf(ray_pixel);
+    const float reach = 2 * kNearNodes * push.lit.spacing;
+    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
+        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
+            const uint i = 32 * word + findLSB(bits);
+            const vec3 to = local_lights[i].position - eye.position;
+            const float along = dot(to, ray_unit);
+            if (dot(to, to) - along * along > reach * reach) continue;
+            if (near_count == kMostNear) all_near = true;
+            else near_lights[near_count++] = i;
+        }
+}
+
+// What a near light adds in the slice beyond what nodes keep of it.
+vec3 ofNearLight(uint i, vec3 x, float near, float far) {
+    const float kept = keptPart(length(x - local_lights[i].position), push.lit.spacing);
+    return kept < 1 ? (1 - kept) * ofLocalLight(i, x, near, far) : vec3(0);
+}
+
+// All lights one by one, outside the grid.
+void addLights(vec3 x, float near, float far, inout vec3 scattered) {
+    const float through = tick.sun.irradiance != vec3(0) ? sunThrough(x) : 0;
+    if (through > 0 && !(kHasCasters && isOccluded(x, kFarAway * tick.sun.to_light, true)))
+        scattered += tick.sun.irradiance * through * scatteredFrom(-tick.sun.to_light);
+    if (!kHasLocalLights) return;
+    const uint bin = binOf(ray_pixel);
+    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
+        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
+            scattered += ofLocalLight(32 * word + findLSB(bits), x, near, far);
+}
+
+void addSlice(float near, float far, inout vec3 scattered, out float depth) {
+    depth = mediaOf(near, far, scattered);
+    if (!(depth > 0)) return;
+    const vec3 x = eye.position + 0.5 * (near + far) * ray_dir;
+    if (!enterNodes(x)) {
+        addLights(x, near, far, scattered);
+        return;
+    }
+    const float sun = tick.sun.irradiance != vec3(0) ? sunBetween() : 0;
+    if (sun > 0) scattered += tick.sun.irradiance * sun * scatteredFrom(-tick.sun.to_light);
+    if (!kHasLocalLights) return;
+    vec3 even = of_particles;
+    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) even += of_fogs[i];
+    [[dont_unroll]] for (uint c = 0; c < 3; ++c) scattered[c] += scatteredBetween(c, even);
+    [[dont_unroll]] for (uint i = 0; i < near_count; ++i) scattered += ofNearLight(near_lights[i], x, near, far);
+    if (all_near) {
+        const uint bin = binOf(ray_pixel);
+        uint passed = 0; // lights with a near ball that near_lights has
+        const float reach = 2 * kNearNodes * push.lit.spacing;
+        [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
+            [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
+                const uint i = 32 * word + findLSB(bits);
+                const vec3 to = local_lights[i].position - eye.position;
+                const float along = dot(to, ray_unit);
+                if (dot(to, to) - along * along > reach * reach) continue;
+                if (++passed > kMostNear) scattered += ofNearLight(i, x, near, far);
+            }
+    }
+}
+
+void main() {
+    const vec2 at = pixelOfRay(gl_GlobalInvocationID.xy);
+    ray_pixel = min(uvec2(at), eye.size - 1);
+    ray_unit = normalize(rayDirection(at));
+    if (kHasLocalLights) findNear();
+    march();
+}

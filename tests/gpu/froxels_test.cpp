@@ -1,0 +1,187 @@
+// Methods froxels and lit: against the reference, against closed forms, and what viewers share.
+#include <gtest/gtest.h>
+
+#include "tests/gpu/judged.h"
+
+namespace brume::test {
+namespace {
+
+class FroxelsTest : public JudgedTest {
+protected:
+    static Scene emptyScene() {
+        Scene scene;
+        scene.medium.layout = Layout::none;
+        scene.lights.clear();
+        scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0.002f)};
+        scene.render.froxels = {.pixels = 2, .slices = 256};
+        return scene;
+    }
+    static Light point(glm::vec3 position) { return {.type = kPoint, .position = position, .intensity = {90, 80, 60}}; }
+    // Relative RMSE of total radiance by both methods: at most `allowed`, and more than a hundredth of it.
+    static void judgeBoth(Scene scene, std::initializer_list<Pose> poses, double froxels, double lit) {
+        for (const char* method : {"froxels", "lit"}) {
+            scene.render.method = method;
+            double most = 0;
+            for (const Pose& pose : poses) {
+                const Error error = errorOf(scene, pose);
+                std::printf("%-8s %.3f %%, worst pixel %.2f %%\n", method, 100 * error.rmse, 100 * error.worst);
+                most = std::max(most, error.rmse);
+            }
+            EXPECT_LE(most, scene.render.method == "lit" ? lit : froxels) << method;
+        }
+    }
+};
+
+const Pose kOutside = lookAt({2, 3, 14}, {0, 0, 0}, 0.9f), kInside = lookAt({0.5f, 0.3f, 1}, {0, 0, -5}, 1.0f);
+
+TEST_F(FroxelsTest, ACloud) {
+    Scene scene = sceneOf(randomPoints(60, 5, 1.6f, 0.35f), 1.6f);
+    scene.medium.anisotropy = 0.7f;
+    scene.medium.asymmetry = 0.5f;
+    scene.render.froxels = {.pixels = 1, .slices = 256};
+    judgeBoth(scene, {kOutside, kInside}, 0.01, 0.01);
+}
+
+TEST_F(FroxelsTest, HeightFogOverTheGround) {
+    Scene scene = emptyScene();
+    scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}};
+    scene.fogs = {{.extinction = 0.05f, .height = -4, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    scene.planes = {{-4, glm::vec3(0.4f, 0.35f, 0.3f)}};
+    judgeBoth(scene, {kOutside, kInside}, 5e-3, 5e-3);
+}
+
+TEST_F(FroxelsTest, ShaftsBetweenObjects) {
+    Scene scene = emptyScene();
+    scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}};
+    scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}}; // the sun comes through
+    scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}, {{-4, -3, 3}, {2, 2, 2}, 0, glm::vec3(0.3f)}};
+    scene.spheres = {{{-1, 1, 1}, 0.8f, glm::vec3(0.5f)}};
+    scene.render.lit.spacing = 0.1f;
+    judgeBoth(scene, {kOutside, kInside}, 0.02, 0.02);
+}
+
+TEST_F(FroxelsTest, PointsAndSpotsPastObjects) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.05f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}};
+    scene.lights = {point({0.5f, 2.5f, 2}), point({-5, 4, -1})};
+    scene.lights[1].type = kSpot;
+    scene.lights[1].axis = glm::normalize(glm::vec3(1, -0.7f, 0.3f));
+    scene.render.lit.spacing = 0.15f;
+    scene.render.froxels.pixels = 1;
+    judgeBoth(scene, {kOutside}, 0.03, 0.03);
+}
+
+// Sun et al., A practical analytic single scattering model for real time rendering, 2005: a point of 2 W/sr 4 m away in
+// fog of 0.3 1/m, 0.5 rad beside the line of sight, which ends after 9 m. The value is an integral in double.
+TEST_F(FroxelsTest, APointInFogHasItsClosedForm) {
+    Scene scene = emptyScene();
+    scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0)};
+    scene.fogs = {{.extinction = 0.3f, .albedo = glm::vec3(1)}};
+    Light light = point(glm::vec3(std::sin(0.5f), 0, -std::cos(0.5f)) * 4.0f);
+    light.intensity = glm::vec3(2);
+    light.shadows = false;
+    scene.lights = {light};
+    scene.boxes = {{{0, 0, -59}, {200, 200, 100}, 0, glm::vec3(0)}};
+    scene.render.froxels = {.pixels = 1, .slices = 512, .far = 9};
+    const double h = 4 * std::sin(0.5), foot = 4 * std::cos(0.5), sigma = 0.3;
+    double expected = 0;
+    constexpr int kSteps = 200000;
+    for (int i = 0; i < kSteps; ++i) {
+        const double t = kNear + (9 - kNear) * (i + 0.5) / kSteps, d = std::hypot(h, t - foot);
+        expected += std::exp(-sigma * (t - kNear + d)) / (d * d) * (9 - kNear) / kSteps;
+    }
+    expected *= sigma * 2 / (4 * kPi);
+    for (const char* method : {"froxels", "lit"}) {
+        scene.render.method = method;
+        const Picture picture = render(device(), scene, lookAt({0, 0, 0}, {0, 0, -1}, 0.02f), 33, 33);
+        EXPECT_NEAR(picture.at(16, 16).r / expected, 1, 2e-3) << method;
+        EXPECT_NEAR(picture.at(16, 16).a / std::exp(-sigma * (9 - kNear)), 1, 1e-4) << method;
+    }
+}
+
+// Light from everywhere in a medium that absorbs nothing is the same inside it, however coarse froxels are.
+TEST_F(FroxelsTest, AFurnaceHasNoColour) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.4f, .falloff = 0.1f, .albedo = glm::vec3(1)}};
+    scene.sky = {.zenith = glm::vec3(1), .horizon = glm::vec3(1), .ambient = glm::vec3(1)};
+    for (const uint32_t slices : {8u, 128u}) {
+        scene.render.froxels = {.pixels = 1, .slices = slices, .far = 30};
+        for (const char* method : {"froxels", "lit"}) {
+            scene.render.method = method;
+            const Picture picture = render(device(), scene, kInside, 64, 36);
+            float off = 0;
+            for (const glm::vec4& pixel : picture.pixels)
+                for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(pixel[c] - 1));
+            std::printf("%s, %u slices: %.1e\n", method, slices, double(off));
+            EXPECT_LE(off, 1e-5f) << method << ", " << slices;
+        }
+    }
+}
+
+// What one viewer sees does not depend on who else looks.
+TEST_F(FroxelsTest, AViewerSeesTheSameAloneAndAmongOthers) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.05f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}};
+    scene.lights = {point({0.5f, 2.5f, 2})};
+    for (const char* method : {"froxels", "lit"}) {
+        scene.render.method = method;
+        const Simulation simulation(scene);
+        std::vector<EyeRequest> eyes;
+        for (int i = 0; i < 7; ++i)
+            eyes.push_back({.pose = lookAt({2.0f + float(i), 3, 14}, {0, 0, 0}, 0.9f), .width = 80, .height = 48});
+        const auto bytesOfFirst = [&](std::span<const EyeRequest> seen) {
+            Renderer renderer(device(), scene, 1);
+            Submission submission(device(), "test");
+            submitAndWait(renderer, submission, simulation, seen);
+            const PictureView& picture = submission.pictures().front();
+            return std::vector<uint8_t>(picture.bytes, picture.bytes + picture.layout.bytes());
+        };
+        EXPECT_EQ(bytesOfFirst(std::span(eyes).first(1)), bytesOfFirst(eyes)) << method;
+    }
+}
+
+// Shadows from the map, the grid and the frusta are those of rays: nearly, and not by asking rays.
+TEST_F(FroxelsTest, EveryKindOfShadowIsThatOfRays) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}}; // the sun comes through
+    scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}, {{-4, -3, 3}, {2, 2, 2}, 0, glm::vec3(0.3f)}};
+    scene.spheres = {{{-1, 1, 1}, 0.8f, glm::vec3(0.5f)}};
+    scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}, point({0.5f, 2.5f, 2})};
+    scene.render.method = "froxels";
+    scene.render.froxels = {.pixels = 4, .slices = 128};
+    scene.render.shadow_grid.voxel = 0.08f;
+    scene.render.shadow_frustum = {.pixels = 4, .part = 0.9f};
+    const auto seen = [&](const char* shadows) {
+        scene.render.froxels.shadows = shadows;
+        return render(device(), scene, kOutside, kWidth, kHeight);
+    };
+    const Picture by_rays = seen("ray");
+    for (const char* shadows : {"map", "grid", "hybrid"}) {
+        const Picture picture = seen(shadows);
+        double off = 0, all = 0;
+        for (size_t i = 0; i < picture.pixels.size(); ++i) {
+            const glm::dvec3 a(picture.pixels[i]), b(by_rays.pixels[i]);
+            off += glm::dot(a - b, a - b), all += glm::dot(b, b);
+        }
+        std::printf("%-6s %.3f %%\n", shadows, 100 * std::sqrt(off / all));
+        EXPECT_LE(std::sqrt(off / all), 0.01) << shadows;
+        EXPECT_GT(off, 0) << shadows;
+    }
+}
+
+// A picture whose froxels do not fit the buffer is drawn in bands of rows, and is as one that fits.
+TEST_F(FroxelsTest, BandsAreNotSeen) {
+    Scene scene = sceneOf({{.centre = {0, 0, 0}, .scale = 8, .sigma_t = 0.3f}}, 1);
+    scene.render.method = "froxels";
+    scene.render.froxels = {.pixels = 1, .slices = 512};
+    const Pose pose = lookAt({0, 0, 9}, {0, 0, 0}, 0.6f);
+    const Picture large = render(device(), scene, pose, 600, 96); // 460 MiB of froxels
+    const Picture narrow = render(device(), scene, lookAt({0, 0, 9}, {0, 0, 0}, 0.6f), 96, 96);
+    for (uint32_t y = 0; y < 96; ++y)
+        for (uint32_t x = 0; x < 96; ++x) EXPECT_NEAR(large.at(x + 252, y).r, narrow.at(x, y).r, 2e-5) << x << ' ' << y;
+}
+
+} // namespace
+} // namespace brume::test
