@@ -37,7 +37,8 @@ vec4 atFace(uint face, uvec2 ray, vec2 part) {
     return mix(upper, mix(volume[below], volume[below + 1], part.x), part.y);
 }
 
-// Light of the sun and of fog itself behind the last face, past objects.
+// Light of the sun and of fog itself behind the last face, without shadows of objects and particles. Of several fogs
+// the sun is dimmed as at the last face.
 vec3 fogBehind(vec3 dir, float begin, float end, inout float depth) {
     const float metres = length(dir);
     float shares[kMostFogs];

@@ -70,7 +70,9 @@ float litBySlot(uint slot, vec3 x, vec3 toward) {
     return known ? part : isOccluded(x, toward, true) ? 0 : 1;
 }
 
-float litPart(uint i, vec3 x, vec3 away) { return litBySlot(slot_of_light[i], x, -away); }
+float litPart(uint i, vec3 x, vec3 away) {
+    return litBySlot(kShadows < kShadowsByGrid ? kNoShadowSlot : slot_of_light[i], x, -away);
+}
 
 float sunlitPart(vec3 x) {
     if (!kHasCasters) return 1;

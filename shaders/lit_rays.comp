@@ -62,7 +62,8 @@ vec3 node_part;                        // 0 ... 1, of the way to the next ones
 bool enterNodes(vec3 x) {
     const vec3 at = (x - push.lit.origin) / push.lit.spacing;
     const uvec3 size = push.lit.bricks * kSlabTile;
-    if (any(lessThan(at, vec3(0))) || any(greaterThanEqual(at, vec3(size) - 1))) return false;
+    // Without nodes it is infinite or no number.
+    if (!(all(greaterThanEqual(at, vec3(0))) && all(lessThan(at, vec3(size) - 1)))) return false;
     const uvec3 cell = uvec3(at);
     node_part = at - vec3(cell);
     node_row = size.x;

@@ -9,7 +9,18 @@
 
 namespace brume {
 
-inline constexpr double kLitAround = 10; // m, around a local light, at most
+inline constexpr double kLitAround = 10;  // m around a local light, at most: where its light is kept
+inline constexpr double kSeenAround = 40; // m around a local light, at most: where it is drawn
+
+// m. Around local lights, as far as they reach, but at most so far.
+inline Bounds3 lampBox(const TickInputs& tick, double most) {
+    Bounds3 box;
+    for (const gpu::LocalLight& light : tick.lights) {
+        const double reach = std::min(double(light.range), most);
+        box.add({glm::dvec3(light.position) - reach, glm::dvec3(light.position) + reach});
+    }
+    return box;
+}
 
 // m. With fog that fills no ball and nothing else it holds nothing.
 inline Bounds3 worldBox(const TickInputs& tick, const MediumView& medium) {
@@ -19,11 +30,7 @@ inline Bounds3 worldBox(const TickInputs& tick, const MediumView& medium) {
         const gpu::Fog& fog = tick.tick->fogs[i];
         if (fog.radius < kNoBall) box.add({fog.centre - fog.radius, fog.centre + fog.radius});
     }
-    for (const gpu::LocalLight& light : tick.lights) {
-        const glm::dvec3 at = light.position;
-        const double reach = std::min(double(light.reach), kLitAround);
-        box.add({at - reach, at + reach});
-    }
+    box.add(lampBox(tick, kLitAround));
     return box;
 }
 

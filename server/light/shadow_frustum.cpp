@@ -5,6 +5,12 @@
 #include "shaders/shadow_frustum_comp.h"
 
 namespace brume {
+namespace {
+
+// Words of one eye's froxels, and of all. Eyes that would have more get fewer slices: behind them the grid is read.
+constexpr uint32_t kMostOfEye = (2 << 20) / sizeof(uint32_t), kMostOfAll = (96 << 20) / sizeof(uint32_t);
+
+} // namespace
 
 void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_block, const TickInputs& shared,
                           const ShadowGrid& grid, std::span<const gpu::Eye> eyes,
@@ -18,9 +24,11 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     for (size_t i = 0; i < eyes.size(); ++i) {
         const ShadowSlices& own = slices[slices.size() > 1 ? i : 0];
         const uint32_t columns = gpu::groups(eyes[i].size.x, pixels), rows = gpu::groups(eyes[i].size.y, pixels),
-                       padded = 4 * gpu::groups(columns, 4), own_words = padded / 4 * rows * own.count;
-        frusta.push_back({eyes[i], words, padded, rows, own.count, pixels, own.near, own.unit, own.growth});
-        count_ += uint64_t(columns) * rows * own.count;
+                       padded = 4 * gpu::groups(columns, 4), slice_words = std::max(padded / 4 * rows, 1u),
+                       count = std::min({own.count, kMostOfEye / slice_words, (kMostOfAll - words) / slice_words}),
+                       own_words = slice_words * count;
+        frusta.push_back({eyes[i], words, padded, rows, count, pixels, own.near, own.unit, own.growth});
+        count_ += uint64_t(columns) * rows * count;
         words += own_words;
         most = std::max(most, own_words);
     }

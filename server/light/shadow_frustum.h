@@ -23,7 +23,8 @@ class ShadowFrusta {
 public:
     explicit ShadowFrusta(const gpu::Device& device) : device_(device) {}
 
-    // Makes the froxels of all eyes, by one ray to each light. Slices of each eye: `slices` has one for all, or as many
+    // Makes the froxels of all eyes, by one ray to each light: 2 MiB for an eye at most, 96 MiB for all. Eyes that
+    // need more get fewer slices. Slices of each eye: `slices` has one for all, or as many
     // as there are eyes. Preconditions: the grid has recorded this tick's lights; nothing of the frusta is on the
     // device. Ends with its writes visible to all.
     void record(gpu::Commands& commands, const gpu::Resource& tick_block, const TickInputs& shared,

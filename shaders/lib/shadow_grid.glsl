@@ -18,8 +18,8 @@ uint shadowVoxel(uint slot, uvec3 voxel) {
     return shadow_voxels[at * (shadow_grid.stride / 4) + slot / 4] >> (8 * (slot & 3)) & 255;
 }
 
-// The part of a light that arrives at x past objects. `known`: false outside the grid. Voxels in solids leave the
-// interpolation. Where there are no others, it is dark.
+// The part of a light that arrives at x past objects. `known`: false outside the grid. With coverage, voxels in
+// solids leave the interpolation; where there are no others, it is dark. Bits of voxels in solids are dark.
 float litInGrid(uint slot, vec3 x, out bool known) {
     const vec3 at = (x - shadow_grid.origin) / shadow_grid.voxel, size = vec3(shadow_grid.bricks * kShadowBrick);
     known = slot < kMostShadowSlots && all(greaterThanEqual(at, vec3(0))) && all(lessThan(at, size));

@@ -72,6 +72,19 @@ TEST_F(FroxelsTest, PointsAndSpotsPastObjects) {
     judgeBoth(scene, {kOutside}, 0.03, 0.03);
 }
 
+// The beam of a spot beside the eye goes on as far as its light does.
+TEST_F(FroxelsTest, ABeamThatGoesFarAway) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.02f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    scene.lights = {point({0, 0, -3})};
+    scene.lights[0].type = kSpot;
+    scene.lights[0].axis = {0, 0, -1};
+    scene.lights[0].intensity = glm::vec3(2000);
+    scene.lights[0].range = 30;
+    scene.render.froxels.pixels = 1;
+    judgeBoth(scene, {lookAt({4, 1, 2}, {0, 0, -25}, 0.5f)}, 0.02, 0.03);
+}
+
 // Sun et al., A practical analytic single scattering model for real time rendering, 2005: a point of 2 W/sr 4 m away in
 // fog of 0.3 1/m, 0.5 rad beside the line of sight, which ends after 9 m. The value is an integral in double.
 TEST_F(FroxelsTest, APointInFogHasItsClosedForm) {
@@ -168,6 +181,50 @@ TEST_F(FroxelsTest, EveryKindOfShadowIsThatOfRays) {
         std::printf("%-6s %.3f %%\n", shadows, 100 * std::sqrt(off / all));
         EXPECT_LE(std::sqrt(off / all), 0.01) << shadows;
         EXPECT_GT(off, 0) << shadows;
+    }
+}
+
+// What is kept from one tick to the next is that of the scene as it is now.
+TEST_F(FroxelsTest, WhatIsKeptFollowsTheScene) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}};
+    scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}, point({0.5f, 2.5f, 2})};
+    scene.render.shadow_grid.voxel = 0.2f;
+    scene.render.lit.spacing = 0.2f;
+    scene.render.froxels = {.pixels = 4, .slices = 64, .shadows = "grid"};
+    Scene moved = scene, turned = scene, thicker = scene, darker = scene;
+    moved.lights[1].position = {-2, 1, 1};
+    turned.lights[0].to_light = glm::normalize(glm::vec3(-0.5f, 0.3f, 0.2f));
+    thicker.fogs[0].extinction = 0.2f;
+    darker.lights.pop_back();
+    for (const char* method : {"froxels", "lit"}) {
+        Stage stage(device(), scene, 1);
+        for (Scene now : {scene, moved, turned, thicker, darker, scene}) {
+            now.render.method = method;
+            const Picture kept = stage.see(now, kOutside, 80, 48), fresh = render(device(), now, kOutside, 80, 48);
+            EXPECT_EQ(kept.pixels, fresh.pixels) << method;
+        }
+    }
+}
+
+// Each channel of a medium that hides them differently has its own light at the nodes.
+TEST_F(FroxelsTest, LitKeepsTheLightOfEachColour) {
+    Scene scene = sceneOf(randomPoints(60, 5, 1.6f, 1.2f), 1.6f);
+    scene.medium.extinction_colour = {0.3f, 0.6f, 1};
+    scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}, point({4, 3, 2})};
+    scene.render.froxels = {.pixels = 1, .slices = 128};
+    scene.render.method = "froxels";
+    const Picture each = render(device(), scene, kOutside, 80, 48);
+    scene.render.method = "lit";
+    const Picture kept = render(device(), scene, kOutside, 80, 48);
+    for (int c = 0; c < 3; ++c) {
+        double off = 0, all = 0;
+        for (size_t i = 0; i < each.pixels.size(); ++i) {
+            const double a = double(each.pixels[i][c]), b = double(kept.pixels[i][c]);
+            off += (a - b) * (a - b), all += a * a;
+        }
+        EXPECT_LE(std::sqrt(off / all), 0.01) << c;
     }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/scene_limits.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/world_box.h"
 #include "shaders/froxel_apply_comp.h"
@@ -23,7 +24,7 @@ VkDeviceSize bytesOf(uint32_t columns, uint32_t rows, uint32_t slices) {
 }
 
 // Rows of rays in a band.
-uint32_t bandRows(VkExtent2D size, const FroxelSettings& froxels) {
+uint32_t bandRows(VkExtent2D size, const gpu::FroxelGrid& froxels) {
     const uint32_t all = raysFor(size.height, froxels.pixels), columns = raysFor(size.width, froxels.pixels);
     const VkDeviceSize fit = kMostBytes / bytesOf(columns, 1, froxels.slices);
     return std::min(all, uint32_t(std::max<VkDeviceSize>(fit, 2)));
@@ -32,7 +33,8 @@ uint32_t bandRows(VkExtent2D size, const FroxelSettings& froxels) {
 // Where the medium ends before an eye, m of view depth.
 double farOf(const EyeInputs& in) {
     const TickInputs& shared = *in.shared;
-    const Bounds3 box = worldBox(shared, *in.medium);
+    Bounds3 box = worldBox(shared, *in.medium);
+    box.add(lampBox(shared, kSeenAround));
     double far = 0;
     if (box.lo.x <= box.hi.x) {
         const glm::dvec3 eye = in.pose.position, out = glm::max(glm::abs(eye - box.lo), glm::abs(eye - box.hi));
@@ -61,6 +63,9 @@ gpu::FroxelGrid froxelSlices(const EyeInputs& in) {
         far = range.far;
     }
     if (settings.far != kAuto) far = settings.far;
+    while (froxels.slices > limits::kSlices.lo &&
+           bytesOf(raysFor(in.size.width, froxels.pixels), 2, froxels.slices) > kMostBytes)
+        froxels.slices /= 2;                   // of a picture so wide that two rows do not fit
     far = std::max(far, froxels.near + 1e-2f); // all of it behind the eye: slices without medium
     const float growth = std::clamp(far / froxels.near, 1.01f, kMostGrowth);
     froxels.growth = std::log2(growth) / float(froxels.slices);
@@ -83,7 +88,7 @@ const gpu::Buffer& FroxelVolume::furthest() const { return furthest_ ? furthest_
 std::span<const ViewGroup> FroxelVolume::prepare(std::span<const EyeInputs> eyes) {
     VkDeviceSize bytes = 0;
     for (const EyeInputs& in : eyes) {
-        const FroxelSettings& froxels = in.shared->settings->froxels;
+        const gpu::FroxelGrid froxels = froxelSlices(in);
         bytes = std::max(bytes,
                          bytesOf(raysFor(in.size.width, froxels.pixels), bandRows(in.size, froxels), froxels.slices));
     }
@@ -97,10 +102,9 @@ void FroxelVolume::recordGroup(gpu::Commands& commands, const ViewGroup& group) 
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd); // the eye before has used the same buffers
     if (furthest_) furthest_->record(commands, in);
-    const FroxelSettings& settings = in.shared->settings->froxels;
-    const uint32_t all = raysFor(in.size.height, settings.pixels), most = bandRows(in.size, settings);
     gpu::FroxelGrid froxels = froxelSlices(in);
-    froxels.rays.x = raysFor(in.size.width, settings.pixels);
+    const uint32_t all = raysFor(in.size.height, froxels.pixels), most = bandRows(in.size, froxels);
+    froxels.rays.x = raysFor(in.size.width, froxels.pixels);
     for (uint32_t row = 0; row + 1 < all; row += most - 1) {
         froxels.first_row = row;
         froxels.rays.y = std::min(most, all - row);
@@ -110,8 +114,7 @@ void FroxelVolume::recordGroup(gpu::Commands& commands, const ViewGroup& group) 
         const struct {
             gpu::FroxelGrid froxels;
             glm::uvec2 rows;
-        } push{froxels,
-               {row * settings.pixels, std::min((row + froxels.rays.y - 1) * settings.pixels, in.size.height)}};
+        } push{froxels, {row * froxels.pixels, std::min((row + froxels.rays.y - 1) * froxels.pixels, in.size.height)}};
         apply_.bind(commands,
                     {in.medium->tick, in.eye, gpu::storageImage(2, in.target->radiance), gpu::storageBuffer(3, volume_),
                      gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},

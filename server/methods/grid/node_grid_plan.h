@@ -29,6 +29,12 @@ inline bool isCubic(const RenderSettings& settings) {
     return settings.grid.spacing != kAuto && settings.grid.spacing < kCubicBelow;
 }
 
+// The settings with nodes for linear sampling, which methods need that never sample by cubics.
+inline RenderSettings linearNodes(RenderSettings settings) {
+    if (isCubic(settings)) settings.grid.spacing = kCubicBelow;
+    return settings;
+}
+
 // Where the nodes lie that the medium asks for, on multiples of the spacing, so that they stay where they are when the
 // medium grows.
 gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings);

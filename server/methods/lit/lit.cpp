@@ -11,24 +11,27 @@ namespace {
 
 class Lit : public FroxelVolume {
 public:
-    explicit Lit(const MethodContext& context) : FroxelVolume(context), nodes_(context.device), lit_(context.device) {}
+    explicit Lit(const MethodContext& context)
+        : FroxelVolume(context),
+          nodes_(context.device), lit_{LitGrid(context.device), LitGrid(context.device), LitGrid(context.device)} {}
 
     void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {
-        nodes_.record(commands, medium, *tick.settings);
-        lit_.record(commands, tick, medium, nodes_);
+        nodes_.record(commands, medium, linearNodes(*tick.settings));
+        lit_[0].record(commands, tick, medium, nodes_);
     }
 
 private:
     void recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu::FroxelGrid& froxels) override {
         const TickInputs& shared = *in.shared;
-        lit_.record(commands, shared, *in.medium, nodes_); // of another hue: light is dimmed as its extinction is
+        LitGrid& lit = lit_[shared.hue];
+        lit.record(commands, shared, *in.medium, nodes_);
         const gpu::Commands::Pass pass(commands, "lit rays", in.view);
         const struct {
             gpu::FroxelGrid froxels;
             gpu::MediumGrid medium;
             gpu::LitGridShape lit;
             glm::vec3 albedo;
-        } push{froxels, nodes_.grid(), lit_.shape(), in.medium->extent->albedo};
+        } push{froxels, nodes_.grid(), lit.shape(), in.medium->extent->albedo};
         program(in.medium->extent->one_albedo)
             .bind(commands,
                   {in.medium->tick, in.eye, gpu::storageBuffer(2, nodes_.nodes()), gpu::storageBuffer(3, volume()),
@@ -38,8 +41,8 @@ private:
                    gpu::storageBuffer(8, *shared.local_lights), gpu::storageBuffer(9, *shared.light_bits),
                    gpu::storageBuffer(10, *shared.light_depths), gpu::storageBuffer(11, *shared.objects),
                    gpu::storageBuffer(12, *shared.object_nodes), gpu::storageBuffer(13, *shared.triangles),
-                   gpu::storageBuffer(14, *shared.mesh_nodes), gpu::storageBuffer(15, lit_.nodes()),
-                   gpu::storageBuffer(16, lit_.sun())},
+                   gpu::storageBuffer(14, *shared.mesh_nodes), gpu::storageBuffer(15, lit.nodes()),
+                   gpu::storageBuffer(16, lit.sun())},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(froxels.rays.x, 8), gpu::groups(froxels.rays.y, 8), 1);
         gpu::computeToCompute(commands.handle());
@@ -61,7 +64,7 @@ private:
     }
 
     GridPass nodes_;
-    LitGrid lit_;
+    LitGrid lit_[3];                               // of each hue: light is dimmed as its extinction is
     std::map<bool, gpu::ComputeProgram> programs_; // by: all particles have one albedo
 };
 

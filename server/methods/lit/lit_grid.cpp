@@ -53,11 +53,11 @@ gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, con
 }
 
 bool LitGrid::isKept(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape) {
-    const bool kept = medium_ == medium.version && objects_ == tick.objects_version && hue_ == tick.hue &&
+    const bool kept = medium_ == medium.version && objects_ == tick.objects_version &&
                       sameBytes(&shape, &shape_, sizeof shape) && sameBytes(tick.tick, &tick_, sizeof tick_) &&
                       lights_.size() == tick.lights.size() &&
                       (lights_.empty() || sameBytes(lights_.data(), tick.lights.data(), tick.lights.size_bytes()));
-    medium_ = medium.version, objects_ = tick.objects_version, hue_ = tick.hue, shape_ = shape, tick_ = *tick.tick;
+    medium_ = medium.version, objects_ = tick.objects_version, shape_ = shape, tick_ = *tick.tick;
     lights_.assign(tick.lights.begin(), tick.lights.end());
     return kept;
 }

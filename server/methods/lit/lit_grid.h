@@ -40,7 +40,6 @@ private:
     gpu::LitGridShape shape_{};
     // What the nodes were made of.
     std::optional<uint64_t> medium_, objects_;
-    uint32_t hue_ = 0;
     gpu::Tick tick_{};
     std::vector<gpu::LocalLight> lights_;
 };
