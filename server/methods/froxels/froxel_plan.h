@@ -1,0 +1,25 @@
+// FroxelPlan: what the plan knows of methods that march froxels (froxel_volume.h). They are used where a scene names
+// them: their errors have no law.
+#pragma once
+
+#include <algorithm>
+
+#include "common/scene_limits.h"
+#include "server/plan/method_plan.h"
+
+namespace brume {
+
+class FroxelPlan : public MethodPlan {
+public:
+    uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); } // of the nodes' bins
+    bool drawsFogAndLocalLights() const override { return true; }
+    // Half as far between rays and between slices.
+    RenderSettings finer(const RenderSettings& settings) const override {
+        RenderSettings fine = settings;
+        fine.froxels.pixels = std::max(settings.froxels.pixels / 2, 1u);
+        fine.froxels.slices = std::min(2 * settings.froxels.slices, uint32_t(limits::kSlices.hi));
+        return fine;
+    }
+};
+
+} // namespace brume
