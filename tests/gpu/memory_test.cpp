@@ -143,11 +143,12 @@ TEST_F(MemoryTest, ALoopOverAFewSettingsCompilesNothingAgain) {
     const EyeRequest eye = eyeOf(32, 18);
     size_t after_first = 0;
     uint64_t resident = 0;
-    for (int i = 0; i < 60; ++i) {
-        settings_.method = methodNames()[size_t(i) % methodNames().size()];
-        settings_.isv.quadrature = i / 5 % 2 ? "simpson" : "analytic";
+    const size_t methods = methodNames().size();
+    for (size_t i = 0; i < 12 * methods; ++i) {
+        settings_.method = methodNames()[i % methods];
+        settings_.isv.quadrature = i / methods % 2 ? "simpson" : "analytic";
         draw({&eye, 1});
-        if (i == 9) after_first = device().pipelines().size(), resident = residentBytes();
+        if (i == 2 * methods - 1) after_first = device().pipelines().size(), resident = residentBytes();
     }
     EXPECT_GT(after_first, 5u);
     EXPECT_EQ(device().pipelines().size(), after_first);

@@ -66,6 +66,8 @@ std::vector<Way> ways() {
     for (const MethodPlan* method : methodPlans()) {
         RenderSettings named;
         named.method = method->name();
+        // One sample of a cell has no closed form. What these err is measured in tests/gpu/froxels_test.cpp.
+        if (named.method == "froxels" || named.method == "lit") continue;
         const SceneSetting* choice = quadratureSetting(named);
         if (!choice) {
             all.push_back({named.method, "", 0});

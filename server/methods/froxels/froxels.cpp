@@ -43,7 +43,7 @@ public:
     }
 
     void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {
-        nodes_.record(commands, medium, linearNodes(*tick.settings));
+        nodes_.record(commands, medium, *tick.settings, true);
         const uint32_t shadows = shadowsOf(*tick.settings);
         if (shadows != gpu::kShadowsByGrid && shadows != gpu::kShadowsHybrid) return;
         Bounds3 box = worldBox(tick, medium);

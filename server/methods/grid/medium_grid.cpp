@@ -33,8 +33,8 @@ GridPass::GridPass(const gpu::Device& device)
       alone_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"},
                      {{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, false}}) {}
 
-void GridPass::record(gpu::Commands& commands, const MediumView& in, const RenderSettings& settings) {
-    const gpu::MediumGrid grid = gridThatFits(*in.extent, settings);
+void GridPass::record(gpu::Commands& commands, const MediumView& in, const RenderSettings& settings, bool linear) {
+    const gpu::MediumGrid grid = gridThatFits(*in.extent, settings, linear);
     if (version_ == in.version && same(grid, grid_) && one_albedo_ == in.extent->one_albedo) return;
     version_ = in.version;
     grid_ = grid;

@@ -16,8 +16,9 @@ public:
 
     // Records the grid, unless medium.version and the grid's shape are those of the last call. A grid that is refused
     // is made so coarse that it fits: no frame fails for it. Preconditions: there are particles; nothing of the grid's
-    // is on the device, its buffers may be replaced. Ends with its writes visible to compute.
-    void record(gpu::Commands& commands, const MediumView& medium, const RenderSettings& settings);
+    // is on the device, its buffers may be replaced. `linear`: as for mediumGrid(). Ends with its writes visible to
+    // compute.
+    void record(gpu::Commands& commands, const MediumView& medium, const RenderSettings& settings, bool linear = false);
 
     const gpu::MediumGrid& grid() const { return grid_; }
     // float[quantity of the medium][plane][row][node] (shaders/shared/field.h). Bricks without a mark for reading are

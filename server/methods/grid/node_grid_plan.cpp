@@ -29,15 +29,15 @@ uint64_t bytesOf(glm::uvec3 bricks, bool one_albedo) {
 
 } // namespace
 
-gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings) {
+gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings, bool linear) {
     const float spacing = settings.grid.spacing != kAuto ? settings.grid.spacing : kGridSpacing;
-    return gridOf(extent, spacing * extent.deviation, isCubic(settings));
+    return gridOf(extent, spacing * extent.deviation, isCubic(settings) && !linear);
 }
 
-gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings) {
-    gpu::MediumGrid grid = mediumGrid(extent, settings);
+gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings, bool linear) {
+    gpu::MediumGrid grid = mediumGrid(extent, settings, linear);
     while (gridBytes(grid, extent.one_albedo) > kMostGridBytes)
-        grid = gridOf(extent, 1.25f * grid.spacing, isCubic(settings));
+        grid = gridOf(extent, 1.25f * grid.spacing, isCubic(settings) && !linear);
     return grid;
 }
 

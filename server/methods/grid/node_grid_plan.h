@@ -29,17 +29,12 @@ inline bool isCubic(const RenderSettings& settings) {
     return settings.grid.spacing != kAuto && settings.grid.spacing < kCubicBelow;
 }
 
-// The settings with nodes for linear sampling, which methods need that never sample by cubics.
-inline RenderSettings linearNodes(RenderSettings settings) {
-    if (isCubic(settings)) settings.grid.spacing = kCubicBelow;
-    return settings;
-}
-
 // Where the nodes lie that the medium asks for, on multiples of the spacing, so that they stay where they are when the
 // medium grows.
-gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings);
+// linear: true if samples are, however fine the nodes.
+gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings, bool linear = false);
 // The finest grid of at most kMostGridBytes, by steps of a quarter in the spacing.
-gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings);
+gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings, bool linear = false);
 // True: particles that are large enough are on coarse nodes.
 inline bool hasCoarse(const gpu::MediumGrid& grid) { return grid.least_coarse < kNeverCoarse; }
 // Bricks of coarse nodes (shaders/lib/coarse_nodes.glsl), and the bytes of these.

@@ -16,7 +16,7 @@ public:
           nodes_(context.device), lit_{LitGrid(context.device), LitGrid(context.device), LitGrid(context.device)} {}
 
     void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {
-        nodes_.record(commands, medium, linearNodes(*tick.settings));
+        nodes_.record(commands, medium, *tick.settings, true);
         lit_[0].record(commands, tick, medium, nodes_);
     }
 
