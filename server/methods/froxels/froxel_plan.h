@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/scene_limits.h"
+#include "server/methods/grid/node_grid_plan.h"
 #include "server/plan/method_plan.h"
 
 namespace brume {
@@ -13,6 +14,16 @@ class FroxelPlan : public MethodPlan {
 public:
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); } // of the nodes' bins
     bool drawsFogAndLocalLights() const override { return true; }
+    // None where the nodes of the medium do not fit, as for `grid`.
+    void addWays(const PlanScene& scene, const RenderSettings& way, bool asked, std::vector<RenderSettings>& ways,
+                 std::string& refused) const override {
+        if (!asked) return;
+        const std::string why = gridRefusal(scene.extent, way);
+        if (why.empty())
+            ways.push_back(way);
+        else
+            refused = std::string(name()) + ": " + why;
+    }
     // Half as far between rays and between slices.
     RenderSettings finer(const RenderSettings& settings) const override {
         RenderSettings fine = settings;
