@@ -226,7 +226,7 @@ struct ShadowGridSettings {
 // With shadows = "hybrid": light past objects in coarse froxels before each eye; behind them the grid is read.
 struct ShadowFrustumSettings {
     uint32_t pixels = 16; // 1...64
-    float part = 0.333f;  // of the slices, from the eye on
+    float part = 0.333f;  // part of the slices that it covers, from the eye on
 
     bool operator==(const ShadowFrustumSettings&) const = default;
 };

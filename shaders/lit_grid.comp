@@ -36,7 +36,8 @@ Eye eye; // what is included names it; nothing here reads it
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/objects.glsl"
-#include "shaders/lib/lit_by.glsl"
+#include "shaders/lib/local_lights.glsl"
+#include "shaders/lib/local_light_depth.glsl"
 #include "shaders/lib/occluded.glsl"
 #include "shaders/lib/near_lights.glsl"
 

@@ -14,10 +14,10 @@ namespace brume {
 
 struct TickInputs {
     const RenderSettings* settings = nullptr;  // in use: every choice is made
-    const gpu::Tick* tick = nullptr;           // of all particles; on the CPU
-    std::span<const gpu::LocalLight> lights;   // points and spots; on the CPU
-    Bounds3 objects_bounds;                    // m, of boxes, spheres and meshes
-    uint64_t objects_version = 0;              // changes whenever an object does
+    const gpu::Tick* tick = nullptr;           // the tick of all particles, on the CPU
+    std::span<const gpu::LocalLight> lights;   // all points and spots, on the CPU
+    Bounds3 objects_bounds;                    // bounds of boxes, spheres and meshes, m
+    uint64_t objects_version = 0;              // a number that changes whenever an object does
     const gpu::Buffer* objects = nullptr;      // gpu::Opaque[]: planes come first
     const gpu::Buffer* object_nodes = nullptr; // gpu::ObjectNode[]: the tree of the others
     const gpu::Buffer* triangles = nullptr;    // gpu::Triangle[]: of meshes

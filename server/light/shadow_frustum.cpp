@@ -20,7 +20,7 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     const gpu::Commands::Pass pass(commands, "shadow frusta");
     const uint32_t pixels = shared.settings->shadow_frustum.pixels;
     std::vector<gpu::ShadowFrustum> frusta;
-    uint32_t words = 0, most = 0; // of all, and of the largest
+    uint32_t words = 0, most = 0; // words of all eyes, and of the eye that has most
     for (size_t i = 0; i < eyes.size(); ++i) {
         const ShadowSlices& own = slices[slices.size() > 1 ? i : 0];
         const uint32_t columns = gpu::groups(eyes[i].size.x, pixels), rows = gpu::groups(eyes[i].size.y, pixels),
@@ -44,7 +44,7 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_blo
                                       {{gpu::kIdHasMeshes, meshes}});
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd);                                    // readers of the call before
-    constexpr size_t kAtOnce = 65536 / sizeof(gpu::ShadowFrustum); // that one update can write
+    constexpr size_t kAtOnce = 65536 / sizeof(gpu::ShadowFrustum); // frusta that one update can write
     for (size_t at = 0; at < frusta.size(); at += kAtOnce)
         vkCmdUpdateBuffer(cmd, frusta_.handle(), at * sizeof(gpu::ShadowFrustum),
                           std::min(kAtOnce, frusta.size() - at) * sizeof(gpu::ShadowFrustum), &frusta[at]);

@@ -159,7 +159,7 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
     if (clear) vkCmdFillBuffer(cmd, states_.handle(), 0, bricks * sizeof(glm::uvec2), 0);
     vkCmdFillBuffer(cmd, counter_.handle(), 0, sizeof(uint32_t), 0);
     vkCmdUpdateBuffer(cmd, block_.handle(), 0, sizeof shape, &shape);
-    constexpr VkDeviceSize kMostBytes = 65536; // of one update
+    constexpr VkDeviceSize kMostBytes = 65536; // bytes that one update can write
     for (VkDeviceSize at = 0; at < slot_bytes; at += kMostBytes)
         vkCmdUpdateBuffer(cmd, slots_of_lights_.handle(), at, std::min(kMostBytes, slot_bytes - at),
                           slot_of_light.data() + at / sizeof(uint32_t));

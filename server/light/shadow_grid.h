@@ -36,11 +36,11 @@ inline constexpr uint64_t kMostShadowGridBytes = 96 << 20; // larger grids get w
 
 struct ShadowGridInputs {
     const gpu::Resource& tick_block;         // uniform block, binding 0
-    const gpu::Tick& tick;                   // what it holds
+    const gpu::Tick& tick;                   // what that block holds, on the CPU
     const TickInputs& shared;                // objects, trees and settings
     std::span<const gpu::LocalLight> lights; // all of the tick
     glm::vec3 lo, hi;                        // m, what the grid covers
-    std::span<const gpu::Eye> eyes;          // that will read it; more than kMostShadowEyes see all of it
+    std::span<const gpu::Eye> eyes;          // eyes that will read the grid; more than kMostShadowEyes see all of it
     float far = 0;                           // m of view depth, up to which they read it
     float margin = 0;                        // pixels around pictures, where they read it, too
     uint64_t key = 0;                        // changes whenever objects do
@@ -71,7 +71,7 @@ private:
     gpu::ShadowGridBlock shape_{};
     ShadowSlots slots_;
     ShadowGridSettings settings_;
-    uint32_t version_ = 0; // of lights and objects in the voxels; 0: of none
+    uint32_t version_ = 0; // version of lights and objects that voxels have; 0: none are made
     uint32_t layer_ = 0;   // with parity: of the next call
     uint64_t key_ = 0;
     uint32_t objects_ = 0, triangles_ = 0;

@@ -121,7 +121,8 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
             EXPECT_EQ(
                 error.what(),
                 method +
-                    std::string(": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels or lit"));
+                    std::string(
+                        ": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels or lit"));
         }
     }
 }

@@ -1,5 +1,5 @@
 // Method `lit`: the light of all lamps and of the sun is kept at nodes of world space, once a tick for all viewers. An
-// eye's rays read it once in each slice, so that what a viewer costs does not depend on the number of lights.
+// eye's rays read it once in each slice, however many lights there are, and add those that are near one by one.
 #include <map>
 
 #include "server/methods/froxels/froxel_volume.h"
