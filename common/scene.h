@@ -203,12 +203,14 @@ struct GridSettings {
     bool operator==(const GridSettings&) const = default;
 };
 
-// Froxels: cells of an eye's view volume, `pixels` wide, cut by slices that grow with their distance. Methods froxels
-// and lit march through them.
+// Froxels: cells of an eye's view volume, `pixels` wide, cut by slices that grow with their distance. Methods froxels,
+// lit and gradients march through them.
 struct FroxelSettings {
     uint32_t pixels = 8;         // between neighbouring rays, 1...32
     uint32_t slices = 128;       // along every ray, 8...512
     float far = kAuto;           // m of view depth, where slices end; auto: where the medium does
+    bool jitter = false;         // froxels. True: each tick's samples lie elsewhere within their slices
+    float history = 0;           // froxels: part of a cell's light that is kept from an eye's last picture, up to 0.98
     std::string shadows = "ray"; // froxels: how objects shadow the medium: map | ray | grid | hybrid
 
     bool operator==(const FroxelSettings&) const = default;
@@ -237,6 +239,23 @@ struct LitSettings {
     bool operator==(const LitSettings&) const = default;
 };
 
+// Method gradients: light is computed at few places, and interpolated to the nodes that method lit reads.
+struct RadianceSettings {
+    // exact: computed at every node. rbf, gradient: at samples in spheres, without and with their gradients (Ren et al.
+    // 2008). nested: at every second node, and between these where interpolation errs.
+    std::string interpolation = "nested";
+    std::string quantity = "factor";  // what is interpolated: radiance | factor, the part of all light that arrives
+    std::string weights = "gaussian"; // of samples in spheres: printed | gaussian
+    float error = 0.02f;     // beyond which a sample is split, in its opacity times the factor, or times the mean light
+    uint32_t levels = 3;     // of grids that samples are split into, 1...3
+    float spacing = kAuto;   // m between nodes, as LitSettings::spacing
+    float gradient_step = 1; // of central differences, in spacings
+    float step = kAuto;      // of marches toward lights, in spacings; auto: depths are looked up in the lights' volumes
+    uint32_t samples = 1024; // rbf, gradient: the first ones, at most: particles; strata if there are none or too many
+
+    bool operator==(const RadianceSettings&) const = default;
+};
+
 struct MethodSettings {
     IsvSettings isv;
     TilesSettings tiles;
@@ -245,6 +264,7 @@ struct MethodSettings {
     ShadowGridSettings shadow_grid;
     ShadowFrustumSettings shadow_frustum;
     LitSettings lit;
+    RadianceSettings radiance;
 
     bool operator==(const MethodSettings&) const = default;
 };

@@ -56,9 +56,11 @@ inline constexpr Limits kMoveTime{0, 60};     // s, of particles that are set
 inline constexpr Limits kFovY{0.05, 3.0}, kEyeSeparation{0, 10}; // m; people have 0.065, giants and models more
 inline constexpr Limits kExposure{1e-4, 1e4}, kSteps{1, 10}, kTransmittanceSteps{1, 3};
 inline constexpr Limits kRayRate{1, 16}, kSlabs{1, 512}, kShading{1, 8}, kGridSpacing{0.01, 1};
-inline constexpr Limits kFroxelPixels{1, 32}, kSlices{8, 512}, kFroxelFar{1, 1e5};     // ; ; m
-inline constexpr Limits kFrustumPixels{1, 64}, kFrustumPart{0, 1}, kVoxel{0.005, 100}; // ; ; m
-inline constexpr Limits kMerge{0, 8}; // pixels: beyond, nothing of a picture is left
+inline constexpr Limits kFroxelPixels{1, 32}, kSlices{8, 512}, kFroxelFar{1, 1e5}, kHistory{0, 0.98}; // ; ; m;
+inline constexpr Limits kFrustumPixels{1, 64}, kFrustumPart{0, 1}, kVoxel{0.005, 100};                // ; ; m
+inline constexpr Limits kLightError{1e-5, 1}, kLightLevels{0, 3}, kLightSamples{1, 4096};
+inline constexpr Limits kGradientStep{0.05, 8}, kLightStep{0.05, 16}; // spacings of nodes
+inline constexpr Limits kMerge{0, 8};                                 // pixels: beyond, nothing of a picture is left
 inline constexpr Limits kError{1e-5, 1}, kFlip{1e-5, 1};
 inline constexpr Limits kShadowError{1e-4, 0.1}, kLightTolerance{0, 1}, kLeastTransmittance{0, 0.1};
 inline constexpr Limits kShadowSize{16, 1024}, kShadowSlices{2, 128}, kOpaqueShadowSize{16, 8192}, kCutoff{0, 0.1};

@@ -30,6 +30,9 @@ constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
 constexpr std::string_view kShadowsOfFroxels[]{"map", "ray", "grid", "hybrid"};
 constexpr std::string_view kVoxelValues[]{"bits", "coverage"};
 constexpr std::string_view kVoxelLookups[]{"nearest", "linear"};
+constexpr std::string_view kInterpolations[]{"exact", "rbf", "gradient", "nested"};
+constexpr std::string_view kQuantities[]{"radiance", "factor"};
+constexpr std::string_view kSampleWeights[]{"printed", "gaussian"};
 constexpr std::string_view kPlacesOfObjects[]{kNoObjects, kCourtyard, kStreet, kIslands, kAtrium};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
 
@@ -299,11 +302,16 @@ constexpr SceneSetting kSettings[]{
      "Distance of the nodes; `auto`: 0.5. Below 0.25 sampling is cubic", kNobody, Form::or_auto},
 
     usually({4, 16}, {"render.froxels.pixels", at<&P::render, &R::froxels, &FroxelSettings::pixels>, "pixels",
-                      limits::kFroxelPixels, "`froxels`, `lit`: pixels between rays", kOperators}),
+                      limits::kFroxelPixels, "`froxels`, `lit`, `gradients`: pixels between rays", kOperators}),
     usually({16, 256}, {"render.froxels.slices", at<&P::render, &R::froxels, &FroxelSettings::slices>, "",
-                        limits::kSlices, "`froxels`, `lit`: slices along every ray", kOperators}),
+                        limits::kSlices, "`froxels`, `lit`, `gradients`: slices along every ray", kOperators}),
     {"render.froxels.far", at<&P::render, &R::froxels, &FroxelSettings::far>, "m", limits::kFroxelFar,
      "View depth where the slices end; `auto`: where the medium does", kNobody, Form::or_auto},
+    {"render.froxels.jitter", at<&P::render, &R::froxels, &FroxelSettings::jitter>, "", kNone,
+     "`froxels`. True: samples lie elsewhere within their slices in each tick and for each ray", kOperators},
+    {"render.froxels.history", at<&P::render, &R::froxels, &FroxelSettings::history>, "", limits::kHistory,
+     "`froxels`: part of a cell's light that a viewer's last picture gives; what is seen then depends on what was",
+     kOperators},
     {"render.froxels.shadows", at<&P::render, &R::froxels, &FroxelSettings::shadows>, "", kNone,
      "`froxels`: whether objects shadow a place in the medium is asked of a shadow `map`, by a `ray`, from the shared "
      "shadow `grid`, or `hybrid`: from the shadow frustum near the eye, and from the grid behind it",
@@ -328,6 +336,30 @@ constexpr SceneSetting kSettings[]{
      "Distance of the nodes; `auto`: half a standard deviation of the particles, or without any 1/96 of the longest "
      "side of what the nodes cover",
      kNobody, Form::or_auto},
+    {"render.radiance.interpolation", at<&P::render, &R::radiance, &RadianceSettings::interpolation>, "", kNone,
+     "Light is computed at every node (`exact`), at samples in spheres (`rbf`, or `gradient` with their gradients), or "
+     "at `nested` grids, finer where interpolation errs",
+     kOperators, Form::plain, kInterpolations},
+    {"render.radiance.quantity", at<&P::render, &R::radiance, &RadianceSettings::quantity>, "", kNone,
+     "What is interpolated: `radiance`, or the `factor`, the part of all light that arrives", kOperators, Form::plain,
+     kQuantities},
+    {"render.radiance.weights", at<&P::render, &R::radiance, &RadianceSettings::weights>, "", kNone,
+     "`rbf`, `gradient`: weights of samples, `gaussian` or as `printed` in the paper, which leaves holes", kNobody,
+     Form::plain, kSampleWeights},
+    usually({0.005, 0.1},
+            {"render.radiance.error", at<&P::render, &R::radiance, &RadianceSettings::error>, "", limits::kLightError,
+             "Beyond which samples are split: the error of the light, times opacity", kOperators}),
+    {"render.radiance.levels", at<&P::render, &R::radiance, &RadianceSettings::levels>, "", limits::kLightLevels,
+     "Levels of grids that samples are split into; `nested` with 0 or 1: every node is computed"},
+    {"render.radiance.spacing", at<&P::render, &R::radiance, &RadianceSettings::spacing>, "m", limits::kVoxel,
+     "Distance of the nodes; `auto`: as in `[render.lit]`", kNobody, Form::or_auto},
+    {"render.radiance.gradient_step", at<&P::render, &R::radiance, &RadianceSettings::gradient_step>, "spacings",
+     limits::kGradientStep, "`gradient`: step of the differences"},
+    {"render.radiance.step", at<&P::render, &R::radiance, &RadianceSettings::step>, "spacings", limits::kLightStep,
+     "Step of marches toward lights; `auto`: none, depths are looked up in the lights' volumes", kNobody,
+     Form::or_auto},
+    {"render.radiance.samples", at<&P::render, &R::radiance, &RadianceSettings::samples>, "", limits::kLightSamples,
+     "`rbf`, `gradient`: the first ones, at most: the particles, or strata if there are none or too many"},
 };
 
 // The settings that `Holds` is true for.

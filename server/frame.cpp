@@ -389,6 +389,8 @@ void FrameLoop::report(Clock::time_point now) {
     }
     report->passes = ledger_.passes();
     report->errors = errors_;
+    const LightWork& work = renderer_->lightWork();
+    report->light = {work.voxel_rays, work.froxel_rays, work.places};
     report->memory = {device_.memoryInUse(), device_.peakMemory(), simulation_.bytes() + renderer_->particleBytes()};
     metrics_.kept(pictureBytes(), device_.pipelines().size());
     audience_.publish(report);

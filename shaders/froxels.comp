@@ -17,6 +17,7 @@ layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = true;
 layout(constant_id = kIdShadows) const uint kShadows = kShadowsByRay;
+layout(constant_id = kIdHistory) const bool kHistory = false;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
@@ -39,12 +40,16 @@ layout(scalar, binding = 16) readonly buffer Voxels { uint shadow_voxels[]; };
 layout(scalar, binding = 17) readonly buffer Slots { uint slot_of_light[]; };
 layout(scalar, binding = 18) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
 layout(scalar, binding = 19) readonly buffer FrustumBits { uint shadow_froxels[]; };
+// An eye's cells, per m: of this picture and of its last one. Used with kHistory alone.
+layout(scalar, binding = 20) buffer Cells { vec4 cells[]; };
+layout(scalar, binding = 21) uniform HistoryOfEye { HistoryBlock history; };
 
 layout(push_constant, scalar) uniform Push {
     FroxelGrid froxels;
     MediumGrid medium;
     vec3 albedo; // of all particles, where they have one
     uint view;   // index of the eye's shadow frustum
+    uint jitter; // the tick; 0: samples lie in the middle of their slices
 } push;
 
 #include "shaders/lib/grid_marks.glsl"
@@ -82,10 +87,10 @@ float sunlitPart(vec3 x) {
     return kHasMeshes && isShadowedByMesh(x, tick.sun.to_light, kFarAway, kInnerNode, 0) ? 0 : 1;
 }
 
-void addSlice(float near, float far, inout vec3 scattered, out float depth) {
+void addLight(float near, float far, inout vec3 scattered, out float depth) {
     depth = mediaOf(near, far, scattered);
     if (!(depth > 0)) return;
-    const vec3 x = eye.position + 0.5 * (near + far) * ray_dir;
+    const vec3 x = eye.position + sampledDepth(near, far) * ray_dir;
     if (tick.sun.irradiance != vec3(0)) {
         float through = sunThrough(x);
         if (through > 0) through *= sunlitPart(x);
@@ -100,4 +105,66 @@ void addSlice(float near, float far, inout vec3 scattered, out float depth) {
     }
 }
 
-void main() { march(); }
+// --- of an eye's last picture
+
+// Where a place lay among that picture's cells: ray, row of rays, slice. False: it was not in the picture.
+bool wasAt(vec3 x, out vec3 at) {
+    const Eye before = history.eye;
+    const vec3 way = x - before.position;
+    const float depth = -dot(way, before.back);
+    at = vec3(0);
+    if (!(depth > history.froxels.near)) return false;
+    const vec3 off = way / depth - before.ray;
+    const vec2 pixel = vec2(dot(off, before.ray_right) / dot(before.ray_right, before.ray_right),
+                            dot(off, before.ray_down) / dot(before.ray_down, before.ray_down));
+    const float face = log2(1 + (depth - history.froxels.near) / history.froxels.unit) / history.froxels.growth;
+    at = vec3((pixel - 0.5) / float(history.froxels.pixels), face - 0.5);
+    const vec3 last = vec3(history.froxels.rays, history.froxels.slices) - 1;
+    return all(greaterThanEqual(at, vec3(0))) && all(lessThanEqual(at, last));
+}
+
+uint cellAt(FroxelGrid froxels, uvec3 cell) { return (cell.z * froxels.rays.y + cell.y) * froxels.rays.x + cell.x; }
+
+// Light and optical depth of that picture's cells at a place, per m. False: not known there.
+bool wasSeen(vec3 x, out vec4 seen) {
+    vec3 at;
+    seen = vec4(0);
+    if (history.known == 0 || !wasAt(x, at)) return false;
+    const uvec3 last = uvec3(history.froxels.rays, history.froxels.slices) - 1, first = min(uvec3(at), last);
+    const vec3 part = at - vec3(first);
+    [[dont_unroll]] for (uint c = 0; c < 8; ++c) {
+        const uvec3 off = uvec3(c & 1, c >> 1 & 1, c >> 2);
+        const vec3 share = mix(1 - part, part, vec3(off));
+        const vec4 cell = cells[history.first + cellAt(history.froxels, min(first + off, last))];
+        if (cell.a < 0) return false;
+        seen += share.x * share.y * share.z * cell;
+    }
+    return true;
+}
+
+void addSlice(float near, float far, inout vec3 scattered, out float depth) {
+    addLight(near, far, scattered, depth);
+    if (!kHistory) return;
+    const float metres = (far - near) * ray_metres;
+    vec4 now = vec4(scattered, depth) / metres, seen;
+    if (wasSeen(eye.position + faceDepth(float(ray_slice) + 0.5) * ray_dir, seen)) {
+        now = mix(now, seen, history.part);
+        scattered = now.rgb * metres;
+        depth = now.a * metres;
+    }
+    cells[history.own + cellAt(push.froxels, uvec3(gl_GlobalInvocationID.xy, ray_slice))] = now;
+}
+
+void main() {
+    const uvec2 ray = gl_GlobalInvocationID.xy;
+    // A number for each ray and tick: Jimenez, Next Generation Post Processing in Call of Duty: Advanced Warfare, 2014.
+    if (push.jitter != 0) {
+        const vec2 at = vec2(ray) + 5.588238 * float(push.jitter % 64);
+        slice_part = fract(52.9829189 * fract(dot(at, vec2(0.06711056, 0.00583715))));
+    }
+    march();
+    if (!kHistory || any(greaterThanEqual(ray, push.froxels.rays))) return;
+    // What lies behind the last slice that was added is not known.
+    [[dont_unroll]] for (uint slice = added_slices; slice < push.froxels.slices; ++slice)
+        cells[history.own + cellAt(push.froxels, uvec3(ray, slice))] = vec4(0, 0, 0, -1);
+}

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// Method `lit`, per eye: coarse rays that read the light which all viewers share, once in each slice, however many
-// lights there are. A lane is a ray.
+// Methods `lit` and `gradients`, per eye: coarse rays that read the light which all viewers share, once in each slice,
+// however many lights there are. A lane is a ray.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/froxels.h"
 #include "shaders/shared/field.h"
@@ -31,7 +31,7 @@ layout(scalar, binding = 11) readonly buffer Objects { Opaque objects[]; };
 layout(scalar, binding = 12) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
 layout(scalar, binding = 13) readonly buffer Triangles { Triangle triangles[]; };
 layout(scalar, binding = 14) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
-layout(scalar, binding = 15) readonly buffer LitNodes { vec4 lit_nodes[]; }; // written by lit_grid.comp
+layout(scalar, binding = 15) readonly buffer LitNodes { vec4 lit_nodes[]; }; // by lit_grid.comp or radiance_nodes.comp
 layout(scalar, binding = 16) readonly buffer SunNodes { float sun_nodes[]; };
 
 layout(push_constant, scalar) uniform Push {
@@ -106,7 +106,7 @@ void findNear() {
     near_count = 0;
     all_near = false;
     const uint bin = binOf(ray_pixel);
-    const float reach = 2 * kNearNodes * push.lit.spacing;
+    const float reach = 2 * push.lit.near * push.lit.spacing;
     [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
         [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
             const uint i = 32 * word + findLSB(bits);
@@ -120,7 +120,7 @@ void findNear() {
 
 // What a near light adds in the slice beyond what nodes keep of it.
 vec3 ofNearLight(uint i, vec3 x, float near, float far) {
-    const float kept = keptPart(length(x - local_lights[i].position), push.lit.spacing);
+    const float kept = keptPart(length(x - local_lights[i].position));
     return kept < 1 ? (1 - kept) * ofLocalLight(i, x, near, far) : vec3(0);
 }
 
@@ -154,7 +154,7 @@ void addSlice(float near, float far, inout vec3 scattered, out float depth) {
     if (all_near) {
         const uint bin = binOf(ray_pixel);
         uint passed = 0; // lights with a near ball that near_lights has
-        const float reach = 2 * kNearNodes * push.lit.spacing;
+        const float reach = 2 * push.lit.near * push.lit.spacing;
         [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
             [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
                 const uint i = 32 * word + findLSB(bits);

@@ -18,6 +18,7 @@ layout(scalar, binding = 4) readonly buffer Triangles { Triangle triangles[]; };
 layout(scalar, binding = 5) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
 layout(scalar, binding = 6) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
 layout(scalar, binding = 7) writeonly buffer Froxels { uint shadow_froxels[]; };
+layout(scalar, binding = 8) buffer Rays { uint rays_traced; };
 
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/object_tree.glsl"
@@ -30,13 +31,14 @@ void main() {
     if (word >= words * frustum.rows * frustum.slices) return;
     const uint slice = word / (words * frustum.rows), row = word / words % frustum.rows, column = 4 * (word % words);
     const float depth = frustum.near + frustum.unit * (exp2(frustum.growth * (float(slice) + 0.5)) - 1);
-    uint bits = 0;
+    uint bits = 0, rays = 0;
     [[dont_unroll]] for (uint i = 0; i < 4; ++i) {
         if ((column + i) * frustum.pixels >= frustum.eye.size.x) break;
         const vec2 pixel = (vec2(column + i, row) + 0.5) * float(frustum.pixels);
         const vec3 direction = frustum.eye.ray + pixel.x * frustum.eye.ray_right + pixel.y * frustum.eye.ray_down;
         const vec3 x = frustum.eye.position + depth * direction;
         if (isInSolid(x)) continue;
+        rays += shadow_grid.slots;
         [[dont_unroll]] for (uint s = 0; s < shadow_grid.slots; ++s) {
             const ShadowSlot light = shadow_grid.lights[s];
             const vec3 dir = light.local != 0 ? light.to - x : kSunAway * light.to;
@@ -44,4 +46,5 @@ void main() {
         }
     }
     shadow_froxels[frustum.first + word] = bits;
+    if (rays > 0) atomicAdd(rays_traced, rays);
 }

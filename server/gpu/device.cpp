@@ -133,8 +133,8 @@ std::string missing(VkPhysicalDevice device) {
     if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations)
         return "subgroup votes, ballots and shuffles";
     if (properties.limits.maxComputeWorkGroupInvocations < 256) return "workgroups of 256 lanes"; // sort_scan.comp
-    if (properties.limits.maxPerStageDescriptorStorageBuffers < 15)
-        return "fifteen storage buffers of a shader"; // froxels.comp
+    if (properties.limits.maxPerStageDescriptorStorageBuffers < 16)
+        return "sixteen storage buffers of a shader"; // froxels.comp
     // The opaque shadow map keeps the largest value; the raster methods blend radiance and transmittance.
     if (!hasFormatFeature(device, VK_FORMAT_R32_SFLOAT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT) ||
         !hasFormatFeature(device, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT))

@@ -31,6 +31,7 @@ struct EyeInputs {
                                       // without shared_order, or if the two eyes see different levels of detail
     const gpu::View* block = nullptr; // the finished picture: its eye, its rows and where its bytes go; on the CPU
     gpu::Resource view_block;         // *block in device memory: storage buffer, binding 1. A pass binds this or `eye`
+    uint64_t history = 0;             // EyeRequest::history
     bool near_plane_cuts = true;      // True: the near plane may cut particles
     bool order_ready = false;         // True: DepthOrder holds this eye's order already, no sort is needed
 };

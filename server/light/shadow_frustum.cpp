@@ -1,6 +1,7 @@
 #include "server/light/shadow_frustum.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "shaders/shadow_frustum_comp.h"
 
@@ -15,11 +16,11 @@ constexpr uint32_t kMostOfEye = (2 << 20) / sizeof(uint32_t), kMostOfAll = (96 <
 void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_block, const TickInputs& shared,
                           const ShadowGrid& grid, std::span<const gpu::Eye> eyes,
                           std::span<const ShadowSlices> slices) {
-    count_ = 0;
     if (eyes.empty()) return;
+    count_ = 0;
     const gpu::Commands::Pass pass(commands, "shadow frusta");
     const uint32_t pixels = shared.settings->shadow_frustum.pixels;
-    std::vector<gpu::ShadowFrustum> frusta;
+    wanted_.clear();
     uint32_t words = 0, most = 0; // words of all eyes, and of the eye that has most
     for (size_t i = 0; i < eyes.size(); ++i) {
         const ShadowSlices& own = slices[slices.size() > 1 ? i : 0];
@@ -27,13 +28,17 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_blo
                        padded = 4 * gpu::groups(columns, 4), slice_words = std::max(padded / 4 * rows, 1u),
                        count = std::min({own.count, kMostOfEye / slice_words, (kMostOfAll - words) / slice_words}),
                        own_words = slice_words * count;
-        frusta.push_back({eyes[i], words, padded, rows, count, pixels, own.near, own.unit, own.growth});
+        wanted_.push_back({eyes[i], words, padded, rows, count, pixels, own.near, own.unit, own.growth});
         count_ += uint64_t(columns) * rows * count;
         words += own_words;
         most = std::max(most, own_words);
     }
+    const bool same = grid_ == grid.version() && wanted_.size() == made_.size() &&
+                      std::memcmp(wanted_.data(), made_.data(), wanted_.size() * sizeof(gpu::ShadowFrustum)) == 0;
+    if (same) return;
+    grid_ = grid.version(), made_ = wanted_;
     constexpr VkBufferUsageFlags kWritten = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    const VkDeviceSize bytes = frusta.size() * sizeof(gpu::ShadowFrustum);
+    const VkDeviceSize bytes = made_.size() * sizeof(gpu::ShadowFrustum);
     frusta_.atLeast(device_, bytes, kWritten, gpu::Memory::device, "shadow frusta");
     froxels_.atLeast(device_, std::max<VkDeviceSize>(words * sizeof(uint32_t), 256),
                      kWritten | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "shadow froxels");
@@ -43,11 +48,12 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_blo
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_frustum_comp, "shadow_frustum"},
                                       {{gpu::kIdHasMeshes, meshes}});
     const VkCommandBuffer cmd = commands.handle();
+    rays_.begin(commands);
     gpu::everythingBefore(cmd);                                    // readers of the call before
     constexpr size_t kAtOnce = 65536 / sizeof(gpu::ShadowFrustum); // frusta that one update can write
-    for (size_t at = 0; at < frusta.size(); at += kAtOnce)
+    for (size_t at = 0; at < made_.size(); at += kAtOnce)
         vkCmdUpdateBuffer(cmd, frusta_.handle(), at * sizeof(gpu::ShadowFrustum),
-                          std::min(kAtOnce, frusta.size() - at) * sizeof(gpu::ShadowFrustum), &frusta[at]);
+                          std::min(kAtOnce, made_.size() - at) * sizeof(gpu::ShadowFrustum), &made_[at]);
     gpu::everythingBefore(cmd);
     if (most > 0) {
         gpu::Resource tick = tick_block;
@@ -55,9 +61,11 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_blo
         program.bind(commands, {tick, gpu::uniformBuffer(1, grid.block(), 0, sizeof(gpu::ShadowGridBlock)),
                                 gpu::storageBuffer(2, *shared.objects), gpu::storageBuffer(3, *shared.object_nodes),
                                 gpu::storageBuffer(4, *shared.triangles), gpu::storageBuffer(5, *shared.mesh_nodes),
-                                gpu::storageBuffer(6, frusta_), gpu::storageBuffer(7, froxels_)});
-        vkCmdDispatch(cmd, gpu::groups(most, 64), 1, uint32_t(frusta.size()));
+                                gpu::storageBuffer(6, frusta_), gpu::storageBuffer(7, froxels_),
+                                gpu::storageBuffer(8, rays_.buffer())});
+        vkCmdDispatch(cmd, gpu::groups(most, 64), 1, uint32_t(made_.size()));
     }
+    rays_.end(commands);
     gpu::everythingBefore(cmd);
 }
 

@@ -21,26 +21,32 @@ struct ShadowSlices {
 
 class ShadowFrusta {
 public:
-    explicit ShadowFrusta(const gpu::Device& device) : device_(device) {}
+    explicit ShadowFrusta(const gpu::Device& device) : device_(device), rays_(device, 1, "frustum rays") {}
 
-    // Makes the froxels of all eyes, by one ray to each light: 2 MiB for an eye at most, 96 MiB for all. Eyes that
-    // need more get fewer slices. Slices of each eye: `slices` has one for all, or as many
-    // as there are eyes. Preconditions: the grid has recorded this tick's lights; nothing of the frusta is on the
-    // device. Ends with its writes visible to all.
+    // Makes the froxels of all eyes, by one ray to each light, unless eyes, lights and objects are those of the last
+    // call. 2 MiB for an eye at most, 96 MiB for all. Eyes that need more get fewer slices. Slices of each eye:
+    // `slices` has one for all, or as many as there are eyes. Preconditions: the grid has recorded this tick's lights;
+    // nothing of the frusta is on the device. Ends with its writes visible to all.
     void record(gpu::Commands& commands, const gpu::Resource& tick_block, const TickInputs& shared,
                 const ShadowGrid& grid, std::span<const gpu::Eye> eyes, std::span<const ShadowSlices> slices);
 
     // For lib/shadow_frustum.glsl.
     const gpu::Buffer& frusta() const { return frusta_; }   // gpu::ShadowFrustum[]: one for each eye
     const gpu::Buffer& froxels() const { return froxels_; } // uint[]: four froxels each
-    // Of the last call. Those that do not begin in solids have a ray to each light.
+    // Froxels of all eyes. Those that do not begin in solids have a ray to each light.
     uint64_t count() const { return count_; }
+    // Shadow rays of submissions that are done, since the last call of this.
+    uint32_t raysSince() { return rays_.since(0); }
 
 private:
     const gpu::Device& device_;
     std::map<bool, gpu::ComputeProgram> programs_; // with meshes and without
     gpu::Buffer frusta_, froxels_;
     uint64_t count_ = 0;
+    gpu::Counts rays_;
+    // What the froxels are made of, and what they shall be made of.
+    std::vector<gpu::ShadowFrustum> made_, wanted_;
+    uint64_t grid_ = 0;
 };
 
 } // namespace brume

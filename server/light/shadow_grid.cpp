@@ -96,20 +96,11 @@ gpu::ShadowGridBlock shadowGridShape(const ShadowGridSettings& settings, glm::ve
     return shape;
 }
 
-ShadowGrid::ShadowGrid(const gpu::Device& device) : device_(device) {
+ShadowGrid::ShadowGrid(const gpu::Device& device) : device_(device), rays_(device, 1, "shadow rays") {
     constexpr VkBufferUsageFlags kBlock = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     block_ = gpu::Buffer(device, sizeof(gpu::ShadowGridBlock), kBlock, gpu::Memory::device, "shadow grid");
     eyes_ = gpu::Buffer(device, gpu::kMostShadowEyes * sizeof(gpu::ShadowEye), kWritten, gpu::Memory::device,
                         "shadow grid eyes");
-    counter_ = gpu::Buffer(device, sizeof(uint32_t), kWritten, gpu::Memory::device, "shadow rays");
-    counted_ = gpu::Buffer(device, sizeof(uint32_t), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
-                           "shadow rays read back");
-    counted_.mapped<uint32_t>(1)[0] = 0;
-}
-
-uint64_t ShadowGrid::raysTraced() const {
-    counted_.invalidate();
-    return counted_.mapped<uint32_t>(1)[0];
 }
 
 // True if voxels that are there may stay until they are replaced.
@@ -124,7 +115,7 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
     const ShadowGridSettings& settings = in.shared.settings->shadow_grid;
     const ShadowSlots slots = shadowSlots(in.tick, in.lights, slots_);
     gpu::ShadowGridBlock shape = shadowGridShape(settings, in.lo, in.hi, uint32_t(slots.lights.size()));
-    std::vector<uint32_t> slot_of_light(std::max<size_t>(in.lights.size(), 1), gpu::kNoShadowSlot);
+    slot_of_light_.assign(std::max<size_t>(in.lights.size(), 1), gpu::kNoShadowSlot);
     shape.sun = gpu::kNoShadowSlot;
     for (uint32_t s = 0; s < slots.lights.size(); ++s) {
         const uint32_t light = slots.lights[s];
@@ -132,7 +123,7 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
             shape.sun = s;
             shape.lights[s] = {in.tick.sun.to_light, 0, glm::vec3(0), 1e30f};
         } else {
-            slot_of_light[light] = s;
+            slot_of_light_[light] = s;
             shape.lights[s] = {in.lights[light].position, 1, in.lights[light].bound, in.lights[light].reach};
         }
     }
@@ -143,6 +134,7 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
         version_ = 1;
     else if (changed)
         ++version_;
+    if (changed) ++calls_changed_;
     shape_ = shape, slots_ = slots, settings_ = settings, key_ = in.key;
     objects_ = in.tick.opaque_count, triangles_ = in.tick.triangle_count;
 
@@ -151,22 +143,23 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
     states_.atLeast(device_, bricks * sizeof(glm::uvec2), kWritten, gpu::Memory::device, "shadow bricks");
     const VkDeviceSize mask_bytes = shape.coverage != 0 ? 256 : bricks * kVoxelsOfBrick / 8;
     masks_.atLeast(device_, mask_bytes, kWritten, gpu::Memory::device, "shadow voxels made");
-    const VkDeviceSize slot_bytes = slot_of_light.size() * sizeof(uint32_t);
+    const VkDeviceSize slot_bytes = slot_of_light_.size() * sizeof(uint32_t);
     slots_of_lights_.atLeast(device_, slot_bytes, kWritten, gpu::Memory::device, "shadow slots");
 
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd); // readers of the call before
     if (clear) vkCmdFillBuffer(cmd, states_.handle(), 0, bricks * sizeof(glm::uvec2), 0);
-    vkCmdFillBuffer(cmd, counter_.handle(), 0, sizeof(uint32_t), 0);
+    rays_.begin(commands);
     vkCmdUpdateBuffer(cmd, block_.handle(), 0, sizeof shape, &shape);
     constexpr VkDeviceSize kMostBytes = 65536; // bytes that one update can write
     for (VkDeviceSize at = 0; at < slot_bytes; at += kMostBytes)
         vkCmdUpdateBuffer(cmd, slots_of_lights_.handle(), at, std::min(kMostBytes, slot_bytes - at),
-                          slot_of_light.data() + at / sizeof(uint32_t));
-    std::vector<gpu::ShadowEye> eyes;
+                          slot_of_light_.data() + at / sizeof(uint32_t));
+    seen_by_.clear();
     if (in.eyes.size() <= gpu::kMostShadowEyes)
-        for (const gpu::Eye& eye : in.eyes) eyes.push_back(shadowEye(eye, in.far, in.margin));
-    if (!eyes.empty()) vkCmdUpdateBuffer(cmd, eyes_.handle(), 0, eyes.size() * sizeof(gpu::ShadowEye), eyes.data());
+        for (const gpu::Eye& eye : in.eyes) seen_by_.push_back(shadowEye(eye, in.far, in.margin));
+    if (!seen_by_.empty())
+        vkCmdUpdateBuffer(cmd, eyes_.handle(), 0, seen_by_.size() * sizeof(gpu::ShadowEye), seen_by_.data());
     gpu::everythingBefore(cmd);
     if (!slots.lights.empty() && !in.eyes.empty()) {
         const bool meshes = in.shared.features.meshes;
@@ -181,15 +174,13 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
                       gpu::storageBuffer(3, *in.shared.object_nodes), gpu::storageBuffer(4, *in.shared.triangles),
                       gpu::storageBuffer(5, *in.shared.mesh_nodes), gpu::storageBuffer(6, voxels_),
                       gpu::storageBuffer(7, states_), gpu::storageBuffer(8, masks_), gpu::storageBuffer(9, eyes_),
-                      gpu::storageBuffer(10, counter_)},
+                      gpu::storageBuffer(10, rays_.buffer())},
                      gpu::ShadowGridPush{version_, settings.parity ? layer_ : 2u, uint32_t(in.eyes.size())});
         vkCmdDispatch(cmd, shape.bricks.x, shape.bricks.y, shape.bricks.z);
         layer_ ^= 1u;
     }
+    rays_.end(commands);
     gpu::everythingBefore(cmd);
-    const VkBufferCopy copy{0, 0, sizeof(uint32_t)};
-    vkCmdCopyBuffer(cmd, counter_.handle(), counted_.handle(), 1, &copy);
-    gpu::transferToHost(cmd);
 }
 
 } // namespace brume

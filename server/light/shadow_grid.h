@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "server/gpu/commands.h"
+#include "server/gpu/counts.h"
 #include "server/gpu/program.h"
 #include "server/inputs/tick_inputs.h"
 #include "shaders/shared/shadow_grid.h"
@@ -59,18 +59,24 @@ public:
     const gpu::Buffer& voxels() const { return voxels_; }         // uint[]
     const gpu::Buffer& slots() const { return slots_of_lights_; } // uint[]: slot of each local light, or kNoShadowSlot
     const gpu::ShadowGridBlock& shape() const { return shape_; }  // as the last call wrote it
-    // Shadow rays of the last call whose submission is done.
-    uint64_t raysTraced() const;
+    // A number that changes whenever lights or objects do, and with ShadowGridSettings::retrace at each call.
+    uint64_t version() const { return calls_changed_; }
+    // Shadow rays of submissions that are done, since the last call of this.
+    uint32_t raysSince() { return rays_.since(0); }
 
 private:
     bool fits(const ShadowGridInputs& in, const gpu::ShadowGridBlock& shape, const ShadowSlots& slots) const;
 
     const gpu::Device& device_;
     std::map<bool, gpu::ComputeProgram> programs_; // with meshes and without
-    gpu::Buffer block_, voxels_, states_, masks_, eyes_, slots_of_lights_, counter_, counted_;
+    gpu::Buffer block_, voxels_, states_, masks_, eyes_, slots_of_lights_;
+    gpu::Counts rays_;
     gpu::ShadowGridBlock shape_{};
     ShadowSlots slots_;
+    std::vector<uint32_t> slot_of_light_; // of the present call
+    std::vector<gpu::ShadowEye> seen_by_;
     ShadowGridSettings settings_;
+    uint64_t calls_changed_ = 0;
     uint32_t version_ = 0; // version of lights and objects that voxels have; 0: none are made
     uint32_t layer_ = 0;   // with parity: of the next call
     uint64_t key_ = 0;

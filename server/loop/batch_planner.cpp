@@ -147,7 +147,10 @@ void BatchPlanner::takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers,
     for (const std::shared_ptr<Viewer>& viewer : viewers)
         if (const auto request = viewer->pollOneShot(); request && samePictures(*request, wanted))
             if (const auto due = viewer->take(*request, now, scene)) add(viewer, *due, out);
-    for (const EyeRequest& eye : out.eyes) out.views.push_back({eye.pose, eye.width, eye.height});
+    for (EyeRequest& eye : out.eyes) {
+        eye.history = 0; // a still picture shows one tick
+        out.views.push_back({eye.pose, eye.width, eye.height});
+    }
     out.one_shot = out.still_pictures = true;
 }
 
@@ -162,7 +165,11 @@ void BatchPlanner::add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due&
     out.jobs.push_back({viewer, due, uint32_t(out.jobs.size()), uint32_t(out.eyes.size())});
     const PoseRequest& request = due.request;
     for (int eye = 0; eye < request.views; ++eye)
-        out.eyes.push_back({eyePose(request.pose, eye, request.views), request.width, request.height, eye == 1});
+        out.eyes.push_back({.pose = eyePose(request.pose, eye, request.views),
+                            .width = request.width,
+                            .height = request.height,
+                            .second = eye == 1,
+                            .history = 2 * uint64_t(viewer->id()) + uint64_t(eye) + 1});
 }
 
 bool BatchPlanner::camerasRest(Clock::time_point now) const {

@@ -22,10 +22,35 @@ struct MethodNeeds {
     bool every_pixel = false; // True: it is given every pixel, whatever RenderSettings::rate says
 };
 
+// What shaders have counted. Not all methods count.
+struct LightWork {
+    uint64_t voxel_rays = 0;  // shadow rays to the voxels that viewers share
+    uint64_t froxel_rays = 0; // shadow rays to the froxels of shadow frusta
+    uint64_t places = 0;      // for which light was computed
+    uint64_t samples = 0;     // of them, between which light is interpolated
+    uint64_t nodes = 0;       // in the medium that no sample reached, computed one by one
+    uint64_t holes = 0;       // nodes in the medium without light
+
+    bool operator==(const LightWork&) const = default;
+    bool any() const { return *this != LightWork(); }
+    LightWork operator+(const LightWork& o) const {
+        return {voxel_rays + o.voxel_rays, froxel_rays + o.froxel_rays,
+                places + o.places,         samples + o.samples,
+                nodes + o.nodes,           holes + o.holes};
+    }
+    LightWork operator-(const LightWork& o) const {
+        return {voxel_rays - o.voxel_rays, froxel_rays - o.froxel_rays,
+                places - o.places,         samples - o.samples,
+                nodes - o.nodes,           holes - o.holes};
+    }
+};
+
 class Method {
 public:
     virtual ~Method() = default;
     virtual MethodNeeds needs() const { return {}; }
+    // Of submissions that are done, since the last call of this.
+    virtual LightWork workSince() { return {}; }
 
     // Grows buffers for a submission's eyes and returns its groups in the order of drawing. Called once per submission,
     // before recordTick(), while nothing of the method is on the device. Precondition: there are eyes, and particles or

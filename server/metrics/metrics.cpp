@@ -32,6 +32,19 @@ pm::MetricFamily gauge(const char* name, const char* help, double value) {
     return {name, help, pm::MetricType::Gauge, {metric}};
 }
 
+// Numbers of several kinds, each since it began.
+pm::MetricFamily counters(const char* name, const char* help,
+                          std::initializer_list<std::pair<const char*, uint64_t>> kinds) {
+    pm::MetricFamily family{name, help, pm::MetricType::Counter, {}};
+    for (const auto& [kind, value] : kinds) {
+        pm::ClientMetric metric;
+        metric.label = {{"kind", kind}};
+        metric.counter.value = double(value);
+        family.metric.push_back(metric);
+    }
+    return family;
+}
+
 // Of the process, as every exporter has them, under the names that dashboards know.
 pm::MetricFamily processCpu() {
     timespec spent{};
@@ -321,6 +334,11 @@ std::string Metrics::text(const Audience& audience) const {
     all.push_back(gauge("brume_device_memory_bytes", "Device memory in use.", double(report->memory.device)));
     all.push_back(
         gauge("brume_device_memory_peak_bytes", "The most there ever was.", double(report->memory.device_peak)));
+    const auto& light = report->light;
+    all.push_back(counters("brume_shadow_rays_total", "Shadow rays to voxels that viewers share, and to froxels.",
+                           {{"voxel", light.voxel_rays}, {"froxel", light.froxel_rays}}));
+    all.push_back(counters("brume_light_places_total", "Places for which light was computed to be interpolated.",
+                           {{"node", light.places}}));
     all.push_back(gauge("brume_plan_error", "Predicted relative RMSE of the pictures.", report->plan.error));
     all.push_back(gauge("brume_plan_relaxed", "Steps of accuracy given up under overload; 0 when there is none.",
                         report->plan.relaxed));

@@ -58,6 +58,8 @@ public:
     virtual bool drawsFogAndLocalLights() const { return false; }
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
+    // True: what it draws along a ray follows closed forms. False: it samples cells, and is as exact as these are small.
+    virtual bool hasClosedForms() const { return true; }
     // The next coarser settings in a direction; nothing if there are none.
     virtual std::optional<RenderSettings> coarser(const RenderSettings& /*settings*/, Coarser /*direction*/) const {
         return {};
@@ -69,7 +71,7 @@ public:
 // Why a scene with fog or local lights is not for a method that draws none, one line.
 inline std::string fogRefusal(const MethodPlan& method) {
     return std::string(method.name()) +
-           ": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels or lit";
+           ": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, lit or gradients";
 }
 
 } // namespace brume

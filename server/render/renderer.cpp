@@ -37,7 +37,9 @@ Renderer::~Renderer() = default;
 // The frame, pass by pass.
 void Renderer::submit(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes,
                       const RenderSettings* settings, bool full) {
+    countLightWork();
     now_ = simulation.now();
+    tick_number_ = simulation.tick();
     if (settings) now_.render = *settings;
     if (lists_) leaveOut(now_.lists, *lists_);
     features_ = besides_ | featuresOf(scene_, now_, lists_.value_or(SceneFeatures()));
@@ -124,6 +126,11 @@ void Renderer::giveBack() {
     shafts_.giveBack();
     targets_.giveBack();
     coarse_targets_.giveBack();
+}
+
+const LightWork& Renderer::countLightWork() {
+    for (Made& made : methods_) light_work_ = light_work_ + made.method->workSince();
+    return light_work_;
 }
 
 // The method compiled for these settings. The two methods used last are kept: switching between two costs nothing, and
@@ -241,6 +248,7 @@ void Renderer::recordParticleLight(gpu::Commands& commands) {
 
 void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes) {
     shared_ = {.settings = &now_.render,
+               .number = tick_number_,
                .tick = &upload_.tick(),
                .lights = light_blocks_,
                .objects_bounds = objects_.bounds(),
@@ -289,6 +297,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
               .stereo_partner = blocks.drawnEye(i),
               .block = &views_[i],
               .view_block = blocks.picture(i),
+              .history = eyes[i].history,
               .near_plane_cuts = nearPlaneCuts(upload_.tick(), eyes[i])};
         in.stereo_partner.binding = 6;
         if (!eyes[i].second || !now_.render.shared_order || i == 0 || inputs_[i - 1].medium != in.medium) continue;

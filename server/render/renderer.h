@@ -90,6 +90,10 @@ public:
     static uint64_t pictureBytes(std::span<const EyeRequest> eyes, bool full, const SceneFeatures& features);
     // Frees the memory of pictures and of methods; pipelines stay. Precondition: nothing is on the device.
     void giveBack();
+    // What methods' shaders have counted until the present submission began.
+    const LightWork& lightWork() const { return light_work_; }
+    // The same until now. Precondition: nothing is on the device.
+    const LightWork& countLightWork();
     // Methods that are kept on the device, with their programs and buffers.
     size_t methodsKept() const { return methods_.size(); }
 
@@ -159,9 +163,11 @@ private:
     };
     std::vector<Made> methods_; // the newest first
     size_t most_methods_ = 2;
+    LightWork light_work_;
 
     // Of the present submission.
     SceneNow now_;
+    uint64_t tick_number_ = 0;
     SceneFeatures features_;
     std::vector<Hue> hues_;
     std::vector<gpu::LocalLight> light_blocks_;

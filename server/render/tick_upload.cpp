@@ -1,6 +1,7 @@
 #include "server/render/tick_upload.h"
 
 #include <algorithm>
+#include <utility>
 #include <cstring>
 
 #include "server/gpu/commands.h"
@@ -28,7 +29,7 @@ void TickUpload::take(const Simulation& simulation, const Scene& scene, const Sc
     moved_ = !sameBits(now_, then_);
     const gpu::Tick before = tick_;
     tick_ = makeTick(scene, now, now_, objects);
-    if (moved_ || tick_.falloff != before.falloff || tick_.cut != before.cut) {
+    if (std::exchange(forgotten_, false) || moved_ || tick_.falloff != before.falloff || tick_.cut != before.cut) {
         ++all_.version;
         extent_ = mediumExtent(now_, tick_.falloff, tick_.cut);
     }

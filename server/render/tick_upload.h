@@ -33,7 +33,7 @@ public:
     // The submission is on its way: what take() found is what the device has.
     void submitted() { std::swap(now_, then_); }
     // The device has nothing: the next take() uploads everything.
-    void forget() { then_.clear(); }
+    void forget() { then_.clear(), forgotten_ = true; }
 
     uint32_t capacity() const { return capacity_; }
     const gpu::Tick& tick() const { return tick_; }
@@ -59,6 +59,7 @@ private:
     MergedMedia levels_;
     SpatialOrder order_;
     std::vector<gpu::Particle> now_, then_, ordered_; // of this submission, of the last one; now_ in the order of space
+    bool forgotten_ = false; // True: forget() was called since the last take()
     bool moved_ = true;
 };
 

@@ -45,6 +45,10 @@ struct SceneReport {
         uint64_t device = 0, device_peak = 0; // bytes of resources on the device: now, and at most so far
         uint64_t particles = 0;               // bytes of CPU memory for particles
     } memory;
+    struct {
+        uint64_t voxel_rays = 0, froxel_rays = 0; // shadow rays to what viewers share, and to what is each viewer's
+        uint64_t places = 0;                      // for which light was computed to be interpolated
+    } light;                                      // since the scene was loaded
 };
 
 // The scene that is shown, as loaded. Immutable once published: another scene has facts of its own.

@@ -47,7 +47,7 @@ float mediaOf(float near, float far, inout vec3 scattered) {
     const float metres = (far - near) * ray_metres;
     vec3 scattering = vec3(0);
     float depth = push.froxels.particles != 0
-                      ? metres * mediumAt(eye.position + 0.5 * (near + far) * ray_dir, scattering)
+                      ? metres * mediumAt(eye.position + sampledDepth(near, far) * ray_dir, scattering)
                       : 0;
     of_particles = metres * scattering;
     vec3 all = of_particles;

@@ -11,6 +11,11 @@ vec3 ray_dir, ray_unit; // of unit view depth, and of unit length
 float ray_metres;       // length of ray_dir
 uvec2 ray_pixel;        // the pixel that the ray belongs to
 uint ray_slice;         // the slice that is added
+uint added_slices = 0;  // so many were
+float slice_part = 0.5; // where its sample lies, from its near face to its far one
+
+// View depth of the sample.
+float sampledDepth(float near, float far) { return near + slice_part * (far - near); }
 
 vec2 pixelOfRay(uvec2 ray) { return float(push.froxels.pixels) * vec2(ray + uvec2(0, push.froxels.first_row)) + 0.5; }
 
@@ -46,7 +51,10 @@ void march() {
         vec3 scattered = vec3(0);
         ray_slice = slice;
         float depth = 0;
-        if (passed < 30) addSlice(near, far, scattered, depth); // behind that nothing is seen
+        if (passed < 30) { // behind that nothing is seen
+            addSlice(near, far, scattered, depth);
+            added_slices = slice + 1;
+        }
         // The source is even within the slice: what it adds is exact then (Hillaire 2015).
         light += scattered * (exp(-passed) * phi(depth));
         passed += depth;

@@ -50,6 +50,7 @@ const uint kIdAmbientColours = 20u; // FieldColours::ambient
 
 // Method `froxels`.
 const uint kIdShadows = 34u; // of objects: kShadowsByMap and so on (froxels.h)
+const uint kIdHistory = 35u; // bool: cells keep a part of what an eye's last picture had
 
 // The picture.
 const uint kIdStep = 21u;   // pixels between neighbouring nodes of a picture that is shaded or drawn coarsely

@@ -28,6 +28,16 @@ struct FroxelGrid {
     uint particles; // 1: the nodes hold particles; 0: there are none
 };
 
+// What an eye's last picture gives to its cells. Indices count vec4s of the eye's cells.
+struct HistoryBlock {
+    Eye eye;            // of that picture
+    FroxelGrid froxels; // of that picture
+    uint first;         // of its cells
+    uint own;           // of the cells of the present picture
+    uint known;         // 1: there was such a picture
+    float part;         // of it that is kept
+};
+
 #ifdef __cplusplus
 static_assert(sizeof(FroxelGrid) == 36);
 } // namespace brume::gpu

@@ -194,7 +194,7 @@ set = ["medium.count=10"]
     Truth truth(here / "cache");
     json results = {{"device", "d"}, {"command", "c"}};
     results["series"] =
-        runSweep(device(), loadSweep(here / "s.toml"), truth, {.seconds = 0, .least = 2, .only = "", .ticks = 0});
+        runSweep(device(), loadSweep(here / "s.toml"), truth, {.seconds = 0, .least = 2, .only = ""});
     const json& rows = results["series"][0]["rows"];
     ASSERT_EQ(rows.size(), 4u);
     EXPECT_EQ(rows[0]["frames"], 2);

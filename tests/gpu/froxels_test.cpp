@@ -1,4 +1,4 @@
-// Methods froxels and lit: against the reference, against closed forms, and what viewers share.
+// Methods froxels, lit and gradients: against the reference, against closed forms, and what viewers share.
 #include <gtest/gtest.h>
 
 #include "tests/gpu/judged.h"
@@ -17,17 +17,17 @@ protected:
         return scene;
     }
     static Light point(glm::vec3 position) { return {.type = kPoint, .position = position, .intensity = {90, 80, 60}}; }
-    // Relative RMSE of total radiance by both methods: at most `allowed`, and more than a hundredth of it.
-    static void judgeBoth(Scene scene, std::initializer_list<Pose> poses, double froxels, double lit) {
-        for (const char* method : {"froxels", "lit"}) {
+    // Relative RMSE of total radiance by all methods that march froxels. `lit`: of those that keep light at nodes.
+    static void judgeAll(Scene scene, std::initializer_list<Pose> poses, double froxels, double lit) {
+        for (const char* method : {"froxels", "lit", "gradients"}) {
             scene.render.method = method;
             double most = 0;
             for (const Pose& pose : poses) {
                 const Error error = errorOf(scene, pose);
-                std::printf("%-8s %.3f %%, worst pixel %.2f %%\n", method, 100 * error.rmse, 100 * error.worst);
+                std::printf("%-9s %.3f %%, worst pixel %.2f %%\n", method, 100 * error.rmse, 100 * error.worst);
                 most = std::max(most, error.rmse);
             }
-            EXPECT_LE(most, scene.render.method == "lit" ? lit : froxels) << method;
+            EXPECT_LE(most, scene.render.method == "froxels" ? froxels : lit) << method;
         }
     }
 };
@@ -39,7 +39,7 @@ TEST_F(FroxelsTest, ACloud) {
     scene.medium.anisotropy = 0.7f;
     scene.medium.asymmetry = 0.5f;
     scene.render.froxels = {.pixels = 1, .slices = 256};
-    judgeBoth(scene, {kOutside, kInside}, 0.01, 0.01);
+    judgeAll(scene, {kOutside, kInside}, 0.01, 0.01);
 }
 
 TEST_F(FroxelsTest, HeightFogOverTheGround) {
@@ -47,7 +47,7 @@ TEST_F(FroxelsTest, HeightFogOverTheGround) {
     scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}};
     scene.fogs = {{.extinction = 0.05f, .height = -4, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}};
     scene.planes = {{-4, glm::vec3(0.4f, 0.35f, 0.3f)}};
-    judgeBoth(scene, {kOutside, kInside}, 5e-3, 5e-3);
+    judgeAll(scene, {kOutside, kInside}, 5e-3, 5e-3);
 }
 
 TEST_F(FroxelsTest, ShaftsBetweenObjects) {
@@ -56,8 +56,8 @@ TEST_F(FroxelsTest, ShaftsBetweenObjects) {
     scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}}; // the sun comes through
     scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}, {{-4, -3, 3}, {2, 2, 2}, 0, glm::vec3(0.3f)}};
     scene.spheres = {{{-1, 1, 1}, 0.8f, glm::vec3(0.5f)}};
-    scene.render.lit.spacing = 0.1f;
-    judgeBoth(scene, {kOutside, kInside}, 0.02, 0.02);
+    scene.render.lit.spacing = scene.render.radiance.spacing = 0.1f;
+    judgeAll(scene, {kOutside, kInside}, 0.02, 0.02);
 }
 
 TEST_F(FroxelsTest, PointsAndSpotsPastObjects) {
@@ -67,9 +67,9 @@ TEST_F(FroxelsTest, PointsAndSpotsPastObjects) {
     scene.lights = {point({0.5f, 2.5f, 2}), point({-5, 4, -1})};
     scene.lights[1].type = kSpot;
     scene.lights[1].axis = glm::normalize(glm::vec3(1, -0.7f, 0.3f));
-    scene.render.lit.spacing = 0.15f;
+    scene.render.lit.spacing = scene.render.radiance.spacing = 0.15f;
     scene.render.froxels.pixels = 1;
-    judgeBoth(scene, {kOutside}, 0.03, 0.03);
+    judgeAll(scene, {kOutside}, 0.03, 0.03);
 }
 
 // The beam of a spot beside the eye goes on as far as its light does.
@@ -82,7 +82,7 @@ TEST_F(FroxelsTest, ABeamThatGoesFarAway) {
     scene.lights[0].intensity = glm::vec3(2000);
     scene.lights[0].range = 30;
     scene.render.froxels.pixels = 1;
-    judgeBoth(scene, {lookAt({4, 1, 2}, {0, 0, -25}, 0.5f)}, 0.02, 0.03);
+    judgeAll(scene, {lookAt({4, 1, 2}, {0, 0, -25}, 0.5f)}, 0.02, 0.03);
 }
 
 // Sun et al., A practical analytic single scattering model for real time rendering, 2005: a point of 2 W/sr 4 m away in
@@ -105,7 +105,7 @@ TEST_F(FroxelsTest, APointInFogHasItsClosedForm) {
         expected += std::exp(-sigma * (t - kNear + d)) / (d * d) * (9 - kNear) / kSteps;
     }
     expected *= sigma * 2 / (4 * kPi);
-    for (const char* method : {"froxels", "lit"}) {
+    for (const char* method : {"froxels", "lit", "gradients"}) {
         scene.render.method = method;
         const Picture picture = render(device(), scene, lookAt({0, 0, 0}, {0, 0, -1}, 0.02f), 33, 33);
         EXPECT_NEAR(picture.at(16, 16).r / expected, 1, 2e-3) << method;
@@ -120,7 +120,7 @@ TEST_F(FroxelsTest, AFurnaceHasNoColour) {
     scene.sky = {.zenith = glm::vec3(1), .horizon = glm::vec3(1), .ambient = glm::vec3(1)};
     for (const uint32_t slices : {8u, 128u}) {
         scene.render.froxels = {.pixels = 1, .slices = slices, .far = 30};
-        for (const char* method : {"froxels", "lit"}) {
+        for (const char* method : {"froxels", "lit", "gradients"}) {
             scene.render.method = method;
             const Picture picture = render(device(), scene, kInside, 64, 36);
             float off = 0;
@@ -138,7 +138,7 @@ TEST_F(FroxelsTest, AViewerSeesTheSameAloneAndAmongOthers) {
     scene.fogs = {{.extinction = 0.05f, .albedo = {0.9f, 0.8f, 0.7f}}};
     scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}};
     scene.lights = {point({0.5f, 2.5f, 2})};
-    for (const char* method : {"froxels", "lit"}) {
+    for (const char* method : {"froxels", "lit", "gradients"}) {
         scene.render.method = method;
         const Simulation simulation(scene);
         std::vector<EyeRequest> eyes;
@@ -191,14 +191,14 @@ TEST_F(FroxelsTest, WhatIsKeptFollowsTheScene) {
     scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}};
     scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}, point({0.5f, 2.5f, 2})};
     scene.render.shadow_grid.voxel = 0.2f;
-    scene.render.lit.spacing = 0.2f;
+    scene.render.lit.spacing = scene.render.radiance.spacing = 0.2f;
     scene.render.froxels = {.pixels = 4, .slices = 64, .shadows = "grid"};
     Scene moved = scene, turned = scene, thicker = scene, darker = scene;
     moved.lights[1].position = {-2, 1, 1};
     turned.lights[0].to_light = glm::normalize(glm::vec3(-0.5f, 0.3f, 0.2f));
     thicker.fogs[0].extinction = 0.2f;
     darker.lights.pop_back();
-    for (const char* method : {"froxels", "lit"}) {
+    for (const char* method : {"froxels", "lit", "gradients"}) {
         Stage stage(device(), scene, 1);
         for (Scene now : {scene, moved, turned, thicker, darker, scene}) {
             now.render.method = method;
@@ -206,6 +206,85 @@ TEST_F(FroxelsTest, WhatIsKeptFollowsTheScene) {
             EXPECT_EQ(kept.pixels, fresh.pixels) << method;
         }
     }
+}
+
+// An eye that keeps a part of its last picture's light.
+class Remembering {
+public:
+    Remembering(const gpu::Device& device, const Scene& scene)
+        : renderer_(device, scene, 1), submission_(device, "test") {
+        renderer_.keepRadiance(true);
+    }
+    Picture see(const Scene& scene, const Pose& pose, uint64_t history) {
+        const EyeRequest eye{.pose = pose, .width = 80, .height = 48, .history = history};
+        submitAndWait(renderer_, submission_, Simulation(scene), {&eye, 1});
+        return {80, 48, renderer_.readRadiance()};
+    }
+
+private:
+    Renderer renderer_;
+    Submission submission_;
+};
+
+double differenceOf(const Picture& a, const Picture& b) {
+    double off = 0, all = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+        const glm::dvec3 p(a.pixels[i]), q(b.pixels[i]);
+        off += glm::dot(p - q, p - q), all += glm::dot(q, q);
+    }
+    return std::sqrt(off / all);
+}
+
+TEST_F(FroxelsTest, HistoryIsThatOfTheEyeAlone) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    scene.lights = {point({0.5f, 2.5f, 2})};
+    scene.render.method = "froxels";
+    scene.render.froxels = {.pixels = 4, .slices = 64, .far = 40};
+    Scene kept = scene, moved = scene, moved_plain = scene;
+    kept.render.froxels.history = moved.render.froxels.history = 0.9f;
+    moved.lights[0].position = moved_plain.lights[0].position = {-2, 1, 2};
+    const Pose beside = lookAt({2.3f, 3, 14}, {0, 0, 0}, 0.9f), away = lookAt({2, 3, 14}, {2, 3, 30}, 0.9f);
+    Remembering eye(device(), scene);
+    const Picture plain = eye.see(scene, kOutside, 1), plain_beside = eye.see(scene, beside, 1),
+                  plain_moved = eye.see(moved_plain, kOutside, 1), plain_away = eye.see(scene, away, 1);
+    // Whoever has none, or sees the place for the first time, sees what is there.
+    EXPECT_EQ(eye.see(kept, kOutside, 0).pixels, plain.pixels);
+    EXPECT_EQ(eye.see(kept, kOutside, 1).pixels, plain.pixels);
+    // At rest nothing changes; a step aside finds the same light elsewhere in the picture.
+    EXPECT_LE(differenceOf(eye.see(kept, kOutside, 1), plain), 1e-5);
+    const double aside = differenceOf(eye.see(kept, beside, 1), plain_beside);
+    std::printf("a step aside: %.3f %%\n", 100 * aside);
+    EXPECT_LE(aside, 0.1); // froxels are 4 pixels wide, and a point is among them
+    eye.see(kept, kOutside, 1);
+    // A light that has moved fades in: a tenth of it is there, then a tenth of the rest.
+    double before = differenceOf(plain, plain_moved);
+    for (int i = 0; i < 5; ++i) {
+        const double left = differenceOf(eye.see(moved, kOutside, 1), plain_moved);
+        EXPECT_NEAR(left / before, 0.9, 0.03) << i;
+        before = left;
+    }
+    // A cut forgets what was before; another eye never had it.
+    EXPECT_LE(differenceOf(eye.see(kept, away, 1), plain_away), 1e-5);
+    EXPECT_EQ(eye.see(kept, kOutside, 2).pixels, plain.pixels);
+}
+
+// Samples that lie elsewhere in each slice: the same in one tick, about the same light.
+TEST_F(FroxelsTest, JitterIsThatOfTheTick) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    scene.lights = {point({0.5f, 2.5f, 2})};
+    scene.render.method = "froxels";
+    scene.render.froxels = {.pixels = 1, .slices = 32};
+    Scene jittered = scene;
+    jittered.render.froxels.jitter = true;
+    Stage stage(device(), scene, 1);
+    const Picture plain = stage.see(scene, kOutside, 80, 48), one = stage.see(jittered, kOutside, 80, 48);
+    EXPECT_EQ(stage.see(jittered, kOutside, 80, 48).pixels, one.pixels);
+    const double off = differenceOf(one, plain);
+    std::printf("jitter: %.3f %%\n", 100 * off);
+    EXPECT_GT(off, 1e-4);
+    EXPECT_LE(off, 0.1);
 }
 
 // Each channel of a medium that hides them differently has its own light at the nodes.

@@ -68,7 +68,7 @@ public:
     // Shadow rays of one call.
     uint64_t record(std::span<const gpu::Eye> eyes) {
         run([&](gpu::Commands& commands, const ShadowGridInputs& in) { grid_.record(commands, in); }, eyes);
-        return grid_.raysTraced();
+        return grid_.raysSince();
     }
     uint64_t recordAll() {
         const std::vector<gpu::Eye> eyes(gpu::kMostShadowEyes + 1);

@@ -39,7 +39,7 @@ json lightRows(const gpu::Device& device, const std::vector<LightCase>& cases, g
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::vector<double>> times(cases.size());
     for (const LightCase& one : cases) {
-        stages.push_back(std::make_unique<Stage>(device, one.wanted, effort.ticks));
+        stages.push_back(std::make_unique<Stage>(device, one.wanted));
         stages.back()->frame(); // compiles shaders, fits buffers
     }
     double spent = 0;
@@ -52,7 +52,7 @@ json lightRows(const gpu::Device& device, const std::vector<LightCase>& cases, g
 
     Case finest = cases.front().wanted;
     finest.set.insert(finest.set.end(), {"render.shadow_size=512", "render.shadow_slices=128"});
-    Stage reference(device, finest, effort.ticks);
+    Stage reference(device, finest);
     const RadianceImage exact = reference.picture(reference.pose(), size);
     json rows = json::array();
     for (size_t i = 0; i < stages.size(); ++i) {

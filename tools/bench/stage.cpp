@@ -34,6 +34,7 @@ Scene sceneOf(const Case& wanted) {
     Scene scene = loadScene(findScene(wanted.scene, BRUME_SCENES), wanted.set);
     const std::string wrong = checkWanted(scene.render, wanted.scene, wanted.set);
     if (!wrong.empty()) throw SceneError(wrong);
+    if (wanted.lights > 0) scene.lights.resize(std::min<size_t>(scene.lights.size(), wanted.lights));
     placeCamera(scene);
     return scene;
 }
@@ -79,8 +80,11 @@ Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, cons
       submission_(device, "bench") {
     const Pose first = poseOf(wanted.camera, scene_, simulation_);
     for (uint32_t i = 0; i < wanted.viewers; ++i) {
-        const float angle = 2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers);
-        eyes_.push_back({turnedAbout(first, scene_.camera.target, angle), wanted.size.x, wanted.size.y});
+        const bool around = wanted.apart == 0;
+        const float angle = around ? 2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers)
+                                   : glm::radians(wanted.apart) * float(i);
+        eyes_.push_back(
+            {turnedAbout(first, around ? scene_.camera.target : first.position, angle), wanted.size.x, wanted.size.y});
     }
     PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = allMethods()};
     for (const EyeRequest& eye : eyes_) inputs.views.push_back({eye.pose, eye.width, eye.height});
@@ -98,6 +102,7 @@ void Stage::submit(std::span<const EyeRequest> eyes) {
 }
 
 FrameCost Stage::frame() {
+    const LightWork before = renderer_.countLightWork();
     renderer_.forget(); // a frame costs what one of a medium that moves does
     const auto begin = std::chrono::steady_clock::now();
     submit(eyes_);
@@ -112,6 +117,7 @@ FrameCost Stage::frame() {
         else
             cost.passes.push_back({sample.name, sample.view == gpu::kShared, double(sample.ms)});
     }
+    cost.light = renderer_.countLightWork() - before;
     return cost;
 }
 

@@ -17,7 +17,9 @@ struct Case {
     std::vector<std::string> set;   // key=value, replaces the scene's value
     std::string camera = "outside"; // see poseOf()
     glm::uvec2 size{640, 360};
-    uint32_t viewers = 1;       // evenly around the target
+    uint32_t viewers = 1;       // evenly around the target, or
+    float apart = 0;            // degrees that each is turned from the one before, all in one place; 0: around it
+    uint32_t lights = 0;        // the first ones of the scene's lights; 0: all
     SceneFeatures besides = {}; // compiled into shaders though the scene lacks them
 };
 
@@ -50,6 +52,7 @@ struct FrameCost {
     std::vector<Pass> passes;
     double wall_ms = 0; // from the begin of recording until the device is done
     uint64_t fragments = 0;
+    LightWork light; // what methods' shaders counted
 };
 
 class Stage {

@@ -23,6 +23,7 @@ void readVariant(TableReader& in, Variant& out) {
     in.text("name", out.name, 64);
     in.texts("set", out.set);
     in.text("size", out.size, 16);
+    in.integer("lights", out.lights, limits::kLocalLights);
     in.number("published_ms", published, {0, 1e6});
     out.published_ms = double(published);
 }
@@ -36,6 +37,8 @@ void readSeries(TableReader& in, Series& out) {
     in.texts("cameras", out.cameras);
     in.texts("sizes", out.sizes);
     in.texts("viewers", out.viewers);
+    in.number("apart", out.apart, {0, 360});
+    in.integer("ticks", out.ticks, {0, 100000});
     in.texts("set", out.set);
     in.text("error", out.error, 16);
     in.integer("every", out.every, {1, 99});
@@ -52,6 +55,8 @@ Case caseOf(const Series& series, const Variant& variant, const std::string& sce
     Case wanted;
     wanted.scene = scene;
     wanted.camera = camera;
+    wanted.lights = variant.lights;
+    wanted.apart = series.apart;
     wanted.set = series.set;
     if (!series.error.empty()) wanted.set.insert(wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
     wanted.set.insert(wanted.set.end(), variant.set.begin(), variant.set.end());
@@ -109,7 +114,7 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
         Case wanted = caseOf(series, variant, scene, camera);
         wanted.size = sizeOf(variant.size.empty() ? size : variant.size);
         wanted.viewers = uint32_t(std::stoul(viewers));
-        stages.push_back(std::make_unique<Stage>(device, wanted, effort.ticks));
+        stages.push_back(std::make_unique<Stage>(device, wanted, series.ticks));
         stages.back()->frame(); // compiles shaders, fits buffers
     }
     for (bool all_done = false; !all_done;) {
@@ -133,6 +138,11 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
                     {"particles", stage.simulation().liveCount()},
                     {"device_mib", double(stage.deviceBytes()) / (1 << 20)},
                     {"particles_mib", double(stage.particleBytes()) / (1 << 20)}});
+        const LightWork& light = costs[i].frames.back().light;
+        if (light.any())
+            row["light"] = {{"voxel_rays", light.voxel_rays}, {"froxel_rays", light.froxel_rays},
+                            {"places", light.places},         {"samples", light.samples},
+                            {"nodes", light.nodes},           {"holes", light.holes}};
         if (series.variants[i].published_ms > 0) row["published_ms"] = series.variants[i].published_ms;
         std::string said; // of the error
         if (!series.error.empty()) {
@@ -153,10 +163,10 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
 
 // A slow orbit, paused: flicker and popping beyond the reference's own.
 json orbitRows(const gpu::Device& device, const Series& series, const std::string& scene, const std::string& camera,
-               Truth& truth, const Effort& effort) {
+               Truth& truth) {
     json rows = json::array();
     for (const Variant& variant : series.variants) {
-        Stage stage(device, caseOf(series, variant, scene, camera), effort.ticks);
+        Stage stage(device, caseOf(series, variant, scene, camera), series.ticks);
         std::vector<RadianceImage> frames, exact;
         const glm::uvec2 size = sizeOf(series.error);
         for (uint32_t i = 0; i < series.frames; ++i) {
@@ -211,7 +221,7 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
         const auto take = [&](const json& some) { rows.insert(rows.end(), some.begin(), some.end()); };
         for (const std::string& scene : series.scenes)
             for (const std::string& camera : series.cameras) {
-                if (series.kind == "orbit") take(orbitRows(device, series, scene, camera, truth, effort));
+                if (series.kind == "orbit") take(orbitRows(device, series, scene, camera, truth));
                 if (series.kind == "light") {
                     std::vector<LightCase> cases;
                     for (const Variant& variant : series.variants)

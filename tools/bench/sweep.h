@@ -18,6 +18,7 @@ struct Variant {
     std::string name;
     std::vector<std::string> set;
     std::string size;        // size of its pictures; empty: the series' sizes
+    uint32_t lights = 0;     // of the scene's lights the first ones, so many; 0: all
     double published_ms = 0; // the dissertation's figure; 0: none was published
 };
 
@@ -26,10 +27,12 @@ struct Series {
     std::string kind = "cost"; // cost | jpeg | light | orbit
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
-    std::string error;            // size of the pictures whose error is measured; empty: no errors
-    uint32_t every = 1;           // errors: only every so many-th pixel is compared; odd, divides the size
-    std::string baseline;         // variant that the report compares the others with; empty: the first
-    std::string published_on;     // device of the published figures
+    float apart = 0; // degrees that each viewer is turned from the one before; 0: they stand evenly around the target
+    uint32_t ticks = 0;       // simulated before the first frame
+    std::string error;        // size of the pictures whose error is measured; empty: no errors
+    uint32_t every = 1;       // errors: only every so many-th pixel is compared; odd, divides the size
+    std::string baseline;     // variant that the report compares the others with; empty: the first
+    std::string published_on; // device of the published figures
     std::vector<Variant> variants;
     std::vector<std::string> qualities; // kind jpeg: JPEG qualities
     uint32_t frames = 0;                // kind orbit: frames
@@ -40,7 +43,6 @@ struct Effort {
     double seconds = 1; // time for the frames of each variant
     uint32_t least = 3; // least frames of each variant
     std::string only;   // part of the series' names; empty: all series
-    uint32_t ticks = 0; // simulated ticks before the first frame
 };
 
 // Loads a sweep. Throws SceneError, which names file, line, key and what is allowed.

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <vector>
 
 #include "server/inputs/world_box.h"
 #include "server/light/shadow_frustum.h"
 #include "server/light/shadow_grid.h"
+#include "server/methods/froxels/froxel_history.h"
 #include "server/methods/froxels/froxel_volume.h"
 #include "server/methods/grid/medium_grid.h"
 #include "shaders/froxels_comp.h"
@@ -26,9 +28,11 @@ uint32_t shadowsOf(const RenderSettings& settings) {
 class Froxels : public FroxelVolume {
 public:
     explicit Froxels(const MethodContext& context)
-        : FroxelVolume(context), nodes_(context.device), grid_(context.device), frusta_(context.device) {}
+        : FroxelVolume(context), nodes_(context.device), grid_(context.device), frusta_(context.device),
+          history_(context.device) {}
 
     std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
+        history_.forgetOld();
         eyes_.clear(), slices_.clear();
         far_ = 0;
         for (const EyeInputs& in : eyes) {
@@ -61,20 +65,25 @@ public:
         if (shadows == gpu::kShadowsHybrid) frusta_.record(commands, medium.tick, tick, grid_, eyes_, slices_);
     }
 
+    LightWork workSince() override { return {.voxel_rays = grid_.raysSince(), .froxel_rays = frusta_.raysSince()}; }
+
 private:
     static const gpu::Buffer& orAny(const gpu::Buffer& buffer, const gpu::Buffer& any) { return buffer ? buffer : any; }
 
     void recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu::FroxelGrid& froxels) override {
         const gpu::Commands::Pass pass(commands, "froxels", in.view);
+        const TickInputs& shared = *in.shared;
+        const auto tick = shared.settings->froxels.jitter ? uint32_t(shared.number % 64) + 64 : 0; // never 0
         const struct {
             gpu::FroxelGrid froxels;
             gpu::MediumGrid medium;
             glm::vec3 albedo;
-            uint32_t view;
-        } push{froxels, nodes_.grid(), in.medium->extent->albedo, in.view};
-        const TickInputs& shared = *in.shared;
+            uint32_t view, jitter;
+        } push{froxels, nodes_.grid(), in.medium->extent->albedo, in.view, tick};
+        const bool whole = froxels.first_row == 0 && (froxels.rays.y - 1) * froxels.pixels >= in.size.height;
+        const FroxelHistory::Bound history = history_.record(commands, in, froxels, whole);
         const gpu::Buffer& any = *shared.objects; // bound, but not read
-        program(shadowsOf(*shared.settings), in.medium->extent->one_albedo)
+        program(shadowsOf(*shared.settings), in.medium->extent->one_albedo, history.has)
             .bind(commands,
                   {in.medium->tick,
                    in.eye,
@@ -95,14 +104,16 @@ private:
                    gpu::storageBuffer(16, orAny(grid_.voxels(), any)),
                    gpu::storageBuffer(17, orAny(grid_.slots(), any)),
                    gpu::storageBuffer(18, orAny(frusta_.frusta(), any)),
-                   gpu::storageBuffer(19, orAny(frusta_.froxels(), any))},
+                   gpu::storageBuffer(19, orAny(frusta_.froxels(), any)),
+                   gpu::storageBuffer(20, *history.cells),
+                   gpu::uniformBuffer(21, *history.block, 0, sizeof(gpu::HistoryBlock))},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(froxels.rays.x, 8), gpu::groups(froxels.rays.y, 8), 1);
         gpu::computeToCompute(commands.handle());
     }
 
-    const gpu::ComputeProgram& program(uint32_t shadows, bool one_albedo) {
-        gpu::ComputeProgram& made = programs_[{shadows, one_albedo}];
+    const gpu::ComputeProgram& program(uint32_t shadows, bool one_albedo, bool history) {
+        gpu::ComputeProgram& made = programs_[{shadows, one_albedo, history}];
         if (!made)
             made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, froxels_comp, "froxels"},
                                        {{gpu::kIdHasOpaque, features_.opaque},
@@ -113,7 +124,8 @@ private:
                                         {gpu::kIdHasGlow, features_.glow},
                                         {gpu::kIdHasLocalLights, features_.local_lights},
                                         {gpu::kIdOneAlbedo, one_albedo},
-                                        {gpu::kIdShadows, shadows}});
+                                        {gpu::kIdShadows, shadows},
+                                        {gpu::kIdHistory, history}});
         return made;
     }
 
@@ -124,7 +136,8 @@ private:
     std::vector<gpu::Eye> eyes_;
     std::vector<ShadowSlices> slices_; // that the frusta cover
     float far_ = 0;                    // m of view depth, where the slices of all eyes end
-    std::map<std::pair<uint32_t, bool>, gpu::ComputeProgram> programs_;
+    FroxelHistory history_;
+    std::map<std::tuple<uint32_t, bool, bool>, gpu::ComputeProgram> programs_;
 };
 
 } // namespace

@@ -13,10 +13,6 @@ constexpr double kNodesAcross = 96; // along the longest side of a box without p
 constexpr double kCoarser = 1.26;
 constexpr uint64_t kLeastBytes = 256; // of a buffer that is bound, but not read
 
-uint64_t nodesOf(const gpu::LitGridShape& shape) {
-    constexpr uint64_t kNodes = uint64_t(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
-    return uint64_t(shape.bricks.x) * shape.bricks.y * shape.bricks.z * kNodes;
-}
 // Of the larger buffer.
 uint64_t bytesOf(const gpu::LitGridShape& shape, bool local_lights) {
     return nodesOf(shape) * (local_lights ? 3 * sizeof(glm::vec4) : sizeof(float));
@@ -24,6 +20,7 @@ uint64_t bytesOf(const gpu::LitGridShape& shape, bool local_lights) {
 
 gpu::LitGridShape shapeOver(const Bounds3& box, double spacing, bool local_lights) {
     gpu::LitGridShape shape{};
+    shape.near = gpu::kNearNodes;
     for (;; spacing *= kCoarser) {
         const glm::dvec3 first = glm::floor(box.lo / spacing), last = glm::ceil(box.hi / spacing);
         shape.origin = first * spacing;
@@ -37,38 +34,47 @@ bool sameBytes(const void* a, const void* b, size_t size) { return std::memcmp(a
 
 } // namespace
 
-gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes) {
-    const double asked = double(tick.settings->lit.spacing);
-    if (!tick.features.fog && asked == kAuto) {
-        const gpu::LitGridShape shape{nodes.origin, nodes.spacing, nodes.bricks, 1};
+uint64_t nodesOf(const gpu::LitGridShape& shape) {
+    constexpr uint64_t kNodes = uint64_t(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
+    return uint64_t(shape.bricks.x) * shape.bricks.y * shape.bricks.z * kNodes;
+}
+
+gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes,
+                           float spacing) {
+    if (!tick.features.fog && spacing == kAuto) {
+        const gpu::LitGridShape shape{nodes.origin, nodes.spacing, nodes.bricks, 1, gpu::kNearNodes};
         if (bytesOf(shape, tick.features.local_lights) <= kMostLitBytes) return shape;
     }
     const Bounds3 box = worldBox(tick, medium);
     if (!(box.lo.x <= box.hi.x)) return {};
     const glm::dvec3 size = box.hi - box.lo;
-    const double longest = std::max({size.x, size.y, size.z, 1e-3});
-    double spacing = longest / kNodesAcross;
-    if (medium.count > 0) spacing = std::min(spacing, double(nodes.spacing));
-    return shapeOver(box, asked != kAuto ? asked : spacing, tick.features.local_lights);
+    double apart = std::max({size.x, size.y, size.z, 1e-3}) / kNodesAcross;
+    if (medium.count > 0) apart = std::min(apart, double(nodes.spacing));
+    return shapeOver(box, spacing != kAuto ? double(spacing) : apart, tick.features.local_lights);
 }
 
-bool LitGrid::isKept(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape) {
-    const bool kept = medium_ == medium.version && objects_ == tick.objects_version &&
+bool LitKey::isSame(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape) {
+    const bool same = medium_ == medium.version && objects_ == tick.objects_version &&
                       sameBytes(&shape, &shape_, sizeof shape) && sameBytes(tick.tick, &tick_, sizeof tick_) &&
                       lights_.size() == tick.lights.size() &&
                       (lights_.empty() || sameBytes(lights_.data(), tick.lights.data(), tick.lights.size_bytes()));
     medium_ = medium.version, objects_ = tick.objects_version, shape_ = shape, tick_ = *tick.tick;
     lights_.assign(tick.lights.begin(), tick.lights.end());
-    return kept;
+    return same;
+}
+
+void LitNodes::atLeast(const gpu::Device& device, const gpu::LitGridShape& shape, bool local_lights) {
+    const uint64_t bytes = local_lights ? bytesOf(shape, true) : 0;
+    nodes.atLeast(device, std::max<uint64_t>(bytes, kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                  gpu::Memory::device, "lit nodes");
+    sun.atLeast(device, std::max<uint64_t>(bytesOf(shape, false), kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                gpu::Memory::device, "sunlit nodes");
 }
 
 void LitGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes) {
-    if (isKept(tick, medium, litShape(tick, medium, nodes.grid()))) return;
-    const uint64_t bytes = tick.features.local_lights ? bytesOf(shape_, true) : 0;
-    nodes_.atLeast(device_, std::max<uint64_t>(bytes, kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                   gpu::Memory::device, "lit nodes");
-    sun_.atLeast(device_, std::max<uint64_t>(bytesOf(shape_, false), kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                 gpu::Memory::device, "sunlit nodes");
+    shape_ = litShape(tick, medium, nodes.grid(), tick.settings->lit.spacing);
+    if (key_.isSame(tick, medium, shape_)) return;
+    light_.atLeast(device_, shape_, tick.features.local_lights);
     if (shape_.bricks.x == 0) return;
     const gpu::Commands::Pass pass(commands, "lit grid");
     gpu::ComputeProgram& program = programs_[tick.features];
@@ -86,7 +92,7 @@ void LitGrid::record(gpu::Commands& commands, const TickInputs& tick, const Medi
     } push{shape_, nodes.grid()};
     gpu::everythingBefore(commands.handle()); // the eyes before have read it
     program.bind(commands,
-                 {medium.tick, gpu::storageBuffer(3, nodes_), gpu::storageBuffer(4, sun_),
+                 {medium.tick, gpu::storageBuffer(3, light_.nodes), gpu::storageBuffer(4, light_.sun),
                   gpu::storageBuffer(5, nodes.marks()), gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
                   gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest), gpu::storageBuffer(8, *tick.local_lights),
                   gpu::storageBuffer(9, *tick.light_bits), gpu::storageBuffer(10, *tick.light_depths),

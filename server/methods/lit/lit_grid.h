@@ -15,9 +15,32 @@ namespace brume {
 
 inline constexpr uint64_t kMostLitBytes = 96ull << 20; // of the nodes: every device can bind 128 MiB
 
-// Where the nodes lie: those of the medium where there are only particles; else in the box of worldBox(), and as much
-// farther apart as they must be to fit kMostLitBytes. No bricks where that box holds nothing.
-gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes);
+// Where the nodes lie: `spacing` m apart; kAuto: those of the medium where there are only particles; else in the box of
+// worldBox(), and as much farther apart as they must be to fit kMostLitBytes. No bricks where that box holds nothing.
+gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes,
+                           float spacing);
+
+// What the light at nodes was made of: it is kept while all of that is the same.
+class LitKey {
+public:
+    // Notes what the light is made of now. True: it is what it was at the last call.
+    bool isSame(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape);
+
+private:
+    std::optional<uint64_t> medium_, objects_;
+    gpu::LitGridShape shape_{};
+    gpu::Tick tick_{};
+    std::vector<gpu::LocalLight> lights_;
+};
+
+// The light at nodes: what lit_rays.comp reads.
+struct LitNodes {
+    gpu::Buffer nodes; // vec4[plane][row][node][channel]; nothing without local lights
+    gpu::Buffer sun;   // float[plane][row][node]
+
+    void atLeast(const gpu::Device& device, const gpu::LitGridShape& shape, bool local_lights);
+};
+uint64_t nodesOf(const gpu::LitGridShape& shape);
 
 class LitGrid {
 public:
@@ -28,20 +51,14 @@ public:
     void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes);
 
     const gpu::LitGridShape& shape() const { return shape_; }
-    const gpu::Buffer& nodes() const { return nodes_; } // vec4[plane][row][node][channel]; nothing without local lights
-    const gpu::Buffer& sun() const { return sun_; }     // float[plane][row][node]
+    const LitNodes& light() const { return light_; }
 
 private:
-    bool isKept(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape);
-
     const gpu::Device& device_;
     std::map<SceneFeatures, gpu::ComputeProgram> programs_;
-    gpu::Buffer nodes_, sun_;
+    LitNodes light_;
     gpu::LitGridShape shape_{};
-    // What the nodes were made of.
-    std::optional<uint64_t> medium_, objects_;
-    gpu::Tick tick_{};
-    std::vector<gpu::LocalLight> lights_;
+    LitKey key_;
 };
 
 } // namespace brume

@@ -1,0 +1,161 @@
+#include "server/methods/gradients/radiance_grid.h"
+
+#include <algorithm>
+
+#include "shaders/radiance_nested_comp.h"
+#include "shaders/radiance_nodes_comp.h"
+#include "shaders/radiance_samples_comp.h"
+
+namespace brume {
+namespace {
+
+constexpr uint32_t kFirstCells = 16; // of the first grid that samples are split into, along the longest side
+constexpr uint32_t kLanes = 64;      // of a workgroup
+constexpr VkDeviceSize kLeastBytes = 256;
+constexpr VkBufferUsageFlags kScratch = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+
+float luminance(glm::vec3 colour) { return glm::dot(colour, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
+
+glm::vec3 sizeOf(const gpu::LitGridShape& shape) {
+    return (glm::vec3(shape.bricks * gpu::kSlabTile) - 1.0f) * shape.spacing;
+}
+
+// Fluence that errors are measured by: of the sun, and of the others in the middle of the nodes, or a quarter of their
+// longest side away. Nothing is in their way.
+float fluenceOf(const TickInputs& tick, const gpu::LitGridShape& shape) {
+    const glm::vec3 size = sizeOf(shape), middle = shape.origin + 0.5f * size;
+    const float least = 0.25f * std::max({size.x, size.y, size.z});
+    float sum = luminance(tick.tick->sun.irradiance);
+    for (const gpu::LocalLight& light : tick.lights) {
+        const float distance = std::max(glm::distance(light.position, middle), least);
+        sum += luminance(light.intensity) / (distance * distance);
+    }
+    return std::max(sum, 1e-20f);
+}
+
+uint32_t howOf(const RadianceSettings& settings) {
+    return (settings.quantity == "radiance" ? gpu::kRadiance : 0) |
+           (settings.weights == "printed" ? gpu::kPrinted : 0) |
+           (settings.interpolation == "rbf" ? gpu::kNoPlanes : 0) |
+           (settings.interpolation == "exact" ? gpu::kExactly : 0) |
+           (settings.interpolation == "nested" ? gpu::kNested : 0);
+}
+
+gpu::LightSampling samplingOf(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape,
+                              const gpu::MediumGrid& nodes) {
+    const RadianceSettings& settings = tick.settings->radiance;
+    gpu::LightSampling sampling{};
+    sampling.lit = shape;
+    sampling.medium = nodes;
+    const glm::vec3 size = sizeOf(shape);
+    sampling.cell = std::max({size.x, size.y, size.z}) / float(kFirstCells);
+    sampling.cells = glm::max(glm::uvec3(glm::ceil(size / sampling.cell - 1e-3f)), 1u);
+    sampling.levels = settings.levels;
+    sampling.error = settings.error;
+    sampling.gradient_step = settings.gradient_step * shape.spacing;
+    sampling.step = settings.step * nodes.spacing;
+    sampling.scale = fluenceOf(tick, shape);
+    sampling.how = howOf(settings);
+    const bool particles = medium.count > 0 && medium.count <= settings.samples;
+    sampling.firsts = particles ? medium.count : settings.samples;
+    if (particles) sampling.how |= gpu::kParticles;
+    return sampling;
+}
+
+// Samples of a grid.
+uint32_t samplesOf(const gpu::LightSampling& sampling, uint32_t level) {
+    const glm::uvec3 size = (sampling.cells << level) + 1u;
+    return size.x * size.y * size.z;
+}
+
+} // namespace
+
+RadianceGrid::RadianceGrid(const gpu::Device& device)
+    : device_(device), counts_(device, gpu::kLightCounts, "light counts") {}
+
+std::array<uint32_t, gpu::kLightCounts> RadianceGrid::countsSince() {
+    std::array<uint32_t, gpu::kLightCounts> counts{};
+    for (uint32_t i = 0; i < gpu::kLightCounts; ++i) counts[i] = counts_.since(i);
+    return counts;
+}
+
+void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium,
+                          const GridPass& nodes) {
+    const RadianceSettings& settings = tick.settings->radiance;
+    shape_ = litShape(tick, medium, nodes.grid(), settings.spacing);
+    if (settings.quantity == "radiance") shape_.near = 0; // all of it is interpolated
+    const bool same = settings == settings_;
+    settings_ = settings;
+    if (key_.isSame(tick, medium, shape_) && same) return;
+    light_.atLeast(device_, shape_, tick.features.local_lights);
+    if (shape_.bricks.x == 0) return;
+
+    const gpu::Commands::Pass pass(commands, "radiance");
+    gpu::LightSampling push = samplingOf(tick, medium, shape_, nodes.grid());
+    const bool nested = (push.how & gpu::kNested) != 0, spheres = (push.how & (gpu::kExactly | gpu::kNested)) == 0;
+    uint64_t samples = push.firsts;
+    for (uint32_t level = 0; level < push.levels; ++level) samples += samplesOf(push, level);
+    const auto grow = [&](gpu::Buffer& buffer, uint64_t count, size_t each, const char* name) {
+        buffer.atLeast(device_, std::max<VkDeviceSize>(count * each, kLeastBytes), kScratch, gpu::Memory::device, name);
+    };
+    grow(samples_, spheres ? samples : 0, sizeof(gpu::LightSample), "light samples");
+    grow(states_, spheres ? samples : nested ? nodesOf(shape_) : 0, sizeof(uint32_t), "states of light samples");
+    grow(spheres_, spheres ? push.firsts : 0, sizeof(glm::vec4), "spheres of light samples");
+    grow(values_, nested ? nodesOf(shape_) : 0, sizeof(glm::vec4), "nested light");
+
+    const VkCommandBuffer cmd = commands.handle();
+    gpu::everythingBefore(cmd); // the eyes before have read it
+    if (spheres) vkCmdFillBuffer(cmd, states_.handle(), 0, VK_WHOLE_SIZE, gpu::kNoSample);
+    counts_.begin(commands);
+    gpu::transferToCompute(cmd);
+    const auto record = [&](std::map<SceneFeatures, gpu::ComputeProgram>& programs, std::span<const uint32_t> code,
+                            const char* name, std::initializer_list<gpu::Resource> own, glm::uvec3 groups) {
+        gpu::ComputeProgram& program = programs[tick.features];
+        if (!program)
+            program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, code, name},
+                                          {{gpu::kIdHasOpaque, tick.features.opaque},
+                                           {gpu::kIdHasCasters, tick.features.casters},
+                                           {gpu::kIdHasMeshes, tick.features.meshes},
+                                           {gpu::kIdHasFog, tick.features.fog},
+                                           {gpu::kIdHasLocalLights, tick.features.local_lights}});
+        std::vector<gpu::Resource> all{medium.tick,
+                                       gpu::storageBuffer(2, nodes.nodes()),
+                                       gpu::storageBuffer(5, nodes.marks()),
+                                       gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
+                                       gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest),
+                                       gpu::storageBuffer(8, *tick.local_lights),
+                                       gpu::storageBuffer(10, *tick.light_depths),
+                                       gpu::storageBuffer(11, *tick.objects),
+                                       gpu::storageBuffer(12, *tick.object_nodes),
+                                       gpu::storageBuffer(13, *tick.triangles),
+                                       gpu::storageBuffer(14, *tick.mesh_nodes),
+                                       gpu::storageBuffer(15, counts_.buffer())};
+        all.insert(all.end(), own.begin(), own.end());
+        program.bind(commands, std::span<const gpu::Resource>(all), std::as_bytes(std::span(&push, 1)));
+        vkCmdDispatch(cmd, groups.x, groups.y, groups.z);
+        gpu::computeToCompute(cmd);
+    };
+    const auto inOneLine = [](uint32_t lanes) { return glm::uvec3(gpu::groups(lanes, kLanes), 1, 1); };
+    if (spheres)
+        for (push.level = -1; push.level < int(push.levels); ++push.level) {
+            const uint32_t lanes = push.level < 0 ? push.firsts : samplesOf(push, uint32_t(push.level));
+            record(samples_programs_, radiance_samples_comp, "radiance_samples",
+                   {gpu::storageBuffer(16, samples_), gpu::storageBuffer(17, states_), gpu::storageBuffer(18, spheres_),
+                    gpu::storageBuffer(19, *medium.particles)},
+                   inOneLine(lanes));
+        }
+    if (nested)
+        for (push.level = 1 << push.levels; push.level > 0; push.level /= 2) {
+            const glm::uvec3 lanes = shape_.bricks * gpu::kSlabTile / uint32_t(push.level);
+            record(nested_programs_, radiance_nested_comp, "radiance_nested",
+                   {gpu::storageBuffer(16, values_), gpu::storageBuffer(17, states_)},
+                   inOneLine(lanes.x * lanes.y * lanes.z));
+        }
+    record(nodes_programs_, radiance_nodes_comp, "radiance_nodes",
+           {gpu::storageBuffer(3, light_.nodes), gpu::storageBuffer(4, light_.sun), gpu::storageBuffer(16, samples_),
+            gpu::storageBuffer(17, states_), gpu::storageBuffer(18, spheres_), gpu::storageBuffer(19, values_)},
+           shape_.bricks);
+    counts_.end(commands);
+}
+
+} // namespace brume

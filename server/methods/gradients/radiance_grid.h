@@ -1,0 +1,38 @@
+// RadianceGrid: the light at nodes of world space, as LitGrid has it, but computed at few places and interpolated (Ren,
+// Zhou, Lin, Guo, Gradient-based Interpolation and Sampling for Real-time Rendering of Inhomogeneous, Single-scattering
+// Media, 2008; docs/methods.md).
+#pragma once
+
+#include <array>
+#include <map>
+
+#include "server/gpu/counts.h"
+#include "server/methods/lit/lit_grid.h"
+#include "shaders/shared/radiance.h"
+
+namespace brume {
+
+class RadianceGrid {
+public:
+    explicit RadianceGrid(const gpu::Device& device);
+
+    // As LitGrid::record().
+    void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes);
+
+    const gpu::LitGridShape& shape() const { return shape_; }
+    const LitNodes& light() const { return light_; }
+    // By gpu::kPlacesLit and so on, of submissions that are done, since the last call of this.
+    std::array<uint32_t, gpu::kLightCounts> countsSince();
+
+private:
+    const gpu::Device& device_;
+    std::map<SceneFeatures, gpu::ComputeProgram> samples_programs_, nested_programs_, nodes_programs_;
+    LitNodes light_;
+    gpu::Buffer samples_, states_, spheres_, values_;
+    gpu::Counts counts_;
+    gpu::LitGridShape shape_{};
+    RadianceSettings settings_;
+    LitKey key_;
+};
+
+} // namespace brume

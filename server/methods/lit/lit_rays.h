@@ -1,0 +1,35 @@
+// LitRays: base of methods that keep light at nodes of world space for all viewers, and read it along an eye's rays.
+#pragma once
+
+#include <map>
+
+#include "server/methods/froxels/froxel_volume.h"
+#include "server/methods/lit/lit_grid.h"
+
+namespace brume {
+
+class LitRays : public FroxelVolume {
+public:
+    explicit LitRays(const MethodContext& context) : FroxelVolume(context), nodes_(context.device) {}
+
+    void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override;
+
+protected:
+    struct Light {
+        const gpu::LitGridShape& shape;
+        const LitNodes& light;
+    };
+    // Records the light at nodes for TickInputs::hue, unless it is there already. `nodes`: the medium's. Ends with its
+    // writes visible to compute.
+    virtual Light recordLight(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium,
+                              const GridPass& nodes) = 0;
+
+private:
+    void recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu::FroxelGrid& froxels) override;
+    const gpu::ComputeProgram& program(bool one_albedo);
+
+    GridPass nodes_;
+    std::map<bool, gpu::ComputeProgram> programs_; // by: all particles have one albedo
+};
+
+} // namespace brume

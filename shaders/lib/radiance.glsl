@@ -1,0 +1,125 @@
+// Light at a place as method `gradients` interpolates it: of points and spots fluence, or the part of it that arrives;
+// of the sun the part that arrives. Include after the tick, `LightSampling push`, and what lit_grid.comp declares for
+// lights, objects and the medium's nodes.
+#include "shaders/lib/grid_marks.glsl"
+#include "shaders/lib/extinction_nodes.glsl"
+#include "shaders/lib/light.glsl"
+#include "shaders/lib/fog.glsl"
+#include "shaders/lib/objects.glsl"
+#include "shaders/lib/local_lights.glsl"
+#include "shaders/lib/local_light_depth.glsl"
+#include "shaders/lib/occluded.glsl"
+#include "shaders/lib/near_lights.glsl"
+#include "shaders/lib/sun_at_node.glsl"
+
+const uint kMostSteps = 1024;    // of a march
+const float kAsideWeight = 1e-3; // of a light beside its cone: places near the cone know how much would arrive
+
+bool isHow(uint bit) { return (push.how & bit) != 0; }
+
+// Optical depth of the particles on a way of unit direction, by samples in the middle of its steps.
+float marchedDepth(vec3 x, vec3 dir, float distance) {
+    const vec3 size = vec3(push.medium.bricks * kSlabTile), inverse = inverseOf(dir);
+    const vec3 a = (push.medium.origin - x) * inverse,
+               b = (push.medium.origin + push.medium.spacing * size - x) * inverse;
+    const vec3 enters = min(a, b), leaves = max(a, b);
+    const float begin = max(max(enters.x, enters.y), max(enters.z, 0)),
+                end = min(min(leaves.x, leaves.y), min(leaves.z, distance));
+    if (!(begin < end)) return 0;
+    const uint steps = clamp(uint(ceil((end - begin) / push.step)), 1u, kMostSteps);
+    const float width = (end - begin) / float(steps);
+    float sum = 0;
+    [[dont_unroll]] for (uint i = 0; i < steps; ++i) sum += extinctionAt(x + (begin + (float(i) + 0.5) * width) * dir);
+    return width * sum;
+}
+
+// The same between a local light and a place. Beside the light's cone it is that of the cone's rim.
+float particleDepth(LocalLight light, vec3 away, float distance) {
+    if (light.shadows == 0 || tick.particle_count == 0) return 0;
+    const vec3 w = away / max(distance, 1e-20);
+    if (push.step > 0) return marchedDepth(light.position, w, distance);
+    if (light.volume == kNoVolume) return 0;
+    const float cosine = light.volume_cosine + 1e-5, along = dot(w, light.volume_axis);
+    if (along >= cosine) return particlesFrom(light, away, distance);
+    const vec3 aside = w - along * light.volume_axis;
+    const vec3 rim = cosine * light.volume_axis + sqrt(max(1 - cosine * cosine, 0)) * normalize(aside);
+    return particlesFrom(light, distance * rim, distance);
+}
+
+// The part of a light that arrives at a place, past objects and through the medium.
+float arrivingPart(LocalLight light, vec3 x, vec3 away, float distance) {
+    if (light.shadows != 0 && kHasOpaque && isOccluded(x, -away, true)) return 0;
+    return exp(-(kHasFog ? fogFrom(light, away, distance) : 0) - particleDepth(light, away, distance));
+}
+
+// Fluence of a light at a distance, W/m^2, without cone, range and what is in its way. Nodes keep a part of it.
+vec3 fallenOff(LocalLight light, float distance) {
+    return light.intensity * (keptPart(distance) / (distance * distance + light.radius * light.radius));
+}
+
+uint places_lit = 0; // by this lane
+
+vec4 lightAt(vec3 x) {
+    ++places_lit;
+    vec3 arrives = vec3(0), all = vec3(0);
+    [[dont_unroll]] for (uint i = 0; i < (kHasLocalLights ? tick.local_light_count : 0); ++i) {
+        const LocalLight light = local_lights[i];
+        const vec3 away = x - light.position;
+        const float distance = length(away), sent = sentTo(light, away, distance);
+        if (isHow(kRadiance)) {
+            if (sent > 0) arrives += fallenOff(light, distance) * (sent * arrivingPart(light, x, away, distance));
+            continue;
+        }
+        // Lights too near to be kept count a little: the part that arrives has a value everywhere.
+        const float weight = (max(keptPart(distance), kAsideWeight)) * max(sent, kAsideWeight) /
+                             (distance * distance + light.radius * light.radius);
+        all += weight * light.intensity;
+        arrives += light.intensity * (weight * arrivingPart(light, x, away, distance));
+    }
+    if (!isHow(kRadiance)) arrives /= max(all, vec3(1e-30));
+    return vec4(arrives, tick.sun.irradiance != vec3(0) ? sunAt(x) : 0);
+}
+
+// All light of points and spots that nodes keep there if nothing is in its way: fluence of each colour, and unit
+// directions times it.
+vec3 lightSent(vec3 x, out mat3 ways) {
+    vec3 all = vec3(0);
+    ways = mat3(0); // columns: red, green, blue
+    [[dont_unroll]] for (uint i = 0; i < (kHasLocalLights ? tick.local_light_count : 0); ++i) {
+        const LocalLight light = local_lights[i];
+        const vec3 away = x - light.position;
+        const float distance = length(away), sent = sentTo(light, away, distance);
+        if (!(sent > 0)) continue;
+        const vec3 arrives = sent * fallenOff(light, distance);
+        all += arrives;
+        ways += outerProduct(away / max(distance, 1e-20), arrives);
+    }
+    return all;
+}
+
+// 1/m, of all media. `around`: m, half the length over which fog is taken.
+float mediaAt(vec3 x, float around) {
+    const float particles = tick.particle_count > 0 ? extinctionAt(x) : 0;
+    if (!kHasFog) return particles;
+    return particles + fogBetween(x - vec3(around, 0, 0), vec3(1, 0, 0), 1, 0, 2 * around) / (2 * around);
+}
+
+// The opacity that the medium at x would have all through the box of the nodes.
+float opacityAround(vec3 x) {
+    const vec3 size = vec3(push.lit.bricks * kSlabTile) * push.lit.spacing;
+    return opacity(mediaAt(x, 0.5 * push.lit.spacing) * max(max(size.x, size.y), size.z));
+}
+
+// What an error of light at x is worth: of its fluence as a part of push.scale, times the opacity.
+float worthOf(vec4 off, vec3 x) {
+    const float opacity = opacityAround(x);
+    if (!(opacity > 0)) return 0;
+    const vec3 luminance = vec3(0.2126, 0.7152, 0.0722);
+    vec3 sent = vec3(1);
+    if (!isHow(kRadiance)) {
+        mat3 ways;
+        sent = lightSent(x, ways);
+    }
+    const float local = dot(abs(off.rgb) * sent, luminance), sun = abs(off.w) * dot(tick.sun.irradiance, luminance);
+    return opacity * (local + sun) / push.scale;
+}
