@@ -83,8 +83,10 @@ Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, cons
         const bool around = wanted.apart == 0;
         const float angle = around ? 2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers)
                                    : glm::radians(wanted.apart) * float(i);
-        eyes_.push_back(
-            {turnedAbout(first, around ? scene_.camera.target : first.position, angle), wanted.size.x, wanted.size.y});
+        eyes_.push_back({.pose = turnedAbout(first, around ? scene_.camera.target : first.position, angle),
+                         .width = wanted.size.x,
+                         .height = wanted.size.y,
+                         .history = i + 1});
     }
     PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = allMethods()};
     for (const EyeRequest& eye : eyes_) inputs.views.push_back({eye.pose, eye.width, eye.height});

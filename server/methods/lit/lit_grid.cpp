@@ -30,6 +30,10 @@ gpu::LitGridShape shapeOver(const Bounds3& box, double spacing, bool local_light
     }
 }
 
+Bounds3 particlesOf(const MediumView& medium) {
+    return medium.count > 0 ? Bounds3{medium.extent->lo, medium.extent->hi} : Bounds3{};
+}
+
 bool sameBytes(const void* a, const void* b, size_t size) { return std::memcmp(a, b, size) == 0; }
 
 } // namespace
@@ -45,7 +49,8 @@ gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, con
         const gpu::LitGridShape shape{nodes.origin, nodes.spacing, nodes.bricks, 1, gpu::kNearNodes};
         if (bytesOf(shape, tick.features.local_lights) <= kMostLitBytes) return shape;
     }
-    const Bounds3 box = worldBox(tick, medium);
+    // Without fog there is nothing to light beside the particles.
+    const Bounds3 box = tick.features.fog ? worldBox(tick, medium) : particlesOf(medium);
     if (!(box.lo.x <= box.hi.x)) return {};
     const glm::dvec3 size = box.hi - box.lo;
     double apart = std::max({size.x, size.y, size.z, 1e-3}) / kNodesAcross;
