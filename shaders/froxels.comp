@@ -120,7 +120,9 @@ bool wasAt(vec3 x, out vec3 at) {
     const float face = log2(1 + (depth - history.froxels.near) / history.froxels.unit) / history.froxels.growth;
     at = vec3((pixel - 0.5) / float(history.froxels.pixels), face - 0.5);
     const vec3 last = vec3(history.froxels.rays, history.froxels.slices) - 1;
-    return all(greaterThanEqual(at, vec3(0))) && all(lessThanEqual(at, last));
+    const bool inside = all(greaterThanEqual(at, vec3(-0.5))) && all(lessThanEqual(at, last + 0.5));
+    at = clamp(at, vec3(0), last);
+    return inside;
 }
 
 uint cellAt(FroxelGrid froxels, uvec3 cell) { return (cell.z * froxels.rays.y + cell.y) * froxels.rays.x + cell.x; }
@@ -136,7 +138,7 @@ bool wasSeen(vec3 x, out vec4 seen) {
         const uvec3 off = uvec3(c & 1, c >> 1 & 1, c >> 2);
         const vec3 share = mix(1 - part, part, vec3(off));
         const vec4 cell = cells[history.first + cellAt(history.froxels, min(first + off, last))];
-        if (cell.a < 0) return false;
+        if (!(cell.a >= 0)) return false;
         seen += share.x * share.y * share.z * cell;
     }
     return true;
@@ -146,8 +148,9 @@ void addSlice(float near, float far, inout vec3 scattered, out float depth) {
     addLight(near, far, scattered, depth);
     if (!kHistory) return;
     const float metres = (far - near) * ray_metres;
-    vec4 now = vec4(scattered, depth) / metres, seen;
-    if (wasSeen(eye.position + faceDepth(float(ray_slice) + 0.5) * ray_dir, seen)) {
+    const bool has_length = metres > 0;
+    vec4 now = has_length ? vec4(scattered, depth) / metres : vec4(0, 0, 0, -1), seen;
+    if (has_length && wasSeen(eye.position + faceDepth(float(ray_slice) + 0.5) * ray_dir, seen)) {
         now = mix(now, seen, history.part);
         scattered = now.rgb * metres;
         depth = now.a * metres;

@@ -14,7 +14,7 @@ layout(scalar, binding = 17) buffer States { uint states[]; }; // of nodes: 1: t
 
 #include "shaders/lib/radiance.glsl"
 
-const uint kComputed = 2; // strides of grids that are computed whole, in units of the last one: the first two
+const uint kWhole = 2; // grids that are computed whole: the first ones
 
 uvec3 size;
 uint nodeAt(uvec3 node) { return (node.z * size.y + node.y) * size.x + node.x; }
@@ -23,14 +23,14 @@ void main() {
     size = push.lit.bricks * kSlabTile;
     const uint stride = uint(push.level), first = 1u << push.levels; // of the first grid
     const uvec3 own = (size + stride - 1) / stride;
-    const uint i = gl_GlobalInvocationID.x;
+    const uint i = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64 + gl_LocalInvocationIndex;
     if (i >= own.x * own.y * own.z) return;
     const uvec3 node = stride * uvec3(i % own.x, i / own.x % own.y, i / (own.x * own.y));
     const uint at = nodeAt(node);
     const vec3 x = push.lit.origin + push.lit.spacing * vec3(node);
     if (stride == first) {
         values[at] = lightAt(x);
-        states[at] = 1;
+        states[at] = 0; // the next grid is computed whole, whatever this says
         atomicAdd(counts[kPlacesLit], 1);
         atomicAdd(counts[kSamplesKept], 1);
         return;
@@ -40,7 +40,7 @@ void main() {
     // Nodes of that grid around it; beyond the last one is none.
     vec4 between = vec4(0);
     uint count = 0;
-    bool wrong = first / stride < 2 * kComputed; // where coarser ones err, or nothing is known of that
+    bool wrong = first / stride < 1u << kWhole; // where coarser ones err, or nothing is known of that
     [[dont_unroll]] for (uint corner = 0; corner < 8; ++corner) {
         const uvec3 off = uvec3(corner & 1, corner >> 1 & 1, corner >> 2);
         if (any(greaterThan(off * stride, beside))) continue; // the same one again

@@ -97,8 +97,10 @@ void main() {
             value = values[at];
         } else if (!fromSpheres(x, value)) {
             const bool read = opacityAround(x) > kSeen;
-            if (read && !isHow(kPrinted)) value = lightAt(x);
-            if (read) atomicAdd(counts[isHow(kPrinted) ? kHoles : kNodesLit], 1);
+            const bool compute = read && !isHow(kPrinted);
+            if (compute) value = lightAt(x);
+            if (compute) atomicAdd(counts[kNodesLit], 1);
+            if (read && !compute) atomicAdd(counts[kHoles], 1);
         }
         value = isHow(kRadiance) ? max(value, 0) : clamp(value, 0, 1);
         sun_nodes[at] = min(value.w, 1);

@@ -35,8 +35,13 @@ vec4 firstSphere(uint i) {
         return vec4(p.centre, kDeviationRadii * 0.1 * p.scale * tick.falloff);
     }
     const vec3 size = (vec3(push.lit.bricks * kSlabTile) - 1) * push.lit.spacing;
-    const float stratum = pow(size.x * size.y * size.z / float(push.firsts), 1.0 / 3);
-    const uvec3 strata = max(uvec3(floor(size / stratum)), uvec3(1)); // all of them are not more than push.firsts
+    float stratum = pow(size.x * size.y * size.z / float(push.firsts), 1.0 / 3);
+    uvec3 strata = max(uvec3(size / stratum), uvec3(1));
+    // In a flat box one is as high as the box.
+    [[dont_unroll]] for (uint round = 0; round < 200 && strata.x * strata.y * strata.z > push.firsts; ++round) {
+        stratum *= 1.05;
+        strata = max(uvec3(size / stratum), uvec3(1));
+    }
     if (i >= strata.x * strata.y * strata.z) return vec4(push.lit.origin, 0);
     const uvec3 at = uvec3(i % strata.x, i / strata.x % strata.y, i / (strata.x * strata.y));
     const vec3 wide = size / vec3(strata);
@@ -64,7 +69,7 @@ bool wantNext(vec3 x, float radius) {
 }
 
 void main() {
-    uint i = gl_GlobalInvocationID.x;
+    uint i = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64 + gl_LocalInvocationIndex;
     vec3 x;
     float radius;
     if (push.level < 0) {

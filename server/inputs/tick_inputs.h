@@ -2,6 +2,7 @@
 // go.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "common/bounding_tree.h"
@@ -41,7 +42,8 @@ struct TickInputs {
     bool needs_rays = true; // needsRays() the tick
     // True: the passes before were the same group's in another hue, and what no colour changes is there already.
     bool again = false;
-    uint32_t hue = 0; // index of the hue that is drawn
+    uint32_t hue = 0;                                  // index of the hue that is drawn
+    std::array<float, 1 + gpu::kMostFogs> hue_parts{}; // parts of the extinctions of particles and fogs that it has
     // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one.
     bool uses_target = false;
 };

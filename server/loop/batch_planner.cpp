@@ -148,7 +148,7 @@ void BatchPlanner::takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers,
         if (const auto request = viewer->pollOneShot(); request && samePictures(*request, wanted))
             if (const auto due = viewer->take(*request, now, scene)) add(viewer, *due, out);
     for (EyeRequest& eye : out.eyes) {
-        eye.history = 0; // a still picture shows one tick
+        eye.history = 0; // it is the same for everyone who asks
         out.views.push_back({eye.pose, eye.width, eye.height});
     }
     out.one_shot = out.still_pictures = true;

@@ -80,7 +80,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
             if (hues_.size() > 1) gpu::everythingBefore(cmd); // the hue before has used the same buffers and images
             upload_.enter(blocks, hue);
             shared_.again = hue > 0;
-            shared_.hue = hue;
+            enterHue(hue);
             if (needs.particle_light && !before) recordParticleLight(s.commands);
             recordGroup(s, method, group, before);
             if (hues_.size() > 1 && compose_.keepsRadiance()) keepHue(s.commands, group, hue);
@@ -119,6 +119,7 @@ uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full, con
 }
 
 void Renderer::giveBack() {
+    countLightWork();
     methods_.clear();
     planes_ = {};
     compose_.giveBack();
@@ -274,6 +275,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .features = features_,
                .needs_rays = needsRays(upload_.tick()),
                .uses_target = features_.opaque || compose_.keepsRadiance()};
+    enterHue(0);
     shared_.objects_bounds.add(meshes_.bounds);
     inputs_.clear();
     for (uint32_t i = 0; i < eyes.size(); ++i) {
@@ -346,6 +348,12 @@ void Renderer::recordReadBack(Submission& s) {
     const VkBufferCopy copy{0, 0, views_.back().planes * sizeof(uint32_t) + s.pictures_.back().layout.bytes()};
     vkCmdCopyBuffer(cmd, planes_.handle(), s.planes_.handle(), 1, &copy);
     gpu::transferToHost(cmd);
+}
+
+void Renderer::enterHue(uint32_t hue) {
+    shared_.hue = hue;
+    shared_.hue_parts[0] = hues_[hue].particles;
+    std::ranges::copy(hues_[hue].fogs, shared_.hue_parts.begin() + 1);
 }
 
 // Keeps what the target holds of a group in one hue.

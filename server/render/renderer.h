@@ -127,6 +127,7 @@ private:
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
     void recordGroup(Submission& submission, Method& method, const ViewGroup& group, const EyeInputs* before);
+    void enterHue(uint32_t hue);
     void keepHue(gpu::Commands& commands, const ViewGroup& group, uint32_t hue);
     std::vector<glm::vec4> readDrawn(VkExtent2D size);
     void recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye);

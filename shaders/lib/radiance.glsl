@@ -13,7 +13,7 @@
 #include "shaders/lib/sun_at_node.glsl"
 
 const uint kMostSteps = 1024;    // of a march
-const float kAsideWeight = 1e-3; // of a light beside its cone: places near the cone know how much would arrive
+const float kAsideWeight = 1e-3; // least weight of a light beside its cone or too near, where no other one shines
 
 bool isHow(uint bit) { return (push.how & bit) != 0; }
 
@@ -54,7 +54,7 @@ float arrivingPart(LocalLight light, vec3 x, vec3 away, float distance) {
 
 // Fluence of a light at a distance, W/m^2, without cone, range and what is in its way. Nodes keep a part of it.
 vec3 fallenOff(LocalLight light, float distance) {
-    return light.intensity * (keptPart(distance) / (distance * distance + light.radius * light.radius));
+    return light.intensity * (keptPart(distance) / max(distance * distance + light.radius * light.radius, 1e-12));
 }
 
 uint places_lit = 0; // by this lane
@@ -62,22 +62,37 @@ uint places_lit = 0; // by this lane
 vec4 lightAt(vec3 x) {
     ++places_lit;
     vec3 arrives = vec3(0), all = vec3(0);
-    [[dont_unroll]] for (uint i = 0; i < (kHasLocalLights ? tick.local_light_count : 0); ++i) {
+    const uint lights = kHasLocalLights ? tick.local_light_count : 0;
+    [[dont_unroll]] for (uint i = 0; i < lights; ++i) {
         const LocalLight light = local_lights[i];
         const vec3 away = x - light.position;
         const float distance = length(away), sent = sentTo(light, away, distance);
-        if (isHow(kRadiance)) {
-            if (sent > 0) arrives += fallenOff(light, distance) * (sent * arrivingPart(light, x, away, distance));
-            continue;
-        }
-        // Lights too near to be kept count a little: the part that arrives has a value everywhere.
-        const float weight = (max(keptPart(distance), kAsideWeight)) * max(sent, kAsideWeight) /
-                             (distance * distance + light.radius * light.radius);
-        all += weight * light.intensity;
-        arrives += light.intensity * (weight * arrivingPart(light, x, away, distance));
+        if (!(sent > 0)) continue;
+        const vec3 kept = sent * fallenOff(light, distance);
+        if (!(max(max(kept.r, kept.g), kept.b) > 0)) continue;
+        all += kept;
+        arrives += kept * arrivingPart(light, x, away, distance);
     }
-    if (!isHow(kRadiance)) arrives /= max(all, vec3(1e-30));
-    return vec4(arrives, tick.sun.irradiance != vec3(0) ? sunAt(x) : 0);
+    const float sun = tick.sun.irradiance != vec3(0) ? sunAt(x) : 0;
+    if (isHow(kRadiance)) return vec4(arrives, sun);
+    // Where nothing is sent in a colour, places nearby that are lit ask how much would arrive.
+    const bvec3 dark = equal(all, vec3(0));
+    if (lights > 0 && any(dark)) {
+        const vec3 missing = vec3(dark);
+        [[dont_unroll]] for (uint i = 0; i < lights; ++i) {
+            const LocalLight light = local_lights[i];
+            const vec3 away = x - light.position;
+            const float distance = length(away);
+            const float falls = 1 / max(distance * distance + light.radius * light.radius, 1e-12);
+            const vec3 aside = missing * light.intensity *
+                               (max(keptPart(distance), kAsideWeight) *
+                                max(sentTo(light, away, distance), kAsideWeight) * falls);
+            if (!(max(max(aside.r, aside.g), aside.b) > 0)) continue;
+            all += aside;
+            arrives += aside * arrivingPart(light, x, away, distance);
+        }
+    }
+    return vec4(arrives / max(all, vec3(1e-30)), sun);
 }
 
 // All light of points and spots that nodes keep there if nothing is in its way: fluence of each colour, and unit

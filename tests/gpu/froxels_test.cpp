@@ -307,6 +307,24 @@ TEST_F(FroxelsTest, LitKeepsTheLightOfEachColour) {
     }
 }
 
+// Light at nodes follows the colour of a medium at rest.
+TEST_F(FroxelsTest, WhatIsKeptFollowsTheColourOfTheMedium) {
+    Scene scene = sceneOf(randomPoints(60, 5, 1.6f, 1.2f), 1.6f);
+    scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}, point({4, 3, 2})};
+    scene.render.froxels = {.pixels = 4, .slices = 64};
+    Scene red = scene, blue = scene;
+    red.medium.extinction_colour = {1, 0.5f, 0.2f};
+    blue.medium.extinction_colour = {0.2f, 0.5f, 1};
+    for (const char* method : {"lit", "gradients"}) {
+        Stage stage(device(), scene, 100);
+        for (Scene now : {scene, red, blue, scene}) {
+            now.render.method = method;
+            const Picture kept = stage.see(now, kOutside, 80, 48), fresh = render(device(), now, kOutside, 80, 48);
+            EXPECT_EQ(kept.pixels, fresh.pixels) << method;
+        }
+    }
+}
+
 // A picture whose froxels do not fit the buffer is drawn in bands of rows, and is as one that fits.
 TEST_F(FroxelsTest, BandsAreNotSeen) {
     Scene scene = sceneOf({{.centre = {0, 0, 0}, .scale = 8, .sigma_t = 0.3f}}, 1);

@@ -141,11 +141,17 @@ TEST_F(RadianceTest, ThereAreNoHoles) {
         scene.render.froxels = {.pixels = 16, .slices = 8};
         scene.render.radiance.interpolation = "gradient";
         scene.render.radiance.quantity = i % 2 == 0 ? "radiance" : "factor";
-        scene.render.radiance.error = random.uniform(0.001f, 0.2f);
+        scene.render.radiance.error = random.uniform(0.001f, 0.05f);
         if (!seen) seen.emplace(scene);
         for (const glm::vec4& pixel : seen->see(scene).pixels) ASSERT_TRUE(std::isfinite(pixel.x + pixel.a)) << i;
         EXPECT_EQ(seen->work.holes, 0u) << i;
         nodes += seen->work.nodes;
+        if (scene.render.radiance.quantity == "factor") {
+            const Picture interpolated = seen->see(scene);
+            scene.render.radiance.interpolation = "exact";
+            EXPECT_LE(difference(interpolated, seen->see(scene)), 0.25) << i;
+            scene.render.radiance.interpolation = "gradient";
+        }
         scene.render.radiance.weights = "printed";
         seen->see(scene);
         printed_holes += seen->work.holes;
@@ -153,6 +159,26 @@ TEST_F(RadianceTest, ThereAreNoHoles) {
     std::printf("%llu nodes computed alone, %llu holes as printed\n", (unsigned long long)nodes,
                 (unsigned long long)printed_holes);
     EXPECT_GT(printed_holes, 0u);
+}
+
+// A lamp on a node, and one that sends nothing there: light is a number, and that of the others.
+TEST_F(RadianceTest, LampsOnNodesAndLampsThatAreOut) {
+    Scene scene = smoke();
+    scene.boxes.clear();
+    scene.lights = {{.type = kPoint, .position = {0.5f, 0.25f, 0.75f}, .intensity = glm::vec3(1)},
+                    {.type = kPoint, .position = {8, 0, 0}, .intensity = glm::vec3(1e4f), .range = 2}};
+    Seen seen(scene);
+    for (const char* quantity : {"radiance", "factor"}) {
+        scene.render.radiance = {.interpolation = "exact", .quantity = quantity, .spacing = 0.25f};
+        const Picture exact = seen.see(scene);
+        for (const glm::vec4& pixel : exact.pixels) ASSERT_TRUE(std::isfinite(pixel.x + pixel.a)) << quantity;
+        scene.render.radiance.interpolation = "nested";
+        EXPECT_LE(difference(seen.see(scene), exact), 0.03) << quantity;
+        Scene alone = scene;
+        alone.lights.pop_back();
+        alone.render.radiance.interpolation = "exact";
+        EXPECT_LE(difference(exact, seen.see(alone)), 1e-4) << quantity;
+    }
 }
 
 // Nothing is computed while nothing changes; settings that change count as much as lights.

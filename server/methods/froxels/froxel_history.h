@@ -20,8 +20,9 @@ public:
         const gpu::Buffer* cells = nullptr;
         const gpu::Buffer* block = nullptr; // gpu::HistoryBlock
     };
-    // Records what cells of an eye's picture need. None where the setting is 0, the eye has no number, or its picture
-    // is made in bands. Precondition: nothing of the eye's is on the device.
+    // Records what cells of an eye's picture need. None where the setting is 0, the eye has no number, its picture is
+    // made in bands, its cells take more than 96 MiB (1600x900 at the defaults), or those of all eyes 512 MiB.
+    // Precondition: nothing of the eyes' is on the device.
     Bound record(gpu::Commands& commands, const EyeInputs& in, const gpu::FroxelGrid& froxels, bool whole);
     // Forgets eyes that have had no picture for a while. Once a submission.
     void forgetOld();

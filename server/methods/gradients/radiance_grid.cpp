@@ -9,8 +9,9 @@
 namespace brume {
 namespace {
 
-constexpr uint32_t kFirstCells = 16; // of the first grid that samples are split into, along the longest side
-constexpr uint32_t kLanes = 64;      // of a workgroup
+constexpr uint32_t kFirstCells = 16;    // of the first grid that samples are split into, along the longest side
+constexpr uint32_t kLanes = 64;         // of a workgroup
+constexpr uint32_t kMostGroups = 32768; // of a line of workgroups: every device can dispatch 65,535
 constexpr VkDeviceSize kLeastBytes = 256;
 constexpr VkBufferUsageFlags kScratch = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
@@ -56,7 +57,8 @@ gpu::LightSampling samplingOf(const TickInputs& tick, const MediumView& medium, 
     sampling.step = settings.step * nodes.spacing;
     sampling.scale = fluenceOf(tick, shape);
     sampling.how = howOf(settings);
-    const bool particles = medium.count > 0 && medium.count <= settings.samples;
+    // Fog reaches beyond the particles.
+    const bool particles = medium.count > 0 && medium.count <= settings.samples && !tick.features.fog;
     sampling.firsts = particles ? medium.count : settings.samples;
     if (particles) sampling.how |= gpu::kParticles;
     return sampling;
@@ -82,7 +84,7 @@ std::array<uint32_t, gpu::kLightCounts> RadianceGrid::countsSince() {
 void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium,
                           const GridPass& nodes) {
     const RadianceSettings& settings = tick.settings->radiance;
-    shape_ = litShape(tick, medium, nodes.grid(), settings.spacing);
+    shape_ = litShape(tick, medium, nodes.grid(), settings.spacing, sizeof(glm::vec4));
     if (settings.quantity == "radiance") shape_.near = 0; // all of it is interpolated
     const bool same = settings == settings_;
     settings_ = settings;
@@ -135,21 +137,24 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
         vkCmdDispatch(cmd, groups.x, groups.y, groups.z);
         gpu::computeToCompute(cmd);
     };
-    const auto inOneLine = [](uint32_t lanes) { return glm::uvec3(gpu::groups(lanes, kLanes), 1, 1); };
+    const auto inLines = [](uint32_t lanes) {
+        const uint32_t all = gpu::groups(lanes, kLanes), line = std::min(all, kMostGroups);
+        return glm::uvec3(line, gpu::groups(all, std::max(line, 1u)), 1);
+    };
     if (spheres)
         for (push.level = -1; push.level < int(push.levels); ++push.level) {
             const uint32_t lanes = push.level < 0 ? push.firsts : samplesOf(push, uint32_t(push.level));
             record(samples_programs_, radiance_samples_comp, "radiance_samples",
                    {gpu::storageBuffer(16, samples_), gpu::storageBuffer(17, states_), gpu::storageBuffer(18, spheres_),
                     gpu::storageBuffer(19, *medium.particles)},
-                   inOneLine(lanes));
+                   inLines(lanes));
         }
     if (nested)
         for (push.level = 1 << push.levels; push.level > 0; push.level /= 2) {
             const glm::uvec3 lanes = shape_.bricks * gpu::kSlabTile / uint32_t(push.level);
             record(nested_programs_, radiance_nested_comp, "radiance_nested",
                    {gpu::storageBuffer(16, values_), gpu::storageBuffer(17, states_)},
-                   inOneLine(lanes.x * lanes.y * lanes.z));
+                   inLines(lanes.x * lanes.y * lanes.z));
         }
     record(nodes_programs_, radiance_nodes_comp, "radiance_nodes",
            {gpu::storageBuffer(3, light_.nodes), gpu::storageBuffer(4, light_.sun), gpu::storageBuffer(16, samples_),

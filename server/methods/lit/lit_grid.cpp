@@ -13,12 +13,10 @@ constexpr double kNodesAcross = 96; // along the longest side of a box without p
 constexpr double kCoarser = 1.26;
 constexpr uint64_t kLeastBytes = 256; // of a buffer that is bound, but not read
 
-// Of the larger buffer.
-uint64_t bytesOf(const gpu::LitGridShape& shape, bool local_lights) {
-    return nodesOf(shape) * (local_lights ? 3 * sizeof(glm::vec4) : sizeof(float));
-}
+// Of a node in the larger buffer of LitNodes.
+uint64_t bytesOfNode(bool local_lights) { return local_lights ? 3 * sizeof(glm::vec4) : sizeof(float); }
 
-gpu::LitGridShape shapeOver(const Bounds3& box, double spacing, bool local_lights) {
+gpu::LitGridShape shapeOver(const Bounds3& box, double spacing, uint64_t node_bytes) {
     gpu::LitGridShape shape{};
     shape.near = gpu::kNearNodes;
     for (;; spacing *= kCoarser) {
@@ -26,7 +24,7 @@ gpu::LitGridShape shapeOver(const Bounds3& box, double spacing, bool local_light
         shape.origin = first * spacing;
         shape.spacing = float(spacing);
         shape.bricks = glm::uvec3(glm::ceil(glm::min(last - first + 1.0, glm::dvec3(1e5)) / double(gpu::kSlabTile)));
-        if (bytesOf(shape, local_lights) <= kMostLitBytes) return shape;
+        if (node_bytes * nodesOf(shape) <= kMostLitBytes) return shape;
     }
 }
 
@@ -44,10 +42,11 @@ uint64_t nodesOf(const gpu::LitGridShape& shape) {
 }
 
 gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes,
-                           float spacing) {
+                           float spacing, uint64_t node_bytes) {
+    node_bytes = std::max(node_bytes, bytesOfNode(tick.features.local_lights));
     if (!tick.features.fog && spacing == kAuto) {
         const gpu::LitGridShape shape{nodes.origin, nodes.spacing, nodes.bricks, 1, gpu::kNearNodes};
-        if (bytesOf(shape, tick.features.local_lights) <= kMostLitBytes) return shape;
+        if (node_bytes * nodesOf(shape) <= kMostLitBytes) return shape;
     }
     // Without fog there is nothing to light beside the particles.
     const Bounds3 box = tick.features.fog ? worldBox(tick, medium) : particlesOf(medium);
@@ -55,24 +54,25 @@ gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, con
     const glm::dvec3 size = box.hi - box.lo;
     double apart = std::max({size.x, size.y, size.z, 1e-3}) / kNodesAcross;
     if (medium.count > 0) apart = std::min(apart, double(nodes.spacing));
-    return shapeOver(box, spacing != kAuto ? double(spacing) : apart, tick.features.local_lights);
+    return shapeOver(box, spacing != kAuto ? double(spacing) : apart, node_bytes);
 }
 
 bool LitKey::isSame(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape) {
-    const bool same = medium_ == medium.version && objects_ == tick.objects_version &&
+    const bool same = medium_ == medium.version && hue_ == tick.hue_parts && objects_ == tick.objects_version &&
                       sameBytes(&shape, &shape_, sizeof shape) && sameBytes(tick.tick, &tick_, sizeof tick_) &&
                       lights_.size() == tick.lights.size() &&
                       (lights_.empty() || sameBytes(lights_.data(), tick.lights.data(), tick.lights.size_bytes()));
     medium_ = medium.version, objects_ = tick.objects_version, shape_ = shape, tick_ = *tick.tick;
+    hue_ = tick.hue_parts;
     lights_.assign(tick.lights.begin(), tick.lights.end());
     return same;
 }
 
 void LitNodes::atLeast(const gpu::Device& device, const gpu::LitGridShape& shape, bool local_lights) {
-    const uint64_t bytes = local_lights ? bytesOf(shape, true) : 0;
+    const uint64_t count = nodesOf(shape), bytes = local_lights ? count * bytesOfNode(true) : 0;
     nodes.atLeast(device, std::max<uint64_t>(bytes, kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                   gpu::Memory::device, "lit nodes");
-    sun.atLeast(device, std::max<uint64_t>(bytesOf(shape, false), kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    sun.atLeast(device, std::max<uint64_t>(count * bytesOfNode(false), kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                 gpu::Memory::device, "sunlit nodes");
 }
 

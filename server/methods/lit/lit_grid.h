@@ -1,6 +1,7 @@
 // LitGrid: the light that arrives at nodes of world space, once a tick for all viewers (shaders/shared/lit_grid.h).
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <vector>
@@ -16,9 +17,10 @@ namespace brume {
 inline constexpr uint64_t kMostLitBytes = 96ull << 20; // of the nodes: every device can bind 128 MiB
 
 // Where the nodes lie: `spacing` m apart; kAuto: those of the medium where there are only particles; else in the box of
-// the particles, or with fog of worldBox(). They are as much farther apart as they must be to fit kMostLitBytes. No bricks where that box holds nothing.
+// the particles, or with fog of worldBox(). They are as much farther apart as they must be to fit kMostLitBytes with
+// `node_bytes` each, or LitNodes. No bricks where that box holds nothing.
 gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes,
-                           float spacing);
+                           float spacing, uint64_t node_bytes = 0);
 
 // What the light at nodes was made of: it is kept while all of that is the same.
 class LitKey {
@@ -31,6 +33,7 @@ private:
     gpu::LitGridShape shape_{};
     gpu::Tick tick_{};
     std::vector<gpu::LocalLight> lights_;
+    std::array<float, 1 + gpu::kMostFogs> hue_{};
 };
 
 // The light at nodes: what lit_rays.comp reads.
