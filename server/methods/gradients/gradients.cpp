@@ -6,16 +6,14 @@
 namespace brume::methods::gradients {
 namespace {
 
-class Gradients : public LitRays {
+class Gradients : public LitBy<RadianceGrid> {
 public:
-    explicit Gradients(const MethodContext& context)
-        : LitRays(context), light_{RadianceGrid(context.device), RadianceGrid(context.device),
-                                   RadianceGrid(context.device)} {}
+    using LitBy::LitBy;
 
     LightWork workSince() override {
         LightWork work;
-        for (RadianceGrid& light : light_) {
-            const auto counts = light.countsSince();
+        for (RadianceGrid& grid : grids_) {
+            const auto counts = grid.countsSince();
             work = work + LightWork{.places = counts[gpu::kPlacesLit],
                                     .samples = counts[gpu::kSamplesKept],
                                     .nodes = counts[gpu::kNodesLit],
@@ -23,16 +21,6 @@ public:
         }
         return work;
     }
-
-private:
-    Light recordLight(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium,
-                      const GridPass& nodes) override {
-        RadianceGrid& light = light_[tick.hue];
-        light.record(commands, tick, medium, nodes);
-        return {light.shape(), light.light()};
-    }
-
-    RadianceGrid light_[3]; // of each hue: light is dimmed as its extinction is
 };
 
 } // namespace

@@ -1,6 +1,7 @@
 // LitRays: base of methods that keep light at nodes of world space for all viewers, and read it along an eye's rays.
 #pragma once
 
+#include <array>
 #include <map>
 
 #include "server/methods/froxels/froxel_volume.h"
@@ -30,6 +31,25 @@ private:
 
     GridPass nodes_;
     std::map<bool, gpu::ComputeProgram> programs_; // by: all particles have one albedo
+};
+
+// A method whose light is that of a grid of class Grid, which has record(), shape() and light() as LitGrid.
+template <class Grid>
+class LitBy : public LitRays {
+public:
+    explicit LitBy(const MethodContext& context)
+        : LitRays(context), grids_{Grid(context.device), Grid(context.device), Grid(context.device)} {}
+
+protected:
+    std::array<Grid, 3> grids_; // of each hue: light is dimmed as its extinction is
+
+private:
+    Light recordLight(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium,
+                      const GridPass& nodes) override {
+        Grid& grid = grids_[tick.hue];
+        grid.record(commands, tick, medium, nodes);
+        return {grid.shape(), grid.light()};
+    }
 };
 
 } // namespace brume
