@@ -13,8 +13,8 @@ struct EyeRequest {
     Pose pose;
     uint32_t width = 0, height = 0; // pixels
     bool second = false;            // True: the right eye of a head whose left eye is the request before it
-    uint64_t history = 0; // a number of the eye's own, by which pictures of it find its last one; 0: it has none
     uint32_t rate = 0;    // pixels between rays in this picture, for methods that have rays; 0: RenderSettings::rate
+    uint64_t history = 0; // a number of the eye's own, by which pictures of it find its last one; 0: it has none
 };
 
 } // namespace brume

@@ -24,19 +24,20 @@ vec3 scatteredFrom(vec3 travel) {
 // The part of a local light that objects let through to x, which lies `away` from it.
 float litPart(uint i, vec3 x, vec3 away);
 
-// What a point or a spot adds in the slice, whose middle is x. Its inverse square is the mean over the slice
-// (shared/equiangular.h): one sample alone is 3.6 times too bright a tenth of a slice beside a light.
+// What a point or a spot adds in the slice, whose middle is x. Its inverse square is the mean over the slice, and all
+// else is looked up where half of the light comes from (shared/equiangular.h): one sample in the middle is 3.6 times
+// too bright a tenth of a slice beside a light.
 vec3 ofLocalLight(uint i, vec3 x, float near, float far) {
     const LocalLight light = local_lights[i];
-    const vec3 away = x - light.position;
-    const float distance = length(away), sent = sentTo(light, away, distance);
-    if (!(sent > 0)) return vec3(0);
-    const float part = light.shadows != 0 && kHasOpaque ? sent * litPart(i, x, away) : sent;
-    if (!(part > 0)) return vec3(0);
     const float closest = dot(light.position - eye.position, ray_unit);
-    const vec3 off = eye.position + closest * ray_unit - light.position;
+    const vec3 foot = eye.position + closest * ray_unit, off = foot - light.position;
     const EquiangularPart seen = equiangularPart(sqrt(dot(off, off) + light.radius * light.radius),
                                                  near * ray_metres - closest, far * ray_metres - closest);
+    const vec3 place = foot + equiangularPlace(seen, 0.5) * ray_unit, away = place - light.position;
+    const float distance = length(away), sent = sentTo(light, away, distance);
+    if (!(sent > 0)) return vec3(0);
+    const float part = light.shadows != 0 && kHasOpaque ? sent * litPart(i, place, away) : sent;
+    if (!(part > 0)) return vec3(0);
     const float falls = equiangularWeight(seen) / ((far - near) * ray_metres);
     const float passed = (kHasFog ? fogFrom(light, away, distance) : 0) + particlesFrom(light, away, distance);
     return light.intensity * (part * falls * exp(-passed)) * scatteredFrom(away / max(distance, 1e-20));
