@@ -274,7 +274,7 @@ TEST_F(FroxelsTest, HistoryIsThatOfTheEyeAlone) {
 TEST_F(FroxelsTest, JitterIsThatOfTheTick) {
     Scene scene = emptyScene();
     scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}};
-    scene.lights = {point({0.5f, 2.5f, 2})};
+    scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}};
     scene.render.method = "froxels";
     scene.render.froxels = {.pixels = 1, .slices = 32};
     Scene jittered = scene;
