@@ -58,7 +58,7 @@ public:
     virtual bool drawsFogAndLocalLights() const { return false; }
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
-    // True: what it draws along a ray follows closed forms. False: it samples cells, and is as exact as these are small.
+    // True: what it draws along a ray follows closed forms. False: it samples cells and is as exact as these are small.
     virtual bool hasClosedForms() const { return true; }
     // The next coarser settings in a direction; nothing if there are none.
     virtual std::optional<RenderSettings> coarser(const RenderSettings& /*settings*/, Coarser /*direction*/) const {

@@ -1,8 +1,8 @@
 #include "server/render/tick_upload.h"
 
 #include <algorithm>
-#include <utility>
 #include <cstring>
+#include <utility>
 
 #include "server/gpu/commands.h"
 #include "server/inputs/tick_block.h"

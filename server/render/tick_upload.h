@@ -59,7 +59,7 @@ private:
     MergedMedia levels_;
     SpatialOrder order_;
     std::vector<gpu::Particle> now_, then_, ordered_; // of this submission, of the last one; now_ in the order of space
-    bool forgotten_ = false; // True: forget() was called since the last take()
+    bool forgotten_ = false;                          // True: forget() was called since the last take()
     bool moved_ = true;
 };
 
