@@ -242,16 +242,16 @@ struct LitSettings {
 // Method gradients: light is computed at few places, and interpolated to the nodes that method lit reads.
 struct RadianceSettings {
     // exact: computed at every node. rbf, gradient: at samples in spheres, without and with their gradients (Ren et al.
-    // 2008). nested: at every second node, and between these where interpolation errs.
+    // 2008). nested: at every fourth node, and between these where interpolation errs.
     std::string interpolation = "nested";
-    std::string quantity = "factor";  // what is interpolated: radiance | factor, the part of all light that arrives
-    std::string weights = "gaussian"; // of samples in spheres: printed | gaussian
-    float error = 0.02f;     // beyond which a sample is split, in its opacity times the factor, or times the mean light
-    uint32_t levels = 3;     // of grids that samples are split into, 1...3
-    float spacing = kAuto;   // m between nodes, as LitSettings::spacing
-    float gradient_step = 1; // of central differences, in spacings
-    float step = kAuto;      // of marches toward lights, in spacings; auto: depths are looked up in the lights' volumes
-    uint32_t samples = 1024; // rbf, gradient: the first ones, at most: particles; strata if there are none or too many
+    std::string quantity = "factor";  // radiance | factor: what is interpolated; the factor is the part that arrives
+    std::string weights = "gaussian"; // printed | gaussian: how samples in spheres are weighted
+    float error = 0.02f;              // a sample that errs by more is split: a part of all light, times opacity
+    uint32_t levels = 3;              // number of grids that samples are split into, 0...3
+    float spacing = kAuto;            // m between nodes, as LitSettings::spacing
+    float gradient_step = 1;          // spacings between a sample and those for its differences
+    float step = kAuto;      // spacings between places of a march toward a light; auto: the light's volume is read
+    uint32_t samples = 1024; // rbf, gradient: number of first samples, at most: particles, or strata
 
     bool operator==(const RadianceSettings&) const = default;
 };

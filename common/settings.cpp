@@ -336,7 +336,7 @@ constexpr SceneSetting kSettings[]{
      "Distance of the nodes; `auto`: half a deviation of particles, or without any 1/96 of what nodes cover", kNobody,
      Form::or_auto},
     {"render.radiance.interpolation", at<&P::render, &R::radiance, &RadianceSettings::interpolation>, "", kNone,
-     "Where light is computed: at every node (`exact`), at samples (`rbf`, or `gradient` with theirs), on `nested` grids",
+     "Where light is computed: at every node (`exact`), at samples (`rbf`, `gradient`), or on `nested` grids",
      kOperators, Form::plain, kInterpolations},
     {"render.radiance.quantity", at<&P::render, &R::radiance, &RadianceSettings::quantity>, "", kNone,
      "What is interpolated: `radiance`, or the part of it that arrives", kOperators, Form::plain, kQuantities},

@@ -10,9 +10,9 @@ class Counts {
 public:
     Counts(const Device& device, uint32_t count, const char* name);
 
-    // Before those who count. The first time they become 0. Nothing of them is on the device.
+    // Records what comes before shaders that count: the first time numbers become 0. Nothing of them is on the device.
     void begin(Commands& commands);
-    // After them: records how they come back.
+    // Records what comes after these shaders: numbers are copied to where the CPU reads them.
     void end(Commands& commands);
 
     const Buffer& buffer() const { return counts_; } // uint[count], for atomicAdd

@@ -15,7 +15,7 @@ namespace brume {
 
 struct TickInputs {
     const RenderSettings* settings = nullptr;  // in use: every choice is made
-    uint64_t number = 0;                       // of the tick
+    uint64_t number = 0;                       // number of the tick
     const gpu::Tick* tick = nullptr;           // the tick of all particles, on the CPU
     std::span<const gpu::LocalLight> lights;   // all points and spots, on the CPU
     Bounds3 objects_bounds;                    // bounds of boxes, spheres and meshes, m

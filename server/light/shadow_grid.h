@@ -73,8 +73,8 @@ private:
     gpu::Counts rays_;
     gpu::ShadowGridBlock shape_{};
     ShadowSlots slots_;
-    std::vector<uint32_t> slot_of_light_; // of the present call
-    std::vector<gpu::ShadowEye> seen_by_;
+    std::vector<uint32_t> slot_of_light_; // slot of each light, or kNoShadowSlot
+    std::vector<gpu::ShadowEye> seen_by_; // eyes of the present call
     ShadowGridSettings settings_;
     uint64_t calls_changed_ = 0;
     uint32_t version_ = 0; // version of lights and objects that voxels have; 0: none are made

@@ -42,7 +42,7 @@ struct LightSampling {
     uvec3 cells;         // of the first grid that samples are split into, along each axis
     float cell;          // m, their width
     uint firsts;         // number of samples before those of the grids
-    int level;           // of samples that are computed: -1: the first ones; the grid. Of nested nodes: their stride
+    int level;           // the samples that are computed: -1: the first ones; else the grid. Nested nodes: their stride
     uint levels;         // of grids
     float error;         // beyond which a sample is split
     float gradient_step; // m

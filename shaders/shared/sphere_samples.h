@@ -1,5 +1,5 @@
-// Samples of a quantity in spheres, and what they say of it at a place: a mean of their values, or of the planes through
-// these (Ren, Zhou, Lin, Guo, Gradient-based Interpolation and Sampling for Real-time Rendering of Inhomogeneous,
+// Samples of a quantity in spheres, and what they say of it at a place: a mean of their values, or of the planes
+// through these (Ren, Zhou, Lin, Guo, Gradient-based Interpolation and Sampling for Real-time Rendering of Inhomogeneous,
 // Single-scattering Media, 2008).
 #ifndef BRUME_SHARED_SPHERE_SAMPLES_H
 #define BRUME_SHARED_SPHERE_SAMPLES_H

@@ -122,8 +122,8 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
                 error.what(),
                 method +
                     std::string(
-                        ": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, lit or "
-                        "gradients"));
+                        ": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, "
+                        "lit or gradients"));
         }
     }
 }
