@@ -111,8 +111,8 @@ particles move no further; messages are still taken. Restart empties the scene, 
 
 `[[fog]]` is a medium without particles, up to four of them. Its extinction is extinction · e^(−falloff · (y − height))
 between the heights `lo` and `hi`, and within a ball if it has a `radius`. With `medium.layout = "none"` there is
-nothing but fog. It is lit by the sun past itself, the particles and the objects; it hides and shadows what is behind it.
-Methods `slabs`, `grid`, `froxels`, `lit` and `gradients` draw it. `auto` chooses between the first two.
+nothing but fog. It is lit by the sun past itself, the particles and the objects; it hides and shadows what is behind
+it. Methods `slabs`, `grid`, `froxels`, `lit` and `gradients` draw it. `auto` chooses between the first two.
 
 ```toml
 [[fog]]            # a ground fog that thins out over some 5 m
