@@ -217,10 +217,20 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
         if (mesh.file.empty()) r.fail("file", "a mesh without a file", "a .glb or .gltf file beside the scene");
     });
     out.triangles = trianglesOf(out.meshes);
+    if (out.medium.model == kUnionMedium)
+        for (const char* key : {"fog", "mesh"})
+            if (in.has(key)) in.fail(key, "not drawn in a union medium", "only with medium.model = \"sum\"");
+    if (out.medium.model == kUnionMedium && std::ranges::any_of(out.lights, isLocal))
+        in.fail("light", "points and spots are not drawn in a union medium", "directional, or medium.model = \"sum\"");
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
     in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
     out.camera_by_points = !out.medium.file.empty() && !in.has("camera");
     in.table("render", [&](TableReader& r) { readRender(r, read, out.render); });
+    if (out.render.sprites.maps == "files")
+        for (const char* side : {"-positive.png", "-negative.png"})
+            if (!std::filesystem::is_regular_file(out.medium.sprite_maps.string() + side))
+                throw SceneError("render.sprites.maps: \"files\" without " + out.medium.sprite_maps.string() + side +
+                                 "; medium.sprite_maps is the first part of two PNG names");
 }
 
 // A value that is not TOML is taken for text: render.method=isv.

@@ -43,8 +43,15 @@ struct PhaseSettings {
     float droplet = 20;         // micrometres, diameter, 5 ... 50; droplets
 };
 
+inline constexpr const char *kSumMedium = "sum", *kUnionMedium = "union";
+
 struct Medium : PhaseSettings {
     Layout layout = Layout::cube;
+    // sum: particles are Gaussians, and their extinctions add up. union: they are balls, and the extinction is the same
+    // wherever at least one of them is (Mattsson 2022).
+    std::string model = kSumMedium;
+    float union_radius = 0.12f;   // of a ball, per scale
+    float union_extinction = 0.5; // 1/m
     uint32_t count = 500; // 1 ... 1,000,000; an emitter's pool size; rows of layout live
     glm::vec3 centre{0};  // m, of the layout; with layouts file, sequence and live what points are moved by
     float extent = 10;    // m, side of the cube, length of a tube, width of the cumulus
@@ -63,6 +70,9 @@ struct Medium : PhaseSettings {
     // Layouts file and sequence only, resolved against the scene's folder. Of a sequence its name has a run of #, each
     // a digit.
     std::filesystem::path file;
+    // For render.sprites.maps = "files": the two PNG files SPRITE_MAPS-positive.png and SPRITE_MAPS-negative.png,
+    // resolved against the scene's folder.
+    std::filesystem::path sprite_maps;
     float rate = 24;  // 1/s, how many numbers of files pass; layout sequence only
     bool loop = true; // True: after the last file comes the first; false: the last one stays. Layout sequence only
 };
@@ -194,6 +204,7 @@ struct TilesSettings {
     std::string quadrature = "cached"; // cached | hermite
     float light_tolerance = 0.2f;      // cached: how far light may be from linear on a particle, as a part of 1
     float least_transmittance = 1e-3f; // where a ray may end; what lies behind counts for no more than that
+    std::string light = "fit";         // cached: fit, linear on a particle; path: one value, of the union of balls
 
     bool operator==(const TilesSettings&) const = default;
 };
@@ -256,6 +267,34 @@ struct RadianceSettings {
     bool operator==(const RadianceSettings&) const = default;
 };
 
+// The union of balls as light passes it: method sprites, tiles with light = "path", and surfaces of a union medium.
+struct PathSettings {
+    uint32_t groups = 1;            // each tick, light is computed for one of so many groups, 1...64
+    uint32_t cutoff = 0;            // hits of a ray from which on a particle is black, up to 256; 0: none
+    std::string surfaces = "exact"; // exact | nearest | binary | none: what surfaces get through a union medium
+
+    bool operator==(const PathSettings&) const = default;
+};
+// Method sprites: pictures of particles that face the camera.
+struct SpritesSettings {
+    std::string light = "path"; // path | none: whether other particles shadow a particle
+    std::string maps = "baked"; // baked | even | files: light on a picture from six sides
+    float opacity = kAuto;      // mean over a ball's disc; auto: that of the ball's mean chord
+    float size = 1.3f;          // half a picture's side, in radii of its ball
+
+    bool operator==(const SpritesSettings&) const = default;
+};
+// Method march: samples along every pixel's ray, dithered and blurred.
+struct MarchSettings {
+    uint32_t samples = 8;          // 1...256
+    std::string dither = "bayer8"; // none | white | bayer4 | bayer8 | ign | blue
+    std::string jitter = "offset"; // offset | stratified | opacity
+    std::string blur = "row14";    // none | row14 | printed | box8
+    float depth_falloff = 3;       // m, of view depth: over which the blur's weights fall to 0
+
+    bool operator==(const MarchSettings&) const = default;
+};
+
 struct MethodSettings {
     IsvSettings isv;
     TilesSettings tiles;
@@ -265,6 +304,9 @@ struct MethodSettings {
     ShadowFrustumSettings shadow_frustum;
     LitSettings lit;
     RadianceSettings radiance;
+    PathSettings path;
+    SpritesSettings sprites;
+    MarchSettings march;
 
     bool operator==(const MethodSettings&) const = default;
 };

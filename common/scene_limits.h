@@ -60,6 +60,10 @@ inline constexpr Limits kFroxelPixels{1, 32}, kSlices{8, 512}, kFroxelFar{1, 1e5
 inline constexpr Limits kFrustumPixels{1, 64}, kFrustumPart{0, 1}, kVoxel{0.005, 100};                // ; ; m
 inline constexpr Limits kLightError{1e-5, 1}, kLightLevels{0, 3}, kLightSamples{1, 4096};
 inline constexpr Limits kGradientStep{0.05, 8}, kLightStep{0.05, 16}; // spacings of nodes
+inline constexpr Limits kUnionRadius{1e-3, 10}, kUnionCount{1, 8192}; // per scale; particles
+inline constexpr Limits kPathGroups{1, 64}, kPathCutoff{0, 256};      // ticks; hits
+inline constexpr Limits kSpriteSize{0.1, 4}, kOpacity{0.01, 1};       // radii;
+inline constexpr Limits kMarchSamples{1, 256}, kDepthFalloff{1e-3, 1e4};
 inline constexpr Limits kMerge{0, 8};                                 // pixels: beyond, nothing of a picture is left
 inline constexpr Limits kError{1e-5, 1}, kFlip{1e-5, 1};
 inline constexpr Limits kShadowError{1e-4, 0.1}, kLightTolerance{0, 1}, kLeastTransmittance{0, 0.1};

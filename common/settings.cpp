@@ -3,56 +3,24 @@
 #include <algorithm>
 #include <array>
 
+#include "common/method_settings.h"
 #include "common/phase_lobes.h"
+#include "common/setting_rows.h"
 
 namespace brume {
 namespace {
 
-// The member that is found by going from a part of the scene through one struct after another.
-template <auto Part, auto... Members>
-Member at(const SceneParts& parts) {
-    return &((*(parts.*Part)).*....*Members);
-}
-
-using P = SceneParts;
-using S = SimulationSettings;
-using R = RenderSettings;
-
-constexpr Limits kNames{1, kLongestName}, kPaths{1, 4096}; // bytes
-constexpr Limits kNone{0, 0};                              // of what has no range: booleans and choices
+using namespace setting_rows;
 
 constexpr std::string_view kLayouts[]{"cube", "tubes",    "cumulus", "emitter",
                                       "file", "sequence", "live",    "none"}; // in the order of Layout
+constexpr std::string_view kModels[]{kSumMedium, kUnionMedium};
 constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase, kDropletPhase};
 constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
-constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
-constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
-constexpr std::string_view kShadowsOfFroxels[]{"map", "ray", "grid", "hybrid"};
-constexpr std::string_view kVoxelValues[]{"bits", "coverage"};
-constexpr std::string_view kVoxelLookups[]{"nearest", "linear"};
-constexpr std::string_view kInterpolations[]{"exact", "rbf", "gradient", "nested"};
-constexpr std::string_view kQuantities[]{"radiance", "factor"};
-constexpr std::string_view kSampleWeights[]{"printed", "gaussian"};
 constexpr std::string_view kPlacesOfObjects[]{kNoObjects, kCourtyard, kStreet, kIslands, kAtrium};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
 
-constexpr auto kControllers = ChangedBy::controllers, kOperators = ChangedBy::operators;
-constexpr auto kNobody = ChangedBy::nobody;
-
-// The same setting with a slider over a part of its range.
-constexpr SceneSetting usually(Limits usual, SceneSetting setting) {
-    setting.usual = usual;
-    return setting;
-}
-
-// The same setting, live for controllers in the elements of its list.
-constexpr SceneSetting listed(SceneSetting setting) {
-    setting.changed_by = kControllers;
-    setting.in_list = true;
-    return setting;
-}
-
-constexpr SceneSetting kSettings[]{
+constexpr SceneSetting kBeforeMethods[]{
     {"name", at<&P::scene, &Scene::name>, "", kNames, "The scene's name; without it the file's"},
     {"origin", at<&P::scene, &Scene::origin>, "m", limits::kOrigin,
      "World coordinates of the point that the server counts places from; give it where the scene is far from zero"},
@@ -88,6 +56,14 @@ constexpr SceneSetting kSettings[]{
 
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
      Form::plain, kLayouts},
+    {"medium.model", at<&P::medium, &Medium::model>, "", kNone,
+     "What particles are: Gaussians whose extinctions add up (`sum`), or balls, with the same extinction wherever at "
+     "least one of them is (`union`)",
+     kNobody, Form::plain, kModels},
+    usually({0.02, 0.5}, {"medium.union_radius", at<&P::medium, &Medium::union_radius>, "", limits::kUnionRadius,
+                          "Radius of a ball in relation to its particle's scale", kControllers}),
+    usually({0, 4}, {"medium.union_extinction", at<&P::medium, &Medium::union_extinction>, "1/m", limits::kSigmaT,
+                     "Extinction wherever a ball is", kControllers}),
     {"medium.count", at<&P::medium, &Medium::count>, "", limits::kCount,
      "Number of particles; of an emitter and with layout `live` the most at a time; not allowed with layouts "
      "`file`, `sequence` and `none`"},
@@ -129,6 +105,9 @@ constexpr SceneSetting kSettings[]{
     {"medium.seed", at<&P::medium, &Medium::seed>, "", limits::kSeed, "Seed of all random numbers of the scene"},
     {"medium.file", at<&P::medium, &Medium::file>, "", kPaths,
      "PLY file beside the scene, with layout `file`; with `sequence` files, a # for each digit: `smoke-####.ply`"},
+    {"medium.sprite_maps", at<&P::medium, &Medium::sprite_maps>, "", kPaths,
+     "For `render.sprites.maps = \"files\"`: the first part of two PNG names beside the scene, for `NAME-positive.png` "
+     "and `NAME-negative.png`"},
     {"medium.rate", at<&P::medium, &Medium::rate>, "1/s", limits::kFileRate,
      "Layout `sequence`: how many numbers of files pass in a second"},
     {"medium.loop", at<&P::medium, &Medium::loop>, "", kNone,
@@ -286,77 +265,13 @@ constexpr SceneSetting kSettings[]{
      "Side of the shadow map of objects"},
     {"render.cutoff", at<&P::render, &R::cutoff>, "", limits::kCutoff,
      "Bound on the optical depth that proxies leave out of any ray"},
-
-    {"render.isv.quadrature", at<&P::render, &R::isv, &IsvSettings::quadrature>, "", kNone,
-     "How the light along a particle's interval is summed", kOperators, Form::plain, kIsvQuadratures},
-    {"render.isv.steps", at<&P::render, &R::isv, &IsvSettings::steps>, "", limits::kSteps,
-     "Steps of the quadrature; at most 3 for `transmittance`; `analytic` has none", kOperators},
-    {"render.tiles.quadrature", at<&P::render, &R::tiles, &TilesSettings::quadrature>, "", kNone,
-     "Where light is looked up: `cached` on the particles, or `hermite` at two points of each ray", kOperators,
-     Form::plain, kTilesQuadratures},
-    {"render.tiles.light_tolerance", at<&P::render, &R::tiles, &TilesSettings::light_tolerance>, "",
-     limits::kLightTolerance, "With `cached`: how far light may be from linear on a particle, as a part of 1"},
-    {"render.tiles.least_transmittance", at<&P::render, &R::tiles, &TilesSettings::least_transmittance>, "",
-     limits::kLeastTransmittance, "Where a ray may end; what lies behind counts for no more than this"},
-    {"render.grid.spacing", at<&P::render, &R::grid, &GridSettings::spacing>, "deviations", limits::kGridSpacing,
-     "Distance of the nodes; `auto`: 0.5. Below 0.25 sampling is cubic", kNobody, Form::or_auto},
-
-    usually({4, 16}, {"render.froxels.pixels", at<&P::render, &R::froxels, &FroxelSettings::pixels>, "pixels",
-                      limits::kFroxelPixels, "`froxels`, `lit`, `gradients`: pixels between rays", kOperators}),
-    usually({16, 256}, {"render.froxels.slices", at<&P::render, &R::froxels, &FroxelSettings::slices>, "",
-                        limits::kSlices, "`froxels`, `lit`, `gradients`: slices along every ray", kOperators}),
-    {"render.froxels.far", at<&P::render, &R::froxels, &FroxelSettings::far>, "m", limits::kFroxelFar,
-     "View depth where the slices end; `auto`: where the medium does", kNobody, Form::or_auto},
-    {"render.froxels.jitter", at<&P::render, &R::froxels, &FroxelSettings::jitter>, "", kNone,
-     "`froxels`. True: samples lie elsewhere within their slices in each tick and for each ray", kOperators},
-    {"render.froxels.history", at<&P::render, &R::froxels, &FroxelSettings::history>, "", limits::kHistory,
-     "`froxels`: part of a cell's light that a viewer's last picture gives; not in pictures above some 1600x900",
-     kOperators},
-    {"render.froxels.shadows", at<&P::render, &R::froxels, &FroxelSettings::shadows>, "", kNone,
-     "`froxels`: whether objects shadow a place in the medium is asked of a shadow `map`, by a `ray`, from the shared "
-     "shadow `grid`, or `hybrid`: from the shadow frustum near the eye, and from the grid behind it",
-     kOperators, Form::plain, kShadowsOfFroxels},
-    {"render.shadow_grid.voxel", at<&P::render, &R::shadow_grid, &ShadowGridSettings::voxel>, "m", limits::kVoxel,
-     "Width of a voxel; `auto`: 1/200 of the longest side of what the grid covers", kNobody, Form::or_auto},
-    {"render.shadow_grid.values", at<&P::render, &R::shadow_grid, &ShadowGridSettings::values>, "", kNone,
-     "What a voxel keeps of a light: `bits`, whether its centre is lit, or `coverage`, the part of it that is lit",
-     kNobody, Form::plain, kVoxelValues},
-    {"render.shadow_grid.lookup", at<&P::render, &R::shadow_grid, &ShadowGridSettings::lookup>, "", kNone,
-     "The voxels that a place reads: the `nearest`, or the eight around it, between which it is `linear`", kNobody,
-     Form::plain, kVoxelLookups},
-    {"render.shadow_grid.parity", at<&P::render, &R::shadow_grid, &ShadowGridSettings::parity>, "", kNone,
-     "True: each update makes every other layer of voxels"},
-    {"render.shadow_grid.retrace", at<&P::render, &R::shadow_grid, &ShadowGridSettings::retrace>, "", kNone,
-     "True: all voxels are made again every tick, though nothing has moved"},
-    {"render.shadow_frustum.pixels", at<&P::render, &R::shadow_frustum, &ShadowFrustumSettings::pixels>, "pixels",
-     limits::kFrustumPixels, "With `hybrid`: width of the shadow frustum's froxels"},
-    {"render.shadow_frustum.part", at<&P::render, &R::shadow_frustum, &ShadowFrustumSettings::part>, "",
-     limits::kFrustumPart, "With `hybrid`: part of the slices that the shadow frustum covers, from the eye on"},
-    {"render.lit.spacing", at<&P::render, &R::lit, &LitSettings::spacing>, "m", limits::kVoxel,
-     "Distance of the nodes; `auto`: half a deviation of particles, or without any 1/96 of what nodes cover", kNobody,
-     Form::or_auto},
-    {"render.radiance.interpolation", at<&P::render, &R::radiance, &RadianceSettings::interpolation>, "", kNone,
-     "Where light is computed: at every node (`exact`), at samples (`rbf`, `gradient`), or on `nested` grids",
-     kOperators, Form::plain, kInterpolations},
-    {"render.radiance.quantity", at<&P::render, &R::radiance, &RadianceSettings::quantity>, "", kNone,
-     "What is interpolated: `radiance`, or the part of it that arrives", kOperators, Form::plain, kQuantities},
-    {"render.radiance.weights", at<&P::render, &R::radiance, &RadianceSettings::weights>, "", kNone,
-     "`rbf`, `gradient`: weights of samples; as `printed` by Ren et al. (2008) they leave holes", kNobody, Form::plain,
-     kSampleWeights},
-    usually({0.005, 0.1},
-            {"render.radiance.error", at<&P::render, &R::radiance, &RadianceSettings::error>, "", limits::kLightError,
-             "Beyond which samples are split: the error of the light, times opacity", kOperators}),
-    {"render.radiance.levels", at<&P::render, &R::radiance, &RadianceSettings::levels>, "", limits::kLightLevels,
-     "Levels of grids that samples are split into; `nested` with 0 or 1: every node is computed"},
-    {"render.radiance.spacing", at<&P::render, &R::radiance, &RadianceSettings::spacing>, "m", limits::kVoxel,
-     "Distance of the nodes; `auto`: as in `[render.lit]`", kNobody, Form::or_auto},
-    {"render.radiance.gradient_step", at<&P::render, &R::radiance, &RadianceSettings::gradient_step>, "spacings",
-     limits::kGradientStep, "`gradient`: step of the differences"},
-    {"render.radiance.step", at<&P::render, &R::radiance, &RadianceSettings::step>, "spacings", limits::kLightStep,
-     "Step of marches toward lights; `auto`: depths are looked up in the lights' volumes", kNobody, Form::or_auto},
-    {"render.radiance.samples", at<&P::render, &R::radiance, &RadianceSettings::samples>, "", limits::kLightSamples,
-     "`rbf`, `gradient`: the first ones, at most: the particles, or strata if there are none or too many"},
 };
+
+constexpr auto kSettings = [] {
+    std::array<SceneSetting, std::size(kBeforeMethods) + std::size(kMethodSettings)> all{};
+    std::ranges::copy(kMethodSettings, std::ranges::copy(kBeforeMethods, all.begin()).out);
+    return all;
+}();
 
 // The settings that `Holds` is true for.
 template <bool (*Holds)(const SceneSetting&)>

@@ -201,6 +201,10 @@ constexpr Table kTables[]{
     {"render.shadow_frustum", "`[render.shadow_frustum]`", "Of method `froxels`, with `shadows` of `hybrid`."},
     {"render.lit", "`[render.lit]`", "Of method `lit` alone."},
     {"render.radiance", "`[render.radiance]`", "Of method `gradients` alone."},
+    {"render.path", "`[render.path]`",
+     "Light behind the union of balls: of method `sprites`, of `tiles` with `light` of `path`, and of surfaces."},
+    {"render.sprites", "`[render.sprites]`", "Of method `sprites` alone."},
+    {"render.march", "`[render.march]`", "Of method `march` alone."},
 };
 
 std::string rangeOf(Limits allowed) { return fmt::format("{} to {}", allowed.lo, allowed.hi); }

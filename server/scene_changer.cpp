@@ -68,7 +68,7 @@ struct SceneChanger::Files {
     fs::path scene;
     std::string text; // the scene file's
     std::vector<std::string> overrides;
-    std::pair<uintmax_t, fs::file_time_type> beside{}; // size of point clouds and meshes, time of the newest
+    std::pair<uintmax_t, fs::file_time_type> beside{}; // size of point clouds, meshes and maps, time of the newest
 
     bool operator==(const Files&) const = default;
 };
@@ -200,6 +200,9 @@ SceneChanger::Files SceneChanger::filesOf(fs::path file, std::vector<std::string
     if (medium.layout == Layout::file) beside = {{0, medium.file}};
     if (medium.layout == Layout::sequence) beside = numberedFiles(medium.file);
     for (const Mesh& mesh : scene.meshes) beside.emplace_back(0, mesh.file);
+    if (scene.render.sprites.maps == "files")
+        for (const char* side : {"-positive.png", "-negative.png"})
+            beside.emplace_back(0, medium.sprite_maps.string() + side);
     std::error_code error; // a cloud that is not there is complained about when it is loaded
     for (const auto& [number, file_beside] : beside) {
         files.beside.first += fs::file_size(file_beside, error);

@@ -24,6 +24,7 @@ layout(scalar, binding = 7) readonly buffer Furthest { float furthest[]; }; // w
 
 layout(push_constant, scalar) uniform Push {
     uint full_support; // 1: proxies are spheres around the full Gaussian, 0: tetrahedra
+    float sprite;      // > 0: proxies are sprites of this radius, per scale
 } push;
 
 #include "shaders/lib/frustum.glsl"
@@ -64,7 +65,8 @@ void main() {
     if (i >= tick.particle_count) return;
     const Particle p = particles[i];
     const float support = supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut);
-    const float radius = push.full_support != 0 ? support : support < 0 ? support : p.scale;
+    const float radius = push.sprite > 0          ? push.sprite * p.scale
+                         : push.full_support != 0 ? support : support < 0 ? support : p.scale;
     uint key = kDropped;
     bool drawn = radius > 0 && (isVisible(eye, p.centre, radius) || isVisible(other, p.centre, radius));
     if (kHasOpaque && drawn) drawn = !isHidden(p.centre, radius);

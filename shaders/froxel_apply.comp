@@ -7,7 +7,6 @@
 // light between rays. Behind the last face lies fog alone.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/froxels.h"
-#include "shaders/shared/phase.h"
 
 layout(local_size_x = 16, local_size_y = 4) in;
 
@@ -28,6 +27,7 @@ layout(push_constant, scalar) uniform Push {
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/froxel_depth.glsl"
+#include "shaders/lib/fog_behind.glsl"
 
 // Light and optical depth between rays at a face.
 vec4 atFace(uint face, uvec2 ray, vec2 part) {
@@ -35,34 +35,6 @@ vec4 atFace(uint face, uvec2 ray, vec2 part) {
     const vec4 upper = mix(volume[at], volume[at + 1], part.x);
     const uint below = at + push.froxels.rays.x;
     return mix(upper, mix(volume[below], volume[below + 1], part.x), part.y);
-}
-
-// Light of the sun and of fog itself behind the last face, without shadows of objects and particles. Of several fogs
-// the sun is dimmed as at the last face.
-vec3 fogBehind(vec3 dir, float begin, float end, inout float depth) {
-    const float metres = length(dir);
-    float shares[kMostFogs];
-    const float own = fogShares(eye.position, dir, metres, begin, end, shares);
-    const vec3 from = eye.position + begin * dir;
-    const float toward = fogTowardSun(from);
-    vec3 sum = vec3(0);
-    [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
-        const Phase p = tick.fogs[i].phase;
-        const float phase = phaseOfLobes(-tick.sun.to_light, -dir / metres, p.part, p.asymmetry, p.draine, p.second);
-        float lit = shares[i] * exp(-toward);
-        if (isLoneFog()) {
-            FogPart part = partInFog(0, eye.position, dir, begin, end);
-            part.end = seenEnd(0, eye.position, dir, metres, part);
-            const float lone = part.end > part.begin ? depthInFog(0, eye.position, dir, metres, part) : 0;
-            lit = scatterOwn(lone, toward, lone + fogTowardSun(eye.position + part.end * dir));
-        }
-        sum += tick.fogs[i].albedo * (tick.sun.irradiance * phase * lit);
-        if (kHasAmbient) sum += tick.fogs[i].albedo * tick.ambient * shares[i];
-        if (kHasGlow) sum += tick.fogs[i].emission * shares[i];
-    }
-    sum *= exp(-depth);
-    depth += own;
-    return sum;
 }
 
 void main() {

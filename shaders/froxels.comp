@@ -7,6 +7,7 @@
 #include "shaders/shared/constants.h"
 #include "shaders/shared/froxels.h"
 #include "shaders/shared/field.h"
+#include "shaders/shared/march.h"
 #include "shaders/shared/shadow_frustum.h"
 #include "shaders/shared/shadow_grid.h"
 
@@ -62,8 +63,11 @@ layout(push_constant, scalar) uniform Push {
 #include "shaders/lib/occluded.glsl"
 #include "shaders/lib/froxel_march.glsl"
 #include "shaders/lib/froxel_light.glsl"
+#include "shaders/lib/slice_light.glsl"
 #include "shaders/lib/shadow_grid.glsl"
 #include "shaders/lib/shadow_frustum.glsl"
+
+float particlesIn(float near, float far, out vec3 scattering) { return particlesAtSample(near, far, scattering); }
 
 // The part of the light of a slot of the shadow grid that objects let through to x. Outside the grid a ray tells.
 float litBySlot(uint slot, vec3 x, vec3 toward) {
@@ -80,29 +84,8 @@ float litPart(uint i, vec3 x, vec3 away) {
 }
 
 float sunlitPart(vec3 x) {
-    if (!kHasCasters) return 1;
-    const vec3 toward = kFarAway * tick.sun.to_light;
-    if (kShadows != kShadowsByMap) return litBySlot(shadow_grid.sun, x, toward);
-    if (!(visibility(toLightSpace(x)) > 0)) return 0;
-    return kHasMeshes && isShadowedByMesh(x, tick.sun.to_light, kFarAway, kInnerNode, 0) ? 0 : 1;
-}
-
-void addLight(float near, float far, inout vec3 scattered, out float depth) {
-    depth = mediaOf(near, far, scattered);
-    if (!(depth > 0)) return;
-    const vec3 x = eye.position + sampledDepth(near, far) * ray_dir;
-    if (tick.sun.irradiance != vec3(0)) {
-        float through = sunThrough(x);
-        if (through > 0) through *= sunlitPart(x);
-        if (through > 0)
-            scattered += tick.sun.irradiance * through * scatteredFrom(-tick.sun.to_light);
-    }
-    if (kHasLocalLights) {
-        const uint bin = binOf(ray_pixel);
-        [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
-            [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
-                scattered += ofLocalLight(32 * word + findLSB(bits), x, near, far);
-    }
+    if (kShadows == kShadowsByMap) return sunlitByMap(x);
+    return litBySlot(shadow_grid.sun, x, kFarAway * tick.sun.to_light);
 }
 
 // --- of an eye's last picture
@@ -160,10 +143,9 @@ void addSlice(float near, float far, inout vec3 scattered, out float depth) {
 
 void main() {
     const uvec2 ray = gl_GlobalInvocationID.xy;
-    // A number for each ray and tick: Jimenez, Next Generation Post Processing in Call of Duty: Advanced Warfare, 2014.
-    if (push.jitter != 0) {
+    if (push.jitter != 0) { // a number for each ray and tick
         const vec2 at = vec2(ray) + 5.588238 * float(push.jitter % 64);
-        slice_part = fract(52.9829189 * fract(dot(at, vec2(0.06711056, 0.00583715))));
+        slice_part = interleavedNoise(at.x, at.y);
     }
     march();
     if (!kHistory || any(greaterThanEqual(ray, push.froxels.rays))) return;

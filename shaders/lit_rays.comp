@@ -53,6 +53,8 @@ layout(push_constant, scalar) uniform Push {
 #include "shaders/lib/froxel_march.glsl"
 #include "shaders/lib/froxel_light.glsl"
 
+float particlesIn(float near, float far, out vec3 scattering) { return particlesAtSample(near, far, scattering); }
+
 float litPart(uint i, vec3 x, vec3 away) { return isOccluded(x, -away, true) ? 0 : 1; }
 
 // Where a place lies among the nodes.
@@ -121,7 +123,7 @@ void findNear() {
 // What a near light adds in the slice beyond what nodes keep of it.
 vec3 ofNearLight(uint i, vec3 x, float near, float far) {
     const float kept = keptPart(length(x - local_lights[i].position));
-    return kept < 1 ? (1 - kept) * ofLocalLight(i, x, near, far) : vec3(0);
+    return kept < 1 ? (1 - kept) * ofLocalLight(i, near, far) : vec3(0);
 }
 
 // All lights one by one, outside the grid.
@@ -133,7 +135,7 @@ void addLights(vec3 x, float near, float far, inout vec3 scattered) {
     const uint bin = binOf(ray_pixel);
     [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
         [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
-            scattered += ofLocalLight(32 * word + findLSB(bits), x, near, far);
+            scattered += ofLocalLight(32 * word + findLSB(bits), near, far);
 }
 
 void addSlice(float near, float far, inout vec3 scattered, out float depth) {

@@ -18,12 +18,14 @@ struct SceneFeatures {
     bool fog = false;          // True: there is fog
     bool glow = false;         // True: some fog emits light
     bool local_lights = false; // True: there are points or spots
+    bool balls = false;        // True: the medium is the union of balls
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
         return {opaque || o.opaque,   meshes || o.meshes,   bodies || o.bodies,
                 casters || o.casters, ambient || o.ambient, lobe || o.lobe,
-                fog || o.fog,         glow || o.glow,       local_lights || o.local_lights};
+                fog || o.fog,         glow || o.glow,       local_lights || o.local_lights,
+                balls || o.balls};
     }
 };
 
@@ -52,6 +54,7 @@ inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now, const S
     all.casters |= (all.bodies || all.meshes) && now.light.irradiance != glm::vec3(0);
     all.ambient |= scene.sky.ambient != glm::vec3(0);
     all.lobe |= hasLobe(now.medium);
+    all.balls |= now.medium.model == kUnionMedium;
     return all;
 }
 // Takes out of the lists what shaders that are compiled for `features` do not draw.

@@ -8,6 +8,7 @@
 #include "common/phase_lobes.h"
 #include "common/scene_limits.h"
 #include "server/inputs/scene_features.h"
+#include "server/inputs/union_block.h"
 #include "server/light/shadow_resolution.h"
 #include "shaders/shared/support.h"
 
@@ -113,14 +114,17 @@ void addMeshes(gpu::Tick& tick, const Scene& scene) {
 
 } // namespace
 
+void setSun(gpu::Tick& tick, glm::vec3 to_light) {
+    tick.sun.to_light = to_light;
+    const glm::vec3 helper = std::abs(to_light.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+    tick.map.x = glm::normalize(glm::cross(helper, to_light));
+    tick.map.y = glm::cross(to_light, tick.map.x);
+}
+
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
                    std::span<const gpu::Opaque> objects) {
     gpu::Tick tick{};
-    tick.sun.to_light = now.light.to_light;
-    const glm::vec3 helper =
-        std::abs(tick.sun.to_light.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0); // also for light along Y
-    tick.map.x = glm::normalize(glm::cross(helper, tick.sun.to_light));
-    tick.map.y = glm::cross(tick.sun.to_light, tick.map.x);
+    setSun(tick, now.light.to_light);
     tick.falloff = now.medium.falloff;
     tick.phase = phaseOf(now.medium);
     addFogs(tick, now.lists.fogs);
@@ -154,6 +158,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.v = glm::vec4(tick.map.y, -medium.lo.y) / size.y;
     tick.map.plane = glm::vec4(-tick.sun.to_light, medium.hi.z) * (float(tick.map.slices - 1) / size.z);
 
+    if (hasBalls(now.medium, now.render)) setBalls(tick, now.medium, now.render, particles);
     addMeshes(tick, scene);
     LightBounds casters;
     for (const gpu::Opaque& o : objects) {

@@ -14,6 +14,9 @@ namespace brume {
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
                    std::span<const gpu::Opaque> objects);
 
+// Sets the sun's direction, and the axes of light space by it.
+void setSun(gpu::Tick& tick, glm::vec3 to_light);
+
 // False: there is one fog without a ball, and nothing else. Pixels have its light in closed form (isFogOnly() of
 // shaders/lib/fog.glsl), and nothing reads what rays hold.
 inline bool needsRays(const gpu::Tick& tick) {

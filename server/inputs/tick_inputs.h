@@ -34,6 +34,9 @@ struct TickInputs {
     const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
     const gpu::Image* mesh_heights = nullptr;  // MeshShadow::heights()
     const gpu::Buffer* mesh_pyramid = nullptr; // MeshShadow::pyramid()
+    const gpu::Buffer* particles = nullptr;    // gpu::Particle[]: all of them
+    const gpu::Buffer* union_bins = nullptr;   // UnionPath::bins()
+    const gpu::Buffer* union_light = nullptr;  // gpu::ParticleLight[]: UnionPath's
     const gpu::Buffer* planes = nullptr;       // bytes of all finished pictures, each laid out as PlaneLayout says
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;

@@ -3,6 +3,7 @@
 // list.h (docs/extending.md).
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <vector>
@@ -16,6 +17,7 @@ namespace brume {
 // Facts about a method that decide what the renderer prepares for it.
 struct MethodNeeds {
     bool particle_light = false; // True: it reads MediumView::light
+    bool union_path = false;     // True: and that is light behind the union of balls
     bool one_medium = false;     // True: it reads particles in recordTick() only, so all eyes see the same list of them
     bool draws = true; // True: it writes RenderTarget::radiance, and may be given every 2nd, 4th or 8th pixel only.
                        // False: it makes a field that Compose samples
@@ -78,6 +80,8 @@ struct MethodContext {
     DepthOrder& depth_order;
     RenderSettings settings;
     SceneFeatures features;
+    std::filesystem::path sprite_maps; // Medium::sprite_maps
+    bool same_particles = true;        // True: particle i is the same one in all ticks
 };
 
 // Throws gpu::Error for an unknown name; its text lists the known ones. Precondition: checkSettings() is empty

@@ -37,6 +37,13 @@ std::vector<std::string> methodNames() {
     return names;
 }
 
+std::vector<std::string> methodNames(const SceneFeatures& features) {
+    std::vector<std::string> names;
+    for (const MethodPlan* plan : methodPlans())
+        if (mediumRefusal(*plan, features).empty()) names.emplace_back(plan->name());
+    return names;
+}
+
 std::string checkSettings(const RenderSettings& settings) {
     if (!planOf(settings.method))
         return fmt::format("no method '{}'; there are: {}", settings.method, fmt::join(methodNames(), ", "));

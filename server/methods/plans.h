@@ -16,6 +16,8 @@ std::span<const MethodPlan* const> methodPlans();
 const MethodPlan* planOf(std::string_view name);
 
 std::vector<std::string> methodNames();
+// Of those that draw the scene's medium.
+std::vector<std::string> methodNames(const SceneFeatures& features);
 // Empty when the settings are valid, whichever of their names a command may change next; otherwise one line: what is
 // wrong and what is allowed.
 std::string checkSettings(const RenderSettings& settings);

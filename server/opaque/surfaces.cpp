@@ -32,11 +32,11 @@ const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
     const gpu::SpecConstant planes{gpu::kIdPlanes, variant.objects.planes}, boxes{gpu::kIdBoxes, variant.objects.boxes},
         spheres{gpu::kIdSpheres, variant.objects.spheres}, many{gpu::kIdManyObjects, variant.many},
         structure{gpu::kIdHasStructure, variant.objects.structure}, fog{gpu::kIdHasFog, variant.fog},
-        lights{gpu::kIdHasLocalLights, variant.local_lights};
+        lights{gpu::kIdHasLocalLights, variant.local_lights}, balls{gpu::kIdUnion, variant.balls};
     if (by_draw_ && !made.draw) {
         const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
                                            {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes, boxes, spheres, many, structure, meshes_, fog, lights};
+        const gpu::SpecConstant constants[] = {planes, boxes, spheres, many, structure, meshes_, fog, lights, balls};
         gpu::GraphicsInfo graphics;
         graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
         graphics.blend = gpu::Blend::replace;
@@ -44,7 +44,7 @@ const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
     }
     if (!by_draw_ && !made.compute)
         made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes, boxes, spheres, many, structure, meshes_, fog, lights});
+                                           {planes, boxes, spheres, many, structure, meshes_, fog, lights, balls});
     return made;
 }
 
@@ -108,20 +108,25 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
                         depths = gpu::storageBuffer(9, *in.shared->light_depths),
                         nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_),
                         triangles = gpu::storageBuffer(12, *in.shared->triangles),
-                        mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes), order = orderOf(14, in);
+                        mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes), order = orderOf(14, in),
+                        particles = gpu::storageBuffer(15, *in.shared->particles),
+                        union_bits = gpu::storageBuffer(16, *in.shared->union_bins),
+                        union_lights = gpu::storageBuffer(17, *in.shared->union_light);
     ObjectCounts compiled = objects_;
     if (many) compiled.boxes = std::min(compiled.boxes, 1u), compiled.spheres = std::min(compiled.spheres, 1u);
-    const Programs& programs = programsFor({compiled, many, in.shared->features.fog, in.shared->features.local_lights});
+    const Programs& programs = programsFor(
+        {compiled, many, in.shared->features.fog, in.shared->features.local_lights, in.shared->features.balls});
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
         programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
-                                      bins, triangles, mesh_nodes, order});
+                                      bins, triangles, mesh_nodes, order, particles, union_bits, union_lights});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
-        programs.compute.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
-                                         bins, triangles, mesh_nodes, order, gpu::storageImage(5, in.target->radiance),
-                                         gpu::storageImage(6, in.target->view_depth)});
+        programs.compute.bind(commands,
+                              {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes, bins,
+                               triangles, mesh_nodes, order, particles, union_bits, union_lights,
+                               gpu::storageImage(5, in.target->radiance), gpu::storageImage(6, in.target->view_depth)});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }
     gpu::everythingBefore(cmd);

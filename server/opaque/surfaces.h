@@ -37,7 +37,7 @@ private:
     struct Variant {
         ObjectCounts objects; // of many boxes and spheres: 1 for each kind that there is
         bool many = false;    // True: boxes and spheres are looked for in bins
-        bool fog = false, local_lights = false;
+        bool fog = false, local_lights = false, balls = false;
         auto operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     };
     const Programs& programsFor(const Variant& variant);

@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 
 constexpr char kMagic[] = "brume-recording ";
-constexpr int kVersion = 10; // older ones have other live settings, and so other hashes of the state
+constexpr int kVersion = 11; // older ones have other live settings, and so other hashes of the state
 constexpr size_t kDigits = 16;
 constexpr uint64_t kEndReserve = 256; // bytes, for the last line
 // A scene's text has 1 MiB at most, and up to six characters for each in JSON. Rows of particles have kMostRowBytes in

@@ -56,6 +56,9 @@ public:
     }
     // True: it draws fog, and makes a field that local lights are seen through.
     virtual bool drawsFogAndLocalLights() const { return false; }
+    // Which media it draws (Medium::model).
+    virtual bool drawsSum() const { return true; }
+    virtual bool drawsUnion() const { return false; }
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
     // True: what it draws along a ray follows closed forms. False: it samples cells and is as exact as these are small.
@@ -72,6 +75,13 @@ public:
 inline std::string fogRefusal(const MethodPlan& method) {
     return std::string(method.name()) +
            ": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, lit or gradients";
+}
+
+// Why a scene's medium is not for a method, one line; empty: it is.
+inline std::string mediumRefusal(const MethodPlan& method, const SceneFeatures& features) {
+    if (features.balls ? method.drawsUnion() : method.drawsSum()) return {};
+    return std::string(method.name()) + (features.balls ? ": it draws no medium.model = \"union\"; use sprites or tiles"
+                                                        : ": it draws medium.model = \"union\" only");
 }
 
 } // namespace brume

@@ -42,6 +42,10 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
             if (asked) refused = fogRefusal(*method);
             continue;
         }
+        if (const std::string why = mediumRefusal(*method, inputs.scene.features); !why.empty()) {
+            if (asked) refused = why;
+            continue;
+        }
         method->addWays(inputs.scene, way, asked, ways, refused);
     }
     return ways;

@@ -40,7 +40,7 @@ struct PlanScene {
     gpu::Tick tick{};                          // light, falloff, cut, bounds of the shadow volume
     // Times that a view's passes run for one picture (server/inputs/hues.h).
     uint32_t hues = 1;
-    uint32_t particles = 0;
+    uint32_t particles = 0, capacity = 0; // now, and at most
     std::vector<gpu::Particle> sample; // evenly chosen; each stands for weight() particles
     MediumSample medium_sample;
     MediumExtent extent;

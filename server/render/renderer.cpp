@@ -11,23 +11,17 @@ namespace brume {
 namespace {
 
 constexpr size_t kMostOfCells = 64; // objects
+// True: of a layout none is born and none dies.
+bool staysTheSame(Layout layout) {
+    return layout != Layout::emitter && layout != Layout::sequence && layout != Layout::live;
+}
 
 } // namespace
-
-std::span<const PictureView> Submission::pictures() {
-    planes_.invalidate();
-    return pictures_;
-}
-
-void Submission::giveBack() {
-    pictures_.clear();
-    planes_ = {};
-}
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(device, scene), meshes_(device, scene.triangles), besides_(besides),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device), mesh_shadow_(device),
-      particle_light_(device, capacity), local_lights_(device),
+      particle_light_(device, capacity), union_path_(device), local_lights_(device),
       surfaces_(device, objects_.counts(), !scene.triangles.empty()), shafts_(device), depth_order_(device, capacity),
       compose_(device), probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR),
       nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {}
@@ -50,7 +44,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     }
     Method& method = methodFor(now_.render);
     const MethodNeeds needs = method.needs();
-    if (needs.one_medium) now_.render.merge = 0;
+    if (needs.one_medium || needs.union_path) now_.render.merge = 0;
     step_ = drawingStep(needs);
     drawn_.clear();
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
@@ -58,6 +52,11 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     probe_.prepare(s.probe);
     upload_.take(simulation, scene_, now_, objects_.all(), eyes, s.particles_);
     writeLocalLights(s, eyes);
+    const bool behind_balls = (features_.balls && features_.opaque) || needs.union_path;
+    if (behind_balls) {
+        if (hues_.size() > 1) union_path_.invalidate();
+        union_path_.prepare(simulation, now_, upload_.tick(), upload_.all().version, objects_.version());
+    }
     surfaces_.prepare(eyes, objects_.counts(), objects_.all());
     shafts_.prepare(features_.casters ? eyes : std::span<const EyeRequest>());
     const UniformBlocks blocks(s.uniforms_, eyes.size());
@@ -81,13 +80,18 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
             upload_.enter(blocks, hue);
             shared_.again = hue > 0;
             enterHue(hue);
-            if (needs.particle_light && !before) recordParticleLight(s.commands);
+            if (behind_balls && !before)
+                union_path_.record(s.commands, upload_.all(), {&objects_.objects(), &objects_.nodes()});
+            if (needs.particle_light && !before) recordParticleLight(s.commands, needs);
             recordGroup(s, method, group, before);
             if (hues_.size() > 1 && compose_.keepsRadiance()) keepHue(s.commands, group, hue);
         }
         if (hues_.size() == 1) before = group.any;
     }
-    if (hues_.size() > 1) invalidateParticleLight(); // it is that of the last hue
+    if (hues_.size() > 1) { // it is that of the last hue
+        invalidateParticleLight();
+        union_path_.invalidate();
+    }
     recordReadBack(s);
     s.commands.submit();
     upload_.submitted();
@@ -125,6 +129,7 @@ void Renderer::giveBack() {
     compose_.giveBack();
     local_lights_.giveBack();
     shafts_.giveBack();
+    union_path_.giveBack();
     targets_.giveBack();
     coarse_targets_.giveBack();
 }
@@ -147,7 +152,8 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
         return *methods_.front().method;
     }
     if (methods_.size() >= most_methods_) methods_.resize(most_methods_ - 1); // before the new one: memory is bounded
-    auto method = makeMethod({device_, depth_order_, settings, features_});
+    auto method = makeMethod(
+        {device_, depth_order_, settings, features_, scene_.medium.sprite_maps, staysTheSame(scene_.medium.layout)});
     methods_.insert(methods_.begin(), {plan, variant, features_, std::move(method)});
     return *methods_.front().method;
 }
@@ -230,8 +236,12 @@ void Renderer::invalidateParticleLight() {
 }
 
 // Records the light cached on the particles of every list that some eye sees.
-void Renderer::recordParticleLight(gpu::Commands& commands) {
+void Renderer::recordParticleLight(gpu::Commands& commands, const MethodNeeds& needs) {
     MediumView& all = upload_.all();
+    if (needs.union_path) {
+        all.light = &union_path_.lights();
+        return;
+    }
     if (hues_.size() > 1) invalidateParticleLight();
     const auto record = [&](ParticleLight& light, MediumView& medium) {
         light.record(commands, {medium.tick, &objects_.objects(), medium.particles, &shadow_volume_.image(), &linear_},
@@ -268,6 +278,9 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .opaque_shadow = &opaque_shadow_.image(),
                .mesh_heights = &mesh_shadow_.heights(),
                .mesh_pyramid = &mesh_shadow_.pyramid(),
+               .particles = &upload_.particles(),
+               .union_bins = union_path_.bins() ? &union_path_.bins() : &objects_.objects(),
+               .union_light = union_path_.lights() ? &union_path_.lights() : &objects_.objects(),
                .planes = &planes_,
                .linear = &linear_,
                .nearest = &nearest_,

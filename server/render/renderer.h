@@ -9,6 +9,7 @@
 #include "server/light/local_lights.h"
 #include "server/light/particle_light.h"
 #include "server/light/shadow_volume.h"
+#include "server/light/union_path.h"
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "server/methods/proxies/depth_order.h"
@@ -34,10 +35,16 @@ public:
     Submission(const gpu::Device& device, const char* name) : commands(device, name) {}
 
     // The pictures, one per eye in the order asked for. Precondition: commands.wait() was true.
-    std::span<const PictureView> pictures();
+    std::span<const PictureView> pictures() {
+        planes_.invalidate();
+        return pictures_;
+    }
     uint64_t pictureBytes() const { return planes_.size(); }
     // Frees the memory of the pictures. Precondition: nobody reads them, and it is not on the device.
-    void giveBack();
+    void giveBack() {
+        pictures_.clear();
+        planes_ = {};
+    }
 
     gpu::Commands commands;
     ProbeReading probe; // pixels to read back with the next pictures; none: it costs nothing
@@ -98,7 +105,7 @@ public:
     size_t methodsKept() const { return methods_.size(); }
 
     // For measurements: the next submission uploads and lights everything again, even if nothing has changed.
-    void forget() { upload_.forget(); }
+    void forget() { upload_.forget(), union_path_.invalidate(); }
 
     // For tests that go through many methods: keeps up to `most` compiled, at least 1, instead of two.
     void keepMethods(size_t most) { most_methods_ = most; }
@@ -121,7 +128,7 @@ private:
     void fitPictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
     void writeLocalLights(Submission& submission, std::span<const EyeRequest> eyes);
     void recordLight(Submission& submission);
-    void recordParticleLight(gpu::Commands& commands);
+    void recordParticleLight(gpu::Commands& commands, const MethodNeeds& needs);
     void invalidateParticleLight();
     void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
@@ -144,6 +151,7 @@ private:
     OpaqueShadow opaque_shadow_;
     MeshShadow mesh_shadow_;
     ParticleLight particle_light_;
+    UnionPath union_path_;
     LocalLights local_lights_;
     Surfaces surfaces_;
     Shafts shafts_;

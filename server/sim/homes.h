@@ -20,6 +20,7 @@ public:
     void step(Columns& columns, const MotionStep& step) override;
     void settle(Columns& columns, float extinction) const override;
     std::array<Rows, 2> living() const override { return {Rows{0, rows_}, Rows{}}; }
+    bool keepsPlaces() const override { return true; }
     std::span<const glm::vec3> albedos() const override { return albedos_; }
     uint64_t bytes() const override { return albedos_.capacity() * sizeof(glm::vec3); }
 

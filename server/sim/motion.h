@@ -44,6 +44,8 @@ public:
     virtual std::span<const glm::vec3> albedos() const { return {}; }
     // Place (m) where particles come from while none lives, relative to the volume. Empty where some always live.
     virtual std::optional<glm::vec3> source() const { return {}; }
+    // True: row i is the same particle in all ticks, and all rows live.
+    virtual bool keepsPlaces() const { return false; }
     // True: impulses move the particles.
     virtual bool yields() const { return true; }
     // For the state's hash: what can differ between two runs besides the columns, like births so far, as one number.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -99,6 +100,7 @@ struct Simulation::State {
     uint64_t tick = 0, hash = 0, origin = 0; // origin: a hash of the seed and all columns at the start
     uint32_t impulses = 0;                   // in this tick
     Bounds bounds;
+    std::optional<Past> past;
 };
 
 Simulation::State::State(const Scene& scene, uint64_t most_bytes)
@@ -140,6 +142,9 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
         }
         cloud = std::move(placed.cloud);
     }
+    if (scene.medium.model == kUnionMedium && double(rows) > limits::kUnionCount.hi)
+        throw SceneError("medium.model: \"union\" of " + std::to_string(rows) + " particles; allowed: up to " +
+                         std::to_string(int(limits::kUnionCount.hi)));
     first_step = motion->runUp();
     while (steps < first_step) advance();
     now.light = sunOf(scene); // which the run-up has turned,
@@ -157,6 +162,7 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
     first_columns = columns;
     motion->keepStart();
     first_now = now;
+    if (scene.medium.model == kUnionMedium && motion->keepsPlaces()) past.emplace(rows);
 }
 
 std::string Simulation::State::apply(const Impulse& c) {
@@ -190,6 +196,8 @@ std::string Simulation::State::change(Edit edit) {
     tried = now.lists;
     std::string problem = edit(tried);
     if (problem.empty()) problem = problemOf(tried, now.medium.layout != Layout::none);
+    if (problem.empty() && now.medium.model == kUnionMedium && !(tried.fogs.empty() && tried.lights.empty()))
+        problem = "fog, points and spots are not drawn in a union medium";
     if (!problem.empty()) return problem;
     std::swap(now.lists, tried);
     lists_changed = true;
@@ -287,12 +295,25 @@ uint64_t Simulation::State::hashed() {
     return out.value();
 }
 
-Simulation::Simulation(const Scene& scene, uint64_t most_bytes) : state_(std::make_unique<State>(scene, most_bytes)) {}
+Simulation::Simulation(const Scene& scene, uint64_t most_bytes) : state_(std::make_unique<State>(scene, most_bytes)) {
+    keepPast();
+}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
-void Simulation::countFrom(uint64_t tick) { state_->tick = tick; }
+void Simulation::countFrom(uint64_t tick) {
+    state_->tick = tick;
+    if (state_->past) state_->past.emplace(state_->rows);
+    keepPast();
+}
+
+void Simulation::keepPast() {
+    if (!state_->past) return;
+    PastTick& one = state_->past->next(state_->tick);
+    one.to_light = state_->now.light.to_light;
+    write(one.particles);
+}
 
 void Simulation::step(std::span<const Command> commands) {
     State& s = *state_;
@@ -305,6 +326,7 @@ void Simulation::step(std::span<const Command> commands) {
     if (std::exchange(s.lists_changed, false)) s.lists_hash = hashOf(s.now.lists);
     if (!s.now.simulation.paused) s.advance();
     s.settle();
+    keepPast();
 }
 
 uint64_t Simulation::tick() const { return state_->tick; }
@@ -315,11 +337,12 @@ uint64_t Simulation::settingsVersion() const { return state_->settings_version; 
 uint32_t Simulation::liveCount() const { return state_->motion->liveCount(); }
 uint32_t Simulation::capacity() const { return state_->rows; }
 uint64_t Simulation::bytes() const {
-    return state_->columns->bytes() + state_->first_columns->bytes() + state_->motion->bytes();
+    return state_->columns->bytes() + state_->first_columns->bytes() + besides();
 }
-uint64_t Simulation::besides() const { return state_->motion->bytes(); }
+uint64_t Simulation::besides() const { return state_->motion->bytes() + (state_->past ? state_->past->bytes() : 0); }
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }
+const Past* Simulation::past() const { return state_->past ? &*state_->past : nullptr; }
 const PointCloudFacts* Simulation::pointCloud() const { return state_->cloud ? &*state_->cloud : nullptr; }
 
 void Simulation::write(std::span<gpu::Particle> out) const {

@@ -9,6 +9,7 @@
 #include "common/settings.h"
 #include "server/sim/command.h"
 #include "server/sim/lists.h"
+#include "server/sim/past.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -74,10 +75,14 @@ public:
     const Bounds& bounds() const;
     const SceneNow& now() const;
     const PointCloudFacts* pointCloud() const; // null unless points come from files
+    // The last limits::kPathGroups.hi ticks, of a union medium whose particles stay the same ones. Null: of others.
+    const Past* past() const;
     // Writes the live particles, in a stable order. Precondition: out.size() >= liveCount().
     void write(std::span<gpu::Particle> out) const;
 
 private:
+    void keepPast();
+
     struct State;
     std::unique_ptr<State> state_;
 };

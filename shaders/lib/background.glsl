@@ -1,6 +1,7 @@
 // Background: the sky, and opaque objects lit through the medium. Declares the bindings that it reads. Include after
 // the tick's and the eye's blocks.
 #include "shaders/shared/constants.h"
+#include "shaders/shared/splat.h"
 
 layout(scalar, binding = 2) readonly buffer Objects { Opaque objects[]; };
 layout(binding = 3) uniform sampler2DArray shadow_volume;
@@ -13,6 +14,10 @@ layout(scalar, binding = 11) readonly buffer Bins { uint object_bins[]; };
 layout(scalar, binding = 12) readonly buffer Triangles { Triangle triangles[]; };
 layout(scalar, binding = 13) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
 layout(scalar, binding = 14) readonly buffer Order { uint object_order[]; };
+// Of a union medium.
+layout(scalar, binding = 15) readonly buffer Particles { Particle particles[]; };
+layout(scalar, binding = 16) readonly buffer UnionBits { uint union_bits[]; };
+layout(scalar, binding = 17) readonly buffer UnionLights { ParticleLight union_lights[]; };
 
 // Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
 layout(constant_id = kIdPlanes) const uint kPlanes = 1;
@@ -20,6 +25,7 @@ layout(constant_id = kIdBoxes) const uint kBoxes = 1;
 layout(constant_id = kIdSpheres) const uint kSpheres = 1;
 layout(constant_id = kIdManyObjects) const bool kMany = false;
 layout(constant_id = kIdHasStructure) const bool kHasStructure = false;
+layout(constant_id = kIdUnion) const bool kUnion = false;
 const bool kHasBodies = kBoxes + kSpheres > 0;
 
 #include "shaders/lib/objects.glsl"
@@ -34,6 +40,7 @@ const bool kHasBodies = kBoxes + kSpheres > 0;
 #include "shaders/lib/body_hits.glsl"
 #include "shaders/lib/mesh_hits.glsl"
 #include "shaders/shared/ground.h"
+#include "shaders/lib/union_ray.glsl"
 
 const uint kNone = ~0u;
 const uint kOfMesh = 0x80000000u; // bit of Hit::object: the rest is the index of a triangle
@@ -136,6 +143,20 @@ vec3 localIrradiance(Hit hit, vec3 x) {
     return sum;
 }
 
+// The part of the sun's light that particles let through to a surface.
+float throughParticles(vec3 x) {
+    if (!kUnion) {
+        const vec3 at = toShadowVolume(x); // there is no medium beside and above the map
+        return at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5))) ? exp(-lightDepth(at)) : 1;
+    }
+    if (tick.balls.surfaces == kUnionNone) return 1;
+    const UnionRay ray = unionRay(x);
+    if (ray.nearest == kNoUnionBall) return 1;
+    if (tick.balls.surfaces == kUnionBinary) return 0;
+    if (tick.balls.surfaces == kUnionNearest) return union_lights[ray.nearest].transmittance;
+    return exp(-tick.extinction * tick.balls.sigma_t * ray.path);
+}
+
 // Radiance of a surface by Lambert's law: of the lights, past objects and medium, and of the whole sky.
 vec3 lit(Hit hit, vec3 x) {
     const vec3 n = hit.normal;
@@ -149,8 +170,7 @@ vec3 lit(Hit hit, vec3 x) {
         }
     if (kHasMeshes && direct > 0)
         if (isShadowedByMesh(x, tick.sun.to_light, kNoTriangle, ownTriangle(hit), length(x - eye.position))) direct = 0;
-    const vec3 at = toShadowVolume(x); // there is no medium beside and above the map
-    if (direct > 0 && at.z > 0 && all(lessThan(abs(at.xy - 0.5), vec2(0.5)))) direct *= exp(-lightDepth(at));
+    if (direct > 0) direct *= throughParticles(x);
     if (kHasFog && direct > 0) direct *= exp(-fogTowardSun(x));
     vec3 light = skyLight(n) + tick.sun.irradiance * direct;
     if (kHasLocalLights) light += localIrradiance(hit, x) / 3.14159265;

@@ -1,6 +1,6 @@
 // Light in a slice of a ray: what its media scatter of the sun and of points and spots, at the middle of the slice.
-// Include after lib/froxel_march.glsl, lib/medium_nodes.glsl, lib/light.glsl, lib/local_lights.glsl,
-// lib/local_light_depth.glsl and lib/occluded.glsl.
+// Include after lib/march_ray.glsl, `bool hasParticles()`, lib/medium_nodes.glsl, lib/light.glsl,
+// lib/local_lights.glsl, lib/local_light_depth.glsl and lib/occluded.glsl.
 #include "shaders/shared/equiangular.h"
 #include "shaders/shared/phase.h"
 
@@ -24,33 +24,53 @@ vec3 scatteredFrom(vec3 travel) {
 // The part of a local light that objects let through to x, which lies `away` from it.
 float litPart(uint i, vec3 x, vec3 away);
 
-// What a point or a spot adds in the slice, whose middle is x. Its inverse square is the mean over the slice, and all
-// else is looked up where half of the light comes from (shared/equiangular.h): one sample in the middle is 3.6 times
-// too bright a tenth of a slice beside a light.
-vec3 ofLocalLight(uint i, vec3 x, float near, float far) {
+// What a point or a spot adds in the slice, if all is as at `place`. falls: its inverse square, 1/m^2.
+vec3 ofLightAt(uint i, vec3 place, float falls) {
+    const LocalLight light = local_lights[i];
+    const vec3 away = place - light.position;
+    const float distance = length(away), sent = sentTo(light, away, distance);
+    if (!(sent > 0)) return vec3(0);
+    const float part = light.shadows != 0 && kHasOpaque ? sent * litPart(i, place, away) : sent;
+    if (!(part > 0)) return vec3(0);
+    const float passed = (kHasFog ? fogFrom(light, away, distance) : 0) + particlesFrom(light, away, distance);
+    return light.intensity * (part * falls * exp(-passed)) * scatteredFrom(away / max(distance, 1e-20));
+}
+
+// The same with the mean of the inverse square over the slice. All else is looked up where half of the light comes from
+// (shared/equiangular.h), or the part `angle_part` of it: one sample in the middle is 3.6 times too bright a tenth of a
+// slice beside a light.
+vec3 ofLocalLight(uint i, float near, float far) {
     const LocalLight light = local_lights[i];
     const float closest = dot(light.position - eye.position, ray_unit);
     const vec3 foot = eye.position + closest * ray_unit, off = foot - light.position;
     const EquiangularPart seen = equiangularPart(sqrt(dot(off, off) + light.radius * light.radius),
                                                  near * ray_metres - closest, far * ray_metres - closest);
-    const vec3 place = foot + equiangularPlace(seen, 0.5) * ray_unit, away = place - light.position;
-    const float distance = length(away), sent = sentTo(light, away, distance);
-    if (!(sent > 0)) return vec3(0);
-    const float part = light.shadows != 0 && kHasOpaque ? sent * litPart(i, place, away) : sent;
-    if (!(part > 0)) return vec3(0);
-    const float falls = equiangularWeight(seen) / ((far - near) * ray_metres);
-    const float passed = (kHasFog ? fogFrom(light, away, distance) : 0) + particlesFrom(light, away, distance);
-    return light.intensity * (part * falls * exp(-passed)) * scatteredFrom(away / max(distance, 1e-20));
+    const vec3 place = foot + equiangularPlace(seen, angle_part) * ray_unit;
+    return ofLightAt(i, place, equiangularWeight(seen) / ((far - near) * ray_metres));
+}
+
+// The same with the inverse square at x.
+vec3 ofLightThere(uint i, vec3 x) {
+    const vec3 away = x - local_lights[i].position;
+    const float radius = local_lights[i].radius;
+    return ofLightAt(i, x, 1 / max(dot(away, away) + radius * radius, 1e-12));
+}
+
+// Optical depth of the particles in a slice, and the part of it that scatters each colour.
+float particlesIn(float near, float far, out vec3 scattering);
+
+// The same, if all is as at the slice's sample.
+float particlesAtSample(float near, float far, out vec3 scattering) {
+    const float metres = (far - near) * ray_metres;
+    const float depth = metres * mediumAt(eye.position + sampledDepth(near, far) * ray_dir, scattering);
+    scattering *= metres;
+    return depth;
 }
 
 // Finds the media of a slice. Returns their optical depth; adds what they emit and scatter of ambient light.
 float mediaOf(float near, float far, inout vec3 scattered) {
-    const float metres = (far - near) * ray_metres;
-    vec3 scattering = vec3(0);
-    float depth = push.froxels.particles != 0
-                      ? metres * mediumAt(eye.position + sampledDepth(near, far) * ray_dir, scattering)
-                      : 0;
-    of_particles = metres * scattering;
+    of_particles = vec3(0);
+    float depth = hasParticles() ? particlesIn(near, far, of_particles) : 0;
     vec3 all = of_particles;
     [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) {
         const float own =

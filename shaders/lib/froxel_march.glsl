@@ -5,17 +5,12 @@
 //     depths scatters toward the eye, per unit of its own opacity over its depth, and its optical depth
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/froxel_depth.glsl"
+#include "shaders/lib/march_ray.glsl"
 #include "shaders/shared/transmittance.h"
 
-vec3 ray_dir, ray_unit; // of unit view depth, and of unit length
-float ray_metres;       // length of ray_dir
-uvec2 ray_pixel;        // the pixel that the ray belongs to
-uint ray_slice;         // the slice that is added
-uint added_slices = 0;  // so many were
-float slice_part = 0.5; // where its sample lies, from its near face to its far one
+uint added_slices = 0; // so many slices of the ray were added
 
-// View depth of the sample.
-float sampledDepth(float near, float far) { return near + slice_part * (far - near); }
+bool hasParticles() { return push.froxels.particles != 0; }
 
 vec2 pixelOfRay(uvec2 ray) { return float(push.froxels.pixels) * vec2(ray + uvec2(0, push.froxels.first_row)) + 0.5; }
 
@@ -37,10 +32,7 @@ void march() {
     const uvec2 ray = gl_GlobalInvocationID.xy;
     if (any(greaterThanEqual(ray, push.froxels.rays))) return;
     const vec2 at = pixelOfRay(ray);
-    ray_dir = rayDirection(at);
-    ray_metres = length(ray_dir);
-    ray_unit = ray_dir / ray_metres;
-    ray_pixel = min(uvec2(at), eye.size - 1);
+    aimRay(at);
     const float end = furthestAround(at);
     vec3 light = vec3(0);
     float passed = 0, near = faceDepth(0);

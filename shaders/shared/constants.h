@@ -25,6 +25,7 @@ const uint kIdHasGlow = 29u;        // bool: some fog emits light
 const uint kIdHasLocalLights = 30u; // bool: there are points or spots
 const uint kIdHasMeshes = 32u;      // bool: there are meshes
 const uint kIdHasStructure = 33u;   // bool: some planes have a structure (ground.h)
+const uint kIdUnion = 36u;          // bool: particles are balls whose union is the medium
 
 // The volumetric shadow map.
 const uint kIdShadowLanes = 9u; // lanes that work on one tile together, texels of its width; a power of two, at most 8
@@ -51,6 +52,12 @@ const uint kIdAmbientColours = 20u; // FieldColours::ambient
 // Method `froxels`.
 const uint kIdShadows = 34u; // of objects: kShadowsByMap and so on (froxels.h)
 const uint kIdHistory = 35u; // bool: cells keep a part of what an eye's last picture had
+
+// Method `march`.
+const uint kIdLightsAtSample = 40u; // bool: a slice's inverse squares are those at its sample; else their means
+const uint kIdJitter = 41u;         // what the pattern moves: kJitterOffset and so on (march.h)
+const uint kIdBlur = 42u;           // weights: kBlurRow14 and so on
+const uint kIdDown = 43u;           // bool: the blur goes down the columns; else along the rows
 
 // The picture.
 const uint kIdStep = 21u;   // pixels between neighbouring nodes of a picture that is shaded or drawn coarsely

@@ -93,6 +93,20 @@ const uint kNoVolume = 0xffffffffu;
 const uint kMostLightSide = 128u; // of LocalLight::volume_side
 const uint kMostLightShells = 96u;
 
+// The medium as the union of balls, one for each particle: extinction sigma_t wherever at least one ball is. Rays
+// toward the sun find balls in square cells of the plane across it.
+struct UnionBalls {
+    float radius;  // of a ball, per scale of its particle
+    float sigma_t; // 1/m
+    vec2 lo;       // light space, m: where the cells begin
+    float cell;    // m, their width
+    uint side;     // cells along a side; 0: there are no cells
+    uint words;    // of a cell: a bit for each particle
+    uint cutoff;   // hits from which on a particle is black; 0: none
+    uint surfaces; // what surfaces get: kUnionExact ...
+};
+const uint kUnionExact = 0u, kUnionNearest = 1u, kUnionBinary = 2u, kUnionNone = 3u;
+
 // Values that all viewers share in one tick.
 struct Tick {
     Light sun;     // the first directional light; only it has maps
@@ -119,6 +133,7 @@ struct Tick {
     // Of pictures of red, green and blue that are not drawn together, since the extinction differs.
     float extinction; // part of the particles' extinction
     uint channels;    // bits of red, green and blue: those that are drawn
+    UnionBalls balls;
 };
 const uint kAllChannels = 7u;
 
@@ -271,7 +286,7 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 108 && sizeof(Tick) == 576 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 108 && sizeof(Tick) == 612 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
 static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);

@@ -143,9 +143,10 @@ TEST_F(MemoryTest, ALoopOverAFewSettingsCompilesNothingAgain) {
     const EyeRequest eye = eyeOf(32, 18);
     size_t after_first = 0;
     uint64_t resident = 0;
-    const size_t methods = methodNames().size();
+    const std::vector<std::string> names = methodNames(SceneFeatures());
+    const size_t methods = names.size();
     for (size_t i = 0; i < 12 * methods; ++i) {
-        settings_.method = methodNames()[i % methods];
+        settings_.method = names[i % methods];
         settings_.isv.quadrature = i / methods % 2 ? "simpson" : "analytic";
         draw({&eye, 1});
         if (i == 2 * methods - 1) after_first = device().pipelines().size(), resident = residentBytes();

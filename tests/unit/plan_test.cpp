@@ -109,7 +109,7 @@ TEST(Plan, TakesWhatIsCheapestOnTheDevice) {
 TEST(Plan, WhatIsAskedForIsKept) {
     PlanInputs inputs = inputsOf(cube());
     RenderSettings& wanted = inputs.scene.wanted;
-    for (const std::string& method : methodNames()) {
+    for (const std::string& method : methodNames(inputs.scene.features)) {
         wanted.method = method;
         const Plan plan = makePlan(inputs, builtInCosts());
         EXPECT_EQ(plan.chosen.settings.method, method);
@@ -122,6 +122,29 @@ TEST(Plan, WhatIsAskedForIsKept) {
     EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.slabs, 100u);
     wanted.method = "isv", wanted.isv = {"simpson", 7};
     EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.isv.steps, 7u);
+}
+
+TEST(Plan, AUnionOfBallsIsForSpritesAndTiles) {
+    PlanInputs inputs = inputsOf(cube());
+    RenderSettings& wanted = inputs.scene.wanted;
+    wanted.method = "sprites";
+    Plan plan = makePlan(inputs, builtInCosts());
+    EXPECT_NE(plan.refused.find("sprites: it draws medium.model = \"union\" only"), plan.refused.npos);
+    EXPECT_NE(plan.chosen.settings.method, "sprites");
+    inputs.scene.features.balls = true;
+    EXPECT_EQ(makePlan(inputs, builtInCosts()).refused, "");
+    EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.method, "sprites");
+    wanted.method = kAutoMethod;
+    EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.method, "sprites");
+    wanted.method = "tiles";
+    EXPECT_EQ(makePlan(inputs, builtInCosts()).chosen.settings.method, "tiles");
+    wanted.tiles.light = "path";
+    EXPECT_TRUE(hasPass(makePlan(inputs, builtInCosts()), "union path"));
+    inputs.scene.capacity = 8193;
+    EXPECT_NE(makePlan(inputs, builtInCosts()).refused.find("up to 8192 particles"), std::string::npos);
+    wanted.method = "slabs";
+    plan = makePlan(inputs, builtInCosts());
+    EXPECT_NE(plan.refused.find("slabs: it draws no medium.model = \"union\""), plan.refused.npos);
 }
 
 // Closed by default: whatever its error may be, nobody has said what it takes.

@@ -336,7 +336,7 @@ TEST(Scene, IsFoundByNameOrPath) {
         EXPECT_NE(
             std::string(error.what())
                 .find("cloud, cloud-5000, cloud-65535, courtyard, cumulus, dusk, dusty-room, flythrough, islands, "
-                      "lamp, morning, plume, props, smoke-spots, stage, street, tubes"),
+                      "lamp, morning, plume, props, smoke-spots, stage, street, tubes, tubes-union"),
             std::string::npos)
             << error.what();
     }

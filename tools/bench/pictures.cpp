@@ -101,13 +101,13 @@ std::vector<std::string> scenes() {
 } // namespace
 
 std::string pictureHashes(const gpu::Device& device, const std::string& only) {
-    std::vector<std::string> all_methods = methodNames();
-    all_methods.emplace_back(kAutoMethod);
-    std::sort(all_methods.begin(), all_methods.end());
     std::string out;
     for (const std::string& scene : scenes()) {
         if (std::filesystem::path(scene).stem().string().find(only) == only.npos) continue;
         const Scene loaded = loadScene(findScene(scene, BRUME_SCENES));
+        std::vector<std::string> all_methods = methodNames({.balls = loaded.medium.model == kUnionMedium});
+        all_methods.emplace_back(kAutoMethod);
+        std::sort(all_methods.begin(), all_methods.end());
         const bool needs_fields = !loaded.fogs.empty() || !localLightsOf(loaded).empty();
         for (const std::string& method : all_methods) {
             if (needs_fields && planOf(method) && !planOf(method)->drawsFogAndLocalLights()) continue;

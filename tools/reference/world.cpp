@@ -123,7 +123,11 @@ World inChannel(const World& world, int channel) {
 
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const Present& now) {
     World world;
-    world.blobs = blobsOf(particles, now.medium.falloff);
+    if (now.medium.model == kUnionMedium)
+        world.balls = unionOf(particles, double(now.medium.union_radius), double(now.medium.union_extinction),
+                              now.medium.albedo);
+    else
+        world.blobs = blobsOf(particles, now.medium.falloff);
     world.lights = {directional(now.light)};
     for (const brume::Light& light : now.local_lights) world.lights.push_back(localLight(light));
     for (const brume::Fog& fog : now.fogs)

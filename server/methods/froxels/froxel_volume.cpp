@@ -48,20 +48,22 @@ double farOf(const EyeInputs& in) {
 
 } // namespace
 
+DepthRange mediumRange(const EyeInputs& in) {
+    if (in.shared->features.fog) return {kNearDepth, std::max(float(farOf(in)), kNearDepth)};
+    const glm::vec3 forward = in.pose.orientation * glm::vec3(0, 0, -1);
+    const DepthRange range = depthRange(*in.medium->extent, in.pose.position, forward);
+    return {std::max(range.near, kNearDepth), range.far};
+}
+
 gpu::FroxelGrid froxelSlices(const EyeInputs& in) {
     const FroxelSettings& settings = in.shared->settings->froxels;
     gpu::FroxelGrid froxels{};
     froxels.pixels = settings.pixels;
     froxels.slices = settings.slices;
     froxels.particles = in.medium->count > 0;
-    froxels.near = kNearDepth;
-    auto far = float(farOf(in));
-    if (!in.shared->features.fog) {
-        const glm::vec3 forward = in.pose.orientation * glm::vec3(0, 0, -1);
-        const DepthRange range = depthRange(*in.medium->extent, in.pose.position, forward);
-        froxels.near = std::max(range.near, kNearDepth);
-        far = range.far;
-    }
+    const DepthRange range = mediumRange(in);
+    froxels.near = range.near;
+    float far = range.far;
     if (settings.far != kAuto) far = settings.far;
     while (froxels.slices > limits::kSlices.lo &&
            bytesOf(raysFor(in.size.width, froxels.pixels), 2, froxels.slices) > kMostBytes)

@@ -10,6 +10,10 @@
 
 namespace brume {
 
+// Where the medium begins and ends before an eye, m of view depth. With fog it begins at the near plane, and ends
+// behind all that is lit or hides it.
+DepthRange mediumRange(const EyeInputs& in);
+
 // Slices of one eye: the first at the near plane, or where the medium begins if there is no fog; the last one ends at
 // FroxelSettings::far, or where the medium does. The last is up to 16 times as thick as the first.
 gpu::FroxelGrid froxelSlices(const EyeInputs& in);

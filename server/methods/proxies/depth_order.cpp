@@ -12,6 +12,8 @@ using gpu::storageBuffer;
 
 namespace {
 
+constexpr float kDiagonal = 1.41421357f; // of a square, over its side
+
 // True: the order is of this eye and this picture alone. The head's other eye, and the finer picture after a coarse
 // one, see past other edges.
 bool isOwn(const EyeInputs& in) {
@@ -48,18 +50,24 @@ void DepthOrder::record(gpu::Commands& commands, const EyeInputs& in, Support su
         vkCmdFillBuffer(cmd, arguments_.handle(), 0, sizeof(gpu::DrawArguments), 0);
         gpu::transferToCompute(cmd);
         if (leaves_out) furthest->record(commands, in);
-        const uint32_t full_support = support == Support::sphere;
+        const struct {
+            uint32_t full_support;
+            float sprite; // radii of the ball around a sprite, per scale; 0: no sprites
+        } push{support == Support::sphere,
+               support == Support::sprite
+                   ? std::max(kDiagonal * in.shared->settings->sprites.size, 1.0f) * in.shared->tick->balls.radius
+                   : 0};
         const gpu::Buffer& depths = leaves_out ? furthest->buffer() : *in.medium->particles; // bound, but not read
         (leaves_out ? cull_hidden_ : cull_)
             .bind(commands,
                   {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles), storageBuffer(3, keys_),
                    storageBuffer(4, values_), storageBuffer(5, arguments_), in.stereo_partner,
                    storageBuffer(7, depths)},
-                  full_support);
+                  push);
         vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
         gpu::computeToCompute(cmd);
-        const uint32_t push[] = {vertices, particles_per_group};
-        draw_arguments_.bind(commands, {storageBuffer(5, arguments_)}, push);
+        const uint32_t drawn[] = {vertices, particles_per_group};
+        draw_arguments_.bind(commands, {storageBuffer(5, arguments_)}, drawn);
         vkCmdDispatch(cmd, 1, 1, 1);
     }
     const gpu::Commands::Pass pass(commands, "sort", in.view);

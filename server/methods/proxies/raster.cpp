@@ -29,6 +29,8 @@ public:
         mesh_ = info_.shaders.front().stage == VK_SHADER_STAGE_MESH_BIT_EXT;
     }
 
+    MethodNeeds needs() const override { return info_.needs; }
+
     std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
         if (furthest_) furthest_->prepare(eyes);
         return Method::prepare(eyes);
@@ -42,12 +44,20 @@ public:
 
         const gpu::Commands::Pass pass(commands, "medium", in.view);
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance});
-        programs_[furthest_ || in.near_plane_cuts].bind(
-            commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.medium->particles),
-                       gpu::storageBuffer(4, order_.order()), gpu::storageBuffer(5, order_.arguments()),
-                       gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-                       gpu::sampledImage(7, *in.shared->opaque_shadow, *in.shared->nearest),
-                       gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        const gpu::Buffer& any = *in.medium->particles; // bound, but not read
+        const gpu::Resource resources[] = {in.medium->tick,
+                                           in.eye,
+                                           gpu::storageBuffer(2, *in.medium->particles),
+                                           gpu::storageBuffer(4, order_.order()),
+                                           gpu::storageBuffer(5, order_.arguments()),
+                                           gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
+                                           gpu::sampledImage(7, *in.shared->opaque_shadow, *in.shared->nearest),
+                                           gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
+                                           gpu::storageBuffer(3, info_.maps ? *in.medium->light : any),
+                                           gpu::storageBuffer(9, info_.maps ? info_.maps : any)};
+        const glm::vec3 push = info_.push ? info_.push(*in.shared) : glm::vec3(0);
+        programs_[furthest_ || in.near_plane_cuts].bind(commands, resources,
+                                                        std::as_bytes(std::span(&push, info_.push ? 1 : 0)));
         if (mesh_)
             device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1,
                                           0);

@@ -1,6 +1,8 @@
 // A method that draws one proxy per particle, far to near, with premultiplied blending.
 #pragma once
 
+#include <vector>
+
 #include "server/methods/method.h"
 #include "server/methods/proxies/depth_order.h"
 
@@ -13,6 +15,9 @@ struct RasterInfo {
     uint32_t vertices = 0;                    // per particle, of the vertex stage
     uint32_t particles_per_group = 1;         // of the mesh stage
     std::vector<gpu::SpecConstant> constants; // beside those of the scene's features
+    MethodNeeds needs;
+    gpu::Buffer maps;                                    // binding 9; with it binding 3 is MediumView::light
+    glm::vec3 (*push)(const TickInputs& tick) = nullptr; // push constants of its shaders; null: they have none
 };
 
 std::unique_ptr<Method> makeRaster(const MethodContext& context, RasterInfo info);

@@ -29,12 +29,12 @@ class Tiles : public Method {
 public:
     explicit Tiles(const MethodContext& context)
         : device_(context.device), order_(context.depth_order), features_(context.features),
-          cached_(context.settings.tiles.quadrature == "cached"),
+          cached_(context.settings.tiles.quadrature == "cached"), path_(context.settings.tiles.light == "path"),
           project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"},
                    {{gpu::kIdCached, cached_}}),
           bin_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_bin_comp, "tiles_bin"}) {}
 
-    MethodNeeds needs() const override { return {.particle_light = cached_}; }
+    MethodNeeds needs() const override { return {.particle_light = cached_, .union_path = cached_ && path_}; }
 
     // Memory for all particles and the largest eye, which the eyes use one after another.
     std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
@@ -122,7 +122,7 @@ private:
     const gpu::Device& device_;
     DepthOrder& order_;
     const SceneFeatures features_;
-    const bool cached_;
+    const bool cached_, path_;
     gpu::ComputeProgram project_, bin_;
     std::map<std::pair<bool, bool>, gpu::ComputeProgram> programs_; // by: the near plane may cut, one albedo
     gpu::Buffer splats_, cones_, masks_;

@@ -1,4 +1,7 @@
 // Compute tiles as the plan sees them.
+#include <fmt/format.h>
+
+#include "common/scene_limits.h"
 #include "server/methods/proxies/proxy_plan.h"
 #include "shaders/shared/splat.h"
 
@@ -7,7 +10,7 @@ namespace {
 
 constexpr CostInfo kBin{"tile_bin", "bin", 870};    // particles
 constexpr CostInfo kMedium{"tiles", "medium", 1.1}; // fragments, twice with two points
-constexpr const CostInfo* kCosts[] = {&costs::kOrder, &kBin, &kMedium};
+constexpr const CostInfo* kCosts[] = {&costs::kOrder, &costs::kUnionPath, &kBin, &kMedium};
 
 class Plan final : public MethodPlan {
 public:
@@ -15,13 +18,22 @@ public:
     const char* about() const override {
         return "compute tiles, the full Gaussian, light cached on particles or 2-point Gauss-Hermite";
     }
-    uint32_t variant(const RenderSettings& s) const override { return isCached(s); }
-    std::string text(const RenderSettings& s) const override { return "tiles, " + s.tiles.quadrature; }
+    uint32_t variant(const RenderSettings& s) const override { return isCached(s) + 2 * behindBalls(s); }
+    std::string text(const RenderSettings& s) const override {
+        return "tiles, " + s.tiles.quadrature + (behindBalls(s) ? " behind the union of balls" : "");
+    }
+    bool drawsUnion() const override { return true; }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::Splat) + sizeof(gpu::SplatCone); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
 
-    void addWays(const PlanScene&, const RenderSettings& wanted, bool asked, std::vector<RenderSettings>& ways,
-                 std::string&) const override {
+    // The laws of errors are those of a sum of Gaussians under light that is fitted to it.
+    void addWays(const PlanScene& scene, const RenderSettings& wanted, bool asked, std::vector<RenderSettings>& ways,
+                 std::string& refused) const override {
+        if (!asked && (scene.features.balls || wanted.tiles.light == "path")) return;
+        if (asked && behindBalls(wanted) && double(scene.capacity) > limits::kUnionCount.hi) {
+            refused = fmt::format("tiles: light = \"path\" is for up to {} particles", int(limits::kUnionCount.hi));
+            return;
+        }
         if (asked) return ways.push_back(wanted);
         RenderSettings way = wanted;
         for (const char* quadrature : {"cached", "hermite"}) {
@@ -30,7 +42,10 @@ public:
         }
     }
     void addSharedWork(const PlanScene& scene, const RenderSettings& settings, Work& work) const override {
-        if (isCached(settings)) work[costs::kParticleLight] = scene.particles;
+        if (behindBalls(settings))
+            work[costs::kUnionPath] = scene.particles;
+        else if (isCached(settings))
+            work[costs::kParticleLight] = scene.particles;
     }
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
         addDrawnWork(view, work);
@@ -39,6 +54,9 @@ public:
     }
 
 private:
+    bool behindBalls(const RenderSettings& settings) const {
+        return isCached(settings) && settings.tiles.light == "path";
+    }
     bool isCached(const RenderSettings& settings) const { return settings.tiles.quadrature == "cached"; }
 };
 
