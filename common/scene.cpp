@@ -218,8 +218,8 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     });
     out.triangles = trianglesOf(out.meshes);
     if (out.medium.model == kUnionMedium)
-        for (const char* key : {"fog", "mesh"})
-            if (in.has(key)) in.fail(key, "not drawn in a union medium", "only with medium.model = \"sum\"");
+        for (const auto& [key, empty] : {std::pair("fog", out.fogs.empty()), std::pair("mesh", out.meshes.empty())})
+            if (!empty) in.fail(key, "not drawn in a union medium", "only with medium.model = \"sum\"");
     if (out.medium.model == kUnionMedium && std::ranges::any_of(out.lights, isLocal))
         in.fail("light", "points and spots are not drawn in a union medium", "directional, or medium.model = \"sum\"");
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });

@@ -52,10 +52,10 @@ struct Medium : PhaseSettings {
     std::string model = kSumMedium;
     float union_radius = 0.12f;   // of a ball, per scale
     float union_extinction = 0.5; // 1/m
-    uint32_t count = 500; // 1 ... 1,000,000; an emitter's pool size; rows of layout live
-    glm::vec3 centre{0};  // m, of the layout; with layouts file, sequence and live what points are moved by
-    float extent = 10;    // m, side of the cube, length of a tube, width of the cumulus
-    Range scale{6, 6};    // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
+    uint32_t count = 500;         // 1 ... 1,000,000; an emitter's pool size; rows of layout live
+    glm::vec3 centre{0};          // m, of the layout; with layouts file, sequence and live what points are moved by
+    float extent = 10;            // m, side of the cube, length of a tube, width of the cumulus
+    Range scale{6, 6};            // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
     // True: the scene gives no extinction, and points of a file without one get that of a mean optical depth of 3.
     bool extinction_by_depth = false;
     // True: the scene gives no scale, and points of files without sizes have one that follows from their spacing.

@@ -112,7 +112,7 @@ particles move no further; messages are still taken. Restart empties the scene, 
 `[[fog]]` is a medium without particles, up to four of them. Its extinction is extinction · e^(−falloff · (y − height))
 between the heights `lo` and `hi`, and within a ball if it has a `radius`. With `medium.layout = "none"` there is
 nothing but fog. It is lit by the sun past itself, the particles and the objects; it hides and shadows what is behind
-it. Methods `slabs`, `grid`, `froxels`, `lit` and `gradients` draw it. `auto` chooses between the first two.
+it. Methods `slabs`, `grid`, `froxels`, `lit`, `gradients` and `march` draw it. `auto` chooses between the first two.
 
 ```toml
 [[fog]]            # a ground fog that thins out over some 5 m
@@ -131,7 +131,7 @@ albedo = [0.6, 0.6, 0.6]
 
 A `[[light]]` of type `point` or `spot` stands in the scene. It sends intensity / (d² + radius²) to a place d metres
 away. A `range` ends it, and saves the time of all pixels that it does not reach. A file that mentions lights, but none
-that is directional, has no sun. `slabs`, `grid`, `froxels`, `lit` and `gradients` draw them.
+that is directional, has no sun. `slabs`, `grid`, `froxels`, `lit`, `gradients` and `march` draw them.
 
 ```toml
 [[light]]
@@ -174,7 +174,7 @@ constexpr Table kTables[]{
      "`medium.count` must hold all that live at a time: at least rate · life."},
     {"fog", "`[[fog]]`",
      "A medium without particles; up to 4. It fills everything, or what lies between two heights, or a ball. Methods\n"
-     "`slabs`, `grid`, `froxels`, `lit` and `gradients` draw it."},
+     "`slabs`, `grid`, `froxels`, `lit`, `gradients` and `march` draw it."},
     {"simulation", "`[simulation]`", "How the particles move."},
     {"light", "`[[light]]`",
      "One that is directional at most, and up to 1,024 points and spots. A file that does not mention lights has a\n"

@@ -15,8 +15,8 @@
 namespace brume {
 namespace {
 
-// Version of the file. It grows when a pass counts its work in another unit, or is timed otherwise.
-constexpr int kVersion = 8;
+// Version of the file. It grows when a pass is new, counts its work in another unit, or is timed otherwise.
+constexpr int kVersion = 9;
 
 constexpr const CostInfo* kCommon[] = {
     &costs::kUpload,  &costs::kOpaqueShadow,    &costs::kShadowVolume, &costs::kParticleLight, &costs::kOpaque,

@@ -73,8 +73,8 @@ public:
 
 // Why a scene with fog or local lights is not for a method that draws none, one line.
 inline std::string fogRefusal(const MethodPlan& method) {
-    return std::string(method.name()) +
-           ": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, lit or gradients";
+    return std::string(method.name()) + ": it draws no fog, no meshes, and no light of points and spots; "
+                                        "use slabs, grid, froxels, lit, gradients or march";
 }
 
 // Why a scene's medium is not for a method, one line; empty: it is.

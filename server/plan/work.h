@@ -41,7 +41,7 @@ struct PlanScene {
     // Times that a view's passes run for one picture (server/inputs/hues.h).
     uint32_t hues = 1;
     uint32_t particles = 0, capacity = 0; // now, and at most
-    std::vector<gpu::Particle> sample; // evenly chosen; each stands for weight() particles
+    std::vector<gpu::Particle> sample;    // evenly chosen; each stands for weight() particles
     MediumSample medium_sample;
     MediumExtent extent;
     // Possible resolutions of the volumetric shadow map: errors from kFinestShadow to kCoarsestShadow,

@@ -336,9 +336,7 @@ uint64_t Simulation::listsHash() const { return state_->lists_hash; }
 uint64_t Simulation::settingsVersion() const { return state_->settings_version; }
 uint32_t Simulation::liveCount() const { return state_->motion->liveCount(); }
 uint32_t Simulation::capacity() const { return state_->rows; }
-uint64_t Simulation::bytes() const {
-    return state_->columns->bytes() + state_->first_columns->bytes() + besides();
-}
+uint64_t Simulation::bytes() const { return state_->columns->bytes() + state_->first_columns->bytes() + besides(); }
 uint64_t Simulation::besides() const { return state_->motion->bytes() + (state_->past ? state_->past->bytes() : 0); }
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }

@@ -13,13 +13,13 @@ namespace brume::gpu {
 // A band of rows of marched pixels. Marched pixel (x, y) of the band stands for rate x rate pixels, and is marched at
 // the one in their middle: (rate x + rate / 2, rate (y + first_row) + rate / 2).
 struct MarchBand {
-    uvec2 size;      // marched pixels: columns, and rows of the band
-    uint first_row;  // of the band, in marched rows of the picture
-    uint rate;       // pixels between marched ones: 1, 2 or 4
-    float near;      // m of view depth, where rays begin
-    float far;       // m of view depth, where they end at the latest; depths of surfaces are cut there
-    float falloff;   // m of view depth, at which a weight of the blur is 0
-    uint particles;  // 1: the nodes hold particles; 0: there are none
+    uvec2 size;     // marched pixels: columns, and rows of the band
+    uint first_row; // of the band, in marched rows of the picture
+    uint rate;      // pixels between marched ones: 1, 2 or 4
+    float near;     // m of view depth, where rays begin
+    float far;      // m of view depth, where they end at the latest; depths of surfaces are cut there
+    float falloff;  // m of view depth, at which a weight of the blur is 0
+    uint particles; // 1: the nodes hold particles; 0: there are none
 };
 
 // What a pattern moves (MarchSettings::jitter).
@@ -35,10 +35,9 @@ const uint kBlurTaps = 15u;
 const uint kBlurReach = 7u; // taps to either side of the middle one
 // Row 14 of Pascal's triangle has a variance of 14 / 4. What the thesis prints is half of row 15, mirrored: 3.02. Eight
 // even taps meet each of the 8x8 numbers of a pattern once.
-const float kBlurWeights[3][15] = {
-    {1, 14, 91, 364, 1001, 2002, 3003, 3432, 3003, 2002, 1001, 364, 91, 14, 1},
-    {1, 15, 105, 455, 1365, 3003, 5005, 6435, 5005, 3003, 1365, 455, 105, 15, 1},
-    {0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0}};
+const float kBlurWeights[3][15] = {{1, 14, 91, 364, 1001, 2002, 3003, 3432, 3003, 2002, 1001, 364, 91, 14, 1},
+                                   {1, 15, 105, 455, 1365, 3003, 5005, 6435, 5005, 3003, 1365, 455, 105, 15, 1},
+                                   {0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0}};
 
 const uint kPatternSide = 64u; // pixels along a side of a pattern, which is repeated
 

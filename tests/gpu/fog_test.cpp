@@ -123,7 +123,7 @@ TEST_F(FogTest, OtherMethodsRefuseIt) {
                 method +
                     std::string(
                         ": it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, "
-                        "lit or gradients"));
+                        "lit, gradients or march"));
         }
     }
 }

@@ -254,6 +254,26 @@ TEST_F(MarchTest, HalfAndQuarterResolution) {
     }
 }
 
+// A picture whose buffers would be too large is marched in bands of rows: 683 and 37 here. With half the pixels one
+// band is enough.
+TEST_F(MarchTest, BandsOfAWidePictureMeet) {
+    Scene scene = shafts();
+    scene.render.march = {.samples = 4, .dither = "none"};
+    constexpr uint32_t kColumns = 9000, kRows = 720, kSeam = 683;
+    const Picture bands = render(device(), scene, kOutside, kColumns, kRows);
+    scene.render.rate = 2;
+    const Picture whole = render(device(), scene, kOutside, kColumns, kRows);
+    for (const uint32_t first : {kSeam - 20, kSeam, kSeam + 17}) {
+        double off = 0, all = 0;
+        for (size_t i = size_t(first) * kColumns; i < size_t(first + 20) * kColumns; ++i) {
+            const glm::dvec3 a(bands.pixels[i]), b(whole.pixels[i]);
+            off += glm::dot(a - b, a - b), all += glm::dot(b, b);
+        }
+        std::printf("rows from %u: %.3f %%\n", first, 100 * std::sqrt(off / all));
+        EXPECT_LE(std::sqrt(off / all), 0.02) << first;
+    }
+}
+
 // What one viewer sees does not depend on who else looks, nor on when.
 TEST_F(MarchTest, AViewerSeesTheSameAloneAndAmongOthers) {
     Scene scene = shafts();

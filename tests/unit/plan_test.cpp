@@ -431,8 +431,8 @@ TEST(Plan, FogIsLeftToMethodsThatDrawIt) {
     inputs.scene.wanted.method = "tiles";
     const Plan plan = makePlan(inputs, model);
     EXPECT_EQ(plan.refused,
-              "tiles: it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, lit or "
-              "gradients");
+              "tiles: it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, lit, "
+              "gradients or march");
     EXPECT_TRUE(planOf(plan.chosen.settings.method)->drawsFogAndLocalLights());
 }
 

@@ -19,6 +19,7 @@ Scene unionScene(uint32_t count = 10) {
 
 TEST(UnionMedium, ScenesHaveNoFogMeshesOrLampsWithIt) {
     EXPECT_EQ(loadScene(written(kUnion)).medium.model, kUnionMedium);
+    EXPECT_TRUE(loadScene(written("fog = []\nmesh = []\n" + std::string(kUnion))).fogs.empty());
     EXPECT_NE(errorOf(std::string(kUnion) + "[[fog]]\n").find("not drawn in a union medium"), std::string::npos);
     EXPECT_NE(errorOf(std::string(kUnion) + "[[light]]\ntype = \"point\"\n").find("not drawn in a union medium"),
               std::string::npos);

@@ -124,8 +124,8 @@ World inChannel(const World& world, int channel) {
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const Present& now) {
     World world;
     if (now.medium.model == kUnionMedium)
-        world.balls = unionOf(particles, double(now.medium.union_radius), double(now.medium.union_extinction),
-                              now.medium.albedo);
+        world.balls =
+            unionOf(particles, double(now.medium.union_radius), double(now.medium.union_extinction), now.medium.albedo);
     else
         world.blobs = blobsOf(particles, now.medium.falloff);
     world.lights = {directional(now.light)};

@@ -18,7 +18,8 @@ struct LightMaps {
     std::vector<glm::vec4> negative; // light from the left, the bottom and the back; w is not used
 };
 
-// Made at the first call. Puffs of seeded Gaussians with single scattering. Light is 1 in the mean over a frame, weighted by depth.
+// Made at the first call. Puffs of seeded Gaussians with single scattering. Light is 1 in the mean over a frame,
+// weighted by depth.
 const LightMaps& bakedMaps();
 // A ball: light is 1 everywhere, and the depth follows its chords.
 LightMaps evenMaps();
