@@ -1,7 +1,10 @@
 // Method `sprites`: pictures of smoke that face the camera, one for each ball of a union medium, drawn far to near
-// (Mattsson, Real-time Rendering of Volumetric Smoke with Ray Tracing, Lund 2022). Each has one value of the sun's
-// light, and six-way light maps.
-#include "server/light/union_path.h"
+// (Mattsson, Simulating Optical Depth for Participating Media Using Ray Tracing, Lund 2022). Each has one value of the
+// sun's light, and six-way light maps.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "server/methods/proxies/raster.h"
 #include "server/methods/sprites/puffs.h"
 #include "shaders/sprite_frag.h"
