@@ -100,6 +100,9 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
     const bool many = isMany();
     if (many && objects_.bodies() > 0) recordBins(commands, in);
     const gpu::Commands::Pass pass(commands, "opaque", in.view);
+    const auto of_balls = [&](const gpu::Buffer* buffer) -> const gpu::Buffer& {
+        return in.shared->features.balls ? *buffer : *in.shared->objects; // bound, but not read
+    };
     const gpu::Resource objects = gpu::storageBuffer(2, *in.shared->objects),
                         light = gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
                         casters = gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest),
@@ -109,9 +112,9 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
                         nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_),
                         triangles = gpu::storageBuffer(12, *in.shared->triangles),
                         mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes), order = orderOf(14, in),
-                        particles = gpu::storageBuffer(15, *in.shared->particles),
-                        union_bits = gpu::storageBuffer(16, *in.shared->union_bins),
-                        union_lights = gpu::storageBuffer(17, *in.shared->union_light);
+                        particles = gpu::storageBuffer(15, of_balls(in.shared->particles)),
+                        union_bits = gpu::storageBuffer(16, of_balls(in.shared->union_bins)),
+                        union_lights = gpu::storageBuffer(17, of_balls(in.shared->union_light));
     ObjectCounts compiled = objects_;
     if (many) compiled.boxes = std::min(compiled.boxes, 1u), compiled.spheres = std::min(compiled.spheres, 1u);
     const Programs& programs = programsFor(
