@@ -131,7 +131,7 @@ describe('what was tuned', () => {
   const valueOf = (page, path) => page.evaluate((name) => window.brume.scene.settings[name], path);
   const tune = async (page, name, path) => {
     const before = await valueOf(page, path);
-    await page.getByRole('slider', { name }).focus();
+    await page.getByRole('slider', { name, exact: true }).focus();
     for (let i = 0; i < 5; ++i) await page.keyboard.press('ArrowRight');
     await until(page, `${path} changes`, (brume, [p, old]) => brume.scene.settings[p] > old, [path, before]);
     return before;
