@@ -50,7 +50,7 @@ struct Medium : PhaseSettings {
     // sum: particles are Gaussians, and their extinctions add up. union: they are balls, and the extinction is the same
     // wherever at least one of them is (Mattsson 2022).
     std::string model = kSumMedium;
-    float union_radius = 0.12f;   // of a ball, per scale
+    float union_radius = 0.12f;   // radius of a ball, per scale
     float union_extinction = 0.5; // 1/m
     uint32_t count = 500;         // 1 ... 1,000,000; an emitter's pool size; rows of layout live
     glm::vec3 centre{0};          // m, of the layout; with layouts file, sequence and live what points are moved by

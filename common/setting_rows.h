@@ -16,7 +16,7 @@ using S = SimulationSettings;
 using R = RenderSettings;
 
 inline constexpr Limits kNames{1, kLongestName}, kPaths{1, 4096}; // bytes
-inline constexpr Limits kNone{0, 0};                              // of what has no range: booleans and choices
+inline constexpr Limits kNone{0, 0};                              // what has no range: booleans and choices
 
 inline constexpr auto kControllers = ChangedBy::controllers, kOperators = ChangedBy::operators;
 inline constexpr auto kNobody = ChangedBy::nobody;

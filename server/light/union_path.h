@@ -68,7 +68,7 @@ private:
     Key key_;
     std::array<uint64_t, size_t(limits::kPathGroups.hi)> made_{}; // the tick of each group's values
     bool valid_ = false;                                          // True: `made_` and `key_` are of the buffer's light
-    uint64_t of_particles_ = 0;                                   // of which the cells are
+    uint64_t of_particles_ = 0;                                   // version of the particles that the cells hold
     glm::vec3 to_light_{0};                                       // across which they are
     uint64_t now_ = 0;
     uint32_t count_ = 0;

@@ -17,7 +17,7 @@
 namespace brume::methods::march {
 namespace {
 
-constexpr VkDeviceSize kMostBytes = 96 << 20;     // of a buffer: every device can bind 128 MiB
+constexpr VkDeviceSize kMostBytes = 96 << 20;     // most bytes of a buffer: every device binds 128 MiB
 constexpr uint32_t kAround = gpu::kBlurReach + 1; // marched rows beside a band that its pixels read
 constexpr uint32_t kBlurRun = 8;                  // pixels of a lane of bilateral.comp
 constexpr const char *kNoBlur = "none", *kFormula = "ign";

@@ -12,7 +12,7 @@ using gpu::storageBuffer;
 
 namespace {
 
-constexpr float kDiagonal = 1.41421357f; // of a square, over its side
+constexpr float kDiagonal = 1.41421357f; // diagonal of a square of side 1
 
 // True: the order is of this eye and this picture alone. The head's other eye, and the finer picture after a coarse
 // one, see past other edges.

@@ -11,7 +11,7 @@
 namespace brume::methods::sprites {
 namespace {
 
-constexpr uint32_t kMostSide = 512, kMostTexels = 1 << 20; // of all frames: 32 MiB
+constexpr uint32_t kMostSide = 512, kMostTexels = 1 << 20; // texels of all frames: 32 MiB
 
 struct Pixels {
     uint32_t width = 0, height = 0;
