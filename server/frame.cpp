@@ -8,8 +8,6 @@
 #include <spdlog/spdlog.h>
 
 #include "server/encode/picture_encoder.h"
-#include "server/gpu/pipeline_cache.h"
-#include "server/loop/scene_report.h"
 
 namespace brume {
 namespace {
@@ -79,13 +77,17 @@ void FrameLoop::stop() {
 // batch   due viewers -> BatchPlanner -> Planner -> Renderer::submit         once for all viewers in it
 // frame   planes -> encodePictures -> Viewer::deliver                        per viewer, on the encoders' threads
 void FrameLoop::run() {
-    if (ticked_) ticked_(simulation_, {});
-    audience_.ready = true;
+    if (const auto beginning = ticks_->beginning())
+        begin(*beginning);
+    else if (ticked_)
+        ticked_(simulation_, {});
+    audience_.ready = serves_ = ticks_->serves();
     for (;;) {
         // Wait for the next tick, or for the device if that is earlier.
         const Clock::time_point asleep = Clock::now();
+        const Clock::time_point due = ticks_->due();
         const auto until_tick =
-            std::clamp(ticks_->due() - asleep, Clock::duration::zero(), Clock::duration(kReportEvery));
+            due <= asleep ? Clock::duration::zero() : std::min<Clock::duration>(due - asleep, kReportEvery);
         if (on_device_) {
             if (on_device_->submission.commands.wait(uint64_t(std::chrono::nanoseconds(until_tick).count())))
                 encode(*on_device_);
@@ -99,13 +101,13 @@ void FrameLoop::run() {
         if (!on_device_) takeScene();
         const Clock::time_point now = Clock::now();
         if (!on_device_) giveBack(now);
-        if (auto beginning = ticks_->beginning()) begin(*std::move(beginning));
+        if (const auto beginning = ticks_->beginning()) begin(*beginning);
         const bool sought = ticks_->seeks();
         while (ticks_->take(now, commands_)) {
             tick();
             if (Clock::now() - now > kLongestLook) break; // many ticks of a seek: the rest comes with the next look
         }
-        if (paused_ != ticks_->paused() || sought != ticks_->seeks()) changed_ = true;
+        followTicks(sought);
         followLists();
         const bool is_new = simulation_.tick() != rendered_tick_ || ticks_->stands() || batch_planner_.someoneWaits();
         if (!on_device_ && !ticks_->seeks() && is_new)
@@ -127,18 +129,11 @@ void FrameLoop::tick() {
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
     if (!simulation_.refused().empty()) tellRefused();
     metrics_.ticked(Millis(Clock::now() - begin).count());
+    for (const Command& command : commands_)
+        if (command.received != Clock::time_point()) metrics_.commandTaken(Millis(begin - command.received).count());
     planner_->setFrameBudget(frame_ms_);
     planner_->setLawFactor(law_factor_);
     if (ticked_) ticked_(simulation_, commands_);
-}
-
-// Those who asked for what cannot be.
-void FrameLoop::tellRefused() {
-    audience_.list(viewers_);
-    for (const RefusedCommand& refused : simulation_.refused())
-        for (const auto& viewer : viewers_)
-            if (viewer->id() == refused.viewer) viewer->refuseInput({refused.seq, refused.why});
-    viewers_.clear();
 }
 
 FrameLoop::Batch* FrameLoop::freeBatch() {
@@ -358,42 +353,6 @@ void FrameLoop::deliver(const Batch& batch, uint32_t job, std::span<const Pictur
         metrics_.failed();
         batch.jobs[next].viewer->abandon(batch.jobs[next].due.frame_id);
     }
-}
-
-// Tells all viewers, and who watches the server.
-void FrameLoop::tellLoad(Clock::time_point now) {
-    load_told_ = now;
-    audience_.list(viewers_);
-    drawn_viewers_.clear();
-    for (const auto& viewer : viewers_) drawn_viewers_.push_back(viewer->id());
-    std::ranges::sort(drawn_viewers_);
-    meter_.stay(drawn_viewers_);
-    readMeter(now);
-    for (const auto& viewer : viewers_)
-        viewer->deviceHas({batch_planner_.predictMs(viewer->id()), most_full_ms_, frame_ms_,
-                           batch_planner_.activeViewers(), planner_->exhausted()});
-    viewers_.clear();
-    audience_.setRoom(uint32_t(std::clamp(batch_planner_.roomFor(kLeastPixels, most_frame_ms_), 1.0, 1e9)));
-    metrics_.budget(most_full_ms_ / frame_ms_);
-    most_full_ms_ = on_device_ ? batch_planner_.fullBatchMs() : 0; // of the batch that goes on
-}
-
-void FrameLoop::report(Clock::time_point now) {
-    reported_ = now;
-    changed_ = false;
-    const std::shared_ptr<SceneReport> report = sceneReport(simulation_, planner_->plan());
-    if (ticks_) {
-        if (paused_ != ticks_->paused()) ++pauses_;
-        paused_ = ticks_->paused();
-        if (paused_) tellPaused(*report, *paused_, pauses_);
-    }
-    report->passes = ledger_.passes();
-    report->errors = errors_;
-    const LightWork& work = renderer_->lightWork();
-    report->light = {work.voxel_rays, work.froxel_rays, work.places};
-    report->memory = {device_.memoryInUse(), device_.peakMemory(), simulation_.bytes() + renderer_->particleBytes()};
-    metrics_.kept(pictureBytes(), device_.pipelines().size());
-    audience_.publish(report);
 }
 
 } // namespace brume

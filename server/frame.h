@@ -83,9 +83,10 @@ private:
     void run();
     void tick();
     void tellRefused();
+    void followTicks(bool sought);
     void followLists();
     void takeScene();
-    void begin(Simulation simulation);
+    void begin(std::span<const std::byte> state);
     Batch* freeBatch();
     bool render(Batch& batch);
     bool renderOneShot(Batch& batch);
@@ -144,12 +145,14 @@ private:
     std::vector<ViewError> errors_;       // what meter_ knew at load_told_
     PromiseWatch promise_;
     Clock::time_point load_told_{}, reported_{};
-    double most_full_ms_ = 0;    // largest predicted time of a batch with all due viewers, since load_told_
-    bool replan_ = false;        // True: a command came since the last frame
-    bool changed_ = true;        // True: a command came since the last report
-    uint64_t scene_version_ = 0; // grows whenever pictures would change
-    std::optional<bool> paused_; // TickSource::paused() in the last report
-    uint64_t pauses_ = 0;        // how often it was another
+    double most_full_ms_ = 0;          // largest predicted time of a batch with all due viewers, since load_told_
+    bool replan_ = false;              // True: a command came since the last frame
+    bool changed_ = true;              // True: a command came since the last report
+    uint64_t scene_version_ = 0;       // grows whenever pictures would change
+    std::optional<bool> paused_;       // TickSource::paused() in the last report
+    uint64_t pauses_ = 0;              // how often it was another
+    const char* standstill_ = nullptr; // TickSource::standstill() in the last report
+    bool serves_ = true;               // TickSource::serves() when Audience::ready was told
 
     EncodeWorkers workers_; // declared before the thread that uses it
     std::mutex mutex_;      // guards the next four

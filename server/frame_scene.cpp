@@ -98,8 +98,8 @@ void FrameLoop::followLists() {
 }
 
 // Goes on from another state of the same scene.
-void FrameLoop::begin(Simulation simulation) {
-    simulation_ = std::move(simulation);
+void FrameLoop::begin(std::span<const std::byte> state) {
+    simulation_.load(state);
     ++scene_version_;
     changed_ = replan_ = true;
     if (ticked_) ticked_(simulation_, {});

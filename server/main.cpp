@@ -1,6 +1,8 @@
 // brume-server: owns everything, starts it in order, waits for a signal or a failure, and stops it in the opposite
 // order.
+#include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -9,8 +11,10 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
+#include "common/scene_text.h"
 #include "protocol/net/address.h"
 #include "server/ahead.h"
+#include "server/cluster/node.h"
 #include "server/last_line.h"
 #include "server/net/server.h"
 #include "server/operate/log.h"
@@ -25,6 +29,8 @@
 namespace {
 
 using namespace brume;
+
+constexpr const char* kOneOfSeveral = "one of several servers: all show the scene that their log began with";
 
 std::string address(const net::NetOptions& options, uint16_t port) {
     const std::string host =
@@ -49,12 +55,29 @@ std::string explained(const Scene& scene, const CostModel& costs) {
     return explain(makePlan(inputs, costs), inputs, costs);
 }
 
-std::unique_ptr<Recorder> recorderOf(const ServerOptions& options, const Scene& scene, const gpu::Device& device) {
+// Null: nothing is recorded. `first_tick`: of the state that it begins with; not 0 where that came from elsewhere.
+std::unique_ptr<Recorder> recorderOf(const ServerOptions& options, const Scene& scene, const gpu::Device& device,
+                                     uint64_t first_tick) {
     if (options.record.empty()) return nullptr;
     const std::filesystem::path file = findScene(options.scene, options.scene_dir);
+    RecordingHead head = recordingHead(file, scene, sceneOverrides(options));
+    head.tick = first_tick;
+    head.joined = first_tick > 0;
     return std::make_unique<Recorder>(
-        Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames},
-        recordingHead(file, scene, sceneOverrides(options)), scene, device);
+        Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames}, head, scene, device);
+}
+
+// Null: this server is alone.
+std::unique_ptr<cluster::Node> nodeOf(const ServerOptions& options, const Scene& scene, Audience& audience) {
+    if (options.cluster.engine.servers.empty()) return nullptr;
+    cluster::ClusterOptions cluster = options.cluster;
+    if (std::string& log = cluster.engine.log; log.empty()) {
+        log = scene.name;
+        std::ranges::replace_if(
+            log, [](unsigned char c) { return !std::isalnum(c) && c != '-' && c != '_'; }, '_');
+    }
+    return std::make_unique<cluster::Node>(cluster, scene, sceneText(findScene(options.scene, options.scene_dir)),
+                                           sceneOverrides(options), options.frame.memory, audience);
 }
 
 // /readyz fails, all else goes on until the time is over or the frame loop fails. Another signal to end is obeyed at
@@ -91,12 +114,16 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms, std::cout);
     ServerFacts facts{device.name(), {kAutoMethod}};
     for (const std::string& method : methodNames()) facts.methods.push_back(method);
-    Audience audience(facts, sceneFacts(scene, replayed ? std::vector<std::string>() : otherScenes(options)),
+    const bool alone = options.cluster.engine.servers.empty() && !replayed;
+    Audience audience(facts, sceneFacts(scene, alone ? otherScenes(options) : std::vector<std::string>()),
                       options.max_viewers, options.max_in_flight);
     audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner);
     audience.keepPlaceForOperators(!options.net.token_key.empty());
     Metrics metrics;
-    const std::unique_ptr<Recorder> recorder = replayed ? nullptr : recorderOf(options, scene, device);
+    const std::unique_ptr<cluster::Node> node = nodeOf(options, scene, audience);
+    if (node) metrics.collect([&] { return node->samples(); });
+    const std::unique_ptr<Recorder> recorder =
+        replayed ? nullptr : recorderOf(options, scene, device, node ? node->firstTick() : 0);
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;
     if (frame.learn_costs && (costs.learnt || !costs.calibrated))
@@ -109,21 +136,30 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
             }
         };
     frame.compiled_behind = !replayed && options.ahead == "background" && isWorthCompiling(scene);
+    if (recorder || node)
+        frame.ticked = [&](const Simulation& s, std::span<const Command> commands) {
+            if (recorder) recorder->ticked(s, commands);
+            if (node) node->ticked(s);
+        };
     if (recorder) {
-        frame.ticked = [&](const Simulation& s, std::span<const Command> commands) { recorder->ticked(s, commands); };
         frame.on_errors = [&](auto, std::span<const ViewError> errors, const Plan&) { recorder->measured(errors); };
     }
-    std::unique_ptr<ReplayTicks> ticks;
+    std::unique_ptr<TickSource> ticks;
     if (replayed) {
         const auto control = std::make_shared<ReplayControl>(recording->head.tick, recording->last);
         audience.setReplay(control);
-        ticks = std::make_unique<ReplayTicks>(options.replay, control, options.frame.memory, Clock::now());
-        frame.ticked = [replay = ticks.get()](const Simulation& s, auto) { replay->check(s); };
+        auto replay = std::make_unique<ReplayTicks>(options.replay, control, Clock::now());
+        frame.ticked = [replay = replay.get()](const Simulation& s, auto) { replay->check(s); };
+        ticks = std::move(replay);
         frame.first_tick = recording->head.tick;
     }
     std::atomic<bool> stopping{false}, failed{false}; // outlive the loop's thread
     FrameLoop frames(scene, device, audience, metrics, frame);
     NetServer network(options.net, audience, metrics);
+    if (node) {
+        network.setElsewhere([&] { return node->elsewhere(); });
+        ticks = node->ticks();
+    }
 
     network.start(); // a taken port ends it here, before the first frame
     frames.start(
@@ -132,18 +168,22 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
             if (!stopping) ::kill(::getpid(), SIGTERM);
         },
         std::move(ticks));
+    if (node) node->start();
     if (!std::filesystem::exists(options.net.web_root / "index.html"))
         spdlog::warn("no page in '{}': run ./dev build, or name its folder with --web-root",
                      options.net.web_root.string());
     spdlog::info("scene '{}' on {}{}", scene.name, device.name(), device.hasMeshShaders() ? ", mesh shaders" : "");
-    if (options.net.token_key.empty() && options.open && !isLoopback(options.net.listen))
+    if (options.net.token_key.empty() && options.open &&
+        (!isLoopback(options.net.listen) || options.net.proxy_protocol))
         spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
-                     options.net.listen);
+                     options.net.proxy_protocol ? "the gateway" : options.net.listen);
     if (replayed)
         spdlog::info("replay of '{}', ticks {} to {}", options.replay.string(), recording->head.tick, recording->last);
     std::optional<SceneChanger> scenes;
     if (!replayed)
-        scenes.emplace(options, scene, SceneChanger::Server{argc, argv, frames, audience, recorder.get(), failed});
+        scenes.emplace(
+            options, scene,
+            SceneChanger::Server{argc, argv, frames, audience, recorder.get(), node ? kOneOfSeveral : nullptr, failed});
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;
@@ -154,6 +194,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         if (signal == SIGUSR1) scenes->serveRequests();
         if (signal == SIGCHLD || signal == SIGUSR1) scenes->compileBehind();
     }
+    if (node) node->drain();
     drain(network, audience, options.drain, signals, failed);
     spdlog::info("stopping");
     stopping = true;

@@ -55,9 +55,13 @@ void leadWith(CLI::App& app, std::initializer_list<const char*> names) {
     for (const char* name : names) app.get_option(name)->group(kGroup);
 }
 
-// Options of a replay that do not go together: what is wrong, or empty.
+// Options that do not go together: what is wrong, or empty.
 const char* mistakeIn(const ServerOptions& o) {
     if (o.look && o.replay.empty()) return "--look: nothing to look at; allowed: with --replay FILE";
+    if (!o.cluster.engine.servers.empty() && !o.replay.empty())
+        return "--cluster and --replay exclude each other: a replay has a clock of its own";
+    if (o.cluster.engine.certificate.empty() != o.cluster.engine.key.empty())
+        return "--cluster-certificate and --cluster-key belong together: give both, or neither";
     if (!o.out.empty() && o.replay.empty()) return "--out: nothing to make a film of; allowed: with --replay FILE";
     if (o.look && !o.out.empty()) return "--look and --out exclude each other: look at a replay, or make a film of it";
     return "";
@@ -113,6 +117,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     addDeviceOptions(table, o);
     addLogOptions(table, o);
     addRecordOptions(table, o);
+    addClusterOptions(table, o);
     leadWith(app, {"--scene", "--set", "--method", "--listen", "--port"});
 
     try {

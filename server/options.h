@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/scene.h"
+#include "server/cluster/options.h"
 #include "server/frame_options.h"
 #include "server/gpu/device.h"
 #include "server/net/options.h"
@@ -31,6 +32,7 @@ struct ServerOptions {
     std::optional<uint32_t> steps;
     std::optional<float> exposure, cutoff, shadow_error;
     std::optional<bool> paused;
+    cluster::ClusterOptions cluster;
     std::filesystem::path costs;      // folder of cost files, written by brume-bench calibrate
     bool explain = false;             // True: print the plan and exit
     std::string ahead = "background"; // compile shaders ahead: background | off | only

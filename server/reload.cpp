@@ -44,7 +44,8 @@ void reload(ParsedOptions& now, int argc, const char* const* argv, const Running
         if (old.value == with.value) continue;
         const std::string from = old.value.empty() ? "(none)" : old.value,
                           to = with.value.empty() ? "(none)" : with.value;
-        if (!old.live) {
+        const bool of_scene = old.name == "scene" || old.name == "set";
+        if (!old.live || (of_scene && !now.options->cluster.engine.servers.empty())) {
             spdlog::warn("reload: {} stays {}: {} needs a restart", old.name, from, to);
             continue;
         }

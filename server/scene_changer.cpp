@@ -104,6 +104,7 @@ void SceneChanger::serveRequests() {
 
 // The reason why the old scene stays; empty: the wished one is shown.
 std::string SceneChanger::change(const SceneRequest& request) {
+    if (server_.fixed) return server_.fixed;
     try {
         if (!request.points.empty()) {
             showCloud(request);
@@ -154,6 +155,7 @@ void SceneChanger::showCloud(const SceneRequest& request) {
 }
 
 void SceneChanger::reload() {
+    if (server_.fixed) return spdlog::info("reload: {}", server_.fixed);
     try {
         const std::string asked = askedFor(options_);
         const Files now = asked_ == asked
@@ -181,7 +183,8 @@ void SceneChanger::show(Scene scene, const Files& files) {
     const RecordingHead head = recordingHead(files.scene, scene, files.overrides);
     std::future<void> shown =
         server_.frames.show({scene, std::move(simulation), otherScenes(options_), [&, this](const Simulation& of) {
-                                 if (server_.recorder) server_.recorder->goOn(head, scene, of);
+                                 if (server_.recorder)
+                                     server_.recorder->goOn(head, scene, of, "another scene is shown");
                              }});
     while (shown.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready)
         if (server_.ended) throw std::runtime_error("the server stops");

@@ -27,6 +27,7 @@ public:
         FrameLoop& frames;
         Audience& audience;
         Recorder* recorder;             // null: nothing is recorded
+        const char* fixed;              // why no other scene can be shown, one line; null: others can
         const std::atomic<bool>& ended; // True: the frame loop ended, and shows no scene any more
     };
     // `options` outlives this and may change. `scene`: of the options, which is shown. Requests are served from now on:

@@ -19,6 +19,7 @@ constexpr Metric kMetrics[] = {
     {"p50", [](const Run& r) { return r.latencyMs(0.5); }},
     {"p95", [](const Run& r) { return r.latencyMs(0.95); }},
     {"p99", [](const Run& r) { return r.latencyMs(0.99); }},
+    {"command_p95", [](const Run& r) { return r.commandP95Ms(); }},
     {"cpu", [](const Run& r) { return r.server.cpu_s / r.seconds; }},
 };
 
@@ -34,8 +35,8 @@ std::optional<T> number(std::string_view text) {
     throw std::invalid_argument(
         "'" + text +
         "' is not a budget: METRIC>=VALUE or METRIC<=VALUE, then @VIEWERS or nothing, such as "
-        "fps>=15@16; METRIC is fps (of the slowest viewer), p50, p95, p99 (ms from pose to frame) or "
-        "cpu (cores of the server)");
+        "fps>=15@16; METRIC is fps (of the slowest viewer), p50, p95, p99 (ms from pose to frame), "
+        "command_p95 (ms from a command to its tick, of the slowest server) or cpu (cores of all servers)");
 }
 
 } // namespace

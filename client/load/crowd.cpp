@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "client/load/pusher.h"
 #include "client/native/options.h"
+#include "protocol/net/address.h"
 
 namespace brume::load {
 namespace {
@@ -18,7 +20,8 @@ using std::chrono::milliseconds;
 
 constexpr uint64_t kPoseEveryUs = 16'393;  // 61 Hz, not 60: no phase to the server's ticks lasts for a whole run
 constexpr uint64_t kLookEveryUs = 100'000; // period of the check for viewers that get no frames
-constexpr uint64_t kTryEveryUs = 250'000;  // wait before a viewer that lost the server tries to connect again
+constexpr uint64_t kTryEveryUs = 250'000;  // wait of a viewer that found no server, before it tries all again
+constexpr size_t kMostNamed = 16;          // servers that goodbyes may name beside those of the options
 constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may wait for shaders to be compiled
 
 milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1e3)); }
@@ -29,32 +32,46 @@ struct Crowd::Viewer {
     uint32_t number; // from 1
     client::Session session;
     Path path;
-    double phase; // where its path begins, in [0, 1) of a round
+    double phase;  // where its path begins, in [0, 1) of a round
+    size_t server; // number of the server that it watches
+    Pusher pusher;
     client::CameraPath camera;
     uint64_t next_pose_us = 0, heard_us = nowUs(), frames = 0;
-    uint64_t lost_us = 0, next_try_us = 0; // end of its connection, next try to connect; 0 while frames come
-    std::string key;                       // Granted::resume of the connection that was lost
-    std::deque<uint64_t> unanswered;       // sending times (nowUs()) of poses that no frame has answered yet
-    float error = 0;                       // wire::Frame::measured of the last frame; 0: not known
+    uint64_t lost_us = 0;                // end of its connection; 0 while frames come
+    std::optional<uint64_t> next_try_us; // next try to connect; none: the connection has not ended
+    size_t tries = 0;                    // connections that have ended since the last frame
+    std::string key;                     // Granted::resume of the connection that was lost
+    std::deque<uint64_t> unanswered;     // sending times (nowUs()) of poses that no frame has answered yet
+    float error = 0;                     // wire::Frame::measured of the last frame; 0: not known
 };
 
-Crowd::Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt)
-    : options_(options), server_(server), interrupt_(interrupt), start_us_(nowUs()) {
+Crowd::Crowd(const Options& options, std::vector<client::Endpoint> servers, uint32_t viewers,
+             client::Interrupt& interrupt)
+    : options_(options), servers_(std::move(servers)), given_(servers_.size()), interrupt_(interrupt),
+      start_us_(nowUs()) {
     for (uint32_t i = 0; i < viewers; ++i) {
         const Path path = options.paths[i % options.paths.size()];
-        viewers_.push_back(std::make_unique<Viewer>(Viewer{i + 1, session(path), path, double(i) / viewers, {}, 0}));
+        const size_t server = i % given_;
+        const double phase = double(i) / viewers;
+        Pusher pusher(options.push, options.seed + i, phase);
+        viewers_.push_back(
+            std::make_unique<Viewer>(Viewer{i + 1, session(path, server), path, phase, server, pusher, {}, 0}));
     }
 }
 
-client::Session Crowd::session(const Path& path, const std::string& key) {
+client::Session Crowd::session(const Path& path, size_t server, const std::string& key) {
     client::Wishes wishes = options_.wishes;
     wishes.views = path.stereo ? 2 : 1;
-    return {server_, wishes, millis(options_.timeout), loop_, key};
+    return {servers_[server], wishes, millis(options_.timeout), loop_, key};
 }
 
 Crowd::~Crowd() = default;
 
-const client::Granted& Crowd::granted() const { return viewers_.front()->session.granted(); }
+ServerRun& Crowd::counts(const Viewer& viewer) {
+    for (size_t i = run_->servers.size(); i < servers_.size(); ++i)
+        run_->servers.emplace_back().url = servers_[i].url();
+    return run_->servers[viewer.server];
+}
 
 double Crowd::enter() {
     const uint64_t begin = nowUs();
@@ -78,7 +95,9 @@ Run Crowd::watch(double seconds) {
     const uint64_t begin = nowUs();
     while (double(nowUs() - begin) < seconds * 1e6) step();
     const uint64_t end = nowUs();
+    for (const auto& viewer : viewers_) ++counts(*viewer).viewers;
     run_ = nullptr;
+    if (given_ > 1) run.agreement = agreement_;
     run.seconds = double(end - begin) * 1e-6;
     for (const auto& viewer : viewers_)
         if (!viewer->unanswered.empty())
@@ -101,13 +120,13 @@ void Crowd::step() {
     if (look) next_look_us_ = now + kLookEveryUs;
     for (const auto& viewer : viewers_) {
         listen(*viewer);
-        if (options_.reconnect && viewer->frames > 0 && viewer->session.closed()) {
+        if (returns(*viewer)) {
             comeBack(*viewer, now);
-            next = std::min(next, viewer->next_try_us);
+            next = std::min(next, viewer->next_try_us.value_or(next));
         } else if (viewer->session.welcomed()) {
             if (viewer->session.closed()) fail(*viewer, viewer->session.closedBecause());
             talk(*viewer, now);
-            next = std::min(next, viewer->next_pose_us);
+            next = std::min({next, viewer->next_pose_us, viewer->pusher.nextUs()});
         } else {
             (viewer->session.closed() ? refused : awaited) = viewer.get();
         }
@@ -119,43 +138,96 @@ void Crowd::step() {
     if (next > now) loop_.wait(microseconds(next - now));
 }
 
+// True: the viewer has no connection, and is to find another. One that never had a frame looks for none, unless it was
+// sent on.
+bool Crowd::returns(const Viewer& viewer) {
+    if (!options_.reconnect || !viewer.session.closed()) return false;
+    return viewer.frames > 0 || viewer.lost_us > 0 || named(viewer);
+}
+
 void Crowd::comeBack(Viewer& viewer, uint64_t now) {
+    if (!viewer.next_try_us) planReturn(viewer, now);
+    if (now < *viewer.next_try_us) return;
+    viewer.session = session(viewer.path, viewer.server, viewer.key);
+    viewer.next_try_us.reset();
+}
+
+// Where the viewer tries next, and when: where its server sends it, or at once at the next server. When all that it
+// knows have failed, it waits.
+void Crowd::planReturn(Viewer& viewer, uint64_t now) {
     if (viewer.session.welcomed()) viewer.key = viewer.session.granted().resume;
     if (viewer.lost_us == 0) {
         viewer.lost_us = now;
+        viewer.tries = 0;
         viewer.unanswered.clear();
-    } else if (now >= viewer.next_try_us) {
-        viewer.session = session(viewer.path, viewer.key);
-    } else {
-        return;
     }
-    viewer.next_try_us = now + kTryEveryUs;
+    const size_t before = viewer.server;
+    uint64_t wait_us = 0;
+    ++viewer.tries;
+    if (const auto to = named(viewer)) {
+        viewer.server = *to;
+        wait_us = uint64_t(double(viewer.session.retryAfterSeconds()) * 1e6);
+    } else {
+        if (viewer.server >= given_ || given_ > 1) viewer.server = (viewer.server + 1) % given_;
+        if (viewer.tries % given_ == 0) wait_us = kTryEveryUs;
+    }
+    if (viewer.server != before) viewer.key.clear(); // nobody knows it there
+    viewer.next_try_us = now + wait_us;
 }
 
-void Crowd::talk(Viewer& viewer, uint64_t now) const {
-    if (now < viewer.next_pose_us) return;
+// The number of the server that the goodbye names; nothing for one that may not be loaded, or without TLS after one
+// with it.
+std::optional<size_t> Crowd::named(const Viewer& viewer) {
+    const client::Endpoint& from = servers_[viewer.server];
+    auto to = client::parseGoTo(viewer.session.goTo());
+    if (!to || (from.tls && !to->tls) || !(options_.anywhere || isLoopback(to->host))) return {};
+    for (size_t i = 0; i < servers_.size(); ++i)
+        if (servers_[i].url() == to->url()) return i;
+    if (servers_.size() >= given_ + kMostNamed) return {};
+    to->token = from.token, to->ca = from.ca;
+    servers_.push_back(std::move(*to));
+    return servers_.size() - 1;
+}
+
+void Crowd::talk(Viewer& viewer, uint64_t now) {
     const double period = viewer.path.kind == client::PathKind::fly ? client::kFlySeconds : client::kOrbitSeconds;
-    Pose pose = viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period);
-    if (viewer.path.stereo) pose.eye_separation = client::kEyeSeparation;
-    if (viewer.session.sendPose(pose)) viewer.unanswered.push_back(now);
-    // 61 a second on average, without catching up on a time in which this program did not run.
-    viewer.next_pose_us = std::max(viewer.next_pose_us + kPoseEveryUs, now + kPoseEveryUs / 2);
+    const auto pose = [&] { return viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period); };
+    if (now >= viewer.next_pose_us) {
+        Pose next = pose();
+        if (viewer.path.stereo) next.eye_separation = client::kEyeSeparation;
+        if (viewer.session.sendPose(next)) viewer.unanswered.push_back(now);
+        // 61 a second on average, without catching up on a time in which this program did not run.
+        viewer.next_pose_us = std::max(viewer.next_pose_us + kPoseEveryUs, now + kPoseEveryUs / 2);
+    }
+    if (now < viewer.pusher.nextUs()) return;
+    if (const auto push = viewer.pusher.due(now, pose().position, viewer.camera)) {
+        viewer.session.sendImpulse(*push);
+        if (run_) ++counts(viewer).pushes;
+    }
 }
 
 void Crowd::listen(Viewer& viewer) {
     while (const auto message = viewer.session.next(milliseconds(0))) {
-        if (message->as<wire::Frame>()) {
+        if (message->as<wire::Frame>())
             take(viewer, *message);
-        } else if (message->as<wire::Welcome>()) {
+        else if (const auto* state = message->as<wire::SceneState>())
+            agreement_.told(viewer.server, state->tick(), state->state_hash());
+        else if (message->as<wire::Welcome>())
             welcome(viewer);
-        } else if (const auto* error = message->as<wire::Error>(); error && run_) {
-            if (run_->errors++ == 0) run_->first_error = error->text() ? error->text()->str() : "";
-        }
+        else if (const auto* error = message->as<wire::Error>())
+            refuse(viewer, *error);
     }
+}
+
+void Crowd::refuse(const Viewer& viewer, const wire::Error& error) {
+    if (!run_) return;
+    if (run_->errors++ == 0) run_->first_error = error.text() ? error.text()->str() : "";
+    if (error.input_seq() != 0) ++counts(viewer).refused;
 }
 
 void Crowd::welcome(Viewer& viewer) {
     const client::Granted& granted = viewer.session.granted();
+    if (viewer.number == 1) granted_ = granted;
     viewer.camera = {client::PathKind::orbit, granted.position, granted.target, granted.fov_y};
     if (viewer.path.kind == client::PathKind::still) // each stands at another point of the orbit
         viewer.camera.position = viewer.camera.at(viewer.phase * client::kOrbitSeconds).position;
@@ -166,6 +238,7 @@ void Crowd::welcome(Viewer& viewer) {
 
 void Crowd::take(Viewer& viewer, const client::Received& message) {
     const auto& frame = *message.as<wire::Frame>();
+    agreement_.told(viewer.server, frame.tick(), frame.state_hash());
     const uint64_t decode_begin = nowUs();
     if (options_.decode)
         for (uint32_t view = 0; view < frame.jpeg_bytes()->size(); ++view)
@@ -189,6 +262,9 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
     run_->ages_ms.push_back(float(shown - std::min(shown, frame.client_time_us())) * 1e-3f);
     run_->bytes += message.size();
     const auto& stages = *frame.stages();
+    ServerRun& server = counts(viewer);
+    ++server.frames;
+    server.picture_ms.push_back(stages.render() + stages.encode() + stages.queue());
     StageMeans& sums = run_->stages; // divided at the end
     sums.wait += double(stages.wait());
     sums.render += double(stages.render());

@@ -1,11 +1,12 @@
-// Many viewers of one server in one thread. Each has its own camera, sends 61 poses a second and acknowledges each
-// frame at once.
+// Many viewers of one server, or of several, in one thread. Each has its own camera, sends 61 poses a second and
+// acknowledges each frame at once.
 #pragma once
 
 #include <chrono>
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "client/load/options.h"
@@ -19,7 +20,9 @@ namespace brume::load {
 class Crowd {
 public:
     // `options` and `interrupt` must outlive it.
-    Crowd(const Options& options, const client::Endpoint& server, uint32_t viewers, client::Interrupt& interrupt);
+    // The viewers are spread over the servers in turn.
+    Crowd(const Options& options, std::vector<client::Endpoint> servers, uint32_t viewers,
+          client::Interrupt& interrupt);
     ~Crowd();
 
     // Runs until every viewer has had a few frames and the warm-up is over. Returns how long that took, in seconds.
@@ -31,28 +34,38 @@ public:
     // Sends every viewer's goodbye.
     void leave();
 
-    const client::Granted& granted() const; // size, scene, device: as the first viewer got them
+    // Size, scene, device: as the first viewer got them. Precondition: enter() has returned.
+    const client::Granted& granted() const { return *granted_; }
 
 private:
     struct Viewer;
 
     // Serves every viewer once, then waits for the sockets or the next pose.
     void step();
-    void talk(Viewer& viewer, uint64_t now) const;
+    void talk(Viewer& viewer, uint64_t now);
     void listen(Viewer& viewer);
     void take(Viewer& viewer, const client::Received& message);
     void welcome(Viewer& viewer);
+    void refuse(const Viewer& viewer, const wire::Error& error);
+    bool returns(const Viewer& viewer);
     void comeBack(Viewer& viewer, uint64_t now);
-    client::Session session(const Path& path, const std::string& key = {});
+    void planReturn(Viewer& viewer, uint64_t now);
+    std::optional<size_t> named(const Viewer& viewer);
+    // The counts of the viewer's server. Precondition: watch() runs.
+    ServerRun& counts(const Viewer& viewer);
+    client::Session session(const Path& path, size_t server, const std::string& key = {});
     [[noreturn]] void fail(const Viewer& viewer, const std::string& why) const;
 
     const Options& options_;
-    const client::Endpoint server_;
+    std::vector<client::Endpoint> servers_; // those of the options, then others that goodbyes named
+    const size_t given_;                    // number of the first
     client::Interrupt& interrupt_;
     client::Loop loop_;
     std::vector<std::unique_ptr<Viewer>> viewers_;
     client::JpegDecoder decoder_;
     client::Picture picture_;
+    std::optional<client::Granted> granted_;
+    Agreement agreement_;
     uint64_t next_look_us_ = 0;
     uint64_t start_us_ = 0; // start of the cameras' paths
     Run* run_ = nullptr;    // the counts of watch(), while it runs; otherwise null

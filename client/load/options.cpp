@@ -37,11 +37,10 @@ std::vector<std::string> wordsOf(const std::string& text) {
 
 std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code) {
     Options options;
-    std::vector<std::string> paths{"orbit"}, budgets;
-    std::string server, start = "--scene cloud", out, token_file, ca;
-    bool anywhere = false;
+    std::vector<std::string> paths{"orbit"}, budgets, servers;
+    std::string start = "--scene cloud", out, token_file, ca;
 
-    CLI::App app("Watches a brume server as many viewers at once, and measures what each gets and what they cost.",
+    CLI::App app("Watches brume servers as many viewers at once, and measures what each gets and what they cost.",
                  "brume-load");
     app.set_version_flag("--version", "brume-load " BRUME_VERSION);
     app.add_option("--viewers", options.viewers, "Numbers of viewers, one run each")
@@ -67,15 +66,27 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's")
         ->check(CLI::Range(0, 100));
     app.add_flag("--decode", options.decode, "Decode the pictures too, as a real viewer does; costs CPU time here");
-    auto* const running = app.add_option("--server", server, "A server that runs already: ws://127.0.0.1:8080");
+    app.add_option("--push", options.push, "Pushes a second of each viewer, near the middle of the scene")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1000.0));
+    app.add_option("--seed", options.seed, "Seed of those pushes: the same one pushes the same way")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    auto* const running =
+        app.add_option("--server", servers,
+                       "A server that runs already: ws://127.0.0.1:8080; or several servers of one shared simulation, "
+                       "with commas: viewers are spread over them in turn, and their ticks must be equal")
+            ->delimiter(',')
+            ->allow_extra_args(false);
     app.add_option("--token-file", token_file, "File with an operator's token for that server; without it BRUME_TOKEN")
         ->needs(running);
     app.add_option("--ca", ca, "PEM file of who vouches for a wss:// server, instead of whom the system trusts")
         ->needs(running);
     app.add_flag("--reconnect", options.reconnect,
-                 "Viewers that lose that server come back: they try four times a second")
+                 "Viewers that lose a server come back: at once where its goodbye sends them, or to the next of "
+                 "--server; when all have failed, they try four times a second")
         ->needs(running);
-    app.add_flag("--anywhere", anywhere, "Let --server be another machine");
+    app.add_flag("--anywhere", options.anywhere, "Let --server be another machine");
     app.add_option("--start", start,
                    "Arguments of the server that is started, on a free port, when --server is not given")
         ->capture_default_str()
@@ -84,13 +95,14 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         ->capture_default_str()
         ->check(CLI::Range(0.1, 3600.0));
     app.add_option("--out", out, "Write load.json, load.md and load.svg to this folder");
-    app.add_option("--assert", budgets, "Fail unless this holds: fps>=15@16, p95<=200; repeatable")
+    app.add_option("--assert", budgets, "Fail unless this holds: fps>=15@16, p95<=200, command_p95<=50; repeatable")
         ->allow_extra_args(false);
 
     try {
         app.parse(argc, argv);
         for (const double seconds : {options.seconds, options.warm_up, options.timeout})
             if (!std::isfinite(seconds)) throw CLI::ValidationError("a time", "is a number of seconds");
+        if (!std::isfinite(options.push)) throw CLI::ValidationError("--push", "is a number of pushes a second");
         options.paths.clear();
         for (const auto& name : paths) options.paths.push_back(pathNamed(name));
         for (const auto& text : budgets) {
@@ -103,12 +115,15 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
             if (viewers && std::find(options.viewers.begin(), options.viewers.end(), *viewers) == options.viewers.end())
                 refuse("--assert", text, "is about a number of viewers that --viewers does not have");
         }
-        if (!server.empty()) {
-            options.server = client::parseUrl(server);
-            options.server->token = client::readToken(token_file);
-            options.server->ca = ca;
-            if (!anywhere && !isLoopback(options.server->host))
-                refuse("--server", server, "is not this machine; say --anywhere if you may load it");
+        for (const std::string& url : servers) {
+            client::Endpoint server = client::parseUrl(url);
+            server.token = client::readToken(token_file);
+            server.ca = ca;
+            if (!options.anywhere && !isLoopback(server.host))
+                refuse("--server", url, "is not this machine; say --anywhere if you may load it");
+            for (const client::Endpoint& other : options.servers)
+                if (other.url() == server.url()) refuse("--server", url, "is named twice");
+            options.servers.push_back(std::move(server));
         }
         options.server_arguments = wordsOf(start);
         options.out = out;

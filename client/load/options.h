@@ -30,7 +30,10 @@ struct Options {
     client::Wishes wishes;
     bool decode = false;                       // true: the pictures are decoded too
     bool reconnect = false;                    // true: a viewer whose connection ends connects again
-    std::optional<client::Endpoint> server;    // a running server; none: one is started
+    std::vector<client::Endpoint> servers;     // running servers, all different; empty: one is started
+    bool anywhere = false;                     // true: other machines may be loaded
+    double push = 0;                           // pushes a second of each viewer
+    uint64_t seed = 1;                         // of where they push
     std::vector<std::string> server_arguments; // arguments for a server that is started here
     std::filesystem::path out;                 // folder for the results; empty: nothing is written
     std::vector<Budget> budgets;

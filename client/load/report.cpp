@@ -9,23 +9,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "client/load/numbers.h"
 #include "client/load/published.h"
+#include "client/load/servers_report.h"
 #include "common/plot.h"
 
 namespace brume::load {
 namespace {
 
 using Json = nlohmann::json;
-
-// Three digits that count; "-" for what there is not.
-std::string digits(double value) {
-    if (!std::isfinite(value)) return "-";
-    const double size = std::abs(value);
-    return fmt::format("{:.{}f}", value, size >= 100 ? 0 : size >= 10 ? 1 : 2);
-}
-
-// One decimal more than a person reads, none that was not measured. NaN becomes null.
-Json rounded(double value) { return std::isfinite(value) ? Json(std::round(value * 1e4) / 1e4) : Json(nullptr); }
 
 // As it is: errors are far below 1. NaN becomes null.
 Json exact(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -106,6 +98,7 @@ Json jsonOf(const Run& run) {
         {"age_ms",
          {{"p50", rounded(run.ageMs(0.5))}, {"p95", rounded(run.ageMs(0.95))}, {"most", rounded(run.ageMs(1))}}},
         {"returns_us", std::move(returns)},
+        {"away_ms", {{"p50", rounded(run.awayMs(0.5))}, {"most", rounded(run.awayMs(1))}}},
         {"stages_ms",
          {{"wait", rounded(s.wait)},
           {"render", rounded(s.render)},
@@ -156,10 +149,11 @@ std::string tableLine(const Run& run) {
 }
 
 std::string markdown(const Report& report, const Options& options) {
-    std::string out = fmt::format(
-        "# Viewers of one server\n\n{}, scene `{}`, {}; {}x{}, paths {}{}; {:g} s each after {:g} s. {}.\n\n",
-        report.server, report.scene, report.device, report.width, report.height, pathsOf(options),
-        options.decode ? ", decoded" : "", options.seconds, options.warm_up, report.machine);
+    std::string out =
+        fmt::format("# Viewers of {}\n\n{}, scene `{}`, {}; {}x{}, paths {}{}; {:g} s each after {:g} s. {}.\n\n",
+                    options.servers.size() > 1 ? "servers" : "one server", report.server, report.scene, report.device,
+                    report.width, report.height, pathsOf(options), options.decode ? ", decoded" : "", options.seconds,
+                    options.warm_up, report.machine);
     out += tableHead();
     for (const Run& run : report.runs) out += tableLine(run);
     out += "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or\n"
@@ -167,14 +161,18 @@ std::string markdown(const Report& report, const Options& options) {
            "RMSE that the server's plan predicts, which grows when it gives up accuracy under load, and that the\n"
            "server measures of each viewer's pictures. Load: this program; others: what else the machine did.\n";
     if (const Run* const one = ofOneViewer(report)) out += beside(report, *one);
-    if (!report.broken.empty()) out += "\n## Budgets that do not hold\n\n";
+    if (tellsServers(options)) out += "\n## Each server\n\n" + serversText(report.runs);
+    if (!report.broken.empty()) out += "\n## What does not hold\n\n";
     for (const std::string& line : report.broken) out += "- " + line + '\n';
     return out;
 }
 
 Json json(const Report& report, const Options& options) {
     Json runs = Json::array();
-    for (const Run& run : report.runs) runs.push_back(jsonOf(run));
+    for (const Run& run : report.runs) {
+        runs.push_back(jsonOf(run));
+        if (tellsServers(options)) runs.back().update(serversJson(run));
+    }
     return {{"program", "brume-load " BRUME_VERSION},
             {"server", report.server},
             {"scene", report.scene},

@@ -17,7 +17,7 @@ struct Report {
     uint16_t width = 0, height = 0;    // pixels of one eye's picture, as the server granted
     std::string machine;               // cores and load average before the first run
     std::vector<Run> runs;
-    std::vector<std::string> broken; // one line for each budget that does not hold
+    std::vector<std::string> broken; // one line for each budget that does not hold, and each run with unequal ticks
 };
 
 // A Markdown table: its head, and the line of one run.

@@ -25,6 +25,22 @@ double Run::errorMeasured(double fraction) const {
     return double(client::percentile(errors_measured, fraction).value_or(NAN));
 }
 
+double Run::awayMs(double fraction) const {
+    std::vector<float> values;
+    for (const Return& back : returns) values.push_back(float(double(back.back_us - back.lost_us) * 1e-3));
+    return double(client::percentile(std::move(values), fraction).value_or(NAN));
+}
+
+double Run::commandP95Ms() const {
+    double most = NAN;
+    for (const ServerRun& one : servers) most = std::fmax(most, one.command_p95_ms); // of NaN and a number the number
+    return most;
+}
+
+double ServerRun::pictureMs(double fraction) const {
+    return double(client::percentile(picture_ms, fraction).value_or(NAN));
+}
+
 double Run::latencyMs(double fraction) const {
     return double(client::percentile(latencies_ms, fraction).value_or(NAN));
 }

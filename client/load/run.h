@@ -1,10 +1,14 @@
 // What one run measured: a number of viewers over a time.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "client/load/agreement.h"
 
 namespace brume::load {
 
@@ -31,6 +35,22 @@ struct Return {
     uint64_t lost_us = 0, back_us = 0; // end of the lost connection; first frame of the next one
 };
 
+// What one server gave to its viewers in a run, and what it told of itself. NaN: it does not tell that.
+struct ServerRun {
+    std::string url;
+    uint32_t viewers = 0; // at the end
+    uint64_t frames = 0;
+    std::vector<float> picture_ms;    // of each frame, from its tick to its picture: render, encode and queue
+    uint64_t pushes = 0, refused = 0; // inputs that were sent; those that an Error answered
+    double command_p50_ms = NAN, command_p95_ms = NAN; // from a command's arrival to the tick that takes it
+    double ticks_per_second = NAN, tick_p50_ms = NAN, tick_p95_ms = NAN; // brume_tick_seconds
+    double log_bytes_per_second = NAN; // what it wrote to the cluster's log and read from it
+    double lag_ticks = NAN;            // at the end: how far it is behind that log
+    ServerCost cost;
+
+    double pictureMs(double fraction) const; // percentile of picture_ms, nearest rank; NaN without a frame
+};
+
 struct Run {
     uint32_t viewers = 0;
     double seconds = 0, warm_up_s = 0;
@@ -44,9 +64,11 @@ struct Run {
     std::vector<float> errors_measured; // at the end, of each viewer that is told one: relative RMSE of its pictures
     uint64_t errors = 0;                // wire::Error messages
     std::string first_error;
-    ServerCost server;
-    double own_cpu_s = 0;      // processor time of this program
-    double machine_busy_s = 0; // processor time of all that runs on the machine, on all cores; NaN if unknown
+    ServerCost server; // of all servers together
+    std::vector<ServerRun> servers;
+    std::optional<Agreement> agreement; // of what the servers told until the end, warm-up included; none: of one server
+    double own_cpu_s = 0;               // processor time of this program
+    double machine_busy_s = 0;          // processor time of all that runs on the machine, on all cores; NaN if unknown
 
     uint64_t allFrames() const;
     double leastFps() const; // frames a second of the slowest viewer
@@ -55,6 +77,8 @@ struct Run {
     double latencyMs(double fraction) const;     // percentile of latencies_ms, nearest rank; NaN without a sample
     double ageMs(double fraction) const;         // percentile of ages_ms; 1: the oldest
     double errorMeasured(double fraction) const; // percentile of errors_measured; NaN without one
+    double awayMs(double fraction) const;        // percentile of how long `returns` were away; NaN without one
+    double commandP95Ms() const;                 // of the server where it is largest; NaN if none tells it
     double cpuMsPerFrame() const { return 1e3 * server.cpu_s / server.rendered; }
     double deviceMsPerFrame() const { return 1e3 * (server.shared_s + server.views_s) / server.rendered; }
 };

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "client/load/histogram.h"
+
 namespace brume::load {
 namespace {
 
@@ -50,38 +52,60 @@ double at(const Series& series, std::string_view name) {
     return found == series.end() ? NAN : found->second;
 }
 
+// A counter that went down began anew: how much it counted is not known.
+double grownBy(double before, double after) { return after >= before ? after - before : NAN; }
+
+// A counter without labels, or the sum of those of this name with any labels.
+double sum(const Series& series, const std::string& name) {
+    double all = at(series, name);
+    const std::string labelled = name + '{';
+    for (auto it = series.lower_bound(labelled); it != series.end() && it->first.starts_with(labelled); ++it)
+        all = std::isnan(all) ? it->second : all + it->second;
+    return all;
+}
+
 } // namespace
 
-Server::Server(const Options& options) {
-    if (options.server) {
-        endpoint_ = *options.server;
+Servers::Servers(const Options& options) : endpoints_(options.servers) {
+    for (const client::Endpoint& endpoint : endpoints_) {
         try { // fails before the first run if no server is there
-            (void)counters();
+            (void)scrape(endpoint, kAnswer);
         } catch (const std::runtime_error& error) {
-            throw std::runtime_error("no server to load at " + endpoint_.url() + ": " + error.what());
+            throw std::runtime_error("no server to load at " + endpoint.url() + ": " + error.what());
         }
-        return;
     }
+    if (!endpoints_.empty()) return;
     process_ = start(options);
     const auto address = process_->lineStarting("listening on http://", kStart);
     if (!address) {
         const std::string why = ended();
         throw std::runtime_error("the server does not start: " + (why.empty() ? "it does not listen in time" : why));
     }
-    endpoint_ = client::parseUrl("ws://" + *address); // open: what it is started for is this machine
-    if (endpoint_.host == "0.0.0.0") endpoint_.host = "127.0.0.1";
-    if (endpoint_.host == "::") endpoint_.host = "::1";
+    client::Endpoint& endpoint = endpoints_.emplace_back(client::parseUrl("ws://" + *address));
+    if (endpoint.host == "0.0.0.0") endpoint.host = "127.0.0.1"; // open: what it is started for is this machine
+    if (endpoint.host == "::") endpoint.host = "::1";
 }
 
-Server::~Server() {
+Servers::~Servers() {
     if (!process_) return;
     process_->signal(SIGTERM);
     process_->exitCode(kEnd);
 }
 
-Series Server::counters() const { return scrape(endpoint_, kAnswer); }
+std::vector<Series> Servers::counters(bool some_may_be_away) const {
+    std::vector<Series> all;
+    for (const client::Endpoint& endpoint : endpoints_) {
+        try {
+            all.push_back(scrape(endpoint, kAnswer));
+        } catch (const std::runtime_error&) {
+            if (!some_may_be_away) throw;
+            all.emplace_back();
+        }
+    }
+    return all;
+}
 
-std::string Server::ended() {
+std::string Servers::ended() {
     if (!process_) return {};
     const auto code = process_->exitCode(milliseconds(500)); // its sockets close a moment before the process ends
     if (!code) return {};
@@ -92,7 +116,7 @@ std::string Server::ended() {
 }
 
 ServerCost costBetween(const Series& before, const Series& after) {
-    const auto grown = [&](std::string_view name) { return at(after, name) - at(before, name); };
+    const auto grown = [&](std::string_view name) { return grownBy(at(before, name), at(after, name)); };
     ServerCost cost;
     cost.cpu_s = grown("process_cpu_seconds_total");
     cost.shared_s = grown("brume_device_seconds_total{part=\"shared\"}");
@@ -108,6 +132,39 @@ ServerCost costBetween(const Series& before, const Series& after) {
         if (name.starts_with(pass))
             cost.passes_ms[name.substr(pass.size(), name.size() - pass.size() - 2)] = seconds * 1e3;
     return cost;
+}
+
+ServerCost total(const std::vector<ServerRun>& servers) {
+    ServerCost all = servers.front().cost;
+    for (size_t i = 1; i < servers.size(); ++i) {
+        const ServerCost& cost = servers[i].cost;
+        for (double ServerCost::*part :
+             {&ServerCost::cpu_s, &ServerCost::shared_s, &ServerCost::views_s, &ServerCost::batches,
+              &ServerCost::rendered, &ServerCost::superseded, &ServerCost::memory_bytes})
+            all.*part += cost.*part;
+        for (double ServerCost::*part : {&ServerCost::plan_error, &ServerCost::relaxed})
+            all.*part = std::fmax(all.*part, cost.*part);
+        for (const auto& [name, ms] : cost.passes_ms) {
+            double& most = all.passes_ms[name];
+            most = std::max(most, ms);
+        }
+    }
+    return all;
+}
+
+void readCounters(ServerRun& server, const Series& before, const Series& after, double seconds) {
+    const auto ms = [&](std::string_view histogram, double fraction) {
+        return 1e3 * percentileBetween(before, after, histogram, fraction);
+    };
+    const auto rate = [&](const std::string& name) { return grownBy(sum(before, name), sum(after, name)) / seconds; };
+    server.cost = costBetween(before, after);
+    server.command_p50_ms = ms("brume_command_to_tick_seconds", 0.5);
+    server.command_p95_ms = ms("brume_command_to_tick_seconds", 0.95);
+    server.tick_p50_ms = ms("brume_tick_seconds", 0.5);
+    server.tick_p95_ms = ms("brume_tick_seconds", 0.95);
+    server.ticks_per_second = rate("brume_tick_seconds_count");
+    server.log_bytes_per_second = rate("brume_cluster_log_bytes_total");
+    server.lag_ticks = at(after, "brume_cluster_lag_ticks");
 }
 
 } // namespace brume::load

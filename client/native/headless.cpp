@@ -25,7 +25,7 @@ class Watch {
 public:
     Watch(const Options& options, Interrupt& interrupt)
         : options_(options), interrupt_(interrupt), recorder_(options.out, options.save),
-          statistics_(options.endpoint.url()), link_(options, false) {}
+          statistics_(options.servers.front().url()), link_(options, false) {}
 
     void run() {
         std::string failure;
@@ -58,9 +58,19 @@ private:
                 take(*session, *message);
             else if (message->as<wire::Welcome>())
                 welcome(session->granted());
+            else if (message->as<wire::SceneState>())
+                look(*session);
             else if (const auto* error = message->as<wire::Error>())
                 statistics_.error(*error);
         }
+    }
+
+    // Says once when the scene comes to a standstill. A camera that rests gets no frames then, and misses none.
+    void look(const Session& session) {
+        const std::string& why = session.standstill();
+        if (!why.empty()) link_.heard(nowUs());
+        if (!why.empty() && !standing_) std::cerr << "brume-client: the scene stands still: " << why << std::endl;
+        standing_ = !why.empty();
     }
 
     bool done() const {
@@ -141,6 +151,7 @@ private:
     std::string scene_;
     uint64_t start_us_ = 0, first_us_ = 0; // welcome to the present scene, first frame
     bool paused_ = false;                  // true: Options::pause was carried out
+    bool standing_ = false;                // true: the server says that the scene stands still
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0;
     std::optional<uint32_t> awaited_pose_; // number of the first pose at the present step; none: not sent yet
     size_t impulses_sent_ = 0;

@@ -1,16 +1,17 @@
-// A session that reconnects: after a lost connection to the same server, as the page does
-// (client/web/src/backoff.ts), and after a goodbye to the server that it names.
+// A session that reconnects: after a lost connection to the same server, or to the next of several, as the page does
+// (client/web/src/backoff.ts); and after a goodbye to the server that it names.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/native/options.h"
 #include "client/native/session.h"
 
 namespace brume::client {
 
-// Seconds to wait before the next try. Steps grow from 0.25 s to 1 s by doubling. The wait is half of the step to all
+// Seconds to wait before the next try. Steps grow from 0.1 s to 1 s by doubling. The wait is half of the step to all
 // of it, at random, so that the viewers of a server that restarts do not all come back in one instant. It is never
 // shorter than the server asked for.
 class Backoff {
@@ -20,7 +21,7 @@ public:
     void reset() { step_s_ = kFirstS; }
 
 private:
-    static constexpr double kFirstS = 0.25, kLongestS = 1;
+    static constexpr double kFirstS = 0.1, kLongestS = 1;
     double step_s_ = kFirstS;
 };
 
@@ -28,7 +29,7 @@ class Link {
 public:
     // After a minute without a frame it gives up, since the server then forgets the viewer. With `for_ever` it goes
     // on trying, if it was welcomed at least once.
-    Link(const Options& options, bool for_ever) : options_(options), for_ever_(for_ever), server_(options.endpoint) {}
+    Link(const Options& options, bool for_ever) : options_(options), for_ever_(for_ever), servers_(options.servers) {}
 
     // The session; connects again, as the same viewer, when it is time. Null until then.
     Session* session(const Wishes& wishes);
@@ -46,12 +47,15 @@ public:
 
 private:
     void lose(const std::string& why);
-    bool move();
+    bool goWhereSent();
+    bool goToNext();
 
     const Options& options_;
     bool for_ever_;
-    Endpoint server_;               // the server to try next
-    std::optional<Endpoint> other_; // after a goodbye to another server: the one of the two to try if server_ refuses
+    std::vector<Endpoint> servers_;   // those of the options, then one that a goodbye named
+    size_t at_ = 0;                   // number of the server to try next
+    size_t failed_ = 0, refused_ = 0; // sessions in a row that ended: without a frame since; by Session::refused()
+    double asked_s_ = 0;              // the longest wait that servers asked for since they were last waited for
     std::optional<Session> session_;
     std::string key_; // Granted::resume of the last welcome
     std::string trouble_;

@@ -76,16 +76,20 @@ TimedImpulse parseImpulse(const std::string& text) {
 
 std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit_code) {
     Options options;
-    std::string url = "ws://127.0.0.1:8080", size = "640x360", camera, path = "still", out, token_file, ca;
+    std::vector<std::string> urls{"ws://127.0.0.1:8080"};
+    std::string size = "640x360", camera, path = "still", out, token_file, ca;
     std::vector<std::string> impulses;
     bool stereo = false, no_save = false, no_reconnect = false;
 
     CLI::App app("Shows one viewer's picture of a brume server's shared cloud, in a window or without one.",
                  "brume-client");
     app.set_version_flag("--version", "brume-client " BRUME_VERSION);
-    app.add_option("--url", url,
-                   "The server: ws://host:port, or wss://host:port for TLS; or its page, http://host:port")
-        ->capture_default_str();
+    app.add_option("--url", urls,
+                   "The server: ws://host:port, or wss://host:port for TLS; or its page, http://host:port. Or several "
+                   "servers of one shared scene, with commas: the next one is tried at once when one is lost")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->default_str("ws://127.0.0.1:8080");
     app.add_option("--token-file", token_file, "File with the token that lets in; without it BRUME_TOKEN");
     app.add_option("--ca", ca, "PEM file of who vouches for a wss:// server, instead of whom the system trusts");
     app.add_option("--size", size, "Pixels of one eye: WIDTHxHEIGHT")->capture_default_str();
@@ -119,9 +123,12 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
 
     try {
         app.parse(argc, argv);
-        options.endpoint = parseUrl(url);
-        options.endpoint.token = readToken(token_file);
-        options.endpoint.ca = ca;
+        options.servers.clear();
+        for (const std::string& url : urls) {
+            Endpoint& server = options.servers.emplace_back(parseUrl(url));
+            server.token = readToken(token_file);
+            server.ca = ca;
+        }
         parseSize(size, options.wishes);
         options.wishes.views = stereo ? 2 : 1;
         const auto kind = pathNamed(path);

@@ -18,7 +18,7 @@ struct TimedImpulse {
 };
 
 struct Options {
-    Endpoint endpoint{"127.0.0.1", 8080, "/ws"};
+    std::vector<Endpoint> servers{{"127.0.0.1", 8080, "/ws"}}; // one at least; the next is tried when one is lost
     Wishes wishes;
     bool headless = false;            // true: no window
     uint64_t frames = 0;              // stop after so many frames; 0: no limit

@@ -88,6 +88,8 @@ void Session::takeNote(const Received& message) {
                            camera.fov_y(),
                            textOf(welcome->resume()),
                            welcome->resumed()};
+    } else if (const auto* state = message.as<wire::SceneState>()) {
+        standstill_ = oneLine(textOf(state->standstill()));
     } else if (const auto* error = message.as<wire::Error>()) {
         if (!welcomed()) refusal_ = "the server refuses: " + oneLine(textOf(error->text()));
     } else if (const auto* goodbye = message.as<wire::Goodbye>()) {

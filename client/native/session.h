@@ -90,6 +90,8 @@ public:
     bool refused() const { return connection_.refused() || (!refusal_.empty() && !welcomed()); }
     // The wait, in seconds, that the server's goodbye asks for; 0 without one.
     float retryAfterSeconds() const { return retry_after_s_; }
+    // Why the scene stands still, in one line; empty while ticks come.
+    const std::string& standstill() const { return standstill_; }
     // The URL of another server that the goodbye names, unchecked; empty without one.
     const std::string& goTo() const { return go_to_; }
 
@@ -136,7 +138,7 @@ private:
     std::optional<Granted> granted_;
     std::string refusal_; // text of a goodbye, or of an error before the welcome
     float retry_after_s_ = 0;
-    std::string go_to_;
+    std::string go_to_, standstill_;
     uint32_t pose_seq_ = 0, input_seq_ = 0, ping_ = 0;
     std::optional<float> round_trip_ms_;
 };

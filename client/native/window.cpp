@@ -33,8 +33,8 @@ class WindowedViewer {
 public:
     WindowedViewer(const Options& options, Interrupt& interrupt)
         : options_(options), interrupt_(interrupt), recorder_(options.out, options.save),
-          statistics_(options.endpoint.url()),
-          display_("brume: connecting to " + options.endpoint.url(), options.wishes.width * options.wishes.views,
+          statistics_(options.servers.front().url()),
+          display_("brume: connecting to " + options.servers.front().url(), options.wishes.width * options.wishes.views,
                    options.wishes.height),
           wishes_(options.wishes), link_(options, true) {}
 
@@ -118,6 +118,8 @@ private:
             } else if (const auto* state = message->as<wire::SceneState>()) {
                 paused_ = state->paused();
                 viewers_ = state->viewers();
+                standstill_ = session.standstill();
+                if (!standstill_.empty()) link_.heard(now); // a camera that rests gets no frames
             } else if (message->as<wire::Welcome>()) {
                 welcome(session.granted());
             } else if (message->as<wire::Frame>()) {
@@ -214,6 +216,7 @@ private:
         if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
         title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s",
                              paused_ ? ", paused" : "");
+        if (!standstill_.empty()) title = fmt::format("brume: {} stands still: {}", scene_, standstill_);
         if (told_us_ > 0 && now - told_us_ < kToldUs)
             title = "brume: " + statistics_.lastError(); // such as: this role may not
         display_.setTitle(title);
@@ -231,6 +234,7 @@ private:
     std::optional<Gestures> gestures_; // from the first welcome on
     Pose seen_;                        // camera of the picture that is shown
     std::string scene_;
+    std::string standstill_;  // why the scene stands still; empty while ticks come
     bool pause_sent_ = false; // true: Options::pause was carried out
     bool quit_ = false, paused_ = false;
     bool hidden_ = false; // true: the window is minimised

@@ -86,6 +86,19 @@ browserTest() {
     unlock
 }
 
+package() {
+    lock build
+    rm -rf $release/packages
+    (cd $release && cpack -G DEB >package.log) || die "cpack failed: $release/package.log"
+    unlock
+}
+deployTest() {
+    lock test
+    npmInstall tests/deploy
+    /usr/bin/python3 -m unittest discover -s tests/deploy -p '*_test.py' {lock_fd}>&-
+    unlock
+}
+
 # canFuzz: is there a clang with libFuzzer?
 canFuzz() {
     mkdir -p build
@@ -150,6 +163,8 @@ testPart() {
         step "Tests: unit, fuzz, reference" runCtest release -j "$(jobs)" -L "$without_device"
         step "Tests: gpu, hard, bench, net, integration" runCtest release -LE "$without_device"
         step "Tests: browser" browserTest
+        step "Package" package
+        step "Tests: deploy" deployTest
         if canFuzz; then
             step "Fuzz, 3 s each" fuzz 3 "${fuzz_targets[@]}"
         else
@@ -178,6 +193,14 @@ testPart() {
         step "Build the page" page
         passed || return 0
         step "Tests: browser" browserTest
+        ;;
+    deploy)
+        step "Build" build release brume-server brume-client brume-load
+        passed || return 0
+        step "Build the page" page
+        passed || return 0
+        step "Package" package
+        step "Tests: deploy" deployTest
         ;;
     asan | tsan) # of what needs Vulkan only the whole server under load: a software driver is slow under sanitizers
         step "Build ($1)" build "$1" tests-unit tests-fuzz tests-reference tests-net brume-server brume-load

@@ -21,12 +21,17 @@ public:
     // due.
     virtual bool take(Clock::time_point now, std::vector<Command>& commands) = 0;
 
-    // A state to go on from instead of the present one; nothing: the present one. Asked for before each look at ticks.
-    virtual std::optional<Simulation> beginning() { return {}; }
+    // A state to go on from instead of the present one, as Simulation::save() gives it; nothing: the present one. Asked
+    // for before each look at ticks.
+    virtual std::optional<std::vector<std::byte>> beginning() { return {}; }
     // True: no tick comes by itself, and viewers get pictures of the present one as their cameras move.
     virtual bool stands() const { return false; }
     // True: ticks are on their way to one that is wanted, and none before it is drawn.
     virtual bool seeks() const { return false; }
+    // Why no tick comes though one should, one line that lives for ever. Null: ticks come.
+    virtual const char* standstill() const { return nullptr; }
+    // True: this server has the state that viewers come for. False: they had better go to another.
+    virtual bool serves() const { return true; }
     // What viewers are told of simulation.paused; nothing: what the simulation says.
     virtual std::optional<bool> paused() const { return {}; }
 };

@@ -26,10 +26,21 @@ namespace pm = prometheus;
 const pm::Histogram::BucketBoundaries kSeconds{0.00025, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016,
                                                0.033,   0.066,  0.133, 0.266, 0.533, 1,     2};
 
+// Seconds: finer about the length of a tick, of which a quarter is to be seen.
+const pm::Histogram::BucketBoundaries kTickParts{0.002, 0.004, 0.006, 0.008, 0.010, 0.012, 0.014, 0.016,
+                                                 0.018, 0.020, 0.022, 0.024, 0.028, 0.032, 0.040, 0.050,
+                                                 0.066, 0.1,   0.2,   0.5,   1,     2,     5};
+
 pm::MetricFamily gauge(const char* name, const char* help, double value) {
     pm::ClientMetric metric;
     metric.gauge.value = value;
     return {name, help, pm::MetricType::Gauge, {metric}};
+}
+
+pm::MetricFamily counter(const Metrics::Sample& sample) {
+    pm::ClientMetric metric;
+    metric.counter.value = sample.value;
+    return {sample.name, sample.help, pm::MetricType::Counter, {metric}};
 }
 
 // Numbers of several kinds, each since it began.
@@ -247,6 +258,11 @@ struct Metrics::Families {
                               .Help("Work that viewers share, per tick: commands, simulation, light.")
                               .Register(registry)
                               .Add({}, kSeconds);
+    pm::Histogram& command = pm::BuildHistogram()
+                                 .Name("brume_command_to_tick_seconds")
+                                 .Help("From a command's arrival at this server to the tick that took it.")
+                                 .Register(registry)
+                                 .Add({}, kTickParts);
     pm::Family<pm::Counter>& refused = pm::BuildCounter()
                                            .Name("brume_refused_total")
                                            .Help("Messages and connections refused, by reason.")
@@ -264,6 +280,8 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) {}
 Metrics::~Metrics() = default;
 
 void Metrics::ticked(float work_ms) { families_->tick.Observe(work_ms * 1e-3); }
+
+void Metrics::commandTaken(float ms) { families_->command.Observe(ms * 1e-3); }
 
 void Metrics::budget(double used) { families_->budget_used.Set(used); }
 
@@ -350,6 +368,8 @@ std::string Metrics::text(const Audience& audience) const {
     all.push_back(windows(links, audience.maxInFlight()));
     all.push_back(qualities(links));
     all.push_back(passGauges(*report));
+    for (const Sample& sample : samples_ ? samples_() : std::vector<Sample>())
+        all.push_back(sample.counter ? counter(sample) : gauge(sample.name, sample.help, sample.value));
     all.push_back(buildInfo());
     all.push_back(processCpu());
     all.push_back(processMemory());

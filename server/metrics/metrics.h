@@ -1,9 +1,11 @@
 // What the server counts and times, for Prometheus. One object for the process; thread-safe.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/viewer/audience.h"
 
@@ -19,6 +21,8 @@ public:
     // The device is done with a batch: times of the passes that all views share, and of those of each view. `finer`:
     // true for a batch with less error, because cameras rest.
     void drawn(double shared_ms, double views_ms, bool finer = false);
+    // A command's way from the connection to the tick that took it.
+    void commandTaken(float ms);
     void budget(double used);                            // time of a frame of all viewers over the frame budget
     void kept(uint64_t picture_bytes, size_t pipelines); // on the device: picture buffers, compiled pipelines
     void encoded(uint32_t pictures);                     // viewers with the same camera share one
@@ -32,12 +36,23 @@ public:
     void requested(std::string_view route, unsigned status);
     void connected(int change); // +1 or -1 open connections
 
+    // --- others ---
+    // A number that somebody else counts.
+    struct Sample {
+        const char *name, *help; // which live for ever
+        bool counter;            // True: it only grows; false: a gauge
+        double value;
+    };
+    // `samples` is called for each text(), by any thread. To be called before the server listens.
+    void collect(std::function<std::vector<Sample>()> samples) { samples_ = std::move(samples); }
+
     // The exposition text: all of the above, and the audience, the passes and the process as they are now.
     std::string text(const Audience& audience) const;
 
 private:
     struct Families;
     std::unique_ptr<Families> families_;
+    std::function<std::vector<Sample>()> samples_; // empty: there are none
 };
 
 } // namespace brume

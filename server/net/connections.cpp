@@ -31,13 +31,23 @@ std::unique_ptr<ConnectionSlot> Connections::take(const std::string& address, co
     if (comesTooOften(network)) return refuse(Refused::rate);
     const auto known = per_address_.find(network);
     const Share share = known == per_address_.end() ? Share{} : known->second;
-    const bool reserved = slots_.size() - reserved_ >= limits_.total || share.open >= limits_.per_address;
+    const bool reserved = open_ >= limits_.total || share.open >= limits_.per_address;
     if (reserved && (reserved_ >= limits_.reserve || share.reserved >= limits_.reserve_per_address))
         return refuse(Refused::full);
     Share& mine = per_address_[network];
     ++(reserved ? mine.reserved : mine.open);
-    reserved_ += reserved;
-    std::unique_ptr<ConnectionSlot> slot(new ConnectionSlot(*this, address, network, reserved));
+    ++(reserved ? reserved_ : open_);
+    const auto kind = reserved ? ConnectionSlot::Kind::reserved : ConnectionSlot::Kind::open;
+    std::unique_ptr<ConnectionSlot> slot(new ConnectionSlot(*this, address, network, kind));
+    slots_.insert(slot.get());
+    return slot;
+}
+
+std::unique_ptr<ConnectionSlot> Connections::takeOwing(const std::string& address, const std::string& network) {
+    const std::scoped_lock lock(mutex_);
+    if (owing_ >= limits_.total + limits_.reserve) return nullptr;
+    ++owing_;
+    std::unique_ptr<ConnectionSlot> slot(new ConnectionSlot(*this, address, network, ConnectionSlot::Kind::owing));
     slots_.insert(slot.get());
     return slot;
 }
@@ -45,10 +55,14 @@ std::unique_ptr<ConnectionSlot> Connections::take(const std::string& address, co
 ConnectionSlot::~ConnectionSlot() {
     const std::scoped_lock lock(owner_.mutex_);
     owner_.slots_.erase(this);
-    const auto here = owner_.per_address_.find(network_);
-    --(reserved_ ? here->second.reserved : here->second.open);
-    if (here->second.open + here->second.reserved == 0) owner_.per_address_.erase(here);
-    owner_.reserved_ -= reserved_;
+    if (kind_ == Kind::owing) {
+        --owner_.owing_;
+    } else {
+        const auto here = owner_.per_address_.find(network_);
+        --(reserved() ? here->second.reserved : here->second.open);
+        if (here->second.open + here->second.reserved == 0) owner_.per_address_.erase(here);
+        --(reserved() ? owner_.reserved_ : owner_.open_);
+    }
     if (owner_.slots_.empty()) owner_.emptied_.notify_all();
 }
 

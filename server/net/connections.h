@@ -42,6 +42,9 @@ public:
     enum class Refused { nothing, full, rate };
     std::unique_ptr<ConnectionSlot> take(const std::string& address, const std::string& network,
                                          Refused* why = nullptr);
+    // The right to one open connection that owes its PROXY protocol header: whose it is, that header says. Null if as
+    // many owe theirs as may be open. Such slots are apart: the limits of take() do not count them.
+    std::unique_ptr<ConnectionSlot> takeOwing(const std::string& address, const std::string& network);
 
     // New limits for later connections. Open ones stay.
     void setLimits(const Limits& limits);
@@ -65,8 +68,8 @@ private:
         uint32_t open = 0, reserved = 0;
     };
     std::map<std::string, Share> per_address_;
-    uint32_t reserved_ = 0;                       // slots of the reserve that are taken
-    std::map<std::string, TokenBucket> accepted_; // of the addresses that came lately, kMostLately at most
+    uint32_t open_ = 0, reserved_ = 0, owing_ = 0; // slots that are taken, of each kind
+    std::map<std::string, TokenBucket> accepted_;  // of the addresses that came lately, kMostLately at most
     bool stopped_ = false;
 };
 
@@ -79,17 +82,18 @@ public:
     const std::string& address() const { return address_; }
     const std::string& network() const { return network_; } // what counts as one address
     // True: one of the reserve.
-    bool reserved() const { return reserved_; }
+    bool reserved() const { return kind_ == Kind::reserved; }
     // The connection that uses the slot from now on. It is stopped at once if all others already are.
     void assign(const std::shared_ptr<Connection>& connection);
 
 private:
     friend Connections;
-    ConnectionSlot(Connections& owner, std::string address, std::string network, bool reserved)
-        : owner_(owner), address_(std::move(address)), network_(std::move(network)), reserved_(reserved) {}
+    enum class Kind { open, reserved, owing };
+    ConnectionSlot(Connections& owner, std::string address, std::string network, Kind kind)
+        : owner_(owner), address_(std::move(address)), network_(std::move(network)), kind_(kind) {}
     Connections& owner_;
     const std::string address_, network_;
-    const bool reserved_;
+    const Kind kind_;
     std::weak_ptr<Connection> connection_; // guarded by owner_.mutex_
 };
 

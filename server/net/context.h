@@ -2,7 +2,10 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
+#include <mutex>
+#include <string>
 
 #include "server/metrics/metrics.h"
 #include "server/net/connections.h"
@@ -30,6 +33,25 @@ private:
     const uint32_t number_;
 };
 
+// Where viewers go that this server does not keep. Thread-safe.
+class Elsewhere {
+public:
+    // `url` is called from any thread, under a lock: after this call the one before is not called any more.
+    void set(std::function<std::string()> url) {
+        const std::scoped_lock lock(mutex_);
+        url_ = std::move(url);
+    }
+    // Of the server with the most room; empty if there is none.
+    std::string url() const {
+        const std::scoped_lock lock(mutex_);
+        return url_ ? url_() : std::string();
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::function<std::string()> url_;
+};
+
 // One for the server.
 struct ServerState {
     Audience& audience;
@@ -39,6 +61,7 @@ struct ServerState {
     std::atomic<bool> draining{false}; // true: /readyz fails, all else goes on
     std::atomic<bool> stopping{false}; // true: connections end, and new ones are not served
     std::string go_to;                 // the URL that viewers are sent to; written before `stopping`, read after
+    Elsewhere elsewhere;
     Places streams{"streams are open"}, snapshots{"snapshots are being drawn"};
     VisitorLog log;
     std::atomic<uint32_t> uploads{0};  // open now
@@ -50,9 +73,9 @@ struct ServerState {
 struct Context {
     Context(NetOptions with, std::shared_ptr<Tls> certificate, ServerState& server)
         : options(std::move(with)), tls(std::move(certificate)), audience(server.audience), metrics(server.metrics),
-          pages(server.pages), connections(server.connections), go_to(server.go_to), draining(server.draining),
-          stopping(server.stopping), streams(server.streams), snapshots(server.snapshots), log(server.log),
-          uploads(server.uploads), counted(server.contexts) {}
+          pages(server.pages), connections(server.connections), go_to(server.go_to), elsewhere(server.elsewhere),
+          draining(server.draining), stopping(server.stopping), streams(server.streams), snapshots(server.snapshots),
+          log(server.log), uploads(server.uploads), counted(server.contexts) {}
 
     const NetOptions options;
     const std::shared_ptr<Tls> tls; // null: no TLS
@@ -61,6 +84,7 @@ struct Context {
     const Pages& pages;
     Connections& connections;
     const std::string& go_to;
+    const Elsewhere& elsewhere;
     const std::atomic<bool>&draining, &stopping;
     Places &streams, &snapshots;
     VisitorLog& log;

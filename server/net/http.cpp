@@ -173,7 +173,7 @@ Reply HttpConnection::health(std::string_view path) const {
     else if (context_->draining)
         reply = lineReply(503, "not ready: the server drains and will stop");
     else if (!context_->audience.ready)
-        reply = lineReply(503, "not ready: no frame can be rendered yet");
+        reply = lineReply(503, "not ready: no frame can be rendered yet, or the shared state is not caught up with");
     else
         reply = lineReply(200, "ready");
     reply.for_all = path == "/healthz" || path == "/readyz"; // a page asks another server if it is there
@@ -188,7 +188,7 @@ asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on)
     if (ReplayControl* const replay = context_->audience.replay())
         replay->paused = on;
     else if (!context_->audience.commands().push({.body = Set{{setting->path, on}}}))
-        co_return co_await sendLater(request, "pause", "too many commands wait for their tick");
+        co_return co_await sendLater(request, "pause", whyRefused(context_->audience.commands()));
     const auto deadline = Clock::now() + kAppliedWithin;
     std::shared_ptr<const SceneReport> report = context_->audience.report();
     while (report->settings[at] != SettingValue(on) && Clock::now() < deadline && !context_->stopping) {

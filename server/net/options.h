@@ -12,7 +12,10 @@ namespace brume::net {
 struct NetOptions {
     std::string listen = "127.0.0.1"; // this machine only; 0.0.0.0 or :: for everyone
     uint16_t port = 8080;             // 0 takes a free one
-    std::filesystem::path web_root;   // the built page
+    uint16_t agent_port = 0;          // answers HAProxy's agent-check (agent.h); 0: none does
+    // True: every connection to `port` begins with the header of a gateway (proxy_header.h), which says whose it is.
+    bool proxy_protocol = false;
+    std::filesystem::path web_root; // the built page
     // Origins ("https://clouds.example") whose pages may open the WebSocket besides our own; "*" for any.
     std::vector<std::string> allowed_origins;
     // Names, without port, that requests may have in their Host header, besides those that hostAllowed() takes by
@@ -37,7 +40,8 @@ struct NetOptions {
     uint64_t max_upload = 64 << 20;        // one uploaded point cloud; 0: none can be uploaded
 
     // Time.
-    // Connected -> request's header read; its first byte -> all of it; upgraded -> hello; hello -> pose.
+    // Connected -> the gateway's header read; that -> request's header read; its first byte -> all of it; upgraded ->
+    // hello; hello -> pose.
     std::chrono::milliseconds handshake{5000};
     std::chrono::milliseconds keep_alive{10000};  // an HTTP connection waits for another request
     std::chrono::milliseconds idle{60000};        // of a WebSocket: nothing received; half of it, and a ping is sent

@@ -164,6 +164,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
         const auto packed_values = packValues(b, report.settings);
         const auto plan = packPlan(b, report);
         const auto lists = lists_for ? packElements(b, report.lists, *lists_for) : 0;
+        const auto standstill = report.standstill.empty() ? 0 : packText(b, report.standstill);
         // For viewers older than SceneState.settings: what there was then. New settings need nothing here.
         const auto number = [&](const char* path) { return valueIn<float>(report, path); };
         const auto vector = [&](const char* path) { return toWire(valueIn<glm::vec3>(report, path)); };
@@ -172,12 +173,12 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
         const auto quadrature = packText(b, valueIn<std::string>(report, "render.isv.quadrature"));
         const wire::Vec3 to_light = vector("light.to_light"), irradiance = vector("light.irradiance");
         const wire::Vec3 albedo = vector("medium.albedo"), lo = toWire(report.lo), hi = toWire(report.hi);
-        return wire::CreateSceneState(b, report.tick, report.state_hash, viewers, report.particles,
-                                      valueIn<bool>(report, "simulation.paused"), &to_light, &irradiance,
-                                      number("light.rotate"), number("medium.extinction"), number("medium.falloff"),
-                                      number("medium.anisotropy"), number("medium.asymmetry"), &albedo, method,
-                                      quadrature, valueIn<uint32_t>(report, "render.isv.steps"),
-                                      number("render.exposure"), packed_passes, plan, packed_values, &lo, &hi, lists);
+        return wire::CreateSceneState(
+            b, report.tick, report.state_hash, viewers, report.particles, valueIn<bool>(report, "simulation.paused"),
+            &to_light, &irradiance, number("light.rotate"), number("medium.extinction"), number("medium.falloff"),
+            number("medium.anisotropy"), number("medium.asymmetry"), &albedo, method, quadrature,
+            valueIn<uint32_t>(report, "render.isv.steps"), number("render.exposure"), packed_passes, plan,
+            packed_values, &lo, &hi, lists, standstill);
     });
 }
 

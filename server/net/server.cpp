@@ -13,9 +13,11 @@
 #include <boost/asio/write.hpp>
 #include <fmt/format.h>
 
+#include "server/net/agent.h"
 #include "server/net/context.h"
 #include "server/net/coroutine.h"
 #include "server/net/http.h"
+#include "server/net/proxy_greeting.h"
 #include "server/net/tls.h"
 
 namespace brume {
@@ -54,17 +56,50 @@ std::string networkOf(const asio::ip::address& address) {
     return asio::ip::address_v6(bytes).to_string() + "/64";
 }
 
-std::string hostAndPort(const NetOptions& options) {
-    const bool v6 = options.listen.find(':') != std::string::npos;
-    return fmt::format("{}{}{}:{}", v6 ? "[" : "", options.listen, v6 ? "]" : "", options.port);
+std::string hostAndPort(const std::string& listen, uint16_t port) {
+    const bool v6 = listen.find(':') != std::string::npos;
+    return fmt::format("{}{}{}:{}", v6 ? "[" : "", listen, v6 ? "]" : "", port);
 }
 
-// Says what to do about a listener that does not open.
-std::runtime_error cannotListen(const NetOptions& options, const error_code& error) {
-    const char* advice = "; choose another with --listen";
-    if (error == asio::error::address_in_use) advice = "; choose another with --port";
-    if (error == asio::error::access_denied) advice = "; choose a port above 1023 with --port";
-    return std::runtime_error(fmt::format("cannot listen on {}: {}{}", hostAndPort(options), error.message(), advice));
+// Says what to do about a listener that does not open. `option` sets its port.
+std::runtime_error cannotListen(const std::string& listen, uint16_t port, const char* option, const error_code& error) {
+    std::string advice = "choose another with --listen";
+    if (error == asio::error::address_in_use) advice = fmt::format("choose another with {}", option);
+    if (error == asio::error::access_denied) advice = fmt::format("choose a port above 1023 with {}", option);
+    return std::runtime_error(
+        fmt::format("cannot listen on {}: {}; {}", hostAndPort(listen, port), error.message(), advice));
+}
+
+void listenOn(tcp::acceptor& acceptor, const std::string& listen, uint16_t port, const char* option) {
+    error_code error;
+    const auto found =
+        tcp::resolver(acceptor.get_executor()).resolve(listen, std::to_string(port), tcp::resolver::passive, error);
+    if (error) throw cannotListen(listen, port, option, error);
+    const tcp::endpoint endpoint = *found.begin();
+    acceptor.open(endpoint.protocol(), error);
+    if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error) acceptor.bind(endpoint, error);
+    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+    if (error) throw cannotListen(listen, port, option, error);
+}
+
+void refuse(const Context& context, tcp::socket& socket, Connections::Refused why) {
+    const bool full = why == Connections::Refused::full;
+    context.metrics.refused(full ? "connections" : "accept_rate");
+    if (context.tls) return; // a peer that expects TLS cannot read plain text
+    error_code error;
+    socket.non_blocking(true, error);
+    // The answer fits into the buffer of a new socket, so nothing has to wait for it.
+    socket.write_some(asio::buffer(lastWords(full ? noRoom() : tooOften(), context.options)), error);
+}
+
+// Serves a connection that comes from this address.
+void serveFrom(std::shared_ptr<const Context> context, beast::tcp_stream tcp, const asio::ip::address& address) {
+    auto refused = Connections::Refused::nothing;
+    auto slot = context->connections.take(address.to_string(), networkOf(address), &refused);
+    if (!slot) return refuse(*context, tcp.socket(), refused);
+    ByteStream stream = context->tls ? ByteStream(std::move(tcp), context->tls->context) : ByteStream(std::move(tcp));
+    serveHttp(std::move(context), std::move(stream), std::move(slot));
 }
 
 } // namespace
@@ -87,8 +122,10 @@ struct NetServer::State {
         return newest;
     }
 
-    asio::awaitable<void> accept();
+    using Serve = void (State::*)(tcp::socket) const;
+    asio::awaitable<void> accept(tcp::acceptor& from, Serve serve_it);
     void serve(tcp::socket socket) const;
+    void answerAgent(tcp::socket socket) const;
 
     ServerState shared;
     mutable std::mutex mutex;
@@ -97,13 +134,14 @@ struct NetServer::State {
     // give their slots back to `shared`.
     asio::io_context io;
     tcp::acceptor acceptor{asio::make_strand(io)};
+    tcp::acceptor agents{acceptor.get_executor()}; // of --agent-port
     std::vector<std::thread> threads;
 };
 
-asio::awaitable<void> NetServer::State::accept() {
-    asio::steady_timer pause(acceptor.get_executor());
+asio::awaitable<void> NetServer::State::accept(tcp::acceptor& from, Serve serve_it) {
+    asio::steady_timer pause(from.get_executor());
     for (;;) {
-        auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kToken);
+        auto [error, socket] = co_await from.async_accept(asio::make_strand(io), kToken);
         if (shared.stopping || error == asio::error::operation_aborted) co_return;
         if (error) { // most likely no descriptor is free: after a pause another connection may have ended
             shared.log.write(spdlog::level::warn, "all addresses",
@@ -112,8 +150,19 @@ asio::awaitable<void> NetServer::State::accept() {
             co_await pause.async_wait(kToken);
             continue;
         }
-        serve(std::move(socket));
+        (this->*serve_it)(std::move(socket));
     }
+}
+
+// One line, whatever is asked. It fits into the buffer of a new socket, so nothing has to wait for it.
+void NetServer::State::answerAgent(tcp::socket socket) const {
+    const Audience& audience = shared.audience;
+    const std::string line = agentLine({audience.ready, shared.draining, !audience.report()->standstill.empty(),
+                                        audience.budget_used, audience.size(), audience.places()});
+    error_code ignored;
+    socket.non_blocking(true, ignored);
+    socket.write_some(asio::buffer(line), ignored);
+    socket.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
 void NetServer::State::serve(tcp::socket socket) const {
@@ -130,21 +179,11 @@ void NetServer::State::serve(tcp::socket socket) const {
     // Ends the connection if the peer acknowledges no byte for so long: it vanished, or it keeps its window closed.
     const auto stall_ms = static_cast<unsigned>(context.options.write_stall.count());
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &stall_ms, sizeof stall_ms);
-    auto refused = Connections::Refused::nothing;
-    auto slot = context.connections.take(remote.address().to_string(), networkOf(remote.address()), &refused);
-    if (!slot) {
-        const bool full = refused == Connections::Refused::full;
-        context.metrics.refused(full ? "connections" : "accept_rate");
-        if (context.tls) return; // a peer that expects TLS cannot read plain text
-        socket.non_blocking(true, error);
-        // The answer fits into the buffer of a new socket, so nothing has to wait for it.
-        socket.write_some(asio::buffer(lastWords(full ? noRoom() : tooOften(), context.options)), error);
-        return;
-    }
-    beast::tcp_stream tcp(std::move(socket));
-    serveHttp(shared_context,
-              context.tls ? ByteStream(std::move(tcp), context.tls->context) : ByteStream(std::move(tcp)),
-              std::move(slot));
+    const asio::ip::address peer = remote.address();
+    if (!context.options.proxy_protocol) return serveFrom(shared_context, beast::tcp_stream(std::move(socket)), peer);
+    auto slot = context.connections.takeOwing(peer.to_string(), networkOf(peer));
+    if (!slot) return refuse(context, socket, Connections::Refused::full);
+    greetGateway(shared_context, beast::tcp_stream(std::move(socket)), std::move(slot), peer, serveFrom);
 }
 
 NetServer::NetServer(NetOptions options, Audience& audience, Metrics& metrics)
@@ -156,18 +195,12 @@ void NetServer::start() {
     State& s = *state_;
     const auto context = s.context();
     const NetOptions& options = context->options;
-    error_code error;
-    const auto found =
-        tcp::resolver(s.io).resolve(options.listen, std::to_string(options.port), tcp::resolver::passive, error);
-    if (error) throw cannotListen(options, error);
-    const tcp::endpoint endpoint = *found.begin();
-    s.acceptor.open(endpoint.protocol(), error);
-    if (!error) s.acceptor.set_option(asio::socket_base::reuse_address(true), error);
-    if (!error) s.acceptor.bind(endpoint, error);
-    if (!error) s.acceptor.listen(asio::socket_base::max_listen_connections, error);
-    if (error) throw cannotListen(options, error);
-
-    asio::co_spawn(s.acceptor.get_executor(), s.accept(), kLogFailure);
+    listenOn(s.acceptor, options.listen, options.port, "--port");
+    asio::co_spawn(s.acceptor.get_executor(), s.accept(s.acceptor, &State::serve), kLogFailure);
+    if (options.agent_port != 0) {
+        listenOn(s.agents, options.listen, options.agent_port, "--agent-port");
+        asio::co_spawn(s.agents.get_executor(), s.accept(s.agents, &State::answerAgent), kLogFailure);
+    }
     for (uint32_t i = 0; i < std::max(options.threads, 1u); ++i) s.threads.emplace_back([&s] { s.io.run(); });
 }
 
@@ -179,6 +212,8 @@ void NetServer::setOptions(NetOptions options) {
     const NetOptions& old = context->options;
     options.listen = old.listen;
     options.port = old.port;
+    options.agent_port = old.agent_port;
+    options.proxy_protocol = old.proxy_protocol;
     options.web_root = old.web_root;
     options.threads = old.threads;
     options.tls_certificate = old.tls_certificate;
@@ -192,14 +227,22 @@ uint32_t NetServer::contexts() const { return state_->shared.contexts; }
 
 void NetServer::drain() { state_->shared.draining = true; }
 
+void NetServer::setElsewhere(std::function<std::string()> elsewhere) {
+    state_->shared.elsewhere.set(std::move(elsewhere));
+}
+
 void NetServer::stop(std::chrono::milliseconds grace, std::string go_to) {
     State& s = *state_;
     if (s.threads.empty()) return;
     const auto deadline = std::chrono::steady_clock::now() + grace;
-    s.shared.go_to = std::move(go_to);
+    s.shared.go_to = go_to.empty() ? s.shared.elsewhere.url() : std::move(go_to);
     s.shared.stopping = true;
-    // Waits until the listener is closed, so that no client connects to a server that will not answer.
-    asio::post(s.acceptor.get_executor(), asio::use_future([&s] { s.acceptor.close(); })).wait();
+    // Waits until the listeners are closed, so that no client connects to a server that will not answer.
+    asio::post(s.acceptor.get_executor(), asio::use_future([&s] {
+                   s.acceptor.close();
+                   s.agents.close();
+               }))
+        .wait();
     s.shared.connections.stopAll();
     if (!s.shared.connections.waitUntilEmpty(deadline)) {
         s.shared.connections.killAll();

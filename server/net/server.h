@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -31,8 +32,13 @@ public:
     uint32_t contexts() const;
     // /readyz fails from now on; all else goes on.
     void drain();
-    // Closes the port, tells every viewer goodbye and, unless it is empty, the URL `go_to`, and waits for the
-    // connections to end; after `grace` they are cut. A second call does nothing.
+    // `elsewhere` gives the URL of the other server with the most room, or nothing where there is none. Viewers for
+    // whom this server has no place are told it, and so are those of a server that stops. Called seldom, from any
+    // thread, under a lock: once another one is set, `elsewhere` is not called any more. At any time.
+    void setElsewhere(std::function<std::string()> elsewhere);
+    // Closes the ports, tells every viewer goodbye and where to go on, and waits for the connections to end; after
+    // `grace` they are cut. Viewers go on to the URL `go_to` or, where that is empty, to setElsewhere()'s. A second
+    // call does nothing.
     void stop(std::chrono::milliseconds grace, std::string go_to = {});
 
 private:

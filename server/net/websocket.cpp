@@ -74,7 +74,7 @@ private:
     void enqueueCommand(EnqueueCommand&& command);
     wire::Packed newPing();
     void ponged(uint32_t nonce);
-    void close(uint16_t code, std::string_view reason, float retry_after_s = 0);
+    void close(uint16_t code, std::string_view reason, float retry_after_s = 0, const std::string& go_to = {});
     void leave(std::string_view why);
     void log(const std::string& line) const { context_->log.write(spdlog::level::info, slot_->network(), line); }
 
@@ -299,7 +299,8 @@ void WebSocketSession::admit(const Admit& hello) {
         context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
         log(fmt::format("{} from {}: turned away, {}", hello.client, slot_->address(), why));
         enqueue(packError(wire::ErrorCode::full, why, 0));
-        return close(kCloseTryLater, why, kRetryFull);
+        const std::string go_to = context_->elsewhere.url();
+        return close(kCloseTryLater, why, go_to.empty() ? kRetryFull : 0, go_to);
     }
     handle_->viewer().grant(hello.granted);
     name_ = fmt::format("viewer {}", handle_->viewer().id());
@@ -331,13 +332,13 @@ void WebSocketSession::enqueueCommand(EnqueueCommand&& command) {
     }
     if (context_->audience.commands().push({handle_->viewer().id(), seq, std::move(command.body)})) return;
     context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::busy));
-    enqueue(packError(wire::ErrorCode::busy, "too many commands wait: try again", seq));
+    enqueue(packError(wire::ErrorCode::busy, whyRefused(context_->audience.commands()), seq));
 }
 
 // The viewer leaves the audience at once. The connection ends when all control messages are sent.
-void WebSocketSession::close(uint16_t code, std::string_view reason, float retry_after_s) {
+void WebSocketSession::close(uint16_t code, std::string_view reason, float retry_after_s, const std::string& go_to) {
     if (closing_ || ended_) return;
-    enqueue(packGoodbye(reason, retry_after_s, context_->stopping ? context_->go_to : ""));
+    enqueue(packGoodbye(reason, retry_after_s, context_->stopping ? context_->go_to : go_to));
     leave(reason);
     closing_ = websocket::close_reason(websocket::close_code(code), beast::string_view(reason.data(), reason.size()));
     event_->notify();

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <stdexcept>
@@ -44,9 +45,28 @@ template <class T>
 void read(const json& from, T& to) {
     to = from.get<T>();
 }
+void read(const json& from, float& to) {
+    to = static_cast<float>(from.get<double>());
+    if (!std::isfinite(to)) throw std::runtime_error("a number that float32 does not have");
+}
+void read(const json& from, uint32_t& to) {
+    if (!from.is_number_unsigned() || from.get<uint64_t>() > std::numeric_limits<uint32_t>::max())
+        throw std::runtime_error("a whole number of 32 bits");
+    to = from.get<uint32_t>();
+}
 void read(const json& from, glm::vec3& to) {
     if (from.size() != 3) throw std::runtime_error("a vector has three numbers");
-    to = {from.at(0).get<float>(), from.at(1).get<float>(), from.at(2).get<float>()};
+    for (int i = 0; i < 3; ++i) read(from.at(static_cast<size_t>(i)), to[i]);
+}
+float number(const json& from) {
+    float value = 0;
+    read(from, value);
+    return value;
+}
+uint32_t wholeNumber(const json& from) {
+    uint32_t value = 0;
+    read(from, value);
+    return value;
 }
 
 struct Write {
@@ -156,7 +176,7 @@ void readFields(const std::string& name, const json& fields, Add& add) {
     });
 }
 void readFields(const std::string& name, const json& fields, Remove& remove) {
-    remove = {listIn(name, fields), fields.at("element").get<uint32_t>()};
+    remove = {listIn(name, fields), wholeNumber(fields.at("element"))};
 }
 
 void readFields(const std::string& name, const json& fields, SetParticles& set) {
@@ -166,7 +186,7 @@ void readFields(const std::string& name, const json& fields, SetParticles& set) 
     readDigits(fields.at("scales").get<std::string>(), rows.scales);
     readDigits(fields.at("extinctions").get<std::string>(), rows.extinctions);
     readDigits(fields.at("albedos").get<std::string>(), rows.albedos);
-    set = {fields.at("first").get<uint32_t>(), fields.at("live").get<uint32_t>(), fields.at("seconds").get<float>(),
+    set = {wholeNumber(fields.at("first")), wholeNumber(fields.at("live")), number(fields.at("seconds")),
            std::make_shared<const ParticleRows>(std::move(rows))};
     if (const std::string problem = problemOf(set, std::numeric_limits<uint32_t>::max()); !problem.empty())
         throw std::runtime_error(problem);
@@ -192,7 +212,7 @@ json toJson(const Command& command) {
 }
 
 Command commandOf(const json& in) {
-    Command command{in.at("viewer").get<uint32_t>(), in.at("seq").get<uint32_t>(), Restart{}};
+    Command command{wholeNumber(in.at("viewer")), wholeNumber(in.at("seq")), Restart{}};
     if (in.size() != 3) throw std::runtime_error("a command has viewer, seq and one body");
     for (const auto& [name, fields] : in.items())
         if (name != "viewer" && name != "seq") command.body = bodyOf(name, fields);

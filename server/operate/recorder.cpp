@@ -14,7 +14,7 @@ constexpr uint64_t kTellEvery = 60;
 } // namespace
 
 Recorder::Recorder(const Options& options, const RecordingHead& head, const Scene& scene, const gpu::Device& device)
-    : options_(options), scene_(scene), device_(device),
+    : options_(options), head_(head), scene_(scene), device_(device),
       out_(std::make_unique<RecordingWriter>(options.file, head, options.most_bytes)), begun_(head.tick),
       file_(options.file) {
     spdlog::info("recording to '{}', {} MiB at most", options.file.string(), options.most_bytes >> 20);
@@ -24,11 +24,17 @@ Recorder::~Recorder() { end("stopped"); }
 
 void Recorder::ticked(const Simulation& simulation, std::span<const Command> commands) {
     if (!out_) return;
+    const bool first = !std::exchange(has_last_, true);
+    if (!first && simulation.tick() != last_.tick + 1) {
+        RecordingHead head = head_;
+        head.joined = true;
+        return goOn(head, Scene(scene_), simulation, "another state was loaded");
+    }
     const RecordedTick before = std::exchange(last_, {simulation.tick(), simulation.stateHash(), {}, {}, {}, {}});
     if (options_.frames > 0 && !pictures_)
         pictures_ = std::make_unique<OwnFrames>(device_, scene_, simulation.capacity());
     const bool picture = options_.frames > 0 && last_.tick > 0 && last_.tick % options_.frames == 0;
-    if (commands.empty() && !picture && last_.tick % kTellEvery != 0) return;
+    if (commands.empty() && !picture && !first && last_.tick % kTellEvery != 0) return;
     RecordedTick record = last_;
     record.commands.assign(commands.begin(), commands.end());
     if (picture) record.frame = pictures_->hash(simulation);
@@ -45,9 +51,10 @@ void Recorder::ticked(const Simulation& simulation, std::span<const Command> com
     }
 }
 
-void Recorder::goOn(const RecordingHead& head, const Scene& scene, const Simulation& simulation) {
+void Recorder::goOn(const RecordingHead& head, const Scene& scene, const Simulation& simulation, const char* why) {
     const bool was_open = out_ != nullptr;
-    end("another scene is shown");
+    end(why);
+    head_ = head;
     pictures_.reset();
     errors_.forget();
     scene_ = scene;

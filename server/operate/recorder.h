@@ -22,27 +22,30 @@ public:
     // Ends the recording.
     ~Recorder();
 
-    // To be called before the first tick, and after every tick with the commands that it took. A full disk ends the
+    // To be called before the first tick, and after every tick with the commands that it took. Where a tick does not
+    // follow from the one before, the recording goes on in another file, as with goOn(). A full disk ends the
     // recording, not the server; the log says so. Throws gpu::Error if `frames` is not 0.
     void ticked(const Simulation& simulation, std::span<const Command> commands);
     // To be called with what is known of the errors of viewers' pictures, on the same thread: once a second what has
     // changed is written, RecordedErrors::kMost viewers at most.
     void measured(std::span<const ViewError> errors) { errors_.set(errors); }
-    // Another scene is shown, in this state: the recording ends, and goes on in a file beside it, NAME-2 and so on. On
-    // the same thread.
-    void goOn(const RecordingHead& head, const Scene& scene, const Simulation& simulation);
+    // Another scene is shown, or another state of it; `why`, in a few words. The recording ends, and goes on in a file
+    // beside it, NAME-2 and so on. On the same thread.
+    void goOn(const RecordingHead& head, const Scene& scene, const Simulation& simulation, const char* why);
 
 private:
     bool write(const RecordedTick& tick);
     void end(const char* why);
 
     const Options options_;
+    RecordingHead head_;
     Scene scene_;
     uint32_t files_ = 1; // begun
     const gpu::Device& device_;
     std::unique_ptr<RecordingWriter> out_; // null once the recording has ended
     std::unique_ptr<OwnFrames> pictures_;
-    RecordedTick last_; // its commands are left out
+    RecordedTick last_;     // its commands are left out
+    bool has_last_ = false; // True: last_ is a tick of this session
     RecordedErrors errors_;
     uint64_t begun_ = 0, commands_ = 0; // first tick and number of commands of the present file
     std::filesystem::path file_;        // the present one

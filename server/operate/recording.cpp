@@ -20,14 +20,13 @@ namespace {
 using nlohmann::json;
 
 constexpr char kMagic[] = "brume-recording ";
-constexpr int kVersion = 11; // older ones have other live settings, and so other hashes of the state
 constexpr size_t kDigits = 16;
 constexpr uint64_t kEndReserve = 256; // bytes, for the last line
 // A scene's text has 1 MiB at most, and up to six characters for each in JSON. Rows of particles have kMostRowBytes in
 // a tick, and two digits for each.
 constexpr size_t kLongestLine = 80 << 20;
 
-std::string magicLine() { return kMagic + std::to_string(kVersion); }
+std::string magicLine() { return kMagic + std::to_string(kRecordingVersion); }
 
 std::string hashOf(const std::string& before, const std::string& text) {
     StateHash hash;
@@ -92,7 +91,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
                        {"text", head.text},
                        {"overrides", head.overrides},
                        {"server", head.server},
-                       {"tick", head.tick}}
+                       {"tick", head.tick},
+                       {"joined", head.joined}}
                       .dump());
     } catch (const json::exception&) { // text that is not UTF-8 is no TOML and was refused before
         ::close(fd_);
@@ -154,7 +154,7 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
         fail(
             fmt::format("version {}; this server replays version {}: use the server that recorded it, which the file's "
                         "second line names",
-                        first->substr(sizeof kMagic - 1), kVersion));
+                        first->substr(sizeof kMagic - 1), kRecordingVersion));
     hash_ = *first;
     const auto text = verified();
     if (!text) fail("cut within its head: there is nothing to replay");
@@ -162,10 +162,15 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
         const json head = json::parse(*text);
         head_ = {head.at("scene").get<std::string>(),  head.at("file").get<std::string>(),
                  head.at("text").get<std::string>(),   head.at("overrides").get<std::vector<std::string>>(),
-                 head.at("server").get<std::string>(), head.value("tick", uint64_t{0})};
+                 head.at("server").get<std::string>(), head.value("tick", uint64_t{0}),
+                 head.value("joined", false)};
     } catch (const json::exception& e) {
         fail(fmt::format("not a recording's head: {}", e.what()));
     }
+    if (head_.joined)
+        fail(fmt::format("begins at tick {} with a state that came from other servers: replay the recording of the "
+                         "server that began the log",
+                         head_.tick));
 }
 
 void RecordingReader::fail(const std::string& what) const {

@@ -28,6 +28,9 @@
 
 namespace brume {
 
+// Another number: live settings are others, and so are hashes of states.
+inline constexpr int kRecordingVersion = 11;
+
 struct RecordingHead {
     std::string scene;                  // name of the scene
     std::string file;                   // path of the scene file; its particle file lies beside it
@@ -35,6 +38,7 @@ struct RecordingHead {
     std::vector<std::string> overrides; // key=value, in the order in which they apply
     std::string server;                 // version of the server that recorded
     uint64_t tick = 0;                  // tick of the state that it begins with
+    bool joined = false;                // True: that state came from other servers, and no replay can make it
 };
 
 struct RecordedTick {

@@ -22,9 +22,8 @@ Scene sceneOf(const RecordingHead& head) {
     return scene;
 }
 
-ReplayTicks::ReplayTicks(std::filesystem::path file, std::shared_ptr<ReplayControl> control, uint64_t memory,
-                         Clock::time_point begin)
-    : file_(std::move(file)), control_(std::move(control)), memory_(memory), next_(begin) {
+ReplayTicks::ReplayTicks(std::filesystem::path file, std::shared_ptr<ReplayControl> control, Clock::time_point begin)
+    : file_(std::move(file)), control_(std::move(control)), next_(begin) {
     open();
 }
 
@@ -36,7 +35,7 @@ void ReplayTicks::open() {
 }
 
 // A seek backwards begins anew: states cannot be taken back.
-std::optional<Simulation> ReplayTicks::beginning() {
+std::optional<std::vector<std::byte>> ReplayTicks::beginning() {
     const ReplayControl::Seek wanted = control_->wanted();
     if (wanted.number == number_) return {};
     number_ = wanted.number;
@@ -46,9 +45,7 @@ std::optional<Simulation> ReplayTicks::beginning() {
         return {};
     }
     open();
-    Simulation simulation(sceneOf(recording_->head()), memory_);
-    simulation.countFrom(tick_);
-    return simulation;
+    return start_;
 }
 
 bool ReplayTicks::take(Clock::time_point now, std::vector<Command>& commands) {
@@ -70,6 +67,7 @@ bool ReplayTicks::take(Clock::time_point now, std::vector<Command>& commands) {
 }
 
 void ReplayTicks::check(const Simulation& simulation) {
+    if (start_.empty()) simulation.save(start_);
     state_hash_ = simulation.stateHash();
     for (const RecordedTick& record : recorded_->records()) {
         if (record.state_hash != state_hash_ && !std::exchange(differs_, true))

@@ -15,10 +15,14 @@ void addStopOptions(OptionTable& table, ServerOptions& o);
 void addDeviceOptions(OptionTable& table, ServerOptions& o);
 void addLogOptions(OptionTable& table, ServerOptions& o);
 void addRecordOptions(OptionTable& table, ServerOptions& o);
+void addClusterOptions(OptionTable& table, ServerOptions& o);
 
 // Reads the token key. Throws std::runtime_error, in one line, when the trust options contradict each other, and when
-// other machines could connect without a key and nobody said --open.
+// other machines could connect, also through a gateway, without a key and nobody said --open.
 void readTrust(ServerOptions& o);
+
+// What is allowed instead of this URL, which viewers are told; empty: it is good.
+std::string checkViewerUrl(const std::string& url);
 
 // --make-token, and what belongs to it.
 struct TokenRequest {

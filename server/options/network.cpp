@@ -25,6 +25,10 @@ void addNetworkOptions(OptionTable& table, ServerOptions& o) {
     OptionGroup g(table, "Network");
     g.option("--listen", o.net.listen, "address; 0.0.0.0 or :: lets other machines in");
     g.option("--port", o.net.port, "0 takes a free one").range(0, 65535);
+    g.flag("--proxy-protocol", o.net.proxy_protocol,
+           "a gateway says first whose connection it passes on, by the PROXY protocol; who does not is refused");
+    g.option("--agent-port", o.net.agent_port, "tells HAProxy's agent-check how much room there is; 0: none")
+        .range(0, 65535);
     g.option("--web-root", o.net.web_root, "folder of the built page");
     g.several("--allow-origin", o.net.allowed_origins, ',', "pages of this origin may connect too; * for any")
         .check(checkOrigin)

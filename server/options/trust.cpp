@@ -37,6 +37,9 @@ void readTrust(ServerOptions& o) {
             fmt::format("--listen {}: other machines could do everything here; allowed: --token-key FILE for "
                         "viewers with tokens, or --open for whoever comes",
                         o.net.listen));
+    if (o.net.token_key.empty() && !o.open && o.net.proxy_protocol)
+        throw std::runtime_error("--proxy-protocol: who comes through the gateway could do everything here; allowed: "
+                                 "--token-key FILE for viewers with tokens, or --open for whoever comes");
     if (!o.net.token_key.empty() && o.open)
         throw std::runtime_error("--open lets everyone in, --token-key does not: give one of them");
 }

@@ -1,7 +1,9 @@
 // What viewers may ask of the shared scene. Commands are taken in order at a tick and stamped with it.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <mutex>
@@ -46,6 +48,7 @@ struct Command {
     uint32_t viewer = 0; // who asked
     uint32_t seq = 0;    // the viewer's own number
     CommandBody body;
+    std::chrono::steady_clock::time_point received{}; // by CommandQueue; 0: never, as those of recordings
 };
 
 inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles
@@ -59,18 +62,36 @@ public:
     explicit CommandQueue(size_t capacity = 4096) : capacity_(capacity) { pending_.reserve(capacity); }
     // False if the queue is full, if the command is an impulse and kMostImpulses wait already, or if rows of particles
     // would exceed kMostRowBytes.
+    // False, too, while the queue is closed.
     [[nodiscard]] bool push(Command command) {
         const bool impulse = std::holds_alternative<Impulse>(command.body);
         const auto* particles = std::get_if<SetParticles>(&command.body);
         const size_t bytes = particles ? particles->rows->bytes() : 0;
         const std::scoped_lock lock(mutex_);
-        if (pending_.size() >= capacity_ || (impulse && impulses_ >= kMostImpulses) ||
+        if (closed_ || pending_.size() >= capacity_ || (impulse && impulses_ >= kMostImpulses) ||
             row_bytes_ + bytes > kMostRowBytes)
             return false;
         impulses_ += impulse;
         row_bytes_ += bytes;
+        command.received = std::chrono::steady_clock::now();
         pending_.push_back(std::move(command));
+        if (wake_) wake_();
         return true;
+    }
+    // Refuses commands from now on, for the reason `why`: one line that outlives the queue. Null: takes them again.
+    void close(const char* why) {
+        const std::scoped_lock lock(mutex_);
+        closed_ = why;
+    }
+    // Null: it takes commands.
+    const char* closed() const {
+        const std::scoped_lock lock(mutex_);
+        return closed_;
+    }
+    // `wake` is called after each push, with a lock held: it may not use the queue. Null: nobody is told.
+    void serve(std::function<void()> wake) {
+        const std::scoped_lock lock(mutex_);
+        wake_ = std::move(wake);
     }
     // Swaps the pending commands into `out`, which is cleared first; the two buffers keep their capacity.
     void drain(std::vector<Command>& out) {
@@ -82,11 +103,19 @@ public:
     }
 
 private:
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
+    std::function<void()> wake_;
+    const char* closed_ = nullptr;
     size_t capacity_;
     std::vector<Command> pending_;
     uint32_t impulses_ = 0; // in pending_
     size_t row_bytes_ = 0;  // of all rows in pending_
 };
+
+// Why it refuses a command, in one line.
+inline const char* whyRefused(const CommandQueue& queue) {
+    const char* const closed = queue.closed();
+    return closed ? closed : "too many commands wait: try again";
+}
 
 } // namespace brume

@@ -55,7 +55,27 @@ struct AddTo {
     void operator()(const Other*) const {} // no element has one
 };
 
+struct Exchange {
+    StateBytes& bytes;
+    void operator()(std::string* text) const { bytes.value(*text, kLongestName); }
+    void operator()(glm::vec3* vector) const { bytes.value(*vector); }
+    void operator()(float* number) const { bytes.value(*number); }
+    void operator()(bool* flag) const { bytes.value(*flag); }
+    template <class Other>
+    void operator()(Other*) const {} // no element has one
+};
+
 } // namespace
+
+void exchange(StateBytes& bytes, SceneLists& lists) {
+    for (const SceneList list : kSceneLists) {
+        visit(lists, list, [&](auto& elements) { elements.resize(bytes.size(elements.size(), mostOf(list))); });
+        for (uint32_t element = 0; element < lists.size(list); ++element)
+            for (const SceneSetting& setting : sceneSettings())
+                if (setting.table() == nameOf(list))
+                    std::visit(Exchange{bytes}, setting.member(partsOf(lists, list, element)));
+    }
+}
 
 size_t SceneLists::size(SceneList list) const {
     return visit(*this, list, [](const auto& elements) { return elements.size(); });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/settings.h"
+#include "server/sim/state_bytes.h"
 #include "server/sim/state_hash.h"
 
 namespace brume {
@@ -38,6 +39,9 @@ std::string remove(SceneLists& lists, SceneList list, uint32_t element);
 
 // What is wrong with lists as a whole, in one line; empty: nothing. `particles`: true if the medium has any.
 std::string problemOf(const SceneLists& lists, bool particles);
+
+// Writes or reads all elements with all settings that a scene file gives them. Throws StateError.
+void exchange(StateBytes& bytes, SceneLists& lists);
 
 // Of all live settings of all elements. Changes nothing.
 uint64_t hashOf(SceneLists& lists);

@@ -109,6 +109,18 @@ void Live::settle(Columns& columns, float extinction) const {
 
 uint64_t Live::bytes() const { return targets_.capacity() * sizeof(Target) + albedos_.capacity() * sizeof(glm::vec3); }
 
+void Live::exchange(StateBytes& bytes, Columns& columns, const MotionStep&) {
+    bytes.value(live_);
+    bytes.value(moving_);
+    bytes.value(told_);
+    if (live_ > targets_.size()) throw StateError("a state with more particles than there can be");
+    bytes.values(std::span(targets_));
+    bytes.values(std::span(albedos_));
+    // Rows that are gone come back where they were.
+    for (const Column c : {Column::home_x, Column::home_y, Column::home_z, Column::scale, Column::weight})
+        bytes.values(std::span(columns[c] + live_, targets_.size() - live_));
+}
+
 // The columns are as at the start already.
 void Live::restart() {
     live_ = moving_ = 0;

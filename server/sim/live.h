@@ -22,6 +22,7 @@ public:
     bool yields() const override { return false; }
     uint64_t history() const override { return told_; }
     uint64_t bytes() const override;
+    void exchange(StateBytes& bytes, Columns& columns, const MotionStep& now) override;
     void restart() override;
 
 private:

@@ -12,6 +12,7 @@
 #include "common/scene.h"
 #include "server/sim/columns.h"
 #include "server/sim/particle_rows.h"
+#include "server/sim/state_bytes.h"
 
 namespace brume {
 
@@ -54,6 +55,10 @@ public:
 
     // Takes a message about particles at `now`, before the step of that number. Nothing where the layout is not `live`.
     virtual void set(Columns& /*columns*/, const SetParticles& /*particles*/, const MotionStep& /*now*/) {}
+
+    // Writes or reads what this object knows besides the columns and the scene. `now`: the last step that was taken.
+    // Columns of the living rows follow it, so it may leave them in any state.
+    virtual void exchange(StateBytes& /*bytes*/, Columns& /*columns*/, const MotionStep& /*now*/) {}
 
     // keepStart() remembers what this object knows besides the columns; restart() goes back to it.
     virtual void keepStart() {}

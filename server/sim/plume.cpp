@@ -41,6 +41,12 @@ void Plume::settle(Columns& columns, float extinction) const {
         age(columns, rows, {.life = emitter_.life, .growth = emitter_.growth, .extinction = extinction});
 }
 
+void Plume::exchange(StateBytes& bytes, Columns&, const MotionStep&) {
+    bytes.value(born_);
+    bytes.value(oldest_);
+    if (oldest_ > born_ || born_ - oldest_ > pool_) throw StateError("a state with more particles than there can be");
+}
+
 // What birth number n is like depends on the seed and n alone; where it is now, on how long ago within this step it
 // came.
 void Plume::bear(Columns& columns, double now, glm::vec3 volume) {

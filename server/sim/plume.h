@@ -20,6 +20,7 @@ public:
     std::array<Rows, 2> living() const override;
     uint64_t history() const override { return born_; }
     std::optional<glm::vec3> source() const override { return emitter_.position; }
+    void exchange(StateBytes& bytes, Columns& columns, const MotionStep& now) override;
     void keepStart() override { start_born_ = born_, start_oldest_ = oldest_; }
     void restart() override { born_ = start_born_, oldest_ = start_oldest_; }
 

@@ -21,6 +21,10 @@ public:
     bool yields() const override { return false; }
     uint64_t history() const override { return files_.hash; }
     uint64_t bytes() const override;
+    // All of it follows from the number of steps.
+    void exchange(StateBytes& bytes, Columns& columns, const MotionStep& now) override {
+        if (bytes.reads()) show(columns, now.number, now.volume);
+    }
     void restart() override { turnTo(0); }
 
 private:

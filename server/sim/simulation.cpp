@@ -79,6 +79,8 @@ struct Simulation::State {
     void settle();  // what follows from the rest: sigma, bounds, hash
     glm::vec3 volume() const;
     uint64_t hashed();
+    void exchange(StateBytes& bytes);
+    void exchangeColumns(StateBytes& bytes);
 
     uint32_t rows = 0;
     std::optional<PointCloudFacts> cloud;
@@ -169,7 +171,7 @@ std::string Simulation::State::apply(const Impulse& c) {
     const float length = glm::length(c.direction);
     if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-3f && length < 1e3f))
         return {};
-    if (impulses++ >= kMostImpulses) return {}; // of a recording: CommandQueue refuses them
+    if (impulses++ >= kMostImpulses) return "too many pushes in one tick"; // CommandQueue refuses them before
     const float strength = limits::kStrength.clamp(c.strength);
     Push p{.origin = clamped(c.origin, limits::kPlace),
            .direction = c.direction / length,
@@ -329,8 +331,68 @@ void Simulation::step(std::span<const Command> commands) {
     keepPast();
 }
 
+// What is written here is all that can differ between two runs of one scene.
+void Simulation::State::exchange(StateBytes& bytes) {
+    uint64_t of = origin;
+    bytes.value(of);
+    if (of != origin) throw StateError("a state of another scene, or of other particles");
+    bytes.value(tick);
+    bytes.value(steps);
+    bytes.value(moved);
+    const SceneParts parts = partsOf(now);
+    eachLive<glm::vec3>(parts, [&](glm::vec3& value) { bytes.value(value); });
+    eachLive<float>(parts, [&](float& value) { bytes.value(value); });
+    eachLive<uint32_t>(parts, [&](uint32_t& value) { bytes.value(value); });
+    eachLive<bool>(parts, [&](bool& value) { bytes.value(value); });
+    eachLive<std::string>(parts, [&](std::string& value) { bytes.value(value, kLongestName); });
+    brume::exchange(bytes, now.lists);
+    bytes.value(lists_hash); // of the lists after the last command: lights that orbit have moved since
+    motion->exchange(bytes, *columns, {.number = steps, .volume = volume(), .settings = now.simulation});
+    exchangeColumns(bytes);
+}
+
+// Of living rows, and but for sigma, which settle() computes. A column that is as at the start is but a flag.
+void Simulation::State::exchangeColumns(StateBytes& bytes) {
+    for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c) {
+        const auto column = static_cast<Column>(c);
+        if (column == Column::sigma) continue;
+        float* now_there = (*columns)[column];
+        const float* first = (*first_columns)[column];
+        bool changed = false;
+        for (const Rows run : motion->living())
+            changed = changed || !std::equal(now_there + run.begin, now_there + run.end, first + run.begin);
+        bytes.value(changed);
+        for (const Rows run : motion->living())
+            if (changed)
+                bytes.values(std::span(now_there + run.begin, run.end - run.begin));
+            else if (bytes.reads())
+                std::copy(first + run.begin, first + run.end, now_there + run.begin);
+    }
+}
+
+void Simulation::save(std::vector<std::byte>& out) const {
+    out.clear();
+    StateBytes bytes(out);
+    state_->exchange(bytes);
+    bytes.value(state_->hash);
+}
+
+void Simulation::load(std::span<const std::byte> from) {
+    State& s = *state_;
+    StateBytes bytes(from);
+    s.exchange(bytes);
+    uint64_t hash = 0;
+    bytes.value(hash);
+    ++s.settings_version;
+    s.settle();
+    if (hash != s.hash) throw StateError("a state whose hash is another than it says");
+    if (!bytes.left().empty()) throw StateError("a state with something behind its end");
+    countFrom(s.tick);
+}
+
 uint64_t Simulation::tick() const { return state_->tick; }
 uint64_t Simulation::stateHash() const { return state_->hash; }
+uint64_t Simulation::origin() const { return state_->origin; }
 std::span<const RefusedCommand> Simulation::refused() const { return state_->refused; }
 uint64_t Simulation::listsHash() const { return state_->lists_hash; }
 uint64_t Simulation::settingsVersion() const { return state_->settings_version; }

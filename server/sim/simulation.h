@@ -1,15 +1,18 @@
 // The shared simulation: deterministic, fixed step, on the CPU. Seed 000 section 3.14, plus an emitter.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "common/scene.h"
 #include "common/settings.h"
 #include "server/sim/command.h"
 #include "server/sim/lists.h"
 #include "server/sim/past.h"
+#include "server/sim/state_bytes.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -55,6 +58,13 @@ public:
     // The state before the first step is of this tick, not of tick 0. Precondition: nothing was stepped.
     void countFrom(uint64_t tick);
 
+    // The whole state as bytes, of which one of the same scene and version makes it again. Of a union medium they leave
+    // out past(). `out` is cleared first.
+    void save(std::vector<std::byte>& out) const;
+    // Goes on from such bytes. Throws StateError for those of another scene, cut or changed ones; then nothing but
+    // destroying is allowed. Precondition: made of the same scene.
+    void load(std::span<const std::byte> bytes);
+
     // One tick of 1/60 s: applies the commands in order, then moves the particles unless paused. Allocates nothing but
     // for commands that change lists.
     void step(std::span<const Command> commands);
@@ -64,6 +74,8 @@ public:
     uint64_t tick() const;
     // 64-bit hash of the whole state after the last step; equal seeds and commands give equal hashes.
     uint64_t stateHash() const;
+    // Of the seed and all particles at the start: another one is another scene.
+    uint64_t origin() const;
     // Of the lists after the last command that changed them: all live settings of their elements.
     uint64_t listsHash() const;
     // A number that grows when a command sets settings. What changes by itself (a turning light) leaves it as it is.

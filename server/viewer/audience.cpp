@@ -71,8 +71,17 @@ void Audience::setMaxViewers(uint32_t max_viewers, uint32_t per_owner) {
     max_per_owner_ = per_owner;
 }
 
+uint32_t Audience::placesFor(bool is_operator) const {
+    return max_viewers_ - (keeps_place_ && !is_operator && max_viewers_ > 1);
+}
+
+uint32_t Audience::places() const {
+    const std::scoped_lock lock(mutex_);
+    return std::min<uint32_t>(placesFor(false), room_);
+}
+
 const char* Audience::whyFull(const Newcomer& newcomer) const {
-    const size_t places = max_viewers_ - (keeps_place_ && !newcomer.is_operator && max_viewers_ > 1);
+    const size_t places = placesFor(newcomer.is_operator);
     if (viewers_.size() >= places)
         return viewers_.size() >= max_viewers_ ? "every place is taken" : "the last place is kept for operators";
     if (viewers_.size() >= room_) return "there is no time to draw for one more viewer";

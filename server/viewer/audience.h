@@ -29,6 +29,7 @@ struct SceneReport {
     uint64_t settings_version = 0; // Simulation::settingsVersion()
     SceneLists lists;
     uint64_t lists_hash = 0; // Simulation::listsHash()
+    std::string standstill;  // why no tick comes, one line; empty: ticks come
     struct {
         std::string method;
         std::string quadrature;       // empty for a method without a choice
@@ -109,6 +110,8 @@ public:
     // Precondition: not called from the viewer's own notify.
     void leave(const std::shared_ptr<Viewer>& viewer, bool lost = false);
     uint32_t size() const;
+    // How many viewers there may be at most, as it is now, if they are no operators.
+    uint32_t places() const;
     // Fills `out` with the viewers in the order of joining. Reuses its memory.
     void list(std::vector<std::shared_ptr<Viewer>>& out) const;
 
@@ -126,9 +129,12 @@ public:
 
     // True: the frame loop runs and delivers frames. Answered at /readyz.
     std::atomic<bool> ready{false};
+    // What a frame of all viewers takes of the device, over the frame budget; above 1 something is given up.
+    std::atomic<float> budget_used{0};
 
 private:
     const char* whyFull(const Newcomer& newcomer) const; // null: it is not. Precondition: mutex_ is held
+    uint32_t placesFor(bool is_operator) const;          // by the limit alone. Precondition: mutex_ is held
     void remember(const std::shared_ptr<Viewer>& viewer);
 
     const ServerFacts facts_;

@@ -274,7 +274,14 @@ describe('one server', () => {
     await fact.filter({ hasText: MEASURED }).waitFor();
     const { error, low, high } = await page.evaluate(() => window.brume.lastFrame.measured);
     assert.ok(0 < low && low < error && error < high && high < 1, `${low} ${error} ${high}`);
-    assert.ok(await fact.evaluate((value) => value.scrollWidth <= value.clientWidth), 'the line is cut off');
+    // As it is, and as long as it can be: small errors have more digits.
+    const cut = await fact.evaluate((value) => {
+      const isCut = () => value.scrollWidth > value.clientWidth || value.scrollHeight > value.clientHeight;
+      const [now, box] = [isCut(), value.closest('#overlay')];
+      value.textContent = '0.0000098 % (0.0000012–0.0000099), promised 0.0000095 %';
+      return { now, longest: isCut(), box: box.scrollWidth > box.clientWidth };
+    });
+    assert.deepEqual(cut, { now: false, longest: false, box: false }, 'the line is cut off');
     await page.locator('#measured', { hasText: /^measured [\d.]+ % \([\d.]+–[\d.]+\), promised 0\.5 %$/ }).waitFor();
     await page.leave();
   });
@@ -343,39 +350,6 @@ test('a page comes back by itself, where it was, when the server restarts', asyn
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });
 
-test('a page goes where a server that stops sends it, with its camera and its wishes', async (t) => {
-  const next = await startServer();
-  t.after(() => next.stop());
-  const server = await startServer('--drain-time', '0', '--drain-to', `ws://127.0.0.1:${next.port}/ws`);
-  t.after(() => server.stop());
-  const page = await openPage(t, browser, `${server.url}/?predict=0`, { sentTo: next.url });
-  await connected(page);
-  await drag(page, [0.5, 0.5], [0.7, 0.6]);
-  await settled(page);
-  const { camera } = await page.evaluate(() => window.brume);
-  assert.equal(await server.stop(), 0, 'the server’s exit');
-  await page.waitForURL(`${next.url}/?predict=0`); // what it brought along has left the address bar
-  await connected(page);
-  assert.deepEqual(await page.evaluate(() => window.brume.camera), camera);
-  await settled(page);
-  await page.leave();
-  assert.equal(await next.stop(), 0, 'the server’s exit');
-});
-
-test('a page comes back to its server when nobody is where it was sent', async (t) => {
-  const sentTo = 'http://127.0.0.1:1/';
-  let server = await startServer('--drain-time', '0', '--drain-to', sentTo);
-  t.after(() => server.stop());
-  const page = await openPage(t, browser, server.url, { sentTo });
-  await connected(page);
-  assert.equal(await server.stop(), 0, 'the server’s exit');
-  await until(page, 'it is reconnecting', (brume) => brume.state === 'reconnecting');
-  server = await startServer('--port', server.port);
-  await connected(page);
-  await page.leave();
-  assert.equal(await server.stop(), 0, 'the server’s exit');
-});
-
 test('a page whose server is killed is back soon after the port opens', async (t) => {
   let server = await startServer();
   t.after(() => server.stop());
@@ -418,6 +392,7 @@ await import('./element.mjs');
 await import('./eyes.mjs');
 await import('./links.mjs');
 await import('./lists.mjs');
+await import('./nodes.mjs');
 await import('./scenes.mjs');
 await import('./trust.mjs');
 await import('./window.mjs');

@@ -6,7 +6,7 @@ import { fileURLToPath } from 'node:url';
 
 const ROOT = fileURLToPath(new URL('../../', import.meta.url));
 export const BINARY = process.env.BRUME_SERVER ?? join(ROOT, 'build/release/bin/brume-server');
-const WEB_ROOT = process.env.BRUME_WEB_ROOT ?? join(ROOT, 'client/web/dist');
+export const WEB_ROOT = process.env.BRUME_WEB_ROOT ?? join(ROOT, 'client/web/dist');
 const START_MS = 30_000;
 const STOP_MS = 10_000;
 

@@ -17,12 +17,14 @@ void ply(Bytes input);     // a point cloud
 void gltf(Bytes input);    // a mesh
 void costs(Bytes input);   // a cost file of `brume-bench calibrate`
 void token(Bytes input);   // a token, and a request that may carry one
+void proxy(Bytes input);   // the PROXY protocol header of a gateway, and what follows it
 
 struct Target {
     const char* name;
     void (*run)(Bytes input);
 };
-inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query}, {"scene", scene},
-                                      {"ply", ply},         {"gltf", gltf},       {"costs", costs}, {"token", token}};
+inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query},
+                                      {"scene", scene},     {"ply", ply},         {"gltf", gltf},
+                                      {"costs", costs},     {"token", token},     {"proxy", proxy}};
 
 } // namespace brume::fuzz

@@ -37,6 +37,23 @@ private:
     std::atomic<int>& left_;
 };
 
+// Ticks that are long due, but for each second look.
+class OverdueTicks final : public TickSource {
+public:
+    explicit OverdueTicks(std::atomic<int>& taken) : taken_(taken) {}
+    Clock::time_point due() const override { return Clock::time_point::min(); }
+    bool take(Clock::time_point, std::vector<Command>& commands) override {
+        commands.clear();
+        there_ = !there_;
+        taken_ += there_;
+        return there_;
+    }
+
+private:
+    std::atomic<int>& taken_;
+    bool there_ = false;
+};
+
 class FrameLoopTest : public GpuTest {
 protected:
     Scene scene_ = loadScene("server/scenes/cloud.toml");
@@ -61,6 +78,17 @@ TEST_F(FrameLoopTest, APoseIsAnsweredByAPictureOfItsTick) {
     EXPECT_EQ((*frame->jpeg[0])[0], 0xff); // a JPEG begins so
     EXPECT_EQ((*frame->jpeg[0])[1], 0xd8);
     loop.stop();
+    EXPECT_FALSE(failed_);
+}
+
+TEST_F(FrameLoopTest, WaitsForNothingWhileATickIsDue) {
+    std::atomic<int> taken{0};
+    FrameLoop loop(scene_, device(), audience_, metrics_, {});
+    loop.start([&] { failed_ = true; }, std::make_unique<OverdueTicks>(taken));
+    const auto deadline = Clock::now() + std::chrono::seconds(10);
+    while (taken < 100 && Clock::now() < deadline) std::this_thread::yield();
+    loop.stop();
+    EXPECT_GE(taken, 100) << "in ten seconds; one a second is the wait for the next report";
     EXPECT_FALSE(failed_);
 }
 

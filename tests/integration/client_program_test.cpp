@@ -236,6 +236,33 @@ TEST_F(ClientProgram, AViewerWhoseConnectionIsLostIsTheSameAgain) {
     EXPECT_EQ(stats()["resumed"], 1);
 }
 
+TEST_F(ClientProgram, TheNextOfSeveralServersIsTriedAtOnceWhenOneIsLost) {
+    auto one = std::make_unique<RunningServer>();
+    const RunningServer two({"--set", "camera.position=[9,9,9]"});
+    const auto client = startClient(
+        {"--headless", "--url", one->url() + "," + two.url(), "--size", "160x96", "--out", out_.string(), "--no-save"});
+    waitForFrames(*one);
+    one->process().signal(SIGKILL);
+    waitForFrames(two);
+    client->signal(SIGINT);
+    EXPECT_EQ(client->exitCode(), 0) << client->err();
+    EXPECT_NE(client->err().find("was lost: "), std::string::npos) << client->err();
+    EXPECT_NE(client->err().find("; trying " + two.url() + "/ws in 0.0 s\n"), std::string::npos) << client->err();
+    const Json s = stats();
+    EXPECT_EQ(s["connections"], 2);
+    EXPECT_EQ(s["resumed"], 0) << "nobody knows it there";
+    for (const Json& picture : s["pictures"]) EXPECT_EQ(picture["pose"]["position"], Json({0, 2, 26}));
+}
+
+TEST_F(ClientProgram, AServerThatIsNotThereIsNoneOfSeveral) {
+    const auto client =
+        startClient({"--headless", "--url", "ws://127.0.0.1:1," + url(), "--size", "160x96", "--frames", "2"});
+    EXPECT_EQ(client->exitCode(), 0) << client->err();
+    const auto nobody = startClient({"--headless", "--url", "ws://127.0.0.1:1,ws://127.0.0.1:2", "--frames", "2"});
+    EXPECT_EQ(nobody->exitCode(), 1) << "each was tried once";
+    EXPECT_NE(nobody->err().find("cannot connect to ws://127.0.0.1:2/ws"), std::string::npos) << nobody->err();
+}
+
 // What another try will not change ends it, though it has been in.
 TEST_F(ClientProgram, AServerThatStopsSendsItOnAndItComesBackWhenNobodyIsThere) {
     auto server = std::make_unique<RunningServer>(

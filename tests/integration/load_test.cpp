@@ -49,7 +49,7 @@ TEST_F(Load, ViewersGoOnWhileCountersAreAskedFor) {
     options.wishes.width = 160, options.wishes.height = 96;
     options.warm_up = 0;
     client::Interrupt interrupt;
-    load::Crowd crowd(options, server.endpoint(), 1, interrupt);
+    load::Crowd crowd(options, {server.endpoint()}, 1, interrupt);
     crowd.enter();
     constexpr auto frames = "brume_frames_total{fate=\"sent\"}";
     double sent = 0;

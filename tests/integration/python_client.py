@@ -183,6 +183,17 @@ class Package(unittest.TestCase):
         view.look(fov=0.8)
         view.frame()  # it goes on
 
+    def test_a_standstill_is_told(self):
+        view = self.viewer()
+        self.assertIsNone(view.state.standstill)
+        state = type(view._link.state)  # no server alone says so
+        for said, line in ((b'no word from the log', 'no word from the log'), (b'', None), (None, None)):
+            with unittest.mock.patch.object(state, 'Standstill', lambda _, text=said: text):
+                self.assertEqual(view.state.standstill, line)
+        with unittest.mock.patch.object(state, 'Standstill', lambda _: b'no word from the log'):
+            with self.assertRaisesRegex(TimeoutError, 'the scene stands still: no word from the log'):
+                view.frame(after=10 ** 9, timeout=0.1)
+
     def test_nothing_is_drawn_for_a_viewer_that_does_not_ask(self):
         view = self.viewer()
         view.frame()
@@ -233,6 +244,32 @@ class Alone(unittest.TestCase):
             again = self.serve('--port', server.port)
             self.assertEqual(view.frame(timeout=PATIENCE).position, (0, 9, 20))
             again.stop()
+
+    def test_a_viewer_goes_where_a_goodbye_sends_it_with_its_camera(self):
+        following = self.serve('--set', 'camera.position=[9,9,9]')
+        server = self.serve('--drain-time', '0', '--drain-to', f'{following.url}/')
+        with brume.connect(server.url, size=(96, 64)) as view:
+            view.look(position=(0, 9, 20))
+            view.frame()
+            self.assertEqual(server.stop(), 0)
+            self.assertEqual(view.frame(timeout=PATIENCE).position, (0, 9, 20))
+            self.assertEqual(following.metric('brume_viewers'), 1)
+
+    def test_a_viewer_comes_back_when_nobody_is_where_it_was_sent(self):
+        server = self.serve('--drain-time', '0', '--drain-to', 'http://127.0.0.1:1/')
+        with brume.connect(server.url, size=(96, 64)) as view:
+            view.look(position=(0, 9, 20))
+            view.frame()
+            self.assertEqual(server.stop(), 0)
+            again = self.serve('--port', server.port)
+            self.assertEqual(view.frame(timeout=PATIENCE).position, (0, 9, 20))
+            again.stop()
+
+    def test_a_goodbye_sends_to_servers_alone_and_never_from_tls_to_none(self):
+        for here, go_to, there in (('ws://a/ws', 'https://b/show/', 'wss://b/show/ws'),
+                                   ('wss://a/ws', 'wss://b/ws', 'wss://b/ws'), ('wss://a/ws', 'http://b/', None),
+                                   ('ws://a/ws', '', None), ('ws://a/ws', 'b', None), ('ws://a/ws', 'file:///b', None)):
+            self.assertEqual(brume.link.going_on(here, go_to), there, (here, go_to))
 
     def test_a_lost_server_is_given_up_after_a_while(self):
         server = self.serve()

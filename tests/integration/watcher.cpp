@@ -47,6 +47,7 @@ void Watcher::poll(milliseconds timeout) {
             hashes[state->tick()] = state->state_hash();
             paused = state->paused();
             state_tick = state->tick();
+            exposure = state->exposure();
             viewers = state->viewers();
             if (!state->lists()) continue;
             lists.clear();

@@ -27,12 +27,12 @@ class Failed(Exception):
 class Server:
     """brume-server on `port`, 0 for a free one; `inside` is a command's head, such as ip netns exec NAME."""
 
-    def __init__(self, programs, arguments, host='127.0.0.1', port=0, inside=(), wait=True):
+    def __init__(self, programs, arguments, host='127.0.0.1', port=0, inside=(), wait=True, environment=None):
         self.host, self.log = host, tempfile.TemporaryFile('w+')
         self.process = subprocess.Popen(
             [*inside, str(programs / 'brume-server'), '--listen', host, '--port', str(port),
              *(['--open'] if host == '0.0.0.0' else []), *arguments],
-            stdout=self.log, stderr=subprocess.STDOUT)
+            stdout=self.log, stderr=subprocess.STDOUT, env=os.environ | (environment or {}))
         self.port = port
         if wait:
             self.wait()

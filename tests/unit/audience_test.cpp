@@ -75,6 +75,18 @@ TEST(Audience, TheLastPlaceIsForOperators) {
     EXPECT_TRUE(audience.join(nullptr, {.owner = "token operator", .is_operator = true}).viewer);
 }
 
+TEST(Audience, SaysHowManyMayComeThatAreNoOperators) {
+    Audience audience({}, sceneFacts({}), 4, 2);
+    EXPECT_EQ(audience.places(), 4u);
+    audience.keepPlaceForOperators(true);
+    EXPECT_EQ(audience.places(), 3u);
+    audience.setRoom(2);
+    EXPECT_EQ(audience.places(), 2u) << "the device has no time for more";
+    audience.setRoom(100);
+    audience.setMaxViewers(1);
+    EXPECT_EQ(audience.places(), 1u) << "the only place is for anybody";
+}
+
 TEST(Audience, OnlyTheSameTokenNameResumes) {
     Audience audience({}, sceneFacts({}), 8, 2);
     const auto lost = audience.join(nullptr, {.owner = "token ann", .token = "ann"}).viewer;

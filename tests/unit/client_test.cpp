@@ -74,6 +74,8 @@ TEST(Options, GoodOnes) {
         parsed({"--url", "ws://h:1", "--size", "800x450", "--stereo", "--path", "fly", "--camera", "1,2,3,-4,5e-1,6",
                 "--impulse", "2:0,0,5,0,0,-2,1.5", "--impulse", "0.5:0,0,5,0,1,0,-1"});
     ASSERT_TRUE(options);
+    ASSERT_EQ(options->servers.size(), 1u);
+    EXPECT_EQ(options->servers[0].url(), "ws://h:1/ws");
     EXPECT_EQ(options->wishes.width, 800);
     EXPECT_EQ(options->wishes.height, 450);
     EXPECT_EQ(options->wishes.views, 2);
@@ -85,6 +87,16 @@ TEST(Options, GoodOnes) {
     EXPECT_EQ(options->impulses[0].seconds, 0.5);
     EXPECT_EQ(options->impulses[1].impulse.direction, glm::vec3(0, 0, -1)); // unit
     EXPECT_EQ(options->impulses[1].impulse.strength, 1.5f);
+}
+
+TEST(Options, SeveralServersAreTriedInTheirOrder) {
+    const auto options = parsed({"--url", "ws://a:1,https://b/show/,ws://[::1]"});
+    ASSERT_TRUE(options);
+    ASSERT_EQ(options->servers.size(), 3u);
+    EXPECT_EQ(options->servers[0].url(), "ws://a:1/ws");
+    EXPECT_EQ(options->servers[1].url(), "wss://b:443/show/ws");
+    EXPECT_EQ(options->servers[2].url(), "ws://[::1]:8080/ws");
+    EXPECT_EQ(parsed({})->servers[0].url(), "ws://127.0.0.1:8080/ws");
 }
 
 TEST(Options, BadOnesAreRefused) {
@@ -105,6 +117,8 @@ TEST(Options, BadOnesAreRefused) {
                                                     {"--quality", "101"},
                                                     {"--frames", "-1"},
                                                     {"--timeout", "0"},
+                                                    {"--url", "ws://a,b"},
+                                                    {"--url", ""},
                                                     {"--out", "x"},
                                                     {"stray"}};
     for (const auto& arguments : bad) EXPECT_FALSE(parsed(arguments)) << arguments[0] << " " << arguments.back();
@@ -112,7 +126,7 @@ TEST(Options, BadOnesAreRefused) {
 
 TEST(Backoff, DoublesToASecondAndKeepsWhatTheServerAsksFor) {
     Backoff longest, shortest;
-    for (const double step : {0.25, 0.5, 1.0, 1.0, 1.0}) {
+    for (const double step : {0.1, 0.2, 0.4, 0.8, 1.0, 1.0}) {
         EXPECT_EQ(longest.next(0, 1), step);
         EXPECT_EQ(shortest.next(0, 0), step / 2);
     }
@@ -120,7 +134,7 @@ TEST(Backoff, DoublesToASecondAndKeepsWhatTheServerAsksFor) {
     EXPECT_LE(longest.next(5, 1), 5.2);
     EXPECT_LE(longest.next(1e9, 1), 301) << "a server may not send away for ever";
     longest.reset();
-    EXPECT_EQ(longest.next(0, 1), 0.25);
+    EXPECT_EQ(longest.next(0, 1), 0.1);
 }
 
 TEST(CameraPath, EachStartsWhereItIsTold) {

@@ -59,6 +59,22 @@ TEST(Connections, OneAddressThatComesTooOftenKeepsNobodyElseOut) {
     EXPECT_TRUE(connections.take("a", "a")) << "the new rate holds";
 }
 
+TEST(Connections, ThoseThatOweAHeaderAreBoundedAndApart) {
+    Connections connections({.total = 1, .per_address = 1, .accept_rate = 1e-6, .burst_s = 1e6, .reserve = 2});
+    Slot first = connections.takeOwing("a", "a"), second = connections.takeOwing("a", "a"),
+         third = connections.takeOwing("a", "a");
+    ASSERT_TRUE(first && second && third) << "one address, as often as it likes";
+    EXPECT_FALSE(connections.takeOwing("b", "b")) << "as many as may be open, and those of the reserve";
+    Slot known = connections.take("a", "a");
+    ASSERT_TRUE(known);
+    EXPECT_FALSE(known->reserved()) << "they take no place from the others";
+    EXPECT_FALSE(connections.waitUntilEmpty({})) << "a stop waits for them";
+    first.reset();
+    EXPECT_TRUE(connections.takeOwing("b", "b"));
+    second.reset(), third.reset(), known.reset();
+    EXPECT_TRUE(connections.waitUntilEmpty({}));
+}
+
 // What is remembered of addresses does not grow with them: a bucket that is full again says nothing.
 TEST(Connections, AddressesThatWentAreForgotten) {
     Connections connections({.total = 10, .per_address = 10, .accept_rate = 1e6, .burst_s = 1});

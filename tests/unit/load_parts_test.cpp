@@ -54,13 +54,21 @@ TEST(LoadOptions, GoodOnes) {
     EXPECT_TRUE(options->paths[3].stereo);
     EXPECT_EQ(options->wishes.width, 320);
     EXPECT_EQ(options->server_arguments, (std::vector<std::string>{"--scene", "plume", "--set", "medium.count=7"}));
-    EXPECT_FALSE(options->server);
+    EXPECT_TRUE(options->servers.empty());
     ASSERT_EQ(options->budgets.size(), 2u);
     EXPECT_EQ(options->budgets[0].viewers, 3u);
     EXPECT_EQ(options->budgets[1].bound, 200);
     for (const char* here : {"ws://127.0.0.1:9", "ws://127.8.0.1", "ws://localhost", "ws://[::1]:9"})
         EXPECT_TRUE(parsed({"--server", here})) << here;
     EXPECT_TRUE(parsed({"--server", "ws://192.0.2.1", "--anywhere"}));
+
+    const auto several = parsed({"--server", "ws://127.0.0.1:1,http://127.0.0.1:2,ws://[::1]:1", "--push", "2.5",
+                                 "--seed", "7", "--assert", "command_p95<=50", "--reconnect"});
+    ASSERT_TRUE(several);
+    ASSERT_EQ(several->servers.size(), 3u);
+    EXPECT_EQ(several->servers[1].url(), "ws://127.0.0.1:2/ws");
+    EXPECT_EQ(several->push, 2.5);
+    EXPECT_EQ(several->seed, 7u);
 }
 
 TEST(LoadOptions, BadOnesEndInOneLine) {
@@ -80,6 +88,14 @@ TEST(LoadOptions, BadOnesEndInOneLine) {
                                                {"--server", "ws://192.0.2.1"},
                                                {"--server", "ws://example.com"},
                                                {"--server", "ws://[::2]"},
+                                               {"--server", "ws://127.0.0.1:1,ws://192.0.2.1"},
+                                               {"--server", "ws://127.0.0.1:1,http://127.0.0.1:1"},
+                                               {"--server", "ws://127.0.0.1:1", "ws://127.0.0.1:2"},
+                                               {"--push", "-1"},
+                                               {"--push", "nan"},
+                                               {"--push", "1001"},
+                                               {"--seed", "-1"},
+                                               {"--seed", "x"},
                                                {"--server", "ws://127.0.0.1", "--start", "--scene cloud"},
                                                {"--reconnect"},
                                                {"--start", "a 'b"},

@@ -104,6 +104,19 @@ TEST_F(ServerOptionsTest, WhatNobodySaysIsTheDefault) {
     EXPECT_EQ(options.options->net.port, 8080);
 }
 
+// A gateway lets other machines in, whatever the server listens on.
+TEST_F(ServerOptionsTest, BehindAGatewayThereIsAKeyOrOpen) {
+    const ParsedOptions neither = parsed({"--proxy-protocol", "--listen", "127.0.0.1"});
+    EXPECT_FALSE(neither.options);
+    EXPECT_TRUE(neither.complaint.starts_with("--proxy-protocol: who comes through the gateway")) << neither.complaint;
+    EXPECT_EQ(neither.complaint.find('\n'), std::string::npos);
+    const ParsedOptions open = parsed({"--proxy-protocol", "--open", "--agent-port", "8090"});
+    ASSERT_TRUE(open.options) << open.complaint;
+    EXPECT_TRUE(open.options->net.proxy_protocol);
+    EXPECT_EQ(open.options->net.agent_port, 8090);
+    EXPECT_FALSE(parsed({"--agent-port", "65536"}).options);
+}
+
 // What a reload can change: the same list as in docs/operate.md.
 TEST_F(ServerOptionsTest, TheLiveOptionsAreThoseOfTheDocumentation) {
     std::ifstream in("docs/operate.md"); // tests run in the source folder

@@ -177,6 +177,11 @@ std::vector<Example> makeExamples() {
         return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
                                       "isv", "simpson", 2, 1, nullptr, 0, nullptr, nullptr, nullptr, &lists);
     }));
+    all.push_back(example("scene_state_standstill", [&](Builder& b) {
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
+                                      "isv", "simpson", 2, 1, nullptr, 0, nullptr, nullptr, nullptr, nullptr,
+                                      "the log is away");
+    }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));
     all.push_back(example("pose_frusta", [&](Builder& b) {

@@ -301,14 +301,14 @@ class Looking {
 public:
     explicit Looking(const std::filesystem::path& file)
         : extent(file), control(std::make_shared<ReplayControl>(extent.head.tick, extent.last)),
-          simulation(sceneOf(extent.head)), ticks(file, control, ~0ull, now) {
+          simulation(sceneOf(extent.head)), ticks(file, control, now) {
         simulation.countFrom(extent.head.tick);
         ticks.check(simulation);
     }
     void goOn(std::chrono::milliseconds time) {
         now += time;
-        if (auto beginning = ticks.beginning()) {
-            simulation = *std::move(beginning);
+        if (const auto beginning = ticks.beginning()) {
+            simulation.load(*beginning);
             ticks.check(simulation);
         }
         while (ticks.take(now, commands)) {

@@ -16,7 +16,8 @@ from brume.error import BrumeError
 SILENCE = 8  # s; the server reports the scene each second
 IDLE = 1  # s without a wish for a picture, after which the server draws none
 HANDSHAKE = 10  # s
-WAITS = (0.25, 0.5, 1)  # s before each further try to connect
+WAITS = (0.1, 0.2, 0.4, 0.8, 1)  # s before each further try to connect
+LONGEST_ASKED = 300  # s; the longest wait that a server may ask for
 
 _HEADERS = 'additional_headers' if int(websockets.__version__.split('.')[0]) >= 14 else 'extra_headers'
 
@@ -29,6 +30,15 @@ def socket_address(url):
         raise BrumeError(f'{url!r} is no address of a server: http://HOST:PORT or wss://HOST:PORT/ws')
     path = parts.path if parts.path.endswith('/ws') else urllib.parse.urljoin(parts.path or '/', 'ws')
     return urllib.parse.urlunsplit((schemes[parts.scheme], parts.netloc, path, '', ''))
+
+
+def going_on(address, go_to):
+    """The socket that a goodbye from `address` sends to, or None: for what is no URL, and from TLS to none."""
+    try:
+        to = socket_address(go_to) if '://' in go_to else None
+    except (BrumeError, ValueError):
+        return None
+    return None if not to or (address.startswith('wss:') and not to.startswith('wss:')) else to
 
 
 def _line(answer):
@@ -53,6 +63,8 @@ class Link:
         self._token, self._tls, self._patience, self._hello = token, tls, patience, hello
         self._closing = False
         self._resume = ''
+        self._other = None  # the server that sent us here, or to which it sent us; None: there is but one
+        self._go_to, self._asked = None, 0.0  # of the last goodbye: where to go on, s to wait before
         self._socket = None
         self._view = None  # what pose() takes after its number
         self._pose = self._least_pose = self._input = self._nonce = 0
@@ -163,20 +175,36 @@ class Link:
 
     async def _main(self):
         self._loop = asyncio.get_running_loop()
-        tries, lost = 0, time.monotonic()
+        tries, lost, known = 0, time.monotonic(), False
         while not self._closing:
             failure = await self._session()
             with self.changed:
                 was = self.welcome
+                known = known or was is not None
                 self.welcome = self._socket = None
                 tries, lost = (0, time.monotonic()) if was else (tries + 1, lost)
-                final = not self._resume or time.monotonic() - lost > self._patience
+                final = not (known or self._go_to) or time.monotonic() - lost > self._patience
+                asked = self._move(was)
                 if final or self._closing:
                     self.failure = self.failure or failure
                 self.changed.notify_all()
                 if self.failure:
                     return
-            await asyncio.sleep(WAITS[min(tries, len(WAITS) - 1)] * random.uniform(0.5, 1))
+            await asyncio.sleep(asked + WAITS[min(tries, len(WAITS) - 1)] * random.uniform(0.5, 1))
+
+    def _move(self, was):
+        """Turns to the server that the last goodbye named, or back when nobody lets us in there. was: the welcome of
+        the session that ended, or None. Returns the wait that the goodbye asks for, in s."""
+        go_to, asked = self._go_to, self._asked
+        self._go_to, self._asked = None, 0.0
+        if go_to and go_to != self.address:
+            self.address, self._other = go_to, self.address
+        elif self._other and not was:
+            self.address, self._other = self._other, self.address
+        else:
+            return asked
+        self._resume = ''  # nobody knows it there
+        return asked
 
     async def _session(self):
         """One connection from its beginning to its end. Returns why it ended."""
@@ -260,6 +288,9 @@ class Link:
             elif kind == 'Goodbye':
                 said = messages.text_of(table.Reason())
                 self._ending = self._ending or BrumeError(f'the server said goodbye: {said}')
+                self._go_to = going_on(self.address, messages.text_of(table.GoTo()))
+                wait = table.RetryAfterS()
+                self._asked = min(wait, LONGEST_ASKED) if wait > 0 else 0.0
             elif kind == 'Welcome':
                 self.welcome = table
                 self._resume = messages.text_of(table.Resume()) or self._resume

@@ -26,6 +26,7 @@ class State:
     settings: dict = field(repr=False)  # every live setting by its path
     lists: dict = field(repr=False)  # of each list, 'light' and 'fog', its elements: each a dictionary by key
     box: tuple  # two corners of a box that holds the medium, m; None from an older server
+    standstill: str = None  # why no tick comes at present, in one line; None: ticks come
 
 
 def look_at(position, target):
@@ -110,7 +111,8 @@ class Viewer:
                      particles=state.Particles(), paused=bool(state.Paused()), error=plan.Error() if plan else None,
                      promised=(plan.Promised() or None) if plan else None, method=messages.text_of(method),
                      settings=dict(zip(paths, values)), lists=elements,
-                     box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None)
+                     box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None,
+                     standstill=messages.text_of(state.Standstill()) or None)
 
     # ---- camera and pictures ----
 
@@ -156,7 +158,9 @@ class Viewer:
                 link.want()  # so that the server goes on to draw
                 left = deadline - time.monotonic()
                 if left <= 0:
-                    raise TimeoutError(f'no picture in {timeout:g} s')
+                    why = messages.text_of(link.state.Standstill()) if link.state else ''
+                    still = f': the scene stands still: {why}' if why else ''
+                    raise TimeoutError(f'no picture in {timeout:g} s{still}')
                 try:
                     link.wait(ready, min(left, REST / 2), '')
                 except TimeoutError:

@@ -1,6 +1,7 @@
-// How long to wait before the next try to connect: 0.25 s, doubling to 1 s, with a random part, so that the viewers
-// of a server that restarts do not all come back in the same instant.
-const FIRST_S = 0.25;
+// How long to wait before the next try to connect: 0.1 s, doubling to 1 s, with a random part, so that the viewers
+// of a server that restarts do not all come back in the same instant. Behind a gateway the first tries find another
+// server.
+const FIRST_S = 0.1;
 const LONGEST_S = 1;
 // The longest wait that a server's goodbye may ask for.
 const LONGEST_ASKED_S = 300;

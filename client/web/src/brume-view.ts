@@ -8,7 +8,7 @@ import { placeOf } from './place';
 import type { Place } from './place';
 import type { Frame, SceneState, Welcome } from './protocol';
 import type { Report } from './report';
-import { sentence } from './sentence';
+import { sentence, standstillText } from './sentence';
 import { sizeOf } from './size';
 import { Viewer } from './viewer';
 import type { Wishes } from './viewer';
@@ -192,7 +192,10 @@ export class BrumeView extends HTMLElement {
         this.tell('statechange', state);
       },
       welcome: (welcome) => void this.tell('welcome', welcome),
-      scene: (scene) => void this.tell('scenechange', scene),
+      scene: (scene) => {
+        this.showLine(scene.standstill === undefined ? '' : standstillText(scene.standstill));
+        this.tell('scenechange', scene);
+      },
       picture: (frame, latency) => void this.tell('picture', { frame, latency }),
       note: (text, kind) => void this.tell('note', { text: sentence(text), kind }),
       changed: () => void this.tell('modechange', undefined),
@@ -216,7 +219,8 @@ export class BrumeView extends HTMLElement {
     viewer.start();
   }
 
-  // One line about a connection that is not there, for pages that say nothing about it themselves.
+  // One line about a connection that is not there, for pages that say nothing about it themselves. The same line tells
+  // of a scene that stands still.
   private say(state: LinkState): void {
     const text = {
       connecting: () => 'Connecting…',
@@ -224,6 +228,10 @@ export class BrumeView extends HTMLElement {
       reconnecting: () => 'Reconnecting…',
       refused: () => (state.name === 'refused' && state.text ? sentence(state.text) : 'The server turned this away.'),
     }[state.name]();
+    this.showLine(text);
+  }
+
+  private showLine(text: string): void {
     setText(this.message, text);
     this.message.hidden = text === '' || this.hasAttribute('quiet');
   }

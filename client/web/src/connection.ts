@@ -27,14 +27,16 @@ export interface LinkEvents {
 const HANDSHAKE_MS = 8000; // from opening to welcome
 const SILENCE_MS = 8000; // the server reports the scene each second; longer silence is a dead connection
 const PING_MS = 2000;
+const ASK_MS = 2000;
 const MOVE_MS = 10_000; // a page that has not been left by then connects here again
 // Bytes that the socket has not sent yet. With more, the network is behind, and another pose would only arrive late.
 const UNSENT_LIMIT = 64 * 1024;
 // A wait this long is shown as a refusal, a shorter one as an interruption.
 const LONG_WAIT_S = 3;
 const ERROR_FULL = 5;
-// After so many handshakes that a healthy server refused, the page says that its version is outdated.
-const DECLINED_LIMIT = 2;
+// After so many handshakes that a healthy server refused, the page says that its version is outdated. Fewer may be a
+// gateway that has not noticed yet that one of its servers is gone.
+const DECLINED_LIMIT = 4;
 const TOKEN_WAIT_S = 30; // another token comes with a new address of the page
 
 export const nowUs = (): bigint => BigInt(Math.round(performance.now() * 1000));
@@ -240,16 +242,9 @@ export class Connection {
   // The handshake failed: nobody is there, the server wants another token, or it does not speak this version. A
   // browser does not say which. So the page asks the same address over HTTP, which answers in one line.
   private async turnedDown(): Promise<void> {
-    const wants = await this.whatItWants();
-    const alive = await fetch(new URL('healthz', this.url.replace(/^ws/, 'http')), {
-      cache: 'no-store',
-      signal: AbortSignal.timeout(2000),
-    }).then(
-      (response) => response.ok,
-      () => false,
-    );
+    const [{ wants, there }, alive] = await Promise.all([this.asked(), this.isAlive()]);
     if (this.socket || this.ending.aborted) return; // another try has begun meanwhile, or none is wanted
-    this.declined = alive && wants === undefined ? this.declined + 1 : 0;
+    this.declined = alive && there && wants === undefined ? this.declined + 1 : 0;
     if (wants !== undefined) {
       this.parting = { refusal: 'token', text: wants };
       this.askedWait = TOKEN_WAIT_S;
@@ -260,18 +255,28 @@ export class Connection {
     this.ended();
   }
 
-  // The server's reason to refuse this page's token, in one line; undefined if it accepts the token or nobody answers.
-  private async whatItWants(): Promise<string | undefined> {
+  private isAlive(): Promise<boolean> {
+    return this.ask(new URL('healthz', this.url)).then(
+      (response) => response.ok,
+      () => false,
+    );
+  }
+
+  // What the socket's own address says. `wants`: the server's reason to refuse this page's token, in one line; absent
+  // if it accepts the token. `there`: false if a gateway says that the server behind it is gone.
+  private async asked(): Promise<{ there: boolean; wants?: string }> {
     try {
-      const answer = await fetch(this.url.replace(/^ws/, 'http'), {
-        cache: 'no-store',
-        signal: AbortSignal.timeout(2000),
-      });
-      if (answer.status !== 401 && answer.status !== 403) return undefined;
-      return (await answer.text()).split('\n')[0]?.slice(0, 200) ?? '';
+      const answer = await this.ask(new URL(this.url));
+      if (answer.status !== 401 && answer.status !== 403) return { there: answer.status < 500 };
+      return { there: true, wants: (await answer.text()).split('\n')[0]?.slice(0, 200) ?? '' };
     } catch {
-      return undefined;
+      return { there: true }; // nobody answers, or the browser keeps the answer to itself
     }
+  }
+
+  private ask(address: URL): Promise<Response> {
+    const page = address.href.replace(/^ws/, 'http');
+    return fetch(page, { cache: 'no-store', signal: AbortSignal.timeout(ASK_MS) });
   }
 
   private ended(): void {

@@ -30,6 +30,7 @@ const MAX_SETTINGS = 200;
 const MAX_SCENES = 5000;
 const MAX_LISTS = 16;
 const MAX_VALUES = 100_000; // of all elements of a list
+const MAX_LINE = 300; // characters of a line for people; the rest is cut off
 
 // Throws ProtocolError for anything that is not a message of a brume.v1 server.
 export function decode(data: ArrayBuffer): ServerMessage {
@@ -166,7 +167,7 @@ const decodeElements = (list: WireElements | null): number[] =>
   toList(list?.valuesLength() ?? 0, MAX_VALUES, (i) => list?.values(i) ?? 0);
 
 function decodeScene(s: WireSceneState): SceneState {
-  const [plan, lo, hi] = [s.plan(), s.lo(), s.hi()];
+  const [plan, lo, hi, standstill] = [s.plan(), s.lo(), s.hi(), s.standstill()];
   return {
     kind: 'scene',
     tick: s.tick(),
@@ -181,6 +182,7 @@ function decodeScene(s: WireSceneState): SceneState {
     ...(lo && hi ? { box: { lo: toVec3(lo), hi: toVec3(hi) } } : {}),
     ...(plan ? { plan: decodePlan(plan) } : {}),
     ...(s.listsLength() > 0 ? { lists: toList(s.listsLength(), MAX_LISTS, (i) => decodeElements(s.lists(i))) } : {}),
+    ...(standstill ? { standstill: standstill.slice(0, MAX_LINE) } : {}),
   };
 }
 

@@ -2,6 +2,7 @@
 import type { Size } from './size';
 
 export interface Seen {
+  standing: boolean; // true: the server says that no tick comes
   paused: boolean;
   mayControl: boolean; // true: this viewer may resume
   touch: boolean; // true: there is no keyboard
@@ -19,7 +20,8 @@ const SMALLER = 0.6; // part of the pixels asked for: the server halves both sid
 
 // Undefined: nothing is missing.
 export function lack(seen: Seen): string | undefined {
-  const { paused, mayControl, touch, frame, asked, limit, relaxed, rate } = seen;
+  const { standing, paused, mayControl, touch, frame, asked, limit, relaxed, rate } = seen;
+  if (standing) return 'Standing still';
   if (paused && !mayControl) return 'Paused: a controller can resume';
   if (paused) return touch ? 'Paused: tap Pause to resume' : 'Paused: resume with P';
   const wanted = asked.width * asked.height;

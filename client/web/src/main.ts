@@ -43,7 +43,10 @@ if (fault) notices.note(fault, 'error');
 // ---- the view ----
 
 const view = find<BrumeView>('view');
-view.addEventListener('statechange', ({ detail: state }) => notices.link(state));
+view.addEventListener('statechange', ({ detail: state }) => {
+  notices.link(state);
+  if (state.name !== 'connected') notices.standstill(undefined); // nobody says so any more
+});
 view.addEventListener('note', ({ detail: { text, kind } }) => notices.note(text, kind));
 view.addEventListener('touched', () => document.body.classList.add('touched'));
 view.addEventListener('picture', ({ detail: { latency } }) => {
@@ -69,6 +72,7 @@ view.addEventListener('scenechange', ({ detail: scene }) => {
   panel.lists(elements);
   panel.follow(values, scene.plan, statistics.lastFrame?.measured, settingsBack().length > 0);
   setPressed(find('tool-pause'), paused());
+  notices.standstill(scene.standstill);
   tellLack();
 });
 view.addEventListener('modechange', showMode);
@@ -248,14 +252,15 @@ let countedFrom = 0; // ms; pictures come without a break since then
 function tellLack(): void {
   const { scene, size, limit, statistics, headset, mayControl, linkState } = viewer();
   const [now, frame] = [performance.now(), statistics.lastFrame];
-  if (paused() || document.hidden || linkState !== 'connected') countedFrom = now;
+  const standing = scene?.standstill !== undefined;
+  if (standing || paused() || document.hidden || linkState !== 'connected') countedFrom = now;
   const seen = {
-    ...{ paused: paused(), mayControl, touch: touchOnly(), frame, asked: size, limit },
+    ...{ standing, paused: paused(), mayControl, touch: touchOnly(), frame, asked: size, limit },
     relaxed: scene?.plan?.relaxed ?? 0,
     rate: now - countedFrom > SETTLED_MS ? statistics.shownRate.perSecond(now) : undefined,
     serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
   };
-  notices.lack(steady.next(headset ? undefined : lack(seen), seen.paused));
+  notices.lack(steady.next(headset ? undefined : lack(seen), standing || seen.paused));
 }
 
 function animate(): void {

@@ -1,8 +1,9 @@
 // Tells the viewer about the connection: a curtain (a full-page message) before the first picture and after a
-// refusal, a status line in the corner, a countdown to the next try, and short notes.
+// refusal, a status line in the corner, a countdown to the next try, and short notes. And about a scene that stands
+// still, for as long as it does.
 import type { LinkState } from './connection';
 import { el, find, setText } from './dom';
-import { sentence } from './sentence';
+import { sentence, standstillText } from './sentence';
 
 const NOTE_MS = 4500;
 const MOST_NOTES = 3;
@@ -33,6 +34,7 @@ export class Notices {
   private readonly status = find('status-text');
   private readonly statusWait = find('status-wait');
   private readonly toasts = find('toasts');
+  private readonly standing = find('standstill');
   private retryAt: number | undefined;
   private shown: LinkState = { name: 'connecting' };
   private pending: number | undefined;
@@ -67,6 +69,14 @@ export class Notices {
     this.shown = state;
     if (brief) this.pending = window.setTimeout(() => this.apply(), PATIENCE_MS);
     else this.apply();
+  }
+
+  // Why no tick comes; undefined: ticks come.
+  standstill(why: string | undefined): void {
+    const text = why === undefined ? '' : standstillText(why);
+    if (text === this.standing.textContent) return;
+    document.body.classList.toggle('standing', text !== '');
+    this.standing.replaceChildren(...(text === '' ? [] : [el('p', { class: 'note' }, text)]));
   }
 
   note(text: string, kind: 'info' | 'error' = 'info'): void {

@@ -78,7 +78,7 @@ export class Overlay {
       'round trip',
       'device',
     ]) {
-      const value = el('dd');
+      const value = el('dd', name === 'error' ? { class: 'whole' } : {});
       facts.append(el('div', {}, el('dt', {}, name), value));
       this.facts.set(name, value);
     }

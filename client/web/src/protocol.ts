@@ -110,6 +110,7 @@ export interface SceneState {
   box?: Box; // holds the medium; older servers leave it out
   plan?: Plan; // method and settings in use; older servers leave it out
   lists?: number[][]; // of the elements of each of Welcome.lists; absent: as before
+  standstill?: string; // why no tick comes at present, one line; absent: ticks come
 }
 
 export interface Plan {

@@ -4,3 +4,6 @@ export function sentence(text: string): string {
   const first = isName ? text : text.charAt(0).toUpperCase() + text.slice(1);
   return /[.!?…]$/.test(first) ? first : `${first}.`;
 }
+
+// What is said while no tick comes. `why`: the server's own line.
+export const standstillText = (why: string): string => sentence(`The scene stands still: ${why}`);

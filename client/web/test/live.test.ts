@@ -3,7 +3,16 @@ import { Steady, lack } from '../src/live';
 import type { Seen } from '../src/live';
 
 const whole: Seen = {
-  ...{ paused: false, mayControl: true, touch: false, relaxed: 0, limit: Infinity, rate: 60, serverMs: 5 },
+  ...{
+    standing: false,
+    paused: false,
+    mayControl: true,
+    touch: false,
+    relaxed: 0,
+    limit: Infinity,
+    rate: 60,
+    serverMs: 5,
+  },
   frame: { width: 640, height: 360, quality: 80 },
   asked: { width: 640, height: 360 },
 };
@@ -20,6 +29,11 @@ describe('what pictures lack', () => {
     expect(lack(still)).toBe('Paused: resume with P');
     expect(lack({ ...still, touch: true })).toBe('Paused: tap Pause to resume');
     expect(lack({ ...still, mayControl: false })).toBe('Paused: a controller can resume');
+  });
+
+  test('is everything while the scene stands still, and no link is blamed', () => {
+    expect(lack({ ...whole, standing: true, rate: 0 })).toBe('Standing still');
+    expect(lack({ ...whole, standing: true, paused: true })).toBe('Standing still');
   });
 
   test('names the size and who made it small', () => {

@@ -9,17 +9,22 @@ import { Pusher } from '../src/pusher';
 import { SIZE_CAPS, defaultCap, requestedSize } from '../src/size';
 
 describe('back-off', () => {
-  test('doubles from a quarter of a second to one, and starts again', () => {
+  test('doubles from a tenth of a second to one, and starts again', () => {
     const longest = new Backoff(() => 1);
     const waits = Array.from({ length: 7 }, () => longest.next());
-    expect(waits).toEqual([0.25, 0.5, 1, 1, 1, 1, 1]);
+    expect(waits).toEqual([0.1, 0.2, 0.4, 0.8, 1, 1, 1]);
     longest.reset();
-    expect(longest.next()).toBe(0.25);
+    expect(longest.next()).toBe(0.1);
   });
 
   test('jitter takes off up to half', () => {
-    expect(new Backoff(() => 0).next()).toBe(0.125);
-    expect(new Backoff(() => 0.5).next()).toBe(0.1875);
+    expect(new Backoff(() => 0).next()).toBe(0.05);
+    expect(new Backoff(() => 0.5).next()).toBeCloseTo(0.075, 9);
+  });
+
+  test('tries three times within a second, which a gateway needs to name another server', () => {
+    const longest = new Backoff(() => 1);
+    expect(longest.next() + longest.next() + longest.next()).toBeLessThan(1);
   });
 
   test('never comes earlier than the server asked', () => {

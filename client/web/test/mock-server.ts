@@ -1,6 +1,7 @@
 // A small stand-in for brume-server, for working on the page without one: the same messages, a toy picture.
 //   npm run mock -- [--port N] [--web-root DIR] [--max-viewers N]
-// GET /mock?goodbye=SECONDS|error=TEXT|version=0|1 makes it misbehave on request.
+// GET /mock?goodbye=SECONDS[&go_to=URL]|error=TEXT|version=0|1|standstill=TEXT makes it misbehave on request. The scene
+// stands still until the text is empty; commands are refused meanwhile.
 import { Builder, ByteBuffer } from 'flatbuffers';
 import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
@@ -60,6 +61,7 @@ interface Viewer {
 
 let scene = new MockScene();
 let version = 1;
+let standstill = ''; // why no tick comes; empty: ticks come
 let nextId = 1;
 const viewers = new Set<Viewer>();
 
@@ -71,11 +73,13 @@ function message(type: Body, build: (b: Builder) => number, tail?: Uint8Array): 
   return tail ? Buffer.concat([builder.asUint8Array(), tail]) : builder.asUint8Array();
 }
 
-const goodbye = (reason: string, retry: number): Uint8Array =>
-  message(Body.Goodbye, (b) => Goodbye.createGoodbye(b, b.createString(reason), retry, 0));
+const goodbye = (reason: string, retry: number, goTo = ''): Uint8Array =>
+  message(Body.Goodbye, (b) =>
+    Goodbye.createGoodbye(b, b.createString(reason), retry, goTo ? b.createString(goTo) : 0),
+  );
 
-const error = (code: ErrorCode, text: string): Uint8Array =>
-  message(Body.Error, (b) => WireError.createError(b, code, b.createString(text), 0));
+const error = (code: ErrorCode, text: string, input = 0): Uint8Array =>
+  message(Body.Error, (b) => WireError.createError(b, code, b.createString(text), input));
 
 const welcome = (viewer: Viewer): Uint8Array =>
   message(Body.Welcome, (b) => {
@@ -144,7 +148,9 @@ const sceneState = (): Uint8Array =>
       b,
       SETTINGS.map(({ path }) => packed(b, scene.settings.get(path) ?? 0)),
     );
+    const why = standstill ? b.createString(standstill) : 0;
     SceneState.startSceneState(b);
+    if (why) SceneState.addStandstill(b, why);
     SceneState.addTick(b, BigInt(scene.tick));
     SceneState.addStateHash(b, scene.hash());
     SceneState.addViewers(b, [...viewers].filter((viewer) => viewer.greeted).length);
@@ -205,6 +211,11 @@ function receive(viewer: Viewer, data: Uint8Array): void {
       return;
     }
     case Body.Input:
+      if (standstill) {
+        const input = incoming.body(new Input()) as Input;
+        viewer.socket.send(error(ErrorCode.busy, 'too many commands wait for their tick', input.seq()));
+        return;
+      }
       command(incoming.body(new Input()) as Input);
       for (const other of viewers) if (other.greeted) other.socket.send(sceneState());
       return;
@@ -280,10 +291,14 @@ function misbehave(how: URLSearchParams): void {
   const farewell = how.get('goodbye');
   for (const { socket } of viewers) {
     if (farewell !== null) {
-      socket.send(goodbye('the server is being updated', Number(farewell)));
+      socket.send(goodbye('the server is being updated', Number(farewell), how.get('go_to') ?? ''));
       socket.close();
     }
     if (how.has('error')) socket.send(error(ErrorCode.out_of_range, how.get('error') ?? ''));
+  }
+  if (how.has('standstill')) {
+    standstill = how.get('standstill') ?? '';
+    for (const viewer of viewers) if (viewer.greeted) viewer.socket.send(sceneState());
   }
   if (how.has('version')) {
     version = Number(how.get('version'));
@@ -314,6 +329,7 @@ http.on('upgrade', (request, socket, head) => {
 });
 
 setInterval(() => {
+  if (standstill) return;
   scene.step(1 / 60);
   for (const viewer of viewers) if (viewer.greeted) render(viewer);
 }, 1000 / 60);

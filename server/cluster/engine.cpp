@@ -1,0 +1,397 @@
+#include "server/cluster/engine.h"
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nats/nats.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+namespace brume::cluster {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int64_t kPingMs = 1000; // and after kPings without an answer the connection counts as lost
+constexpr int kPings = 2;         // the library's own defaults take four minutes
+constexpr int64_t kReconnectMs = 100;
+constexpr int64_t kAnswerMs = 1000; // what takes longer is asked for again
+constexpr int64_t kWriteMs = 2000;  // that a write may take
+constexpr int kUnsent = 1 << 20;    // bytes that wait for a connection to come back
+constexpr int32_t kLongestMessage = 256 << 10;
+constexpr int64_t kLookMs = 50;            // how often the reader looks whether something else is wanted
+constexpr size_t kMostWaiting = 1 << 16;   // messages that nobody has taken
+constexpr int64_t kSecond = 1'000'000'000; // ns
+
+template <class T, void (*Destroy)(T*)>
+struct Destroyer {
+    void operator()(T* one) const { Destroy(one); }
+};
+template <class T, void (*Destroy)(T*)>
+using Owned = std::unique_ptr<T, Destroyer<T, Destroy>>;
+using Options = Owned<natsOptions, natsOptions_Destroy>;
+using Connection = Owned<natsConnection, natsConnection_Destroy>;
+using Context = Owned<jsCtx, jsCtx_Destroy>;
+using Subscription = Owned<natsSubscription, natsSubscription_Destroy>;
+using Message = Owned<natsMsg, natsMsg_Destroy>;
+using Info = Owned<jsStreamInfo, jsStreamInfo_Destroy>;
+using Values = Owned<kvStore, kvStore_Destroy>;
+using Entry = Owned<kvEntry, kvEntry_Destroy>;
+
+std::string textOf(natsStatus status) {
+    const char* last = nats_GetLastError(nullptr);
+    return fmt::format("{}{}{}", natsStatus_GetText(status), last && *last ? ": " : "", last ? last : "");
+}
+
+[[noreturn]] void away(const char* what, natsStatus status) {
+    throw EngineAway(fmt::format("{}: {}", what, textOf(status)));
+}
+
+// Throws ClusterError where an option is no good.
+void set(natsStatus status, const char* option, const std::string& value) {
+    if (status != NATS_OK) throw ClusterError(fmt::format("{} {}: {}", option, value, textOf(status)));
+}
+
+std::vector<std::string> split(const std::string& list) {
+    std::vector<std::string> all;
+    for (size_t at = 0, end; at <= list.size(); at = end + 1) {
+        end = std::min(list.find(',', at), list.size());
+        if (end > at) all.push_back(list.substr(at, end - at));
+    }
+    return all;
+}
+
+Options optionsOf(const EngineOptions& from) {
+    for (const auto& [option, file] :
+         {std::pair("--cluster-credentials", &from.credentials), std::pair("--cluster-ca", &from.ca),
+          std::pair("--cluster-certificate", &from.certificate), std::pair("--cluster-key", &from.key)})
+        if (!file->empty() && ::access(file->c_str(), R_OK) != 0)
+            throw ClusterError(fmt::format("{} {}: cannot be read: {}", option, file->string(), std::strerror(errno)));
+    natsOptions* made = nullptr;
+    set(natsOptions_Create(&made), "--cluster", "");
+    Options options(made);
+    const std::vector<std::string> servers = split(from.servers);
+    std::vector<const char*> urls;
+    for (const std::string& url : servers) urls.push_back(url.c_str());
+    set(natsOptions_SetServers(made, urls.data(), int(urls.size())), "--cluster", withoutSecrets(from.servers));
+    natsOptions_SetName(made, "brume-server " BRUME_VERSION);
+    natsOptions_SetTimeout(made, std::min(kAnswerMs, from.timeout.count()));
+    natsOptions_SetMaxReconnect(made, -1);
+    natsOptions_SetReconnectWait(made, kReconnectMs);
+    natsOptions_SetReconnectJitter(made, kReconnectMs / 2, kReconnectMs / 2);
+    natsOptions_SetReconnectBufSize(made, kUnsent);
+    natsOptions_SetPingInterval(made, kPingMs);
+    natsOptions_SetMaxPingsOut(made, kPings);
+    natsOptions_SetWriteDeadline(made, kWriteMs);
+    natsOptions_SetSendAsap(made, true);
+    natsOptions_SetFailRequestsOnDisconnect(made, true);
+    if (!from.credentials.empty())
+        set(natsOptions_SetUserCredentialsFromFiles(made, from.credentials.c_str(), nullptr), "--cluster-credentials",
+            from.credentials.string());
+    if (from.servers.find("tls://") != std::string::npos || !from.ca.empty())
+        set(natsOptions_SetSecure(made, true), "--cluster", "tls");
+    if (!from.ca.empty())
+        set(natsOptions_LoadCATrustedCertificates(made, from.ca.c_str()), "--cluster-ca", from.ca.string());
+    if (!from.certificate.empty())
+        set(natsOptions_LoadCertificatesChain(made, from.certificate.c_str(), from.key.c_str()),
+            "--cluster-certificate", from.certificate.string());
+    return options;
+}
+
+// What the library's callbacks know. They may come until `closed`, on a thread of its own.
+struct Link {
+    std::atomic<bool> connected{true}, closed{false};
+    std::atomic<uint64_t> connections{1};
+};
+Link& linkOf(void* closure) { return *static_cast<Link*>(closure); }
+
+void told(natsConnection*, natsSubscription*, natsStatus status, void*) {
+    spdlog::warn("NATS: {}", natsStatus_GetText(status));
+}
+
+void setCallbacks(natsOptions* options, Link* link) {
+    natsOptions_SetErrorHandler(options, told, nullptr);
+    natsOptions_SetDisconnectedCB(
+        options, [](natsConnection*, void* it) { linkOf(it).connected = false; }, link);
+    natsOptions_SetReconnectedCB(
+        options,
+        [](natsConnection*, void* it) {
+            ++linkOf(it).connections;
+            linkOf(it).connected = true;
+        },
+        link);
+    natsOptions_SetClosedCB(
+        options,
+        [](natsConnection*, void* it) {
+            linkOf(it).connected = false;
+            linkOf(it).closed = true;
+        },
+        link);
+}
+
+} // namespace
+
+std::string withoutSecrets(const std::string& servers) {
+    std::string out;
+    for (const std::string& url : split(servers)) {
+        const size_t scheme = url.find("://"), from = scheme == url.npos ? 0 : scheme + 3, at = url.rfind('@');
+        out += (out.empty() ? "" : ",") + url.substr(0, from) + url.substr(at == url.npos ? from : at + 1);
+    }
+    return out;
+}
+
+struct Engine::State {
+    void read(const std::stop_token& stop);
+    Subscription subscribe(uint64_t from);
+    kvStore* values();
+    std::string stream() const { return "brume-" + options.log; }
+    std::string subject() const { return "brume." + options.log + ".log"; }
+
+    EngineOptions options;
+    std::function<void()> wake;
+    std::unique_ptr<Link> link = std::make_unique<Link>();
+    Connection connection;
+    Context context;
+    std::mutex values_mutex; // guards the next one, and held while it is used
+    Values snapshots;        // made when it is first used
+
+    std::mutex mutex; // guards the rest
+    std::vector<Stored> inbox;
+    std::optional<uint64_t> from; // where to follow from, for the reader
+    uint64_t generation = 0;      // of calls of follow()
+    std::jthread reader;          // the last member: it uses the others
+};
+
+Engine::Engine(const EngineOptions& options, std::function<void()> wake) : state_(std::make_unique<State>()) {
+    State& s = *state_;
+    s.options = options;
+    s.wake = std::move(wake);
+    const Options with = optionsOf(options);
+    setCallbacks(with.get(), s.link.get());
+    natsConnection* connection = nullptr;
+    const auto until = std::chrono::steady_clock::now() + options.timeout;
+    natsStatus status = natsConnection_Connect(&connection, with.get());
+    // It may be about to start, too. What says no is not asked again.
+    while ((status == NATS_NO_SERVER || status == NATS_TIMEOUT) && std::chrono::steady_clock::now() < until) {
+        std::this_thread::sleep_for(milliseconds(kReconnectMs));
+        status = natsConnection_Connect(&connection, with.get());
+    }
+    if (status != NATS_OK)
+        throw ClusterError(fmt::format("--cluster {}: cannot connect: {}; is nats-server running there?",
+                                       withoutSecrets(options.servers), textOf(status)));
+    s.connection.reset(connection);
+    jsOptions js;
+    jsOptions_Init(&js);
+    js.Wait = std::min(kAnswerMs, options.timeout.count());
+    jsCtx* context = nullptr;
+    if (status = natsConnection_JetStream(&context, connection, &js); status != NATS_OK)
+        throw ClusterError(fmt::format("--cluster: no JetStream: {}", textOf(status)));
+    s.context.reset(context);
+    s.reader = std::jthread([&s](const std::stop_token& stop) { s.read(stop); });
+}
+
+Engine::~Engine() {
+    State& s = *state_;
+    s.reader.request_stop();
+    if (s.reader.joinable()) s.reader.join();
+    natsConnection_Close(s.connection.get());
+    for (int waits = 0; !s.link->closed && waits < 100; ++waits) std::this_thread::sleep_for(milliseconds(10));
+    if (!s.link->closed) static_cast<void>(s.link.release()); // the library may still use it
+}
+
+bool Engine::connected() const { return state_->link->connected; }
+
+bool Engine::refused() const { return state_->link->closed; }
+
+uint64_t Engine::connections() const { return state_->link->connections; }
+
+std::optional<Engine::LogInfo> Engine::info() const {
+    jsStreamInfo* made = nullptr;
+    jsErrCode code = jsErrCode(0);
+    const natsStatus status = js_GetStreamInfo(&made, state_->context.get(), state_->stream().c_str(), nullptr, &code);
+    const Info info(made);
+    if (status == NATS_NOT_FOUND || code == JSStreamNotFoundErr) return {};
+    if (status != NATS_OK) away("the log", status);
+    return LogInfo{info->Created, info->State.FirstSeq, info->State.LastSeq,
+                   info->Config->Description ? info->Config->Description : ""};
+}
+
+// Of several servers that make it at a time one does, and the others find it.
+Engine::LogInfo Engine::open(const std::string& about) {
+    if (auto found = info()) return *std::move(found);
+    const std::string stream = state_->stream(), subject = state_->subject();
+    const char* subjects[] = {subject.c_str()};
+    jsStreamConfig config;
+    jsStreamConfig_Init(&config);
+    config.Name = stream.c_str();
+    config.Description = about.c_str();
+    config.Subjects = subjects;
+    config.SubjectsLen = 1;
+    config.MaxBytes = int64_t(state_->options.log_bytes); // and no age: clocks do not matter
+    config.MaxMsgSize = kLongestMessage;
+    config.Replicas = state_->options.replicas;
+    config.Duplicates = kSecond; // messages have no ids: what comes twice is seen by Log
+    config.DenyDelete = true;
+    jsStreamInfo* made = nullptr;
+    jsErrCode code = jsErrCode(0);
+    const natsStatus status = js_AddStream(&made, state_->context.get(), &config, nullptr, &code);
+    const Info info(made);
+    if (status != NATS_OK && code != JSStreamNameExistErr) {
+        if (status == NATS_TIMEOUT) away("the log", status);
+        throw ClusterError(
+            fmt::format("--cluster {}: the log '{}' cannot be made: {}; nats-server needs JetStream (-js), room for "
+                        "--cluster-log-size, and as many servers as --cluster-replicas",
+                        withoutSecrets(state_->options.servers), state_->options.log, textOf(status)));
+    }
+    if (auto found = this->info()) return *std::move(found);
+    throw EngineAway("the log was made and is not there");
+}
+
+void Engine::forget() {
+    State& s = *state_;
+    for (const std::string& stream : {s.stream(), "KV_" + s.stream()}) {
+        jsErrCode code = jsErrCode(0);
+        const natsStatus status = js_DeleteStream(s.context.get(), stream.c_str(), nullptr, &code);
+        if (status != NATS_OK && status != NATS_NOT_FOUND && code != JSStreamNotFoundErr)
+            away("deleting the log", status);
+    }
+    const std::scoped_lock lock(s.values_mutex);
+    s.snapshots.reset();
+}
+
+bool Engine::publish(std::string_view text) {
+    return natsConnection_Publish(state_->connection.get(), state_->subject().c_str(), text.data(), int(text.size())) ==
+           NATS_OK;
+}
+
+void Engine::follow(uint64_t from) {
+    State& s = *state_;
+    const std::scoped_lock lock(s.mutex);
+    s.inbox.clear();
+    s.from = from;
+    ++s.generation;
+}
+
+bool Engine::take(std::vector<Stored>& out) {
+    State& s = *state_;
+    const std::scoped_lock lock(s.mutex);
+    if (s.inbox.empty()) return false;
+    std::move(s.inbox.begin(), s.inbox.end(), std::back_inserter(out));
+    s.inbox.clear();
+    return true;
+}
+
+// A consumer of its own that acknowledges nothing. A gap in the sequences is noticed by who takes the messages, so
+// nothing of it is left to the library.
+Subscription Engine::State::subscribe(uint64_t begin) {
+    const std::string name = stream(), of = subject();
+    jsSubOptions wanted;
+    jsSubOptions_Init(&wanted);
+    wanted.Stream = name.c_str();
+    wanted.Config.DeliverPolicy = js_DeliverByStartSequence;
+    wanted.Config.OptStartSeq = begin;
+    wanted.Config.AckPolicy = js_AckNone;
+    wanted.Config.MaxDeliver = 1;
+    wanted.Config.MemoryStorage = true;
+    wanted.Config.Replicas = 1;
+    wanted.Config.InactiveThreshold = 5 * kSecond;
+    natsSubscription* made = nullptr;
+    js_SubscribeSync(&made, context.get(), of.c_str(), nullptr, &wanted, nullptr);
+    return Subscription(made);
+}
+
+// Follows what is wanted, for as long as the engine lives. A subscription that cannot be made is tried again.
+void Engine::State::read(const std::stop_token& stop) {
+    Subscription subscription;
+    uint64_t followed = 0; // generation of the subscription
+    while (!stop.stop_requested()) {
+        std::optional<uint64_t> begin;
+        {
+            const std::scoped_lock lock(mutex);
+            if (generation != followed || !subscription) begin = from;
+            followed = generation;
+        }
+        if (begin) {
+            subscription.reset();
+            subscription = subscribe(*begin);
+        }
+        if (!subscription) {
+            std::this_thread::sleep_for(milliseconds(kLookMs));
+            continue;
+        }
+        natsMsg* next = nullptr;
+        const natsStatus status = natsSubscription_NextMsg(&next, subscription.get(), kLookMs);
+        const Message message(next);
+        if (status == NATS_TIMEOUT) continue;
+        jsMsgMetaData* data = nullptr;
+        if (status != NATS_OK || natsMsg_GetMetaData(&data, next) != NATS_OK) {
+            std::this_thread::sleep_for(milliseconds(kLookMs));
+            continue;
+        }
+        const Owned<jsMsgMetaData, jsMsgMetaData_Destroy> meta(data);
+        {
+            const std::scoped_lock lock(mutex);
+            // What is too much is left out; the gap is noticed, and followed from again.
+            if (generation == followed && inbox.size() < kMostWaiting)
+                inbox.push_back({meta->Sequence.Stream, {natsMsg_GetData(next), size_t(natsMsg_GetDataLength(next))}});
+        }
+        wake();
+    }
+}
+
+std::optional<std::string> Engine::message(uint64_t sequence) const {
+    natsMsg* made = nullptr;
+    jsErrCode code = jsErrCode(0);
+    const natsStatus status =
+        js_GetMsg(&made, state_->context.get(), state_->stream().c_str(), sequence, nullptr, &code);
+    const Message message(made);
+    if (status == NATS_NOT_FOUND) return {};
+    if (status != NATS_OK) away("a message of the log", status);
+    return std::string(natsMsg_GetData(made), size_t(natsMsg_GetDataLength(made)));
+}
+
+kvStore* Engine::State::values() {
+    if (snapshots) return snapshots.get();
+    const std::string name = stream();
+    kvStore* made = nullptr;
+    natsStatus status = js_KeyValue(&made, context.get(), name.c_str());
+    if (status == NATS_NOT_FOUND) {
+        kvConfig config;
+        kvConfig_Init(&config);
+        config.Bucket = name.c_str();
+        config.History = 1;
+        config.Replicas = int(options.replicas);
+        status = js_CreateKeyValue(&made, context.get(), &config);
+    }
+    if (status != NATS_OK) away("the snapshots", status);
+    snapshots.reset(made);
+    return made;
+}
+
+void Engine::put(const std::string& key, std::span<const std::byte> bytes) {
+    const std::scoped_lock lock(state_->values_mutex);
+    if (const natsStatus status = kvStore_Put(nullptr, state_->values(), key.c_str(), bytes.data(), int(bytes.size()));
+        status != NATS_OK) {
+        state_->snapshots.reset(); // it may be another one when the engine is back
+        away("a snapshot", status);
+    }
+}
+
+std::optional<std::vector<std::byte>> Engine::get(const std::string& key) {
+    const std::scoped_lock lock(state_->values_mutex);
+    kvEntry* made = nullptr;
+    const natsStatus status = kvStore_Get(&made, state_->values(), key.c_str());
+    const Entry entry(made);
+    if (status == NATS_NOT_FOUND) return {};
+    if (status != NATS_OK) away("a snapshot", status);
+    const auto* from = static_cast<const std::byte*>(kvEntry_Value(made));
+    return std::vector<std::byte>(from, from + kvEntry_ValueLen(made));
+}
+
+} // namespace brume::cluster
