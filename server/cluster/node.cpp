@@ -13,10 +13,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kStandstill{300}; // without ticks, and viewers are told
-constexpr milliseconds kSilence{3000};   // without any message, and the log is followed anew
-constexpr milliseconds kWindow{10'000};  // of the longest wait
-constexpr uint64_t kMostBehind = 3600;   // ticks that wait for the frame loop; with so many, messages wait
+constexpr milliseconds kStandstill{300};   // without ticks, and viewers are told
+constexpr milliseconds kSilence{1000};     // without any message, and the log is followed anew
+constexpr milliseconds kLongSilence{8000}; // for which it waits when that did not help
+constexpr milliseconds kWindow{10'000};    // of the longest wait
+constexpr uint64_t kMostBehind = 3600;     // ticks that wait for the frame loop; with so many, messages wait
 
 constexpr const char* kNoEngine = "the log that the servers share cannot be reached; cameras go on, ticks wait for it";
 constexpr const char* kNoTicks = "no server makes ticks at present; cameras go on";
@@ -54,6 +55,7 @@ void Node::drain() {
 void Node::run(const std::stop_token& stop) {
     ticker_ = Ticker(Clock::now());
     heard_at_ = Clock::now();
+    silence_ = kSilence;
     try {
         while (!stop.stop_requested()) {
             {
@@ -120,6 +122,7 @@ void Node::handle(Stored&& message, Time now) {
     }
     gap_ = false;
     heard_at_ = now;
+    silence_ = kSilence;
     sequence_ = message.sequence;
     counts_.log_bytes += message.text.size();
     last_text_ = std::move(message.text);
@@ -230,7 +233,10 @@ void Node::judge() {
 void Node::watch(Time now) {
     if (now - ticker_.lastTick() > kStandstill && standstill_ != kRejoins)
         stand(verified_ && counts_.connected ? kNoTicks : kNoEngine);
-    if (verified_ && now - heard_at_ > kSilence) verified_ = false;
+    if (verified_ && now - heard_at_ > silence_) {
+        verified_ = false;
+        silence_ = std::min(2 * silence_, kLongSilence);
+    }
     if (standstill_) {
         counts_.stood_ms += uint64_t(std::chrono::duration_cast<milliseconds>(now - stood_at_).count());
         stood_at_ += std::chrono::duration_cast<milliseconds>(now - stood_at_);
@@ -283,6 +289,7 @@ std::vector<Metrics::Sample> Node::samples() const {
         {"brume_cluster_ticker", "1 while this server makes the ticks.", false, double(c.ticker)},
         {"brume_cluster_connected", "1 while the log can be reached.", false, double(c.connected)},
         {"brume_cluster_nodes", "Servers that said they were there within five seconds.", false, double(c.nodes)},
+        {"brume_cluster_tick", "The last tick that is simulated.", false, double(handover_.present().first)},
         {"brume_cluster_lag_ticks", "Ticks of the log that are not simulated yet.", false, double(handover_.behind())},
         {"brume_cluster_divergences_total", "Times that this server differed from the others.", true,
          double(c.divergences)},

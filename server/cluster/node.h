@@ -116,7 +116,8 @@ private:
     uint64_t agreed_ = 0;     // last tick at which this server was as most of them
     uint64_t saved_tick_ = 0; // of the last state that was asked for
     Time heard_at_{}, try_at_{}, stood_at_{}, window_{};
-    std::optional<Time> missing_since_; // the log is not found
+    std::chrono::milliseconds silence_{0}; // without a message, and the log is followed anew
+    std::optional<Time> missing_since_;    // the log is not found
     const char* standstill_ = nullptr;
     uint32_t diverged_ = 0;
 

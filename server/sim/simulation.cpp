@@ -18,6 +18,7 @@
 #include "server/sim/plume.h"
 #include "server/sim/sequence.h"
 #include "server/sim/sine.h"
+#include "server/sim/state.h"
 #include "server/sim/state_hash.h"
 
 namespace brume {
@@ -38,15 +39,6 @@ void copy(const SceneSetting& setting, const SceneParts& from, const SceneParts&
         setting.member(from));
 }
 
-// All live settings of one type, in the order of the table.
-template <class T, class F>
-void eachLive(const SceneParts& parts, F&& f) {
-    for (const SceneSetting* setting : liveSettings()) {
-        const Member member = setting->member(parts);
-        if (T* const* value = std::get_if<T*>(&member)) f(**value);
-    }
-}
-
 // a / b, component by component; 1 where b is 0.
 glm::vec3 quotient(glm::vec3 a, glm::vec3 b) {
     return {b.x > 0 ? a.x / b.x : 1, b.y > 0 ? a.y / b.y : 1, b.z > 0 ? a.z / b.z : 1};
@@ -60,50 +52,6 @@ glm::vec3 turned(glm::vec3 v, float angle) {
 }
 
 } // namespace
-
-struct Simulation::State {
-    State(const Scene& scene, uint64_t most_bytes);
-
-    // Each returns why the command is refused, in one line; empty: it is not.
-    std::string apply(const Impulse& c);
-    std::string apply(const MoveVolume& c);
-    std::string apply(const Set& c);
-    std::string apply(const Restart&);
-    std::string apply(const SetParticles& c);
-    std::string apply(const Add& c);
-    std::string apply(const Remove& c);
-    template <class Edit>
-    std::string change(Edit edit);
-
-    void advance(); // one step of the particles, the volume and the light
-    void settle();  // what follows from the rest: sigma, bounds, hash
-    glm::vec3 volume() const;
-    uint64_t hashed();
-    void exchange(StateBytes& bytes);
-    void exchangeColumns(StateBytes& bytes);
-
-    uint32_t rows = 0;
-    std::optional<PointCloudFacts> cloud;
-    std::optional<Columns> columns;
-    std::unique_ptr<Motion> motion;
-    uint64_t settings_version = 0;
-    uint64_t steps = 0, first_step = 0; // simulated so far; and when tick 0 was, after the motion's run-up
-    glm::vec3 moved{0};                 // m, the volume, by commands
-    SceneNow now;
-
-    std::optional<Columns> first_columns; // as after loading, for Restart
-    SceneNow first_now;
-
-    SceneLists tried; // those that a command would make
-    uint64_t lists_hash = 0;
-    bool lists_changed = false;          // True: lists_hash is of those before
-    std::vector<RefusedCommand> refused; // in this tick
-
-    uint64_t tick = 0, hash = 0, origin = 0; // origin: a hash of the seed and all columns at the start
-    uint32_t impulses = 0;                   // in this tick
-    Bounds bounds;
-    std::optional<Past> past;
-};
 
 Simulation::State::State(const Scene& scene, uint64_t most_bytes)
     : now{scene.medium, sunOf(scene), listsOf(scene), scene.render, scene.simulation} {
@@ -274,29 +222,6 @@ void Simulation::State::settle() {
     hash = hashed();
 }
 
-// What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for. Live
-// settings come type after type.
-uint64_t Simulation::State::hashed() {
-    StateHash out;
-    out.add(origin);
-    for (const Rows run : motion->living())
-        for (const Column c : {Column::x, Column::y, Column::z, Column::vx, Column::vy, Column::vz})
-            out.add(std::span((*columns)[c] + run.begin, run.end - run.begin));
-    out.add(std::span(&moved.x, 3));
-    const SceneParts parts = partsOf(now);
-    eachLive<glm::vec3>(parts, [&](const glm::vec3& value) { out.add(std::span(&value.x, 3)); });
-    eachLive<float>(parts, [&](const float& value) { out.add(std::span(&value, 1)); });
-    eachLive<std::string>(parts, [&](const std::string& value) { out.add(std::string_view(value)); });
-    out.add(lists_hash);
-    for (const Light& light : now.lists.lights)
-        if (light.orbit != 0) out.add(std::span(&light.position.x, 3));
-    out.add(steps);
-    out.add(motion->history());
-    eachLive<uint32_t>(parts, [&](uint32_t value) { out.add(uint64_t{value}); });
-    eachLive<bool>(parts, [&](bool value) { out.add(uint64_t{value}); });
-    return out.value();
-}
-
 Simulation::Simulation(const Scene& scene, uint64_t most_bytes) : state_(std::make_unique<State>(scene, most_bytes)) {
     keepPast();
 }
@@ -329,65 +254,6 @@ void Simulation::step(std::span<const Command> commands) {
     if (!s.now.simulation.paused) s.advance();
     s.settle();
     keepPast();
-}
-
-// What is written here is all that can differ between two runs of one scene.
-void Simulation::State::exchange(StateBytes& bytes) {
-    uint64_t of = origin;
-    bytes.value(of);
-    if (of != origin) throw StateError("a state of another scene, or of other particles");
-    bytes.value(tick);
-    bytes.value(steps);
-    bytes.value(moved);
-    const SceneParts parts = partsOf(now);
-    eachLive<glm::vec3>(parts, [&](glm::vec3& value) { bytes.value(value); });
-    eachLive<float>(parts, [&](float& value) { bytes.value(value); });
-    eachLive<uint32_t>(parts, [&](uint32_t& value) { bytes.value(value); });
-    eachLive<bool>(parts, [&](bool& value) { bytes.value(value); });
-    eachLive<std::string>(parts, [&](std::string& value) { bytes.value(value, kLongestName); });
-    brume::exchange(bytes, now.lists);
-    bytes.value(lists_hash); // of the lists after the last command: lights that orbit have moved since
-    motion->exchange(bytes, *columns, {.number = steps, .volume = volume(), .settings = now.simulation});
-    exchangeColumns(bytes);
-}
-
-// Of living rows, and but for sigma, which settle() computes. A column that is as at the start is but a flag.
-void Simulation::State::exchangeColumns(StateBytes& bytes) {
-    for (uint32_t c = 0; c < static_cast<uint32_t>(Column::count); ++c) {
-        const auto column = static_cast<Column>(c);
-        if (column == Column::sigma) continue;
-        float* now_there = (*columns)[column];
-        const float* first = (*first_columns)[column];
-        bool changed = false;
-        for (const Rows run : motion->living())
-            changed = changed || !std::equal(now_there + run.begin, now_there + run.end, first + run.begin);
-        bytes.value(changed);
-        for (const Rows run : motion->living())
-            if (changed)
-                bytes.values(std::span(now_there + run.begin, run.end - run.begin));
-            else if (bytes.reads())
-                std::copy(first + run.begin, first + run.end, now_there + run.begin);
-    }
-}
-
-void Simulation::save(std::vector<std::byte>& out) const {
-    out.clear();
-    StateBytes bytes(out);
-    state_->exchange(bytes);
-    bytes.value(state_->hash);
-}
-
-void Simulation::load(std::span<const std::byte> from) {
-    State& s = *state_;
-    StateBytes bytes(from);
-    s.exchange(bytes);
-    uint64_t hash = 0;
-    bytes.value(hash);
-    ++s.settings_version;
-    s.settle();
-    if (hash != s.hash) throw StateError("a state whose hash is another than it says");
-    if (!bytes.left().empty()) throw StateError("a state with something behind its end");
-    countFrom(s.tick);
 }
 
 uint64_t Simulation::tick() const { return state_->tick; }

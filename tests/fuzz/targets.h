@@ -17,14 +17,15 @@ void ply(Bytes input);     // a point cloud
 void gltf(Bytes input);    // a mesh
 void costs(Bytes input);   // a cost file of `brume-bench calibrate`
 void token(Bytes input);   // a token, and a request that may carry one
+void cluster(Bytes input); // a message of the log of several servers, and its state
 void proxy(Bytes input);   // the PROXY protocol header of a gateway, and what follows it
 
 struct Target {
     const char* name;
     void (*run)(Bytes input);
 };
-inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query},
-                                      {"scene", scene},     {"ply", ply},         {"gltf", gltf},
-                                      {"costs", costs},     {"token", token},     {"proxy", proxy}};
+inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query}, {"scene", scene},
+                                      {"ply", ply},         {"gltf", gltf},       {"costs", costs}, {"token", token},
+                                      {"proxy", proxy},     {"cluster", cluster}};
 
 } // namespace brume::fuzz

@@ -64,7 +64,8 @@ def joined(options, arguments, name):
     second = None
     try:
         first.ready()
-        time.sleep(6)
+        Load(options.programs, ws([first]), 1, 4, '--push', '20', *SMALL).result()  # so that particles are not where they were at the start
+        time.sleep(4)
         second = Node(options.programs, engine, arguments, wait=False)
         second.wait()
         took = second.ready()
@@ -91,7 +92,7 @@ def without_avx2(options):
                               capture_output=True, text=True, timeout=600)
         if said.returncode != 0:
             raise Failed('without AVX2 the recording is another: ' + (said.stderr or said.stdout).strip().splitlines()[-1])
-        return said.stdout.strip().splitlines()[-1]
+        return next(line for line in said.stdout.splitlines() if line.startswith('replayed')) + '.'
     finally:
         stop(*nodes, engine)
 
