@@ -61,7 +61,8 @@ void Node::run(const std::stop_token& stop) {
             {
                 std::unique_lock lock(mutex_);
                 const Time latest = Clock::now() + kTick;
-                woken_.wait_until(lock, stop, counts_.ticker ? std::min(ticker_.next(), latest) : latest,
+                const bool makes_ticks = counts_.ticker && counts_.connected && verified_;
+                woken_.wait_until(lock, stop, makes_ticks ? std::min(ticker_.next(), latest) : latest,
                                   [&] { return awake_; });
                 awake_ = false;
             }
