@@ -80,7 +80,7 @@ void FrameLoop::run() {
     if (const auto beginning = ticks_->beginning())
         begin(*beginning);
     else if (ticked_)
-        ticked_(simulation_, {});
+        ticked_(simulation_, {}, false);
     audience_.ready = serves_ = ticks_->serves();
     for (;;) {
         // Wait for the next tick, or for the device if that is earlier.
@@ -133,7 +133,7 @@ void FrameLoop::tick() {
         if (command.received != Clock::time_point()) metrics_.commandTaken(Millis(begin - command.received).count());
     planner_->setFrameBudget(frame_ms_);
     planner_->setLawFactor(law_factor_);
-    if (ticked_) ticked_(simulation_, commands_);
+    if (ticked_) ticked_(simulation_, commands_, true);
 }
 
 FrameLoop::Batch* FrameLoop::freeBatch() {

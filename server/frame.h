@@ -111,7 +111,7 @@ private:
     Audience& audience_;
     Metrics& metrics_;
     Scene scene_;
-    const std::function<void(const Simulation&, std::span<const Command>)> ticked_;
+    const std::function<void(const Simulation&, std::span<const Command>, bool)> ticked_;
     const CostModel costs_;
     const uint64_t memory_, picture_memory_; // bytes: FrameOptions::memory, picture_memory
     std::atomic<double> frame_ms_, law_factor_;

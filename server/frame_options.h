@@ -36,7 +36,8 @@ struct FrameOptions {
     // the plan.
     std::function<void(uint64_t, std::span<const ViewError>, const Plan&)> on_errors;
     // Called on the loop's thread before the first tick, and after every tick with the commands that it took.
-    std::function<void(const Simulation&, std::span<const Command>)> ticked;
+    // `follows`: true after a tick; false for the first state, and for one that was loaded instead of the one before.
+    std::function<void(const Simulation&, std::span<const Command>, bool follows)> ticked;
 };
 
 } // namespace brume

@@ -102,7 +102,7 @@ void FrameLoop::begin(std::span<const std::byte> state) {
     simulation_.load(state);
     ++scene_version_;
     changed_ = replan_ = true;
-    if (ticked_) ticked_(simulation_, {});
+    if (ticked_) ticked_(simulation_, {}, false);
 }
 
 std::future<void> FrameLoop::show(NextScene next) {

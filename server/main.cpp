@@ -137,8 +137,8 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         };
     frame.compiled_behind = !replayed && options.ahead == "background" && isWorthCompiling(scene);
     if (recorder || node)
-        frame.ticked = [&](const Simulation& s, std::span<const Command> commands) {
-            if (recorder) recorder->ticked(s, commands);
+        frame.ticked = [&](const Simulation& s, std::span<const Command> commands, bool follows) {
+            if (recorder) recorder->ticked(s, commands, follows);
             if (node) node->ticked(s);
         };
     if (recorder) {
@@ -149,7 +149,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         const auto control = std::make_shared<ReplayControl>(recording->head.tick, recording->last);
         audience.setReplay(control);
         auto replay = std::make_unique<ReplayTicks>(options.replay, control, Clock::now());
-        frame.ticked = [replay = replay.get()](const Simulation& s, auto) { replay->check(s); };
+        frame.ticked = [replay = replay.get()](const Simulation& s, auto, bool) { replay->check(s); };
         ticks = std::move(replay);
         frame.first_tick = recording->head.tick;
     }

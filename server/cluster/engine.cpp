@@ -389,7 +389,10 @@ std::optional<std::vector<std::byte>> Engine::get(const std::string& key) {
     const natsStatus status = kvStore_Get(&made, state_->values(), key.c_str());
     const Entry entry(made);
     if (status == NATS_NOT_FOUND) return {};
-    if (status != NATS_OK) away("a snapshot", status);
+    if (status != NATS_OK) {
+        state_->snapshots.reset(); // as in put()
+        away("a snapshot", status);
+    }
     const auto* from = static_cast<const std::byte*>(kvEntry_Value(made));
     return std::vector<std::byte>(from, from + kvEntry_ValueLen(made));
 }

@@ -16,6 +16,7 @@ void Handover::begin(std::vector<std::byte> state, uint64_t tick) {
     save_.reset();
     hashes_.fill({});
     given_ = taken_ = tick;
+    present_ = {tick, 0};
     beginning_ = std::move(state);
 }
 

@@ -19,6 +19,7 @@ namespace brume::cluster {
 // Where a state is in the log.
 struct LogPoint {
     uint64_t sequence = 0; // of the message that it follows from
+    uint64_t message = 0;  // hash of that message; 0: there is none yet
     std::string log;       // Log::save() after that message
 };
 // A state at its point of the log.

@@ -71,6 +71,7 @@ void Node::run(const std::stop_token& stop) {
             } catch (const EngineAway& error) {
                 spdlog::debug("the log: {}", error.what());
                 verified_ = false;
+                missing_since_.reset();
                 try_at_ = Clock::now() + kTryAgain;
             }
         }
@@ -90,17 +91,19 @@ void Node::step(Time now) {
     if (connected && engine_.connections() != connections_) verified_ = false;
     if (connected && !verified_ && now >= try_at_ && verify(now)) follow();
     if (!verified_) return;
-    if (handover_.behind() > kMostBehind)
+    if (handover_.behind() > kMostBehind) {
         heard_at_ = now;
-    else
+        ticker_.ticked(now); // ticks come, though none of them is new
+    } else {
         engine_.take(inbox_);
+    }
     for (Stored& message : inbox_) {
         if (!verified_) break; // what is left comes again
         handle(std::move(message), now);
     }
     inbox_.clear();
     if (!connected || !verified_) return;
-    publishCommands(now);
+    if (sequence_ >= known_last_) publishCommands(now); // not before it has read what it may have published
     publishTick(now);
     publishHere();
     judge();
@@ -126,8 +129,8 @@ void Node::handle(Stored&& message, Time now) {
     silence_ = kSilence;
     sequence_ = message.sequence;
     counts_.log_bytes += message.text.size();
-    last_text_ = std::move(message.text);
-    auto read = unpack(last_text_);
+    last_hash_ = hashOf(message.text);
+    auto read = unpack(message.text);
     if (!read) return spdlog::warn("message {} of the log is none of ours and is ignored", sequence_);
     const auto* const here = std::get_if<Here>(&*read);
     if (here) votes_.note(here->tick, here->node, here->hash);
@@ -153,7 +156,7 @@ void Node::give(Log::Step&& step, uint64_t sequence, Time now) {
     const uint64_t every = uint64_t(options_.snapshot_s) * 60;
     if (is && (saved_tick_ == 0 || step.last >= saved_tick_ + every)) {
         saved_tick_ = step.last;
-        save = {sequence, log_.save()};
+        save = {sequence, last_hash_, log_.save()};
     }
     handover_.give(step.last, std::move(commands), std::move(save));
     waited(now);
@@ -206,7 +209,7 @@ void Node::publishHere() {
 void Node::tell() {
     std::vector<Here> others = log_.present();
     counts_.nodes = others.size();
-    std::erase_if(others, [&](const Here& one) { return one.node == own_.name(); });
+    std::erase_if(others, [&](const Here& one) { return one.node == own_.name() || one.url == options_.url; });
     const std::scoped_lock lock(mutex_);
     others_ = std::move(others);
 }

@@ -101,7 +101,8 @@ private:
     int64_t created_ = 0; // Engine::LogInfo::created
     uint64_t first_tick_ = 0;
     uint64_t sequence_ = 0;    // of the last message that was handled
-    std::string last_text_;    // its text; empty: not known
+    uint64_t last_hash_ = 0;   // hashOf() it; 0: not known
+    uint64_t known_last_ = 0;  // sequence that the log had when it was verified
     uint64_t connections_ = 0; // Engine::connections() when the log was verified last
     bool verified_ = false;    // True: the log is the one that this server has followed
     bool gap_ = false;         // True: a gap was followed from again

@@ -77,20 +77,22 @@ SavedState Node::load(uint64_t last_tick) {
     const auto until = Clock::now() + kWhole + std::chrono::seconds(2 * options_.snapshot_s);
     for (;; std::this_thread::sleep_for(kTryAgain)) {
         const auto info = engine_.info();
+        if (!info && must_rejoin_) throw EngineAway("the log is not found"); // verify() gives it time
         if (!info) otherLog("it is gone");
         bool changing = false;
-        if (auto state = snapshots_.read(created_, info->last, last_tick, changing)) return *std::move(state);
-        if (!changing && info->first <= 1) return {0, 0, {0, Log().save()}, start_}; // all of it is there
+        if (auto state = snapshots_.read(*info, last_tick, changing)) return *std::move(state);
+        if (!changing && info->first <= 1) return {0, 0, {0, 0, Log().save()}, start_}; // all of it is there
         if (stopping_) throw EngineAway("this server stops");
         if (Clock::now() < until) continue;
         otherLog(changing ? "its snapshot is not whole"
-                          : fmt::format("it begins with message {} and has no snapshot", info->first));
+                          : fmt::format("it begins with message {} and has no snapshot from there on", info->first));
     }
 }
 
 void Node::beginWith(SavedState state) {
     log_ = Log::load(state.at.log);
     sequence_ = state.at.sequence;
+    last_hash_ = state.at.message;
     handover_.begin(std::move(state.simulation), log_.tick());
 }
 
@@ -115,7 +117,6 @@ void Node::rejoin(Time now) {
     own_.rejoined(log_.lastNumber(own_.name()), now);
     votes_.clear();
     judged_ = log_.tick();
-    last_text_.clear();
     saved_tick_ = 0;
 }
 
@@ -134,9 +135,10 @@ bool Node::verify(Time now) {
     if (info->created != created_) otherLog("another one of that name has taken its place");
     const bool shorter = info->last < sequence_;
     const bool dropped = info->first > sequence_; // by the log's limit: it was there
-    const bool differs =
-        !shorter && !dropped && !last_text_.empty() && engine_.message(sequence_) != std::optional(last_text_);
+    const auto message = shorter || dropped || sequence_ == 0 ? std::nullopt : engine_.message(sequence_);
+    const bool differs = message && hashOf(*message) != last_hash_;
     if ((shorter || differs) && !must_rejoin_) needRejoin("the log has lost its end");
+    known_last_ = info->last;
     if (must_rejoin_) rejoin(now);
     return true;
 }

@@ -26,7 +26,8 @@ const std::string& OwnCommands::add(Command command, Time now) {
 
 void OwnCommands::came(uint64_t number, uint64_t taken, Time now) {
     if (!unseen_.empty() && number == unseen_.front().number && taken != number) {
-        lost_ += number - 1 > taken ? number - 1 - taken : 0;
+        if (number == 1) return; // the log knows too many servers: under another name it would take this as little
+        if (rejoined_ && number - 1 > taken) lost_ += number - 1 - taken;
         return renew();
     }
     for (; !unseen_.empty() && unseen_.front().number <= taken; unseen_.pop_front()) {
@@ -39,6 +40,7 @@ void OwnCommands::came(uint64_t number, uint64_t taken, Time now) {
 void OwnCommands::renew() {
     name_ = newName();
     number_ = 0;
+    rejoined_ = false;
     waiting_.clear();
     for (Own& own : unseen_) {
         own.number = ++number_;
@@ -58,6 +60,7 @@ std::vector<std::string> OwnCommands::overdue(Time now) {
 }
 
 void OwnCommands::rejoined(uint64_t taken, Time now) {
+    rejoined_ = true;
     waiting_.clear();
     while (!unseen_.empty() && unseen_.front().number <= taken) unseen_.pop_front();
     sent_at_ = now;

@@ -52,6 +52,7 @@ private:
     std::deque<Own> unseen_;  // published, and not come back
     std::deque<Own> waiting_; // come back, and not taken by a tick
     Time sent_at_{};          // the first of unseen_, or later
+    bool rejoined_ = false;   // True: what is missing was lost by the log, not forgotten
     bool all_again_ = false;  // True: all of unseen_ must be sent
     uint64_t lost_ = 0, resent_ = 0;
 };

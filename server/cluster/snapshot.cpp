@@ -27,6 +27,8 @@ uint64_t checksum(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.d
 
 } // namespace
 
+uint64_t hashOf(std::string_view text) { return XXH3_64bits(text.data(), text.size()); }
+
 std::optional<Manifest> Snapshots::manifest(uint32_t slot) {
     const auto bytes = engine_.get(manifestKey(slot));
     if (!bytes) return {};
@@ -34,8 +36,9 @@ std::optional<Manifest> Snapshots::manifest(uint32_t slot) {
         const auto in = nlohmann::json::parse(reinterpret_cast<const char*>(bytes->data()),
                                               reinterpret_cast<const char*>(bytes->data() + bytes->size()));
         return Manifest{in.at("tick").get<uint64_t>(),     in.at("hash").get<uint64_t>(),
-                        in.at("sequence").get<uint64_t>(), in.at("created").get<int64_t>(),
-                        in.at("bytes").get<uint64_t>(),    in.at("checksum").get<uint64_t>()};
+                        in.at("sequence").get<uint64_t>(), in.at("message").get<uint64_t>(),
+                        in.at("created").get<int64_t>(),   in.at("bytes").get<uint64_t>(),
+                        in.at("checksum").get<uint64_t>()};
     } catch (const nlohmann::json::exception&) {
         return {};
     }
@@ -58,18 +61,27 @@ uint64_t Snapshots::write(const SavedState& state, int64_t created) {
     for (size_t at = 0, part = 0; at < all.size(); at += Engine::kMostBytes, ++part)
         engine_.put(partKey(slot, part), std::span(all).subspan(at, std::min(Engine::kMostBytes, all.size() - at)));
     const std::string text =
-        nlohmann::json{{"tick", state.tick}, {"hash", state.hash},  {"sequence", state.at.sequence},
-                       {"created", created}, {"bytes", all.size()}, {"checksum", checksum(all)}}
+        nlohmann::json{{"tick", state.tick},          {"hash", state.hash}, {"sequence", state.at.sequence},
+                       {"message", state.at.message}, {"created", created}, {"bytes", all.size()},
+                       {"checksum", checksum(all)}}
             .dump();
     engine_.put(manifestKey(slot), bytesOf(text));
     return all.size();
 }
 
-std::optional<SavedState> Snapshots::read(int64_t created, uint64_t last_sequence, uint64_t last_tick, bool& changing) {
+// Its message may be dropped by the log's limit, as long as the next one is there.
+bool Snapshots::isOf(const Engine::LogInfo& log, const Manifest& snapshot) const {
+    const uint64_t at = snapshot.sequence;
+    if (snapshot.created != log.created || snapshot.bytes > kMostBytes || at > log.last || at + 1 < log.first)
+        return false;
+    const auto message = engine_.message(at);
+    return message ? hashOf(*message) == snapshot.message : at < log.first;
+}
+
+std::optional<SavedState> Snapshots::read(const Engine::LogInfo& log, uint64_t last_tick, bool& changing) {
     std::vector<std::pair<Manifest, uint32_t>> good;
     for (uint32_t slot = 0; slot < kSlots; ++slot)
-        if (const auto there = manifest(slot); there && there->created == created && there->bytes <= kMostBytes &&
-                                               there->sequence <= last_sequence && there->tick <= last_tick)
+        if (const auto there = manifest(slot); there && there->tick <= last_tick && isOf(log, *there))
             good.emplace_back(*there, slot);
     std::ranges::sort(good, std::greater(), [](const auto& one) { return one.first.tick; });
     for (const auto& [newest, slot] : good)
@@ -91,7 +103,7 @@ std::optional<SavedState> Snapshots::state(uint32_t slot, const Manifest& of) {
         all.insert(all.end(), bytes->begin(), bytes->end());
     }
     if (all.size() != of.bytes || checksum(all) != of.checksum) return {};
-    SavedState state{of.tick, of.hash, {of.sequence, {}}, {}};
+    SavedState state{of.tick, of.hash, {of.sequence, of.message, {}}, {}};
     StateBytes in{std::span<const std::byte>(all)};
     in.value(state.at.log, all.size());
     state.simulation.assign(in.left().begin(), in.left().end());

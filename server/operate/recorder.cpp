@@ -22,10 +22,10 @@ Recorder::Recorder(const Options& options, const RecordingHead& head, const Scen
 
 Recorder::~Recorder() { end("stopped"); }
 
-void Recorder::ticked(const Simulation& simulation, std::span<const Command> commands) {
+void Recorder::ticked(const Simulation& simulation, std::span<const Command> commands, bool follows) {
     if (!out_) return;
     const bool first = !std::exchange(has_last_, true);
-    if (!first && simulation.tick() != last_.tick + 1) {
+    if (!first && !follows) {
         RecordingHead head = head_;
         head.joined = true;
         return goOn(head, Scene(scene_), simulation, "another state was loaded");

@@ -22,10 +22,10 @@ public:
     // Ends the recording.
     ~Recorder();
 
-    // To be called before the first tick, and after every tick with the commands that it took. Where a tick does not
-    // follow from the one before, the recording goes on in another file, as with goOn(). A full disk ends the
-    // recording, not the server; the log says so. Throws gpu::Error if `frames` is not 0.
-    void ticked(const Simulation& simulation, std::span<const Command> commands);
+    // To be called before the first tick, and after every tick with the commands that it took. `follows`: false for the
+    // first state, and for one that was loaded; the recording goes on with that in another file, as with goOn(). A full
+    // disk ends the recording, not the server; the log says so. Throws gpu::Error if `frames` is not 0.
+    void ticked(const Simulation& simulation, std::span<const Command> commands, bool follows);
     // To be called with what is known of the errors of viewers' pictures, on the same thread: once a second what has
     // changed is written, RecordedErrors::kMost viewers at most.
     void measured(std::span<const ViewError> errors) { errors_.set(errors); }

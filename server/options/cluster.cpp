@@ -43,7 +43,7 @@ void addClusterOptions(OptionTable& table, ServerOptions& o) {
         .unit("FILE");
     g.option("--cluster-key", engine.key, "its private key, PEM").unit("FILE");
     g.option("--cluster-replicas", engine.replicas, "NATS servers that keep the log").range(1, 5);
-    g.mebibytes("--cluster-log-size", engine.log_bytes, "that the log keeps; a tick takes about 150 bytes")
+    g.mebibytes("--cluster-log-size", engine.log_bytes, "that the log keeps; a tick takes about 100 bytes")
         .range(16u, 1u << 20);
     g.option("--cluster-snapshot", o.cluster.snapshot_s, "between snapshots of the state")
         .range(1, 3600)

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <turbojpeg.h>
 
+#include "tests/integration/cluster_node.h"
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
@@ -143,7 +144,8 @@ TEST(Metrics, AllThatAreDocumentedAreThere) {
     ASSERT_NE(end, text.npos);
     const std::string section = text.substr(begin, end - begin);
 
-    RunningServer server({"--measure-error", "1"});
+    const NatsServer nats; // a server of a cluster has all of them
+    RunningServer server(inCluster(nats, {"--measure-error", "1"}));
     Watcher watcher(server.endpoint());
     watcher.look(fromFront());
     const auto measured = [&] { return watcher.frames.size() >= 5 && watcher.last().measured > 0; };

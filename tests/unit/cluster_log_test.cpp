@@ -199,7 +199,7 @@ TEST_F(Cluster, TicksComeWithTheLogAlone) {
     handover.ticked(simulation);
     EXPECT_FALSE(ticks.take(now, commands));
     EXPECT_FALSE(ticks.serves());
-    handover.give(3, {{1, 1, Restart{}}}, LogPoint{17, "state of the log"});
+    handover.give(3, {{1, 1, Restart{}}}, LogPoint{17, 5, "state of the log"});
     EXPECT_EQ(ticks.due(), Clock::time_point::min());
     std::vector<size_t> taken;
     while (ticks.take(now, commands)) {
@@ -308,6 +308,16 @@ TEST_F(Sender, ForgottenByTheLogItGoesOnUnderAnotherName) {
     EXPECT_NE(own.name(), name);
     for (const std::string& message : own.overdue(now)) arrives(message);
     EXPECT_EQ(taken(), std::vector<uint32_t>{2});
+}
+
+TEST_F(Sender, OfTooManyServersItKeepsItsNameAndTriesAgain) {
+    for (size_t i = 0; i < kMostNodes; ++i) log.take(said("n" + std::to_string(i), 1));
+    const std::string name = own.name(), message = send();
+    arrives(message);
+    EXPECT_EQ(own.name(), name);
+    EXPECT_TRUE(own.overdue(now).empty()) << "not at once";
+    now += std::chrono::seconds(2);
+    EXPECT_EQ(own.overdue(now), std::vector{message});
 }
 
 TEST_F(Sender, WhenTheLogLosesItsEndWhatWasNotAnsweredIsSentAgain) {
