@@ -57,7 +57,7 @@ private:
     [[noreturn]] void fail(const Viewer& viewer, const std::string& why) const;
 
     const Options& options_;
-    std::vector<client::Endpoint> servers_; // those of the options, then others that goodbyes named
+    std::vector<client::Endpoint> servers_; // servers of the options, then others that goodbyes named
     const size_t given_;                    // number of the first
     client::Interrupt& interrupt_;
     client::Loop loop_;

@@ -33,7 +33,7 @@ struct Options {
     std::vector<client::Endpoint> servers;     // running servers, all different; empty: one is started
     bool anywhere = false;                     // true: other machines may be loaded
     double push = 0;                           // pushes a second of each viewer
-    uint64_t seed = 1;                         // of where they push
+    uint64_t seed = 1;                         // seed of the places where viewers push
     std::vector<std::string> server_arguments; // arguments for a server that is started here
     std::filesystem::path out;                 // folder for the results; empty: nothing is written
     std::vector<Budget> budgets;

@@ -5,7 +5,7 @@
 namespace brume::load {
 namespace {
 
-constexpr float kNear = 0.1f; // of the distance from the path's start to the centre: how far rays pass from the centre
+constexpr float kNear = 0.1f; // rays pass the centre within this part of the distance from the path's start to it
 constexpr float kGentle = 0.5f, kStrong = 1.5f; // Impulse::strength
 
 } // namespace

@@ -33,7 +33,8 @@ double Run::awayMs(double fraction) const {
 
 double Run::commandP95Ms() const {
     double most = NAN;
-    for (const ServerRun& one : servers) most = std::fmax(most, one.command_p95_ms); // of NaN and a number the number
+    for (const ServerRun& one : servers)
+        most = std::fmax(most, one.command_p95_ms); // fmax takes the number where the other is NaN
     return most;
 }
 

@@ -40,12 +40,12 @@ struct ServerRun {
     std::string url;
     uint32_t viewers = 0; // at the end
     uint64_t frames = 0;
-    std::vector<float> picture_ms;    // of each frame, from its tick to its picture: render, encode and queue
-    uint64_t pushes = 0, refused = 0; // inputs that were sent; those that an Error answered
+    std::vector<float> picture_ms;                     // times of frames from tick to picture: render, encode and queue
+    uint64_t pushes = 0, refused = 0;                  // inputs that were sent; those that an Error answered
     double command_p50_ms = NAN, command_p95_ms = NAN; // from a command's arrival to the tick that takes it
     double ticks_per_second = NAN, tick_p50_ms = NAN, tick_p95_ms = NAN; // brume_tick_seconds
-    double log_bytes_per_second = NAN; // what it wrote to the cluster's log and read from it
-    double lag_ticks = NAN;            // at the end: how far it is behind that log
+    double log_bytes_per_second = NAN;                                   // bytes of the cluster's log that it read
+    double lag_ticks = NAN;                                              // at the end: how far it is behind that log
     ServerCost cost;
 
     double pictureMs(double fraction) const; // percentile of picture_ms, nearest rank; NaN without a frame
@@ -64,9 +64,9 @@ struct Run {
     std::vector<float> errors_measured; // at the end, of each viewer that is told one: relative RMSE of its pictures
     uint64_t errors = 0;                // wire::Error messages
     std::string first_error;
-    ServerCost server; // of all servers together
+    ServerCost server; // cost of all servers together
     std::vector<ServerRun> servers;
-    std::optional<Agreement> agreement; // of what the servers told until the end, warm-up included; none: of one server
+    std::optional<Agreement> agreement; // hashes that servers told, warm-up included; none: there is one server
     double own_cpu_s = 0;               // processor time of this program
     double machine_busy_s = 0;          // processor time of all that runs on the machine, on all cores; NaN if unknown
 

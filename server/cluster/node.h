@@ -66,7 +66,7 @@ private:
     void judge();
     void watch(Time now);
     void stand(const char* why);
-    void needRejoin(std::string why, uint64_t last_tick = ~0ull);
+    void needRejoin(const std::string& why, uint64_t last_tick = ~0ull);
     void rejoin(Time now);
     Engine::LogInfo open(const std::string& about);
     SavedState load(uint64_t last_tick);
@@ -100,17 +100,13 @@ private:
     Ticker ticker_{Clock::now()};
     int64_t created_ = 0; // Engine::LogInfo::created
     uint64_t first_tick_ = 0;
-    uint64_t sequence_ = 0;    // of the last message that was handled
-    uint64_t last_hash_ = 0;   // hashOf() it; 0: not known
-    uint64_t known_last_ = 0;  // sequence that the log had when it was verified
-    uint64_t connections_ = 0; // Engine::connections() when the log was verified last
-    bool verified_ = false;    // True: the log is the one that this server has followed
-    bool gap_ = false;         // True: a gap was followed from again
-    struct Rejoin {
-        std::string why;
-        uint64_t last_tick; // of a state to go on from
-    };
-    std::optional<Rejoin> must_rejoin_; // set until that has succeeded
+    uint64_t sequence_ = 0;               // of the last message that was handled
+    uint64_t last_hash_ = 0;              // hashOf() it; 0: not known
+    uint64_t known_last_ = 0;             // sequence that the log had when it was verified
+    uint64_t connections_ = 0;            // Engine::connections() when the log was verified last
+    bool verified_ = false;               // True: the log is the one that this server has followed
+    bool gap_ = false;                    // True: a gap was followed from again
+    std::optional<uint64_t> must_rejoin_; // last tick of a state to load; set until that has succeeded
     std::vector<Command> drained_;
     std::vector<Stored> inbox_;
     uint64_t judged_ = 0;     // last tick whose hashes were compared

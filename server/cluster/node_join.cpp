@@ -103,16 +103,16 @@ void Node::otherLog(const std::string& why) const {
                     options_.engine.log, why));
 }
 
-void Node::needRejoin(std::string why, uint64_t last_tick) {
+void Node::needRejoin(const std::string& why, uint64_t last_tick) {
     spdlog::warn("loading the shared state anew: {}", why);
-    must_rejoin_ = {std::move(why), last_tick};
+    must_rejoin_ = last_tick;
     verified_ = false;
     stand(kRejoins);
 }
 
 // Throws EngineAway: it is tried again.
 void Node::rejoin(Time now) {
-    beginWith(load(must_rejoin_->last_tick));
+    beginWith(load(*must_rejoin_));
     must_rejoin_.reset();
     own_.rejoined(log_.lastNumber(own_.name()), now);
     votes_.clear();
