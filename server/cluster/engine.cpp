@@ -1,150 +1,25 @@
 #include "server/cluster/engine.h"
 
-#include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include <fmt/format.h>
-#include <nats/nats.h>
-#include <spdlog/spdlog.h>
-#include <unistd.h>
+
+#include "server/cluster/connection.h"
 
 namespace brume::cluster {
 namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int64_t kPingMs = 1000; // and after kPings without an answer the connection counts as lost
-constexpr int kPings = 2;         // the library's own defaults take four minutes
-constexpr int64_t kReconnectMs = 100;
-constexpr int64_t kAnswerMs = 1000; // what takes longer is asked for again
-constexpr int64_t kWriteMs = 2000;  // that a write may take
-constexpr int kUnsent = 1 << 20;    // bytes that wait for a connection to come back
 constexpr int32_t kLongestMessage = 256 << 10;
 constexpr int64_t kLookMs = 50;            // how often the reader looks whether something else is wanted
 constexpr size_t kMostWaiting = 1 << 16;   // messages that nobody has taken
 constexpr int64_t kSecond = 1'000'000'000; // ns
 
-template <class T, void (*Destroy)(T*)>
-struct Destroyer {
-    void operator()(T* one) const { Destroy(one); }
-};
-template <class T, void (*Destroy)(T*)>
-using Owned = std::unique_ptr<T, Destroyer<T, Destroy>>;
-using Options = Owned<natsOptions, natsOptions_Destroy>;
-using Connection = Owned<natsConnection, natsConnection_Destroy>;
-using Context = Owned<jsCtx, jsCtx_Destroy>;
-using Subscription = Owned<natsSubscription, natsSubscription_Destroy>;
-using Message = Owned<natsMsg, natsMsg_Destroy>;
-using Info = Owned<jsStreamInfo, jsStreamInfo_Destroy>;
-using Values = Owned<kvStore, kvStore_Destroy>;
-using Entry = Owned<kvEntry, kvEntry_Destroy>;
-
-std::string textOf(natsStatus status) {
-    const char* last = nats_GetLastError(nullptr);
-    return fmt::format("{}{}{}", natsStatus_GetText(status), last && *last ? ": " : "", last ? last : "");
-}
-
-[[noreturn]] void away(const char* what, natsStatus status) {
-    throw EngineAway(fmt::format("{}: {}", what, textOf(status)));
-}
-
-// Throws ClusterError where an option is no good.
-void set(natsStatus status, const char* option, const std::string& value) {
-    if (status != NATS_OK) throw ClusterError(fmt::format("{} {}: {}", option, value, textOf(status)));
-}
-
-std::vector<std::string> split(const std::string& list) {
-    std::vector<std::string> all;
-    for (size_t at = 0, end; at <= list.size(); at = end + 1) {
-        end = std::min(list.find(',', at), list.size());
-        if (end > at) all.push_back(list.substr(at, end - at));
-    }
-    return all;
-}
-
-Options optionsOf(const EngineOptions& from) {
-    for (const auto& [option, file] :
-         {std::pair("--cluster-credentials", &from.credentials), std::pair("--cluster-ca", &from.ca),
-          std::pair("--cluster-certificate", &from.certificate), std::pair("--cluster-key", &from.key)})
-        if (!file->empty() && ::access(file->c_str(), R_OK) != 0)
-            throw ClusterError(fmt::format("{} {}: cannot be read: {}", option, file->string(), std::strerror(errno)));
-    natsOptions* made = nullptr;
-    set(natsOptions_Create(&made), "--cluster", "");
-    Options options(made);
-    const std::vector<std::string> servers = split(from.servers);
-    std::vector<const char*> urls;
-    for (const std::string& url : servers) urls.push_back(url.c_str());
-    set(natsOptions_SetServers(made, urls.data(), int(urls.size())), "--cluster", withoutSecrets(from.servers));
-    natsOptions_SetName(made, "brume-server " BRUME_VERSION);
-    natsOptions_SetTimeout(made, std::min(kAnswerMs, from.timeout.count()));
-    natsOptions_SetMaxReconnect(made, -1);
-    natsOptions_SetReconnectWait(made, kReconnectMs);
-    natsOptions_SetReconnectJitter(made, kReconnectMs / 2, kReconnectMs / 2);
-    natsOptions_SetReconnectBufSize(made, kUnsent);
-    natsOptions_SetPingInterval(made, kPingMs);
-    natsOptions_SetMaxPingsOut(made, kPings);
-    natsOptions_SetWriteDeadline(made, kWriteMs);
-    natsOptions_SetSendAsap(made, true);
-    natsOptions_SetFailRequestsOnDisconnect(made, true);
-    if (!from.credentials.empty())
-        set(natsOptions_SetUserCredentialsFromFiles(made, from.credentials.c_str(), nullptr), "--cluster-credentials",
-            from.credentials.string());
-    if (from.servers.find("tls://") != std::string::npos || !from.ca.empty())
-        set(natsOptions_SetSecure(made, true), "--cluster", "tls");
-    if (!from.ca.empty())
-        set(natsOptions_LoadCATrustedCertificates(made, from.ca.c_str()), "--cluster-ca", from.ca.string());
-    if (!from.certificate.empty())
-        set(natsOptions_LoadCertificatesChain(made, from.certificate.c_str(), from.key.c_str()),
-            "--cluster-certificate", from.certificate.string());
-    return options;
-}
-
-// What the library's callbacks know. They may come until `closed`, on a thread of its own.
-struct Link {
-    std::atomic<bool> connected{true}, closed{false};
-    std::atomic<uint64_t> connections{1};
-};
-Link& linkOf(void* closure) { return *static_cast<Link*>(closure); }
-
-void told(natsConnection*, natsSubscription*, natsStatus status, void*) {
-    spdlog::warn("NATS: {}", natsStatus_GetText(status));
-}
-
-void setCallbacks(natsOptions* options, Link* link) {
-    natsOptions_SetErrorHandler(options, told, nullptr);
-    natsOptions_SetDisconnectedCB(
-        options, [](natsConnection*, void* it) { linkOf(it).connected = false; }, link);
-    natsOptions_SetReconnectedCB(
-        options,
-        [](natsConnection*, void* it) {
-            ++linkOf(it).connections;
-            linkOf(it).connected = true;
-        },
-        link);
-    natsOptions_SetClosedCB(
-        options,
-        [](natsConnection*, void* it) {
-            linkOf(it).connected = false;
-            linkOf(it).closed = true;
-        },
-        link);
-}
-
 } // namespace
-
-std::string withoutSecrets(const std::string& servers) {
-    std::string out;
-    for (const std::string& url : split(servers)) {
-        const size_t scheme = url.find("://"), from = scheme == url.npos ? 0 : scheme + 3, at = url.rfind('@');
-        out += (out.empty() ? "" : ",") + url.substr(0, from) + url.substr(at == url.npos ? from : at + 1);
-    }
-    return out;
-}
 
 struct Engine::State {
     void read(const std::stop_token& stop);
@@ -211,18 +86,27 @@ bool Engine::refused() const { return state_->link->closed; }
 
 uint64_t Engine::connections() const { return state_->link->connections; }
 
+// A log that is just being made has no time yet: NATS tells of it before it is whole.
 std::optional<Engine::LogInfo> Engine::info() const {
-    jsStreamInfo* made = nullptr;
-    jsErrCode code = jsErrCode(0);
-    const natsStatus status = js_GetStreamInfo(&made, state_->context.get(), state_->stream().c_str(), nullptr, &code);
-    const Info info(made);
-    if (status == NATS_NOT_FOUND || code == JSStreamNotFoundErr) return {};
-    if (status != NATS_OK) away("the log", status);
-    return LogInfo{info->Created, info->State.FirstSeq, info->State.LastSeq,
-                   info->Config->Description ? info->Config->Description : ""};
+    const auto until = std::chrono::steady_clock::now() + milliseconds(kAnswerMs);
+    for (;;) {
+        jsStreamInfo* made = nullptr;
+        jsErrCode code = jsErrCode(0);
+        const natsStatus status =
+            js_GetStreamInfo(&made, state_->context.get(), state_->stream().c_str(), nullptr, &code);
+        const Info info(made);
+        if (status == NATS_NOT_FOUND || code == JSStreamNotFoundErr) return {};
+        if (status != NATS_OK) away("the log", status);
+        if (info->Created > 0)
+            return LogInfo{info->Created, info->State.FirstSeq, info->State.LastSeq,
+                           info->Config->Description ? info->Config->Description : ""};
+        if (std::chrono::steady_clock::now() > until) away("the log is being made", NATS_TIMEOUT);
+        std::this_thread::sleep_for(milliseconds(1));
+    }
 }
 
-// Of several servers that make it at a time one does, and the others find it.
+// Of several servers that make it at a time one does, and the others find it. They may be told that its name exists, or
+// that its subjects overlap.
 Engine::LogInfo Engine::open(const std::string& about) {
     if (auto found = info()) return *std::move(found);
     const std::string stream = state_->stream(), subject = state_->subject();
@@ -242,15 +126,13 @@ Engine::LogInfo Engine::open(const std::string& about) {
     jsErrCode code = jsErrCode(0);
     const natsStatus status = js_AddStream(&made, state_->context.get(), &config, nullptr, &code);
     const Info info(made);
-    if (status != NATS_OK && code != JSStreamNameExistErr) {
-        if (status == NATS_TIMEOUT) away("the log", status);
-        throw ClusterError(
-            fmt::format("--cluster {}: the log '{}' cannot be made: {}; nats-server needs JetStream (-js), room for "
-                        "--cluster-log-size, and as many servers as --cluster-replicas",
-                        withoutSecrets(state_->options.servers), state_->options.log, textOf(status)));
-    }
+    const std::string said = textOf(status);
     if (auto found = this->info()) return *std::move(found);
-    throw EngineAway("the log was made and is not there");
+    if (status == NATS_OK || status == NATS_TIMEOUT) away("the log was made and is not there", status);
+    throw ClusterError(
+        fmt::format("--cluster {}: the log '{}' cannot be made: {}; nats-server needs JetStream (-js), room for "
+                    "--cluster-log-size, and as many servers as --cluster-replicas",
+                    withoutSecrets(state_->options.servers), state_->options.log, said));
 }
 
 void Engine::forget() {

@@ -1,8 +1,11 @@
 // The engine of a cluster goes away, comes back, forgets: servers stand still, go on, load anew or end in one line.
+#include <barrier>
 #include <csignal>
+#include <thread>
 
 #include <gtest/gtest.h>
 
+#include "server/cluster/engine.h"
 #include "tests/integration/cluster_node.h"
 #include "tests/integration/program.h"
 #include "tests/net/certificate.h"
@@ -14,6 +17,34 @@ class ClusterEngine : public testing::Test {
 protected:
     NatsServer nats;
 };
+
+// NATS tells those who come second that the name exists or that the subjects overlap, as it happens.
+TEST_F(ClusterEngine, ManyOpenTheLogAtATimeAndFindTheSame) {
+    constexpr int kEngines = 6, kTimes = 25;
+    cluster::EngineOptions options;
+    options.servers = nats.url();
+    options.log = "shared";
+    std::vector<std::unique_ptr<cluster::Engine>> engines;
+    for (int i = 0; i < kEngines; ++i) engines.push_back(std::make_unique<cluster::Engine>(options, [] {}));
+    std::barrier together(kEngines);
+    for (int time = 0; time < kTimes; ++time) {
+        std::vector<int64_t> created(kEngines, -1);
+        {
+            std::vector<std::jthread> threads;
+            for (int i = 0; i < kEngines; ++i)
+                threads.emplace_back([&, i] {
+                    together.arrive_and_wait();
+                    try {
+                        created[i] = engines[i]->open("the scene").created;
+                    } catch (const std::exception& error) {
+                        ADD_FAILURE() << error.what();
+                    }
+                });
+        }
+        for (const int64_t one : created) EXPECT_EQ(one, created[0]);
+        engines[0]->forget();
+    }
+}
 
 TEST_F(ClusterEngine, WhileItIsAwayTicksStandAndCamerasGoOn) {
     RunningServer server(inCluster(nats));
