@@ -5,7 +5,7 @@
 
 namespace brume::setting_rows {
 
-inline constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic"};
+inline constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic", "taylor"};
 inline constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
 inline constexpr std::string_view kTilesLights[]{"fit", "path"};
 inline constexpr std::string_view kUnionShadows[]{"exact", "nearest", "binary", "none"};
@@ -25,7 +25,13 @@ inline constexpr SceneSetting kMethodSettings[]{
     {"render.isv.quadrature", at<&P::render, &R::isv, &IsvSettings::quadrature>, "", kNone,
      "How the light along a particle's interval is summed", kOperators, Form::plain, kIsvQuadratures},
     {"render.isv.steps", at<&P::render, &R::isv, &IsvSettings::steps>, "", limits::kSteps,
-     "Steps of the quadrature; at most 3 for `transmittance`; `analytic` has none", kOperators},
+     "Steps of the quadrature; at most 3 for `transmittance`; `analytic` and `taylor` have none", kOperators},
+    {"render.isv.fading", at<&P::render, &R::isv, &IsvSettings::fading>, "", kNone,
+     "False: all of a tetrahedron has the extinction of its centre", kOperators},
+    {"render.isv.soft_shadows", at<&P::render, &R::isv, &IsvSettings::soft_shadows>, "", kNone,
+     "True: shadows of objects in the medium are means over 5x5 texels of their map", kOperators},
+    {"render.isv.multiple", at<&P::render, &R::isv, &IsvSettings::multiple>, "", limits::kPart,
+     "Part of a term for multiple scattering, as printed in the dissertation: it is not physical", kOperators},
     {"render.tiles.quadrature", at<&P::render, &R::tiles, &TilesSettings::quadrature>, "", kNone,
      "Where light is looked up: `cached` on the particles, or `hermite` at two points of each ray", kOperators,
      Form::plain, kTilesQuadratures},
@@ -130,6 +136,20 @@ inline constexpr SceneSetting kMethodSettings[]{
      kOperators, Form::plain, kBlurs},
     usually({0.1, 20}, {"render.march.depth_falloff", at<&P::render, &R::march, &MarchSettings::depth_falloff>, "m",
                         limits::kDepthFalloff, "Difference of depth at which a filter's weight is 0", kOperators}),
+
+    {"render.octaves.count", at<&P::render, &R::octaves, &OctaveSettings::count>, "", limits::kOctaves,
+     "With scattering = \"octaves\": how many are summed; 1 is single scattering", kOperators},
+    {"render.octaves.scattering", at<&P::render, &R::octaves, &OctaveSettings::scattering>, "", limits::kPart,
+     "What an octave scatters, in parts of the one before; at most `extinction`, or a medium gives more than it gets",
+     kOperators},
+    {"render.octaves.extinction", at<&P::render, &R::octaves, &OctaveSettings::extinction>, "", limits::kPart,
+     "Optical depth that an octave's light passes, in parts of the one before", kOperators},
+    {"render.octaves.phase", at<&P::render, &R::octaves, &OctaveSettings::phase>, "", limits::kPart,
+     "Asymmetry of an octave, in parts of the one before", kOperators},
+    {"render.propagation.cells", at<&P::render, &R::propagation, &PropagationSettings::cells>, "",
+     limits::kPropagationCells, "With scattering = \"propagation\": cells along each side of the medium's bounds"},
+    {"render.propagation.iterations", at<&P::render, &R::propagation, &PropagationSettings::iterations>, "",
+     limits::kIterations, "With scattering = \"propagation\": steps on the finest grid in each tick", kOperators},
 };
 
 } // namespace brume::setting_rows

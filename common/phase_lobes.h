@@ -20,6 +20,18 @@ struct PhaseLobes {
     double second = 0;
     bool operator==(const PhaseLobes&) const = default;
 
+    // Mean of the cosine of the angle between the directions.
+    double meanCosine() const {
+        const double g = asymmetry, squares = (1 + 2 * g * g) / 3;
+        return part * (g + draine * g * (3 + 2 * g * g) / 5) / (1 + draine * squares) + (1 - part) * second;
+    }
+    // Mean of the second Legendre polynomial of that cosine: g^2 of Henyey-Greenstein.
+    double secondMoment() const {
+        const double g2 = asymmetry * asymmetry, squares = (1 + 2 * g2) / 3, fourths = (8 * g2 * g2 + 20 * g2 + 7) / 35;
+        const double square = (squares + draine * fourths) / (1 + draine * squares);
+        return part * (1.5 * square - 0.5) + (1 - part) * second * second;
+    }
+
     // Least width of what the function has, rad; about 1 where it is smooth.
     double width() const { return 1 - std::max(std::abs(asymmetry), std::abs(second)); }
 };

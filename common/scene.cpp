@@ -217,6 +217,8 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
         if (mesh.file.empty()) r.fail("file", "a mesh without a file", "a .glb or .gltf file beside the scene");
     });
     out.triangles = trianglesOf(out.meshes);
+    in.tables("glass", out.glasses, limits::kGlasses,
+              [&](TableReader& r, Glass& glass) { read.readTable(r, "glass", {.glass = &glass}, &origin); });
     if (out.medium.model == kUnionMedium)
         for (const auto& [key, empty] : {std::pair("fog", out.fogs.empty()), std::pair("mesh", out.meshes.empty())})
             if (!empty) in.fail(key, "not drawn in a union medium", "only with medium.model = \"sum\"");
@@ -226,6 +228,8 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
     out.camera_by_points = !out.medium.file.empty() && !in.has("camera");
     in.table("render", [&](TableReader& r) { readRender(r, read, out.render); });
+    if (out.medium.model == kUnionMedium && out.render.scattering != "single")
+        throw SceneError("render.scattering: \"" + out.render.scattering + "\"; a union medium needs \"single\"");
     if (out.render.sprites.maps == "files")
         for (const char* side : {"-positive.png", "-negative.png"})
             if (!std::filesystem::is_regular_file(out.medium.sprite_maps.string() + side))

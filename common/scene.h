@@ -10,6 +10,8 @@
 
 #include <glm/glm.hpp>
 
+#include "common/render_settings.h"
+
 namespace brume {
 
 struct Range {
@@ -161,6 +163,16 @@ struct Mesh {
     float scale = 1;            // m per unit of the file
     float yaw = 0;              // rad about +Y
 };
+// A thin flat sheet that is seen through, upright where `pitch` is 0. It throws no shadow.
+struct Glass {
+    glm::vec3 centre{0};                        // m
+    float width = 2, height = 2;                // m
+    float yaw = 0, pitch = 0;                   // rad; at 0 it faces +Z. First it tips about +X, then it turns about +Y
+    glm::vec3 transmittance{0.75f, 0.9f, 0.8f}; // part of each colour that passes, in [0, 1]
+    float reflectance = 0.04f;                  // part of the sky's radiance that it mirrors, straight on, in [0, 1]
+
+    bool operator==(const Glass&) const = default;
+};
 struct Triangle {
     glm::vec3 corners[3]; // m
     glm::vec3 albedo;
@@ -190,148 +202,6 @@ struct SceneCamera {
     float fov_y = 0.8f;
 };
 
-// A number that the server chooses: "auto" in a scene.
-inline constexpr uint32_t kAuto = 0;
-
-// Settings of one method each: [render.NAME] in a scene.
-struct IsvSettings {
-    std::string quadrature = "simpson"; // simpson | transmittance | analytic
-    uint32_t steps = 2;                 // simpson 1...10, transmittance 1...3
-
-    bool operator==(const IsvSettings&) const = default;
-};
-struct TilesSettings {
-    std::string quadrature = "cached"; // cached | hermite
-    float light_tolerance = 0.2f;      // cached: how far light may be from linear on a particle, as a part of 1
-    float least_transmittance = 1e-3f; // where a ray may end; what lies behind counts for no more than that
-    std::string light = "fit";         // cached: fit, linear on a particle; path: one value, of the union of balls
-
-    bool operator==(const TilesSettings&) const = default;
-};
-struct GridSettings {
-    float spacing = kAuto; // standard deviations between nodes, at most 1; auto: 0.5. Below 0.25 sampling is cubic
-
-    bool operator==(const GridSettings&) const = default;
-};
-
-// Froxels: cells of an eye's view volume, `pixels` wide, cut by slices that grow with their distance. Methods froxels,
-// lit and gradients march through them.
-struct FroxelSettings {
-    uint32_t pixels = 8;         // between neighbouring rays, 1...32
-    uint32_t slices = 128;       // along every ray, 8...512
-    float far = kAuto;           // m of view depth, where slices end; auto: where the medium does
-    bool jitter = false;         // froxels. True: each tick's samples lie elsewhere within their slices
-    float history = 0;           // froxels: part of a cell's light that is kept from an eye's last picture, up to 0.98
-    std::string shadows = "ray"; // froxels: how objects shadow the medium: map | ray | grid | hybrid
-
-    bool operator==(const FroxelSettings&) const = default;
-};
-// Light past objects, kept in voxels of world space.
-struct ShadowGridSettings {
-    float voxel = kAuto;             // m; auto: 1/200 of the longest side of what it covers
-    std::string values = "coverage"; // bits | coverage: of a voxel's centre, or the part of the voxel that is lit
-    std::string lookup = "linear";   // nearest | linear
-    bool parity = false;             // True: each update makes every other layer of voxels
-    bool retrace = false;            // True: every tick makes all of it again, though nothing has moved
-
-    bool operator==(const ShadowGridSettings&) const = default;
-};
-// With shadows = "hybrid": light past objects in coarse froxels before each eye; behind them the grid is read.
-struct ShadowFrustumSettings {
-    uint32_t pixels = 16; // 1...64
-    float part = 0.333f;  // part of the slices that it covers, from the eye on
-
-    bool operator==(const ShadowFrustumSettings&) const = default;
-};
-// Method lit: extinction and light at nodes of world space.
-struct LitSettings {
-    float spacing = kAuto; // m between nodes; auto: as the medium's particles need, or 1/96 of what they cover
-
-    bool operator==(const LitSettings&) const = default;
-};
-
-// Method gradients: light is computed at few places, and interpolated to the nodes that method lit reads.
-struct RadianceSettings {
-    // exact: computed at every node. rbf, gradient: at samples in spheres, without and with their gradients (Ren et al.
-    // 2008). nested: at every fourth node, and between these where interpolation errs.
-    std::string interpolation = "nested";
-    std::string quantity = "factor";  // radiance | factor: what is interpolated; the factor is the part that arrives
-    std::string weights = "gaussian"; // printed | gaussian: how samples in spheres are weighted
-    float error = 0.02f;              // a sample that errs by more is split: a part of all light, times opacity
-    uint32_t levels = 3;              // number of grids that samples are split into, 0...3
-    float spacing = kAuto;            // m between nodes, as LitSettings::spacing
-    float gradient_step = 1;          // spacings between a sample and those for its differences
-    float step = kAuto;      // spacings between places of a march toward a light; auto: the light's volume is read
-    uint32_t samples = 1024; // rbf, gradient: number of first samples, at most: particles, or strata
-
-    bool operator==(const RadianceSettings&) const = default;
-};
-
-// The union of balls as light passes it: method sprites, tiles with light = "path", and surfaces of a union medium.
-struct PathSettings {
-    uint32_t groups = 1;            // each tick, light is computed for one of so many groups, 1...64
-    uint32_t cutoff = 0;            // hits of a ray from which on a particle is black, up to 256; 0: none
-    std::string surfaces = "exact"; // exact | nearest | binary | none: what surfaces get through a union medium
-
-    bool operator==(const PathSettings&) const = default;
-};
-// Method sprites: pictures of particles that face the camera.
-struct SpritesSettings {
-    std::string light = "path"; // path | none: whether other particles shadow a particle
-    std::string maps = "baked"; // baked | even | files: light on a picture from six sides
-    float opacity = kAuto;      // mean over a ball's disc; auto: that of the ball's mean chord
-    float size = 1.3f;          // half a picture's side, in radii of its ball
-
-    bool operator==(const SpritesSettings&) const = default;
-};
-// Method march: samples along every pixel's ray, dithered and blurred.
-struct MarchSettings {
-    uint32_t samples = 8;          // 1...256
-    std::string dither = "bayer8"; // none | white | bayer4 | bayer8 | ign | blue
-    std::string jitter = "offset"; // offset | stratified | opacity
-    std::string blur = "row14";    // none | row14 | printed | box8
-    float depth_falloff = 3;       // m, of view depth: over which the blur's weights fall to 0
-
-    bool operator==(const MarchSettings&) const = default;
-};
-
-struct MethodSettings {
-    IsvSettings isv;
-    TilesSettings tiles;
-    GridSettings grid;
-    FroxelSettings froxels;
-    ShadowGridSettings shadow_grid;
-    ShadowFrustumSettings shadow_frustum;
-    LitSettings lit;
-    RadianceSettings radiance;
-    PathSettings path;
-    SpritesSettings sprites;
-    MarchSettings march;
-
-    bool operator==(const MethodSettings&) const = default;
-};
-
-// What the renderer is asked for; changed by commands while the server runs.
-struct RenderSettings : MethodSettings {
-    std::string method = "auto"; // a name of server/methods/list.h, or auto: what server/plan chooses
-    float error = 5e-3f;         // auto: relative RMSE of a picture against the true medium, at most
-    float flip = 1e-2f;          // auto: and mean FLIP
-    // slabs, grid: pixels between rays, 1...16; auto: from the medium's band limit. Other methods: pixels between those
-    // drawn, 2, 4 or 8 at most, but for edges of objects and shadows; auto: every pixel is drawn.
-    uint32_t rate = kAuto;
-    uint32_t slabs = kAuto;   // slabs, grid: along every ray, up to 512; auto: from the band limit
-    uint32_t shading = kAuto; // slabs, grid: pixels between shaded ones, 1, 2, 4 or 8; auto: from the rays' spacing
-    float merge = 1; // pixels, 0...8: particles of a large medium that share a cell of at most that size become one
-    bool shared_order = true; // isv, sphere, tiles: a head's two eyes are sorted for once, from the middle between them
-    float exposure = 1;
-    std::string tone_map = "filmic";    // filmic | linear
-    uint32_t shadow_size = kAuto;       // volumetric shadow map: texels a side; auto: from the medium and shadow_error
-    uint32_t shadow_slices = kAuto;     // its planes, 2...128; auto: the same
-    float shadow_error = 3e-3f;         // relative error of the light in the medium, where the map's size is automatic
-    uint32_t opaque_shadow_size = 1024; // texels a side
-    float cutoff = 5e-2f;               // optical depth: bound on the SUM that proxies leave out on any ray
-};
-
 struct Scene {
     std::string name;
     // World coordinates (m) of the point that all places here count from. Places in the file and in its point cloud are
@@ -347,6 +217,7 @@ struct Scene {
     std::vector<Box> boxes; // of the file, then those of `objects`
     std::vector<Sphere> spheres;
     std::vector<Mesh> meshes;
+    std::vector<Glass> glasses;                        // at most limits::kGlasses
     std::vector<Triangle> triangles;                   // of `meshes`, at most limits::kTriangles
     uint32_t laid_out_boxes = 0, laid_out_spheres = 0; // how many of them are of `objects`
     Sky sky;

@@ -74,6 +74,7 @@ public:
         list("box", scene.boxes, &SceneParts::box);
         list("sphere", scene.spheres, &SceneParts::sphere);
         list("mesh", scene.meshes, &SceneParts::mesh);
+        list("glass", scene.glasses, &SceneParts::glass);
         table("sky", {.sky = &scene.sky}, {.sky = &by_default.sky});
         table("camera", {.camera = &scene.camera}, {.camera = &by_default.camera});
         std::string_view last;

@@ -19,6 +19,7 @@ constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase
 constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
 constexpr std::string_view kPlacesOfObjects[]{kNoObjects, kCourtyard, kStreet, kIslands, kAtrium};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
+constexpr std::string_view kScatterings[]{"single", "octaves", "propagation"};
 
 constexpr SceneSetting kBeforeMethods[]{
     {"name", at<&P::scene, &Scene::name>, "", kNames, "The scene's name; without it the file's"},
@@ -218,6 +219,16 @@ constexpr SceneSetting kBeforeMethods[]{
     {"mesh.scale", at<&P::mesh, &Mesh::scale>, "m", limits::kMeshScale, "Length of one unit of the file"},
     {"mesh.yaw", at<&P::mesh, &Mesh::yaw>, "rad", limits::kAngle, "Angle about the vertical"},
 
+    {"glass.centre", at<&P::glass, &Glass::centre>, "m", limits::kPlace, "Middle of a thin sheet that is seen through",
+     kNobody, Form::place},
+    {"glass.width", at<&P::glass, &Glass::width>, "m", limits::kLength, "Its width"},
+    {"glass.height", at<&P::glass, &Glass::height>, "m", limits::kLength, "Its height"},
+    {"glass.yaw", at<&P::glass, &Glass::yaw>, "rad", limits::kAngle, "Angle about the vertical; 0: it faces +Z"},
+    {"glass.pitch", at<&P::glass, &Glass::pitch>, "rad", limits::kTilt, "Angle that it tips; 0: it is upright"},
+    {"glass.transmittance", at<&P::glass, &Glass::transmittance>, "", limits::kPart, "Part of each colour that passes"},
+    {"glass.reflectance", at<&P::glass, &Glass::reflectance>, "", limits::kPart,
+     "Part of the sky's radiance that it mirrors, straight on"},
+
     {"sky.zenith", at<&P::sky, &Sky::zenith>, "W/(m² sr)", limits::kRadiance,
      "Radiance straight up; it blends to the horizon's"},
     {"sky.horizon", at<&P::sky, &Sky::horizon>, "W/(m² sr)", limits::kRadiance, "Radiance at the horizon"},
@@ -251,6 +262,10 @@ constexpr SceneSetting kBeforeMethods[]{
      "Particles of a large medium that share a cell of at most this size become one; 0: none do"},
     {"render.shared_order", at<&P::render, &R::shared_order>, "", kNone,
      "True: `isv`, `sphere` and `tiles` sort once for the two eyes of a head"},
+    {"render.scattering", at<&P::render, &R::scattering>, "", kNone,
+     "Light in the medium scatters once (`single`), or more often, as `octaves` of thinner media, or by `propagation` "
+     "through cells",
+     kOperators, Form::plain, kScatterings},
     usually({0.05, 20}, {"render.exposure", at<&P::render, &R::exposure>, "", limits::kExposure,
                          "Factor before the tone map", kOperators}),
     {"render.tone_map", at<&P::render, &R::tone_map>, "", kNone, "Curve from radiance to the picture", kNobody,

@@ -26,6 +26,7 @@ struct SceneParts {
     Box* box = nullptr;
     Sphere* sphere = nullptr;
     Mesh* mesh = nullptr;
+    Glass* glass = nullptr;
     ObjectLayout* objects = nullptr;
     Sky* sky = nullptr;
     SceneCamera* camera = nullptr;

@@ -187,6 +187,8 @@ constexpr Table kTables[]{
     {"box", "`[[box]]`", "Boxes and spheres together: up to 4,096."},
     {"sphere", "`[[sphere]]`", "Boxes and spheres together: up to 4,096."},
     {"mesh", "`[[mesh]]`", "Triangles of a glTF file, see above; up to 64 files with 65,536 triangles together."},
+    {"glass", "`[[glass]]`",
+     "A thin flat sheet that is seen through, in front of and behind the medium; up to 16. It throws no shadow."},
     {"objects", "`[objects]`",
      "A place of many boxes and spheres, by a seed: `courtyard` (69 × 27 m), `street` (174 m long), `islands` that\n"
      "float (95 m wide), or `atrium` (37 × 23 m, 20 m high). Those of the file are there, too; ground is not."},
@@ -205,6 +207,8 @@ constexpr Table kTables[]{
      "Light behind the union of balls: of method `sprites`, of `tiles` with `light` of `path`, and of surfaces."},
     {"render.sprites", "`[render.sprites]`", "Of method `sprites` alone."},
     {"render.march", "`[render.march]`", "Of method `march` alone."},
+    {"render.octaves", "`[render.octaves]`", "With `scattering` of `octaves`."},
+    {"render.propagation", "`[render.propagation]`", "With `scattering` of `propagation`."},
 };
 
 std::string rangeOf(Limits allowed) { return fmt::format("{} to {}", allowed.lo, allowed.hi); }
@@ -280,6 +284,7 @@ std::string settingsPage() {
     Box box;
     Sphere sphere;
     Mesh mesh;
+    Glass glass;
     ObjectLayout objects;
     Fog fog;
     const SceneParts defaults{.scene = &scene,
@@ -291,6 +296,7 @@ std::string settingsPage() {
                               .box = &box,
                               .sphere = &sphere,
                               .mesh = &mesh,
+                              .glass = &glass,
                               .objects = &objects,
                               .sky = &scene.sky,
                               .camera = &scene.camera,

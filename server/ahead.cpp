@@ -42,6 +42,10 @@ public:
         tell(); // the driver has had time to write what it compiled before
         drawn_ = way;
     }
+    // Views of how pictures are made, whatever the way.
+    void compileViews(const RenderSettings& settings) {
+        for (const bool still : {false, true}) pictures_.drawViews(settings, still);
+    }
     const PlanView& inside() const { return pictures_.inside(); }
 
 private:
@@ -96,7 +100,7 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     compile(planned);
     compile(resting);
     compiling.compile(finer(planned), false); // while cameras rest and the medium moves
-    if (scene.render.rate != kAuto) return;
+    if (scene.render.rate != kAuto) return compiling.compileViews(planned);
     // Viewers near and far, with large and small pictures, together and alone.
     compile(planner.once(simulation, compiling.inside()).settings);
     for (const uint32_t height : kHeights) {
@@ -111,6 +115,7 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     RenderSettings other = planned;
     if (planOf(planned.method)->hasRays())
         for (const uint32_t rate : kRates) other.rate = rate, compile(other);
+    compiling.compileViews(planned); // last: few ask for them
 }
 
 bool isWorthCompiling(const Scene& scene) { return Simulation(standIn(scene)).capacity() <= kMostParticles; }
@@ -151,8 +156,12 @@ std::vector<std::string> presentOverrides(const SceneFacts& facts, std::span<con
 }
 
 std::vector<std::string> wayOverrides(const RenderSettings& way) {
-    std::vector<std::string> all{"render.method=" + way.method, "render.isv.quadrature=" + way.isv.quadrature,
+    std::vector<std::string> all{"render.method=" + way.method,
+                                 "render.isv.quadrature=" + way.isv.quadrature,
                                  fmt::format("render.isv.steps={}", way.isv.steps),
+                                 fmt::format("render.isv.fading={}", way.isv.fading),
+                                 fmt::format("render.isv.soft_shadows={}", way.isv.soft_shadows),
+                                 fmt::format("render.isv.multiple={}", way.isv.multiple),
                                  "render.tiles.quadrature=" + way.tiles.quadrature};
     if (way.rate != kAuto) all.push_back(fmt::format("render.rate={}", way.rate));
     if (way.slabs != kAuto) all.push_back(fmt::format("render.slabs={}", way.slabs));

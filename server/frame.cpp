@@ -185,6 +185,7 @@ bool FrameLoop::render(Batch& batch) {
         eye.rate = planner_->rateOf({eye.pose, eye.width, eye.height}, settings, batch.still_pictures);
     batch.settings = settings;
     beginMeasuring(batch, settings);
+    showMeasured(batch);
     tellMeasured(batch, settings.method);
     if (!submit(batch, settings)) return false;
     planner_->refresh(simulation_, batch.views, batch.taken);
@@ -288,9 +289,11 @@ void FrameLoop::encode(Batch& batch) {
     batch.done = Clock::now();
     endMeasuring(batch, true);
     const float took = Millis(batch.done - batch.taken).count();
-    if (!batch.one_shot) planner_->took(double(took * batch.full_batch_ratio), batch.done);
     const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
     const DeviceLedger::Times times = ledger_.book(samples, batch);
+    // The pictures of others are not less accurate for who looks at how they are made.
+    const auto planned = float(std::max(double(took) - times.shown_ms, 0.0));
+    if (!batch.one_shot) planner_->took(double(planned * batch.full_batch_ratio), batch.done);
     learnCosts(batch, samples);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
     batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);

@@ -97,6 +97,7 @@ private:
     uint64_t pictureBytes() const;
     void drop(Batch& batch, const char* why);
     void beginMeasuring(Batch& batch, const RenderSettings& settings);
+    void showMeasured(Batch& batch);
     void endMeasuring(Batch& batch, bool drawn);
     void tellMeasured(Batch& batch, const std::string& method) const;
     void readMeter(Clock::time_point now);
@@ -141,8 +142,9 @@ private:
     const std::function<void(uint64_t, std::span<const ViewError>, const Plan&)> on_errors_;
     std::shared_ptr<const Scene> shown_scene_; // equal to scene_; jobs of the meter keep it
     Clock::time_point costs_learnt_{}, costs_told_{};
-    std::vector<uint32_t> drawn_viewers_; // of a batch: those whose pictures are drawn
-    std::vector<ViewError> errors_;       // what meter_ knew at load_told_
+    std::vector<uint32_t> drawn_viewers_;      // of a batch: those whose pictures are drawn
+    std::vector<gpu::ErrorDisc> shown_errors_; // of the batch's eyes that look at them
+    std::vector<ViewError> errors_;            // what meter_ knew at load_told_
     PromiseWatch promise_;
     Clock::time_point load_told_{}, reported_{};
     double most_full_ms_ = 0;          // largest predicted time of a batch with all due viewers, since load_told_

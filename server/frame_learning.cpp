@@ -37,13 +37,14 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     const EyeRequest& eye = batch.eyes[of->first_eye];
     RenderSettings own = settings;
     if (eye.rate > 0) own.rate = eye.rate;
-    if (!ways_.mayProbe(own)) return meter_.drop(std::move(job));
+    if (own.scattering != "single" || !ways_.mayProbe(own)) return meter_.drop(std::move(job));
     job->method = own.method;
     job->law = planner_->predictedError(own, {eye.pose, eye.width, eye.height});
     job->scene = shown_scene_;
     job->now = simulation_.now();
     leaveOut(job->now.lists, drawn_);
     job->pose = eye.pose;
+    job->keeps = eye.show == gpu::kShowError;
     job->size = {eye.width, eye.height};
     job->pixels.clear();
     try {
@@ -59,6 +60,27 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     probe.eye = of->first_eye;
     probe.pixels = job->pixels;
     batch.measured = std::move(job);
+}
+
+// Those who look at their error see the pixels that were measured since their camera rests.
+void FrameLoop::showMeasured(Batch& batch) {
+    shown_errors_.clear();
+    const auto each = [&](const auto& visit) { // a job's pictures; the right eye's are not measured
+        for (const BatchJob& job : batch.jobs)
+            if (&job == &batch.jobs[job.pictures] && job.due.request.show == gpu::kShowError)
+                visit(job, batch.eyes[job.first_eye]);
+    };
+    std::vector<size_t> counts;
+    each([&](const BatchJob& job, const EyeRequest& eye) {
+        const size_t before = shown_errors_.size();
+        meter_.shown(job.viewer->id(), eye.pose, batch.taken, shown_errors_);
+        counts.push_back(shown_errors_.size() - before);
+    });
+    size_t at = 0, n = 0;
+    each([&](const BatchJob&, EyeRequest& eye) {
+        eye.errors = std::span(shown_errors_).subspan(at, counts[n]);
+        at += counts[n++];
+    });
 }
 
 void FrameLoop::endMeasuring(Batch& batch, bool drawn) {

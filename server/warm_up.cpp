@@ -36,8 +36,15 @@ void WarmUp::drawForEveryCamera(const RenderSettings& settings, bool still) {
         draw(own_, shaded, still);
 }
 
-void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still) {
-    const EyeRequest eye{view.pose, std::min(view.width, kWidth), std::min(view.height, kHeight)};
+void WarmUp::drawViews(const RenderSettings& settings, bool still) {
+    for (uint32_t show = gpu::kShowPicture + 1; show < gpu::kShows; ++show) draw(own_, settings, still, show);
+}
+
+void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still, uint32_t show) {
+    const EyeRequest eye{.pose = view.pose,
+                         .width = std::min(view.width, kWidth),
+                         .height = std::min(view.height, kHeight),
+                         .show = show};
     const RenderSettings shown = smallShadows(settings);
     submission_.probe.pixels.clear();
     if (probed_) submission_.probe.pixels = {glm::uvec2(0)};

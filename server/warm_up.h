@@ -17,11 +17,14 @@ public:
     // With all shaders that cameras choose from: far and near ones, outside and in the medium.
     void drawForEveryCamera(const RenderSettings& settings, bool still);
 
+    // One picture of every view of how pictures are made.
+    void drawViews(const RenderSettings& settings, bool still);
+
     const PlanView& own() const { return own_; }
     const PlanView& inside() const { return inside_; } // in the middle of the medium
 
 private:
-    void draw(const PlanView& view, const RenderSettings& settings, bool still);
+    void draw(const PlanView& view, const RenderSettings& settings, bool still, uint32_t show = gpu::kShowPicture);
 
     Renderer& renderer_;
     Submission& submission_;

@@ -18,6 +18,8 @@ layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdRate) const uint kRate = 1;
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
+layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
+layout(constant_id = kIdScattering) const uint kScatteringModel = 0;
 layout(constant_id = kIdDrawn) const bool kDrawn = true;
 layout(constant_id = kIdKeep) const bool kKeep = false;
 layout(constant_id = kIdBlocks) const uint kBlocks = 1;
@@ -57,6 +59,7 @@ vec3 pixelOf(bool clear, MediumRun run, inout MediumCut cut, uvec2 at, vec3 befo
     if (at.x >= eye.size.x) return before;
     if (kHasLocalLights) here.rgb += lit[at.y * eye.size.x + at.x];
     if (kKeep) imageStore(radiance, ivec2(at), here);
+    if (kIsLayer) return vec3(0); // `radiance` is all that is made
     return displayed(here.rgb);
 }
 
@@ -136,6 +139,7 @@ void main() {
             }
         }
     }
+    if (kIsLayer) return;
     for (uint block = 0; block < blocks; ++block) {
         if (kFull) {
             for (uint row = 0; row < 2 && !(odd && row == 1); ++row)

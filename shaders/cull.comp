@@ -23,7 +23,7 @@ layout(scalar, binding = 6) uniform OtherBlock { Eye other; }; // the other eye 
 layout(scalar, binding = 7) readonly buffer Furthest { float furthest[]; }; // written by furthest_depths.comp
 
 layout(push_constant, scalar) uniform Push {
-    uint full_support; // 1: proxies are spheres around the full Gaussian, 0: tetrahedra
+    uint full_support; // 0: proxies are tetrahedra, 1: spheres around the full Gaussian, 2: evenly filled tetrahedra
     float sprite;      // > 0: proxies are sprites of this radius, per scale
 } push;
 
@@ -66,7 +66,8 @@ void main() {
     const Particle p = particles[i];
     const float support = supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut);
     const float radius = push.sprite > 0          ? push.sprite * p.scale
-                         : push.full_support != 0 ? support : support < 0 ? support : p.scale;
+                         : push.full_support == 2 ? p.scale
+                         : push.full_support == 1 || support < 0 ? support : p.scale;
     uint key = kDropped;
     bool drawn = radius > 0 && (isVisible(eye, p.centre, radius) || isVisible(other, p.centre, radius));
     if (kHasOpaque && drawn) drawn = !isHidden(p.centre, radius);

@@ -19,6 +19,10 @@ layout(location = 0) out vec4 radiance_transmittance;
 
 layout(constant_id = kIdQuadrature) const uint kQuadrature = 0;
 layout(constant_id = kIdSteps) const int kSteps = 2;
+layout(constant_id = kIdFading) const bool kFading = true;
+layout(constant_id = kIdLegacyTerm) const bool kLegacyTerm = false;
+
+layout(push_constant, scalar) uniform Push { vec3 multiple; } push; // x: m of eq. 11; y, z: nothing
 
 #include "shaders/lib/medium_shading.glsl"
 
@@ -46,35 +50,48 @@ void drawParticle() {
     interval = vec2(max(interval.x, ray.begin), min(interval.y, ray.end));
     if (!(interval.y > interval.x)) discard;
 
-    const float k = gaussianK(scale, tick.falloff);
+    const float k = gaussianK(scale, tick.falloff), length = interval.y - interval.x;
     const GaussianSegment segment =
-        gaussianSegment(albedo_sigma.w, k, ray.b2, k * (interval.x - ray.closest), k * (interval.y - interval.x));
-    if (segment.depth < tick.cut) discard; // seed 000 section 3.11; the cut bounds the sum over all particles
+        gaussianSegment(albedo_sigma.w, k, ray.b2, k * (interval.x - ray.closest), k * length);
+    const float depth = kFading ? segment.depth : albedo_sigma.w * length;
+    if (depth < tick.cut) discard; // seed 000 section 3.11; the cut bounds the sum over all particles
 
     float scattered = 0;
     if (kQuadrature == 1) {
         for (int i = 0; i < kSteps; ++i) {
-            const ScatterNode node = transmittanceNode(segment, i, kSteps);
+            ScatterNode node = transmittanceNode(segment, i, kSteps);
+            if (!kFading) {
+                node.weight = legendreWeight(i, kSteps) * opacity(depth);
+                node.z = length * depthPart(depth, legendreNode(i, kSteps));
+            }
             scattered += node.weight * lightArriving(ray, interval.x + node.z);
         }
     } else {
         const float light_in = lightDepthAt(ray, interval.x), light_out = lightDepthAt(ray, interval.y);
         if (kQuadrature == 2) {
-            scattered = scatterAnalytic(segment.depth, light_in, light_out);
+            scattered = scatterAnalytic(depth, light_in, light_out);
             if (kHasCasters) scattered *= 0.5 * (visibilityAt(ray, interval.x) + visibilityAt(ray, interval.y));
         } else {
-            const float length = interval.y - interval.x;
-            for (int j = 0; j <= 2 * kSteps; ++j) {
-                const ScatterNode node = simpsonNode(segment, j, kSteps);
-                float light = exp(-mix(light_in, light_out, node.z / length));
-                if (kHasCasters) light *= visibilityAt(ray, interval.x + node.z);
-                scattered += node.weight * light;
+            const int nodes = kQuadrature == 3 ? 3 : 2 * kSteps + 1;
+            for (int j = 0; j < nodes; ++j) {
+                RuleNode rule = simpsonRule(j, kSteps);
+                if (kQuadrature == 3) rule = taylorRule(j);
+                const float source = kFading ? segmentSource(segment, rule.along) : evenSource(depth, rule.along);
+                float light = exp(-mix(light_in, light_out, rule.along));
+                if (kHasCasters) light *= visibilityAt(ray, interval.x + length * rule.along);
+                scattered += rule.weight * source * light;
             }
-            // Upper bound; nodes that are too far apart would exceed it.
-            scattered = min(scattered, opacity(segment.depth));
+            // The opacity bounds Simpson's sum, whose nodes may be too far apart. The series keeps what it has too
+            // much, as in the seed: only below 0 it would break the picture.
+            scattered = kQuadrature == 3 ? clamp(scattered, 0, 1e30) : min(scattered, opacity(depth));
         }
     }
-    radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, segment.depth);
+    if (kLegacyTerm) {
+        const float middle = segment.a + 0.5 * segment.h;
+        const float part = kFading ? gaussianAcross(k, ray.b2) * exp(-middle * middle) : 1;
+        scattered += legacyMultiple(part, push.multiple.x);
+    }
+    radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, depth);
 }
 
 void main() {

@@ -16,6 +16,7 @@ layout(constant_id = kIdRate) const uint kRate = 1;
 layout(constant_id = kIdStep) const uint kStep = 1; // 1 or 4
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
+layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 2) writeonly buffer Lit { vec3 lit[]; }; // W/(m^2 sr), row by row

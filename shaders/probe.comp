@@ -21,6 +21,8 @@ layout(push_constant) uniform Push { ProbePush push; };
 #define kRate push.rate
 #define kSunColours push.sun_colours
 #define kAmbientColours push.ambient_colours
+#define kMultipleColours push.multiple_colours
+const uint kScatteringModel = 0; // and without what has scattered more than once
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(rgba32f, binding = 2) uniform readonly image2D radiance;
@@ -61,6 +63,7 @@ vec4 mediumAt(ivec2 pixel) {
         cutRay(cut, run, pixel, dir, across, ray);
     }
     for (uint c = 0; c < kAmbientColours; ++c) ray[fieldAmbient() + c] = 0;
+    for (uint c = 0; c < kMultipleColours; ++c) ray[fieldMultiple() + c] = 0;
     const uint at = uint(pixel.y) * eye.size.x + uint(pixel.x);
     vec4 medium = mediumOver(vec4(0, 0, 0, 1), dir, ray, kHasCasters ? sunlit[at] : vec3(1));
     if (kHasLocalLights) medium.rgb += lit[at];

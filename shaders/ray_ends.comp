@@ -12,6 +12,8 @@ layout(local_size_x = 8) in;
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
+layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
+layout(constant_id = kIdHasGlass) const bool kHasGlass = false;
 const bool kHasOpaque = true;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
@@ -105,7 +107,7 @@ void main() {
     findDepths(lo, end, shadowed ? farDepth() : 2 * kMiss);
     vec2 range = uintBitsToFloat(uvec2(nearest, furthest)); // no ray goes on behind what is seen
     if (kHasCasters && kHasFog) shadowed = findCasters(tile, lo, hi, range.y);
-    if (shadowed) range.x = 0;
+    if (shadowed || kHasGlass) range.x = 0; // layers end at sheets, which may be anywhere before surfaces
     if (kHasLocalLights && tick.particle_count > 0) range.x = min(range.x, grid.depth); // pixels read all of them
     if (gl_LocalInvocationIndex > 0) return;
     const vec2 faces = facesAt(range), below = clamp(floor(faces), vec2(0), vec2(lastFace() - 1));

@@ -16,6 +16,8 @@ layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdRate) const uint kRate = 2;
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
+layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
+layout(constant_id = kIdScattering) const uint kScatteringModel = 0;
 
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 3) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl

@@ -15,6 +15,8 @@ layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
 layout(constant_id = kIdRate) const uint kRate = 1;
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
+layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
+const uint kScatteringModel = 0; // what has scattered more than once is not looked at here
 layout(constant_id = kIdStep) const uint kStep = 1; // 1 or 4
 const bool kHasOpaque = true, kHasAmbient = false;
 

@@ -14,6 +14,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
+layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 
 layout(scalar, binding = 2) buffer Field { float field[]; };
 

@@ -9,6 +9,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/view_names.h"
+
 namespace brume::client {
 namespace {
 
@@ -96,6 +98,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_flag("--stereo", stereo, "Left and right eye side by side, 64 mm apart");
     app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's")
         ->check(CLI::Range(0, 100));
+    app.add_option("--view", options.wishes.view, "How the picture is made, in its place: " + allViewNames())
+        ->capture_default_str()
+        ->check(CLI::IsMember(std::vector<std::string>(std::begin(kViewNames), std::end(kViewNames))));
     app.add_option("--camera", camera,
                    "Where to stand and where to look: x,y,z,tx,ty,tz in metres; the server's own if not given");
     app.add_option(

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/view_names.h"
+
 namespace brume::client {
 namespace {
 
@@ -111,8 +113,10 @@ std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint
     const glm::quat& q = pose.orientation;
     const wire::Quat orientation(q.x, q.y, q.z, q.w);
     sendMessage([&](auto& b) {
+        flatbuffers::Offset<flatbuffers::String> view; // none: the picture
+        if (wishes_.view != kViewNames[0]) view = b.CreateString(wishes_.view);
         return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width,
-                                height, nullptr, nullptr, hidden);
+                                height, nullptr, nullptr, hidden, view);
     });
     return seq;
 }

@@ -6,6 +6,7 @@
 #include <new>
 #include <optional>
 #include <random>
+#include <tuple>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -54,12 +55,23 @@ PixelError comparedTo(const reference::RayResult& truth, glm::vec4 value, bool d
     return {glm::vec3(seen + double(value.a) * behind), glm::vec3(truth.total())};
 }
 
-// False: the rays through the pixel's corners and centre meet the same object and the same shadows, so that no edge
+// Of a pixel's middle. The error is relative to the reference.
+gpu::ErrorDisc discOf(const PixelError& pixel, glm::uvec2 at, glm::uvec2 size) {
+    const float reference = std::max(glm::length(pixel.reference), 1e-9f);
+    return {(glm::vec2(at) + 0.5f) / glm::vec2(size), glm::distance(pixel.value, pixel.reference) / reference};
+}
+
+bool isSame(const Pose& a, const Pose& b) {
+    return a.position == b.position && a.orientation == b.orientation && a.fov_y == b.fov_y && a.frustum == b.frustum;
+}
+
+// False: the rays through the pixel's corners and centre meet the same object, shadows and sheets, so that no edge
 // crosses the pixel. It costs nothing beside a traced ray. `corner`: the pixel's, upper left.
 bool mayHaveEdge(const reference::Stage& stage, const reference::Camera& camera, glm::dvec2 corner) {
-    if (stage.world.obstacles.empty()) return false;
-    std::optional<std::pair<int, size_t>> first;
+    if (!reference::hasEdges(stage.world)) return false;
+    std::optional<std::tuple<int, size_t, size_t>> first; // object, shadows, sheets of glass
     std::vector<double> shadows;
+    std::vector<reference::SheetHit> sheets;
     for (const glm::dvec2 at : {glm::dvec2(0.5, 0.5), {0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
         reference::Ray ray = reference::rayThrough(camera, corner.x + at.x, corner.y + at.y);
         const reference::Hit hit = stage.lighting.obstacles().nearest(ray);
@@ -67,7 +79,8 @@ bool mayHaveEdge(const reference::Stage& stage, const reference::Camera& camera,
         shadows.clear();
         stage.lighting.edges(ray, shadows);
         const auto inside = std::ranges::count_if(shadows, [&](double t) { return t > ray.begin && t < ray.end; });
-        const std::pair met(hit.object, size_t(inside));
+        reference::sheetsOn(stage.world, ray, sheets);
+        const std::tuple met(hit.object, size_t(inside), sheets.size());
         if (first && met != *first) return true;
         first = met;
     }
@@ -120,12 +133,14 @@ void ErrorMeter::stay(std::span<const uint32_t> viewers) {
     const auto left = [&](uint32_t viewer) { return !std::ranges::binary_search(viewers, viewer); };
     std::erase_if(last_, [&](const auto& one) { return left(one.first); });
     std::erase_if(windows_, [&](const auto& one) { return left(std::get<0>(one.first)); });
+    std::erase_if(shown_, [&](const auto& one) { return left(one.first); });
 }
 
 void ErrorMeter::forget() {
     const std::scoped_lock lock(mutex_);
     ++epoch_;
     windows_.clear();
+    shown_.clear();
     last_.clear();
 }
 
@@ -143,6 +158,22 @@ std::vector<ViewError> ErrorMeter::errors(Time now) const {
         all.push_back({viewer, method, window.estimate(now), window.estimate(now, kNewest)});
     }
     return all;
+}
+
+void ErrorMeter::shown(uint32_t viewer, const Pose& pose, Time now, std::vector<gpu::ErrorDisc>& out) const {
+    const std::scoped_lock lock(mutex_);
+    const auto of = shown_.find(viewer);
+    if (of == shown_.end() || !isSame(of->second.pose, pose)) return;
+    for (const Shown::Pixel& pixel : of->second.pixels)
+        if (now - pixel.at <= ErrorWindow::kKept) out.push_back(pixel.disc);
+}
+
+// Precondition: mutex_ is held.
+void ErrorMeter::keep(const MeterJob& job, std::span<const gpu::ErrorDisc> discs, Time now) {
+    Shown& shown = shown_[job.viewer];
+    if (!isSame(shown.pose, job.pose) || shown.method != job.method) shown = {job.pose, job.method, {}};
+    for (const gpu::ErrorDisc& disc : discs) shown.pixels.push_back({disc, now});
+    while (shown.pixels.size() > gpu::kMostErrorDiscs) shown.pixels.pop_front();
 }
 
 void ErrorMeter::run(const std::stop_token& stop) {
@@ -178,6 +209,7 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
     std::ranges::shuffle(order, std::minstd_rand(uint32_t(job.number)));
     const double until = threadSeconds() + kMostOfJob;
     std::vector<PixelError> found;
+    std::vector<gpu::ErrorDisc> discs;
     for (const uint32_t i : order) {
         if (stop.stop_requested() || threadSeconds() > until) break;
         const glm::dvec2 corner(job.pixels[i]);
@@ -190,12 +222,14 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
         const reference::PixelResult pixel = reference::pixelOf(at, edges, structure, kShows);
         if (pixel.edge || pixel.transmittance >= kShows) continue;
         found.push_back(comparedTo(pixel.centre, job.values[i], job.drawn));
+        if (job.keeps) discs.push_back(discOf(found.back(), job.pixels[i], job.size));
     }
     const std::scoped_lock lock(mutex_);
     if (found.empty() || job.epoch != epoch_ || !last_.contains(job.viewer)) return;
     const int accuracy = job.law > 0 ? accuracyOf(job.law) : 0;
     const auto now = ErrorWindow::Time::clock::now();
     windows_[{job.viewer, job.method, accuracy}].add(found, job.law, now);
+    if (job.keeps) keep(job, discs, now);
     std::erase_if(windows_, [&](const auto& one) { return now - one.second.last() > ErrorWindow::kKept; });
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -14,6 +15,7 @@
 #include "common/camera.h"
 #include "server/error/error_window.h"
 #include "server/sim/simulation.h"
+#include "shaders/shared/show.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -31,6 +33,7 @@ struct MeterJob {
     std::vector<glm::uvec2> pixels; // positions of the pixels that are read back
     std::vector<glm::vec4> values;  // radiance and transmittance of each pixel: ProbeReading::values()
     bool drawn = false;             // ProbeReading::drawn
+    bool keeps = false;             // True: the error of each pixel is kept, for shown()
     // Set by the meter: the number of scenes before this one, and of jobs before this one.
     uint64_t epoch = 0, number = 0;
 };
@@ -57,8 +60,21 @@ public:
     void forget();
     // What is known now, by viewer and method: of pictures as accurate as the last ones.
     std::vector<ViewError> errors(Time now) const;
+    // Appends the errors of single pixels of this viewer's pictures: of those from this pose, of the last half minute,
+    // the newest last. They are kept for jobs that say so, until one has another pose or another method.
+    void shown(uint32_t viewer, const Pose& pose, Time now, std::vector<gpu::ErrorDisc>& out) const;
 
 private:
+    struct Shown {
+        Pose pose;
+        std::string method;
+        struct Pixel {
+            gpu::ErrorDisc disc;
+            Time at;
+        };
+        std::deque<Pixel> pixels;
+    };
+    void keep(const MeterJob& job, std::span<const gpu::ErrorDisc> discs, Time now);
     void run(const std::stop_token& stop);
     void measure(const MeterJob& job, const std::stop_token& stop);
 
@@ -74,7 +90,8 @@ private:
     // By viewer, method and accuracyOf() the law. So a finer plan, and finer pictures of cameras that rest, have
     // windows of their own.
     std::map<std::tuple<uint32_t, std::string, int>, ErrorWindow> windows_;
-    std::jthread thread_; // the last member: it uses the others
+    std::map<uint32_t, Shown> shown_; // by viewer
+    std::jthread thread_;             // the last member: it uses the others
 };
 
 // Pixels of a picture for one job: one at random in each of 16 x 16 parts of the rectangle that holds the box [lo, hi]

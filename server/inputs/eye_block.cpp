@@ -24,6 +24,7 @@ gpu::Eye eyeBlock(const EyeRequest& request, const RenderSettings& settings) {
     eye.ray_right = eye.right * (2 * eye.tan_x / float(request.width));
     eye.ray_down = eye.up * (-2 * eye.tan_y / float(request.height));
     eye.ray = -eye.back - frustum.left * eye.right + frustum.up * eye.up;
+    eye.show = request.show;
     return eye;
 }
 

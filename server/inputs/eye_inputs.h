@@ -34,6 +34,7 @@ struct EyeInputs {
     uint64_t history = 0;             // EyeRequest::history
     bool near_plane_cuts = true;      // True: the near plane may cut particles
     bool order_ready = false;         // True: DepthOrder holds this eye's order already, no sort is needed
+    bool again = false; // True: the method's last group was the same, up to surfaces that are farther or as far
 };
 
 } // namespace brume

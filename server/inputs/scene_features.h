@@ -9,23 +9,24 @@
 namespace brume {
 
 struct SceneFeatures {
-    bool opaque = false;       // True: there are opaque objects
-    bool meshes = false;       // True: some of them are meshes
-    bool bodies = false;       // True: some of them are boxes or spheres
-    bool casters = false;      // True: meshes or these throw the sun's shadow on the medium
-    bool ambient = false;      // True: the sky sends uniform light into the medium
-    bool lobe = false;         // True: hasLobe() the medium
-    bool fog = false;          // True: there is fog
-    bool glow = false;         // True: some fog emits light
+    bool opaque = false;  // True: there are opaque objects, or pictures pass through surfaces' targets all the same
+    bool meshes = false;  // True: some of them are meshes
+    bool bodies = false;  // True: some of them are boxes or spheres
+    bool casters = false; // True: meshes or these throw the sun's shadow on the medium
+    bool ambient = false; // True: the sky sends uniform light into the medium
+    bool lobe = false;    // True: hasLobe() the medium
+    bool fog = false;     // True: there is fog
+    bool glow = false;    // True: some fog emits light
     bool local_lights = false; // True: there are points or spots
     bool balls = false;        // True: the medium is the union of balls
+    bool glass = false;        // True: there are sheets of glass
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
         return {opaque || o.opaque,   meshes || o.meshes,   bodies || o.bodies,
                 casters || o.casters, ambient || o.ambient, lobe || o.lobe,
                 fog || o.fog,         glow || o.glow,       local_lights || o.local_lights,
-                balls || o.balls};
+                balls || o.balls,     glass || o.glass};
     }
 };
 
@@ -50,7 +51,8 @@ inline SceneFeatures featuresOf(const SceneLists& lists) {
 inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now, const SceneFeatures& drawn = {}) {
     SceneFeatures all = featuresOf(now.lists) | drawn;
     all.meshes |= !scene.triangles.empty();
-    all.opaque |= all.meshes;
+    all.glass |= !scene.glasses.empty();
+    all.opaque |= all.meshes || all.glass;
     all.casters |= (all.bodies || all.meshes) && now.light.irradiance != glm::vec3(0);
     all.ambient |= scene.sky.ambient != glm::vec3(0);
     all.lobe |= hasLobe(now.medium);

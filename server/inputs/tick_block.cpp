@@ -7,6 +7,7 @@
 
 #include "common/phase_lobes.h"
 #include "common/scene_limits.h"
+#include "server/inputs/multiple_block.h"
 #include "server/inputs/scene_features.h"
 #include "server/inputs/union_block.h"
 #include "server/light/shadow_resolution.h"
@@ -158,6 +159,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.v = glm::vec4(tick.map.y, -medium.lo.y) / size.y;
     tick.map.plane = glm::vec4(-tick.sun.to_light, medium.hi.z) * (float(tick.map.slices - 1) / size.z);
 
+    setMultiple(tick, now, particles);
     if (hasBalls(now.medium, now.render)) setBalls(tick, now.medium, now.render, particles);
     addMeshes(tick, scene);
     LightBounds casters;

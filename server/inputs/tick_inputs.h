@@ -31,6 +31,7 @@ struct TickInputs {
     const gpu::Buffer* lit = nullptr;          // LocalLights::lit()
     const gpu::Buffer* sunlit = nullptr;       // Shafts::sunlit()
     const gpu::Image* shadow_volume = nullptr; // optical depth of the medium between the light and a place
+    const gpu::Image* fluence = nullptr;       // Propagation::image()
     const gpu::Image* opaque_shadow = nullptr; // light-space height of the topmost caster
     const gpu::Image* mesh_heights = nullptr;  // MeshShadow::heights()
     const gpu::Buffer* mesh_pyramid = nullptr; // MeshShadow::pyramid()

@@ -92,7 +92,8 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
                                        {gpu::kIdRate, group.rate},
                                        {gpu::kIdStep, step},
                                        {gpu::kIdSunColours, group.colours.sun},
-                                       {gpu::kIdAmbientColours, group.colours.ambient}});
+                                       {gpu::kIdAmbientColours, group.colours.ambient},
+                                       {gpu::kIdMultipleColours, group.colours.multiple}});
     gpu::computeToCompute(commands.handle());
     for (uint32_t i = 0; i < group.count(); ++i) {
         program.bind(commands,

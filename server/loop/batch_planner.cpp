@@ -137,7 +137,10 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
             out.views.push_back(
                 {eyePose(request.pose, eye, request.views), request.width, request.height, one->viewer});
     }
-    out.full_batch_ratio = schedule_.chosenMs() > 0 ? float(schedule_.fullBatchMs() / schedule_.chosenMs()) : 1;
+    // Predicted times hold those of views of how pictures are made, which are no reason for less accuracy.
+    const bool shows = std::ranges::any_of(requests_, [](const PoseRequest& r) { return r.show != gpu::kShowPicture; });
+    if (!shows && schedule_.chosenMs() > 0)
+        out.full_batch_ratio = float(schedule_.fullBatchMs() / schedule_.chosenMs());
     return !out.jobs.empty();
 }
 
@@ -169,7 +172,8 @@ void BatchPlanner::add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due&
                             .width = request.width,
                             .height = request.height,
                             .second = eye == 1,
-                            .history = 2 * uint64_t(viewer->id()) + uint64_t(eye) + 1});
+                            .history = 2 * uint64_t(viewer->id()) + uint64_t(eye) + 1,
+                            .show = request.show});
 }
 
 bool BatchPlanner::camerasRest(Clock::time_point now) const {
@@ -187,7 +191,8 @@ void BatchPlanner::took(const BatchContents& batch, double shared_ms, double bes
     schedule_.sharedTook(besides * shared_ms);
     if (!usual) return;
     for (const BatchJob& job : batch.jobs)
-        schedule_.took(job.viewer->id(), pixelsOf(job.due.request), besides * double(job.gpu_ms));
+        schedule_.took(job.viewer->id(), pixelsOf(job.due.request), besides * double(job.gpu_ms),
+                       job.due.request.show == gpu::kShowPicture);
 }
 
 } // namespace brume

@@ -1,6 +1,7 @@
 #include "server/loop/device_ledger.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace brume {
 namespace {
@@ -13,8 +14,10 @@ DeviceLedger::Times DeviceLedger::book(std::span<const gpu::PassSample> samples,
     Times times;
     double pixels = 0;
     for (const EyeRequest& eye : batch.eyes) pixels += double(eye.width) * eye.height;
-    for (const gpu::PassSample& sample : samples)
+    for (const gpu::PassSample& sample : samples) {
+        if (std::string_view(sample.name) == "show") times.shown_ms += double(sample.ms);
         (sample.view == gpu::kShared ? times.shared_ms : times.views_ms) += double(sample.ms);
+    }
     for (BatchJob& job : batch.jobs) {
         const PoseRequest& request = job.due.request;
         const double own = double(request.width) * request.height * request.views;

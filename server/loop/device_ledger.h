@@ -14,6 +14,7 @@ public:
     struct Times {
         double shared_ms = 0; // of passes once for all
         double views_ms = 0;  // of passes for each view
+        double shown_ms = 0;  // the part of them for views of how a picture is made
         double all() const { return shared_ms + views_ms; }
     };
     // Takes the times of a batch's passes: gives each job its gpu_ms, where passes that draw several views together

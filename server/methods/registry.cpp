@@ -18,6 +18,8 @@ std::unique_ptr<Method> makeMethod(const MethodContext& context) {
         throw gpu::Error(fogRefusal(*wanted));
     if (wanted)
         if (const std::string why = mediumRefusal(*wanted, context.features); !why.empty()) throw gpu::Error(why);
+    if (wanted)
+        if (const std::string why = scatteringRefusal(*wanted, context.settings); !why.empty()) throw gpu::Error(why);
 #define BRUME_METHOD(name)                                                                                             \
     if (wanted == &methods::name::plan()) return methods::name::make(context);
 #include "server/methods/list.h"

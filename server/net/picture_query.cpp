@@ -7,6 +7,7 @@
 
 #include "common/scene_limits.h"
 #include "common/text.h"
+#include "common/view_names.h"
 #include "server/net/picture_size.h"
 #include "server/net/uri.h"
 
@@ -64,8 +65,12 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
             out.request.lossless = value == "png";
         } else if (name == "views") {
             if (value != "1") return refuse("1: a JPEG shows one eye; both come over the WebSocket");
+        } else if (name == "view") {
+            const auto view = viewNamed(value);
+            if (!view) return refuse("one of " + allViewNames());
+            out.request.show = *view;
         } else if (name != "token") { // `token` is read by the access check (access.h)
-            return fmt::format("no parameter called {}; there is w h quality fps fov position target format",
+            return fmt::format("no parameter called {}; there is w h quality fps fov position target format view",
                                oneLine(name.substr(0, 32)));
         }
     }

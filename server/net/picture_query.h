@@ -1,4 +1,5 @@
-// The query of /snapshot.jpg, /snapshot.png and /stream.mjpg: ?w=&h=&quality=&position=x,y,z&target=x,y,z&fov=&fps=
+// The query of /snapshot.jpg, /snapshot.png and /stream.mjpg:
+// ?w=&h=&quality=&position=x,y,z&target=x,y,z&fov=&fps=&view=
 #pragma once
 
 #include <string>

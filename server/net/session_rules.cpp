@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/scene_limits.h"
+#include "common/view_names.h"
 #include "server/net/convert.h"
 #include "server/net/picture_size.h"
 
@@ -139,6 +140,8 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
     if (!isUsable(wanted.frustum) || !isUsable(wanted.right_frustum))
         return refuse(wire::ErrorCode::out_of_range,
                       "a frustum has tangents in -50 ... 50, left + right and up + down at least 0.01", now, out);
+    const auto view = viewNamed(pose.view() ? pose.view()->string_view() : kViewNames[0]);
+    if (!view) return refuse(wire::ErrorCode::out_of_range, "no such view; there are " + allViewNames(), now, out);
     wanted.orientation = glm::normalize(wanted.orientation);
     pose_deadline_.reset();
 
@@ -154,6 +157,7 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
     request.client_time_us = pose.client_time_us();
     request.pose = wanted;
     request.hidden = pose.hidden();
+    request.show = *view;
     request.received = now;
 
     if (held_ && int32_t(request.seq - held_->seq) <= 0) return; // older than the pose that waits

@@ -12,7 +12,7 @@ void addSceneOptions(OptionTable& table, ServerOptions& o) {
         .standing("")
         .live();
     g.option("--method", o.method, "medium method instead of the scene's; auto: the cheapest within render.error");
-    g.option("--quadrature", o.quadrature, "simpson | transmittance | analytic, for method isv");
+    g.option("--quadrature", o.quadrature, "simpson | transmittance | analytic | taylor, for method isv");
     g.option("--steps", o.steps, "of the quadrature").range(limits::kSteps);
     g.option("--exposure", o.exposure, "factor before the tone map").range(limits::kExposure);
     g.option("--cutoff", o.cutoff, "bound on the optical depth that proxies leave out of any ray")

@@ -29,7 +29,9 @@ inline constexpr CostInfo kCompose{"compose", "compose", 11};                   
 // Of points and spots. Lights that particles dim x particles.
 inline constexpr CostInfo kLocalLightDepth{"local_light_depth", "local light depth", 160000};
 inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local light", 60}; // ViewWork::localPieces()
-inline constexpr CostInfo kShafts{"shafts", "shafts", 11};                                 // pixels x (1 + casters)
+// Hues x channels x cells x iterations of all grids, with scattering = "propagation".
+inline constexpr CostInfo kPropagation{"propagation", "propagation", 15};
+inline constexpr CostInfo kShafts{"shafts", "shafts", 11};             // pixels x (1 + casters)
 inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
 } // namespace costs
 

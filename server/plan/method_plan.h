@@ -59,6 +59,8 @@ public:
     // Which media it draws (Medium::model).
     virtual bool drawsSum() const { return true; }
     virtual bool drawsUnion() const { return false; }
+    // True: it draws light that scatters more than once (RenderSettings::scattering).
+    virtual bool drawsMultiple() const { return false; }
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
     virtual bool hasRays() const { return false; }
     // True: what it draws along a ray follows closed forms. False: it samples cells and is as exact as these are small.
@@ -82,6 +84,13 @@ inline std::string mediumRefusal(const MethodPlan& method, const SceneFeatures& 
     if (features.balls ? method.drawsUnion() : method.drawsSum()) return {};
     return std::string(method.name()) + (features.balls ? ": it draws no medium.model = \"union\"; use sprites or tiles"
                                                         : ": it draws medium.model = \"union\" only");
+}
+
+// Why scattering as the settings ask for is not for a method, one line; empty: it is.
+inline std::string scatteringRefusal(const MethodPlan& method, const RenderSettings& settings) {
+    if (settings.scattering == "single" || method.drawsMultiple()) return {};
+    return std::string(method.name()) + ": it draws light that scatters once; use slabs or grid, or "
+                                        "render.scattering = \"single\"";
 }
 
 } // namespace brume

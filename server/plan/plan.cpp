@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <span>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -43,6 +44,10 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
             continue;
         }
         if (const std::string why = mediumRefusal(*method, inputs.scene.features); !why.empty()) {
+            if (asked) refused = why;
+            continue;
+        }
+        if (const std::string why = scatteringRefusal(*method, way); !why.empty()) {
             if (asked) refused = why;
             continue;
         }
@@ -165,6 +170,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         std::string again;
         ways = waysOf(inputs, kAutoMethod, again);
     }
+    if (ways.empty()) throw std::runtime_error(plan.refused.empty() ? "no method draws this scene" : plan.refused);
     const auto price = [&] {
         all.clear();
         prices.setAllowed(ways);

@@ -57,6 +57,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     const uint32_t triangles = uint32_t(scene.triangles.size());
     out.objects = std::min(uint32_t(objects.size()) + triangles, kMostCounted);
     for (const Light& light : now.lists.lights) out.local_lights.push_back(localLightBlock(light));
+    out.glasses = scene.glasses;
     out.tick = makeTick(scene, now, particles, objects);
     out.casters = std::min(out.tick.opaque_count - out.tick.plane_count + triangles, kMostCounted);
     out.state = stateOf(particles, out.tick);

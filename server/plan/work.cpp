@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/inputs/eye_request.h"
+#include "server/inputs/glass_block.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
 #include "shaders/shared/support.h"
@@ -70,6 +71,12 @@ Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
             double(scene.wanted.opaque_shadow_size) * scene.wanted.opaque_shadow_size * scene.casters;
     const auto dimmed = std::ranges::count_if(scene.local_lights, [](const auto& light) { return light.shadows != 0; });
     work[costs::kLocalLightDepth] = double(dimmed) * scene.particles;
+    if (const gpu::Multiple& multiple = scene.tick.multiple; multiple.cells > 0) {
+        const double cells =
+            std::pow(multiple.cells, 3.0); // the next grids have 1/8 and 1/64, and 2 and 4 times the steps
+        work[costs::kPropagation] =
+            double(scene.hues) * multiple.channels * cells * settings.propagation.iterations * (1 + 2.0 / 8 + 4.0 / 64);
+    }
     planOf(settings.method)->addSharedWork(scene, settings, work);
     return work;
 }
@@ -102,6 +109,7 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
     : scene_(scene), view_(view), width_(view.width), height_(view.height) {
     const Frustum frustum = frustumOf(view.pose, view.width, view.height);
     pixel_ = pixelOf(frustum, view.height);
+    layers_ = glassLayers(scene.glasses, view.pose, frustum);
     const glm::mat3 axes = glm::mat3_cast(view.pose.orientation);
     const auto inView = [&](glm::vec3 x) { // right, down, view depth
         const glm::vec3 d = x - view.pose.position;
@@ -138,9 +146,27 @@ const ShownMedium& ViewWork::shown() const {
 
 Work ViewWork::of(const RenderSettings& settings) const {
     Work work;
-    planOf(settings.method)->addViewWork(*this, settings, work);
+    const MethodPlan& method = *planOf(settings.method);
+    method.addViewWork(*this, settings, work);
+    if (scene_.features.glass) addLayers(method.hasRays(), work);
     work *= scene_.hues;
     return work;
+}
+
+// Methods with rays make their field once, and it is looked up for each layer. Others draw the medium again: at most
+// all of it, since a layer ends at its sheet.
+void ViewWork::addLayers(bool has_rays, Work& work) const {
+    Work layer = work;
+    for (const CostInfo* cost : allCosts()) {
+        const std::string_view pass = cost->pass;
+        const bool of_field = pass == "compose" || pass == "shafts" || cost == &costs::kLocalLight,
+                   once = pass == "opaque" || pass == "cull, sort" || pass == "compose";
+        if (has_rays ? !of_field : once) layer[*cost] = 0;
+    }
+    layer *= layers_;
+    work += layer;
+    const uint32_t sums = layers_ > 0 ? layers_ + 1 : 0, own = has_rays ? 1 : 0; // and a field's picture
+    work[costs::kCompose] += pixels() * (sums + own);
 }
 
 bool ViewWork::inside() const { return near_ <= kNear; }

@@ -37,6 +37,7 @@ struct PlanScene {
     double lobe_width = 1;                     // rad, PhaseLobes::width()
     uint32_t objects = 0, casters = 0;         // those that a pixel may meet, by and large: kMostCounted at most
     std::vector<gpu::LocalLight> local_lights; // points and spots
+    std::vector<Glass> glasses;                // sheets of glass
     gpu::Tick tick{};                          // light, falloff, cut, bounds of the shadow volume
     // Times that a view's passes run for one picture (server/inputs/hues.h).
     uint32_t hues = 1;
@@ -124,10 +125,14 @@ public:
     std::span<const Seen> seen() const { return seen_; }
 
 private:
+    // Adds what the layers between sheets of glass take: passes of the medium that run again for each.
+    void addLayers(bool has_rays, Work& work) const;
+
     const PlanScene& scene_;
     PlanView view_;
     uint32_t width_, height_;
     double pixel_, near_, far_, lit_pixels_ = 0;
+    uint32_t layers_ = 0; // glassLayers()
     std::vector<Seen> seen_;
     mutable std::optional<ShownMedium> shown_;
 };

@@ -10,9 +10,11 @@
 namespace brume {
 
 Compose::Compose(const gpu::Device& device)
-    : device_(device), none_(device, 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no field") {}
+    : device_(device), show_(device),
+      none_(device, 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no field") {}
 
-void Compose::prepare(std::span<const ViewGroup> groups) {
+void Compose::prepare(std::span<const ViewGroup> groups, std::span<const EyeRequest> eyes) {
+    show_.prepare(eyes, full_);
     VkDeviceSize words = 0;
     for (const ViewGroup& group : groups)
         for (const gpu::View& view : group.views)
@@ -41,9 +43,12 @@ const gpu::ComputeProgram& Compose::everyPixel(const Variant& v) {
                                        {gpu::kIdRate, v.rate},
                                        {gpu::kIdSunColours, v.colours.sun},
                                        {gpu::kIdAmbientColours, v.colours.ambient},
+                                       {gpu::kIdMultipleColours, v.colours.multiple},
+                                       {gpu::kIdScattering, v.colours.model},
                                        {gpu::kIdDrawn, v.drawn},
                                        {gpu::kIdKeep, v.keep},
                                        {gpu::kIdFull, v.full},
+                                       {gpu::kIdHasGlass, v.features.glass},
                                        {gpu::kIdBlocks, v.drawn ? 1 : blocksOf(v.features, v.rate)}});
     return program;
 }
@@ -57,14 +62,20 @@ const gpu::ComputeProgram& Compose::someNodes(const Variant& v) {
                                        {gpu::kIdStep, v.step},
                                        {gpu::kIdRate, v.rate},
                                        {gpu::kIdSunColours, v.colours.sun},
-                                       {gpu::kIdAmbientColours, v.colours.ambient}});
+                                       {gpu::kIdAmbientColours, v.colours.ambient},
+                                       {gpu::kIdMultipleColours, v.colours.multiple},
+                                       {gpu::kIdScattering, v.colours.model}});
     return program;
 }
 
 void Compose::record(gpu::Commands& commands, const ViewGroup& group) {
-    if (group.step == 1) return recordEveryPixel(commands, group);
-    group.field ? shadeField(commands, group) : shadeTarget(commands, group);
-    present(commands, group);
+    if (group.step == 1) {
+        recordEveryPixel(commands, group);
+    } else {
+        group.field ? shadeField(commands, group) : shadeTarget(commands, group);
+        present(commands, group);
+    }
+    show_.record(commands, group);
 }
 
 void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) {
@@ -73,11 +84,11 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
     const EyeInputs& in = *group.any;
     const bool drawn = !group.field;
     SceneFeatures features = in.shared->features;
-    if (drawn) features.lobe = features.fog = features.glow = features.local_lights = false;
+    if (drawn) features.lobe = features.fog = features.glow = features.local_lights = features.glass = false;
     gpu::computeToCompute(cmd);
     const gpu::ComputeProgram& program =
         everyPixel({.drawn = drawn,
-                    .keep = !drawn && keep_,
+                    .keep = !drawn && (keep_ || features.glass),
                     .full = full_,
                     .rate = drawn ? 8 : group.rate,
                     .step = 1,

@@ -6,6 +6,7 @@
 
 #include "server/inputs/scene_features.h"
 #include "server/inputs/view_group.h"
+#include "server/render/show.h"
 
 namespace brume {
 
@@ -21,11 +22,14 @@ public:
     void fullColour(bool full) { full_ = full; }
 
     uint64_t pictureBytes() const { return shaded_.size(); }
-    void giveBack() { shaded_ = {}; }
-    // Makes room for the groups' shaded nodes. Precondition: nothing of this is on the device.
-    void prepare(std::span<const ViewGroup> groups);
+    void giveBack() { shaded_ = {}, show_.giveBack(); }
+    // Makes room for the groups' shaded nodes, and takes which views the eyes ask for. Precondition: nothing of this is
+    // on the device.
+    void prepare(std::span<const ViewGroup> groups, std::span<const EyeRequest> eyes);
     // Writes the planes of a group's views. The medium is in the group's field, or with what is behind it in the
-    // target. What is behind a field is in the target when the scene has opaque objects; else it is the sky.
+    // target. What is behind a field is in the target when the scene has opaque objects; else it is the sky. A view
+    // that an eye asks for is drawn over its planes. In scenes with glass a field goes into the target alone, and not
+    // into the planes.
     void record(gpu::Commands& commands, const ViewGroup& group);
 
 private:
@@ -47,6 +51,7 @@ private:
     void present(gpu::Commands& commands, const ViewGroup& group);
 
     const gpu::Device& device_;
+    Show show_;
     bool keep_ = false, full_ = false;
     gpu::Buffer none_; // bound where there is no field
     gpu::Buffer shaded_;

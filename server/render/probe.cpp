@@ -48,6 +48,7 @@ void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading
                                   .rate = group.rate,
                                   .sun_colours = group.colours.sun,
                                   .ambient_colours = group.colours.ambient,
+                                  .multiple_colours = group.colours.multiple,
                                   .step = group.step};
         programFor(reading.drawn, reading.drawn ? SceneFeatures{} : in.shared->features)
             .bind(commands,

@@ -21,10 +21,12 @@ bool staysTheSame(Layout layout) {
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(device, scene), meshes_(device, scene.triangles), besides_(besides),
       upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device), mesh_shadow_(device),
-      particle_light_(device, capacity), union_path_(device), local_lights_(device),
-      surfaces_(device, objects_.counts(), !scene.triangles.empty()), shafts_(device), depth_order_(device, capacity),
-      compose_(device), probe_(device), cells_(device), linear_(device, VK_FILTER_LINEAR),
-      nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {}
+      particle_light_(device, capacity),
+      union_path_(device), propagation_{Propagation(device), Propagation(device), Propagation(device)},
+      local_lights_(device), surfaces_(device, objects_.counts(), !scene.triangles.empty()), shafts_(device),
+      depth_order_(device, capacity), compose_(device), glass_(device, scene.glasses), probe_(device), cells_(device),
+      linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
+      coarse_targets_(device) {}
 
 Renderer::~Renderer() = default;
 
@@ -58,6 +60,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
         union_path_.prepare(simulation, now_, upload_.tick(), upload_.all().version, objects_.version());
     }
     surfaces_.prepare(eyes, objects_.counts(), objects_.all());
+    glass_.prepare(features_.glass ? eyes : std::span<const EyeRequest>());
     shafts_.prepare(features_.casters ? eyes : std::span<const EyeRequest>());
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks, hues_);
@@ -71,7 +74,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     gatherInputs(s, blocks, eyes);
     s.uniforms_.flush();
     const std::span<const ViewGroup> groups = groupsOf(method);
-    compose_.prepare(groups);
+    compose_.prepare(groups, eyes);
     if (hasMedium()) method.recordTick(s.commands, shared_, *inputs_.front().medium);
     const EyeInputs* before = nullptr;
     for (const ViewGroup& group : groups) {
@@ -82,6 +85,10 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
             enterHue(hue);
             if (behind_balls && !before)
                 union_path_.record(s.commands, upload_.all(), {&objects_.objects(), &objects_.nodes()});
+            if (shared_.tick->multiple.cells > 0) {
+                propagation_[hue].record(s.commands, shared_, upload_.all());
+                shared_.fluence = &propagation_[hue].image();
+            }
             if (needs.particle_light && !before) recordParticleLight(s.commands, needs);
             recordGroup(s, method, group, before);
             if (hues_.size() > 1 && compose_.keepsRadiance()) keepHue(s.commands, group, hue);
@@ -95,21 +102,6 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     recordReadBack(s);
     s.commands.submit();
     upload_.submitted();
-}
-
-// One group in one hue. `before`: the eye whose surfaces the target has; null: none.
-void Renderer::recordGroup(Submission& s, Method& method, const ViewGroup& group, const EyeInputs* before) {
-    targets_.use(s.commands.handle(), *group.any->target);
-    if (needsSurfaces(group, before)) {
-        if (features_.local_lights) local_lights_.recordBins(s.commands, *group.any);
-        surfaces_.record(s.commands, *group.any);
-    }
-    if (hasMedium() && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
-    if (hasMedium()) method.recordGroup(s.commands, group);
-    if (features_.casters && group.field) shafts_.record(s.commands, group);
-    if (features_.local_lights && group.field) local_lights_.record(s.commands, group);
-    compose_.record(s.commands, group);
-    if (hasMedium() && !s.probe.pixels.empty()) probe_.record(s.commands, group, s.probe, views_[s.probe.eye]);
 }
 
 uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full, const SceneFeatures& features) {
@@ -129,7 +121,9 @@ void Renderer::giveBack() {
     compose_.giveBack();
     local_lights_.giveBack();
     shafts_.giveBack();
+    glass_.giveBack();
     union_path_.giveBack();
+    for (Propagation& hue : propagation_) hue.giveBack();
     targets_.giveBack();
     coarse_targets_.giveBack();
 }
@@ -161,8 +155,9 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
 // The method draws every so many pixels: 1, 2, 4 or 8, the steps that present.comp is written for.
 uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
     const uint32_t rate = now_.render.rate;
-    // Between drawn pixels every object's shadow is looked for at each.
-    if (!needs.draws || needs.every_pixel || rate < 2 || objects_.all().size() > kMostOfCells) return 1;
+    // Between drawn pixels every object's shadow is looked for at each. Sheets of glass end rays in every pixel.
+    if (!needs.draws || needs.every_pixel || features_.glass || rate < 2 || objects_.all().size() > kMostOfCells)
+        return 1;
     return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
 }
 
@@ -225,6 +220,7 @@ void Renderer::recordLight(Submission& s) {
     mesh_shadow_.record(s.commands, all.tick, upload_.tick(), meshes_);
     if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved())) {
         invalidateParticleLight();
+        for (Propagation& hue : propagation_) hue.invalidate();
     }
     local_lights_.recordDepths(s.commands, all, s.local_lights_, light_blocks_);
     all.light = nullptr;
@@ -275,6 +271,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .lit = &local_lights_.lit(),
                .sunlit = &shafts_.sunlit(),
                .shadow_volume = &shadow_volume_.image(),
+               .fluence = &shadow_volume_.image(),
                .opaque_shadow = &opaque_shadow_.image(),
                .mesh_heights = &mesh_shadow_.heights(),
                .mesh_pyramid = &mesh_shadow_.pyramid(),
@@ -336,22 +333,6 @@ std::span<const ViewGroup> Renderer::groupsOf(Method& method) {
     if (hasMedium()) return method.prepare(inputs_);
     drawnOneByOne(inputs_, no_medium_);
     return no_medium_;
-}
-
-// True if surfaces must be drawn into the target for this group. All bands of one picture share them. `before`: eye of
-// the previous group.
-bool Renderer::needsSurfaces(const ViewGroup& group, const EyeInputs* before) const {
-    return group.any != before && (!group.field || features_.opaque);
-}
-
-// Draws the medium at every step-th pixel, and interpolates it to all pixels whose cell no edge crosses.
-void Renderer::recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye) {
-    const EyeInputs& coarse = coarse_inputs_[eye.view];
-    coarse_targets_.use(commands.handle(), *coarse.target);
-    surfaces_.record(commands, coarse);
-    cells_.clear(commands, coarse);
-    method.recordGroup(commands, drawnAlone(coarse));
-    cells_.interpolate(commands, eye, coarse);
 }
 
 void Renderer::recordReadBack(Submission& s) {

@@ -2,12 +2,14 @@
 // picture is drawn. It owns the passes and the images that eyes share.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "server/light/local_lights.h"
 #include "server/light/particle_light.h"
+#include "server/light/propagation.h"
 #include "server/light/shadow_volume.h"
 #include "server/light/union_path.h"
 #include "server/methods/method.h"
@@ -21,6 +23,7 @@
 #include "server/opaque/surfaces.h"
 #include "server/render/compose.h"
 #include "server/render/drawn_cells.h"
+#include "server/render/glass_layers.h"
 #include "server/render/picture.h"
 #include "server/render/probe.h"
 #include "server/render/targets.h"
@@ -85,7 +88,7 @@ public:
     // own.
     uint64_t pictureBytes() const {
         return targets_.bytes() + coarse_targets_.bytes() + planes_.size() + compose_.pictureBytes() +
-               shafts_.pictureBytes() + local_lights_.pictureBytes();
+               shafts_.pictureBytes() + local_lights_.pictureBytes() + glass_.pictureBytes();
     }
     // Bytes of a pixel of the largest picture, besides its planes: its target, a coarse target with a quarter of the
     // pixels, a shaded node of eight bytes for a quarter of them, and light that is kept for each pixel.
@@ -117,7 +120,7 @@ public:
 
 private:
     static uint64_t lightBytesOfPixel(const SceneFeatures& features) {
-        return (features.casters ? Shafts::kBytesOfPixel : 0) +
+        return (features.casters ? Shafts::kBytesOfPixel : 0) + (features.glass ? GlassLayers::kBytesOfPixel : 0) +
                (features.local_lights ? LocalLights::kBytesOfPixel : 0);
     }
     Method& methodFor(const RenderSettings& settings);
@@ -134,6 +137,8 @@ private:
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
     void recordGroup(Submission& submission, Method& method, const ViewGroup& group, const EyeInputs* before);
+    void recordOverSurfaces(gpu::Commands& commands, const ViewGroup& group);
+    void recordLayers(gpu::Commands& commands, Method& method, const ViewGroup& group);
     void enterHue(uint32_t hue);
     void keepHue(gpu::Commands& commands, const ViewGroup& group, uint32_t hue);
     std::vector<glm::vec4> readDrawn(VkExtent2D size);
@@ -152,11 +157,13 @@ private:
     MeshShadow mesh_shadow_;
     ParticleLight particle_light_;
     UnionPath union_path_;
+    std::array<Propagation, 3> propagation_; // of each hue
     LocalLights local_lights_;
     Surfaces surfaces_;
     Shafts shafts_;
     DepthOrder depth_order_;
     Compose compose_;
+    GlassLayers glass_;
     Probe probe_;
     DrawnCells cells_;
     gpu::Sampler linear_, nearest_;

@@ -29,6 +29,7 @@ struct PoseRequest {
     bool still_picture = false;         // True: redraws a view at rest, with less error and full colour (4:4:4)
     bool lossless = false;              // True: a still picture as PNG
     bool one_shot = false;              // True: one still picture at full accuracy, whatever the load; then nothing
+    uint8_t show = 0;                   // number of a view (common/view_names.h); 0: the picture itself
     Clock::time_point received{};
     Clock::time_point since{}; // when this view was first asked for; set by Viewer
 };

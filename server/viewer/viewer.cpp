@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/view_names.h"
+
 namespace brume {
 namespace {
 
 constexpr std::chrono::milliseconds kRestsFor{150};
+// A picture at rest is drawn again for who looks at its error: more of its pixels are measured.
+constexpr std::chrono::milliseconds kMeasuresEvery{250};
+constexpr uint8_t kShowsErrors = *viewNamed("error");
 constexpr uint8_t kStillQuality = 90;
 constexpr float kDisplayMs = 500.0f / 60; // mean time until a display's next frame
 
@@ -31,7 +36,7 @@ bool samePictures(const PoseRequest& a, const PoseRequest& b) {
            a.pose.fov_y == b.pose.fov_y && a.pose.eye_separation == b.pose.eye_separation &&
            a.pose.frustum == b.pose.frustum && a.pose.right_frustum == b.pose.right_frustum && a.width == b.width &&
            a.height == b.height && a.views == b.views && a.quality == b.quality && a.still_picture == b.still_picture &&
-           a.lossless == b.lossless && a.one_shot == b.one_shot;
+           a.lossless == b.lossless && a.one_shot == b.one_shot && a.show == b.show;
 }
 
 Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> notify)
@@ -62,6 +67,7 @@ void Viewer::grant(const PoseRequest& granted) {
     request.seq = pose_->seq;
     request.client_time_us = pose_->client_time_us;
     request.pose = pose_->pose;
+    request.show = pose_->show;
     request.received = request.since = pose_->received;
     pose_ = request;
 }
@@ -141,8 +147,10 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
     request.height = uint16_t(std::max(request.height * side, 1.0));
     if (made_ && scene && scene == scene_ && samePictures(*made_, request)) {
         // PNG is large: over a link that has queued, the next pose's picture would wait behind it.
-        const bool lossless = made_detail_ == Detail::still && request.takes_png && !pacing_.bytes();
-        if (!still_picture || (made_detail_ != Detail::moving && !lossless)) return {};
+        const bool lossless =
+            made_detail_ == Detail::still && request.takes_png && request.show != kShowsErrors && !pacing_.bytes();
+        const bool collects = request.show == kShowsErrors && now - made_at_ >= kMeasuresEvery;
+        if (!still_picture || (made_detail_ != Detail::moving && !lossless && !collects)) return {};
         if (quality_.level() > 0 || quality_.deviceLevel() > 0 || now - made_at_ < kRestsFor) return {};
         request.still_picture = true;
         request.lossless = lossless;

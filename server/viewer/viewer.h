@@ -83,7 +83,7 @@ public:
     // nothing: it always differs). `most_pixels`: of all its eyes together; a larger picture is made smaller, in
     // steps. `still_picture`: asks for refinements of a still picture instead. First, after
     // 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a link that does not
-    // queue. Each comes once.
+    // queue. Each comes once, but for who looks at errors: that one gets more.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
                                        double most_pixels = std::numeric_limits<double>::infinity());
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.

@@ -1,17 +1,18 @@
 // Addresses in `field`, the buffer of planes that shared/field.h describes. Include after lib/view.glsl, kHasOpaque,
-// kSunColours and kAmbientColours are declared.
+// kSunColours, kAmbientColours and kMultipleColours are declared.
 #include "shaders/shared/field.h"
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/has_local_lights.glsl"
 
 FieldColours fieldColours() {
     return FieldColours(kSunColours, kAmbientColours, kHasFog ? 3 : 0, kHasGlow ? 3 : 0,
-                        kHasLocalLights && kSunColours == 3 ? 3 : 0);
+                        kHasLocalLights && kSunColours == 3 ? 3 : 0, kMultipleColours, 0);
 }
 uint fieldAmbient() { return fieldAmbient(fieldColours()); }
 uint fieldFog() { return fieldFog(fieldColours()); }
 uint fieldGlow() { return fieldGlow(fieldColours()); }
 uint fieldScattering() { return fieldScattering(fieldColours()); }
+uint fieldMultiple() { return fieldMultiple(fieldColours()); }
 uint fieldQuantities() { return fieldQuantities(fieldColours()); }
 
 uint fieldNodes() { return grid.nodes.x * grid.nodes.y; }

@@ -24,6 +24,7 @@ float fieldScale(vec3 dir, float end, float particles, out float scale[kMostFiel
     for (uint q = 0; q < fieldQuantities(); ++q) scale[q] = 0;
     for (uint c = 0; c < kSunColours; ++c) scale[kFieldSun + c] = seen;
     for (uint c = 0; c < kAmbientColours; ++c) scale[fieldAmbient() + c] = seen;
+    for (uint c = 0; c < kMultipleColours; ++c) scale[fieldMultiple() + c] = seen;
     [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
         const float phase = fogPhase(i, dir / metres);
         for (uint c = 0; c < 3; ++c) {

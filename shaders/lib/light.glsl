@@ -32,6 +32,15 @@ float visibility(vec3 at) {
     return at.z >= texelFetch(opaque_shadow, ivec2(texel), 0).r ? 1 : 0;
 }
 
+// The mean of visibility() over the 5x5 texels around the point (percentage-closer filtering, seed 000 section 4.2.5).
+float visibilitySoft(vec3 at) {
+    const vec2 per_texel = (tick.map.opaque_hi - tick.map.opaque_lo) / float(tick.map.opaque_size);
+    float lit = 0;
+    for (int y = -2; y <= 2; ++y)
+        for (int x = -2; x <= 2; ++x) lit += visibility(vec3(at.xy + vec2(x, y) * per_texel, at.z));
+    return lit / 25;
+}
+
 // Visibility for surfaces: filtered over the four nearest texels; `bias` (m) moves the point toward the light.
 float visibilityFiltered(vec3 at, float bias) {
     const vec2 texel =

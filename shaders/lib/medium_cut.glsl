@@ -2,6 +2,9 @@
 // lib/medium_run.glsl, `view_depth` is declared.
 #include "shaders/lib/face_on_ray.glsl"
 
+// True: a layer of a picture with glass is looked up. The field's rays end at surfaces, and pixels at sheets.
+layout(constant_id = kIdHasGlass) const bool kIsLayer = false;
+
 const float kSameHeight = 1e-2; // of a plane: most that its points differ by, as a part of their height
 const float kSameFace = 0.1; // of a slab: most distance of the pixel's surface from that of its rays
 
@@ -48,7 +51,8 @@ bool isLevel(MediumRun run, ivec2 pixel, float height, float own, out bool behin
         const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;
         behind = behind && face >= last;
         const float there = faceDepth(face) * rayDirection(at).y;
-        level = level && (face >= float(lastFace()) || abs(there - height) < kSameHeight * abs(height));
+        const bool in_sky = face >= float(lastFace()) && (!kIsLayer || own >= float(lastFace()));
+        level = level && (in_sky || abs(there - height) < kSameHeight * abs(height));
     }
     return level;
 }

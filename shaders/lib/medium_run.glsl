@@ -1,8 +1,9 @@
 // Puts the medium in front of the background in a run of pixels, from a field of coarse rays. Include after the tick,
-// lib/view.glsl, lib/eye.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate, kSunColours and kAmbientColours are
-// declared.
+// lib/view.glsl, lib/eye.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate, kSunColours, kAmbientColours,
+// kMultipleColours and kScatteringModel are declared.
 #include "shaders/lib/medium_phase.glsl"
 #include "shaders/shared/transmittance.h"
+#include "shaders/shared/multiple.h"
 #include "shaders/lib/slab_field.glsl"
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/field_scale.glsl"
@@ -91,6 +92,12 @@ vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities], vec3 sun
     vec3 light = sunlit * sunLight(dir, ray);
     if (kSunColours == 1 && kHasAmbient && !kHasFog) light += grid.albedo * tick.ambient * opaque_part;
     for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
+    if (kMultipleColours > 0) { // objects shadow octaves as they do the sun's light; fluxes know shadows already
+        const vec3 part = tick.sun.irradiance * (kScatteringModel == kScatteringOctaves ? sunlit : vec3(1));
+        for (uint c = 0; c < 3; ++c)
+            light[c] += kMultipleColours == 1 ? grid.albedo[c] * part[c] * ray[fieldMultiple()] :
+                                                part[c] * ray[fieldMultiple() + c];
+    }
     if (kHasGlow)
         for (uint c = 0; c < 3; ++c) light[c] += ray[fieldGlow() + c];
     return vec4(light, 0) + (1 - opaque_part) * behind;

@@ -15,6 +15,7 @@ layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
 layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdMayBeCut) const bool kMayBeCut = true;
+layout(constant_id = kIdSoftShadows) const bool kSoftShadows = false;
 
 #include "shaders/lib/light.glsl"
 
@@ -48,7 +49,10 @@ RayParticle rayParticle(vec3 centre) {
 
 // Light optical depth, and visibility past the opaque objects, at `t` m along the ray.
 float lightDepthAt(RayParticle ray, float t) { return lightDepth(map_rays.eye + t * ray.volume_per_m); }
-float visibilityAt(RayParticle ray, float t) { return visibility(toLightSpace(eye.position + t * ray.w)); }
+float visibilityAt(RayParticle ray, float t) {
+    const vec3 at = toLightSpace(eye.position + t * ray.w);
+    return kSoftShadows ? visibilitySoft(at) : visibility(at);
+}
 
 // T_L * Vis at `t` m along the ray.
 float lightArriving(RayParticle ray, float t) {

@@ -11,6 +11,8 @@
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/fog_march.glsl"
+#include "shaders/lib/medium_phase.glsl"
+#include "shaders/lib/multiple.glsl"
 
 // The value before the first four of a row, as they go on: by a cubic where they are smooth, by a parabola where the
 // cubic's term is large. The near plane cuts particles anywhere, and the first slab has no neighbour in front.
@@ -40,6 +42,7 @@ void march() {
     march_dir = rayDirection(at);
     march_length = length(march_dir);
     march_volume = map_rays.ray + at.x * map_rays.right + at.y * map_rays.down;
+    startMultiple(march_dir / march_length);
     float sum[kMostFieldQuantities]; // the field's quantities up to here
     vec4 light = vec4(0);            // light depth at the face before the slab's near one, its own two, the next one
     for (uint q = 0; q < quantities; ++q) sum[q] = 0;
@@ -99,14 +102,30 @@ void march() {
                                          scatterAnalytic(slab, light.y, light.z);
             const float sun = transmittance * even * scatterVaried(all, light.y, light.z, slope, bend);
             const float ambient = transmittance * (kHasFog ? scatterOwn(slab, 0, all) : opacity(slab));
-            if (kSunColours == 1) sum[kFieldSun] += sun;
+            vec3 multiple = vec3(0), with_multiple = vec3(sun);
+            if (kScatteringModel != kScatteringSingle) {
+                const float middle = faceDepth(face) + 0.5 * slabThickness();
+                vec3 straight;
+                multiple = transmittance * multipleOfSlab(max(kMultipleColours, kSunColours),
+                                                          map_rays.eye + middle * march_volume, slab, light.y, light.z,
+                                                          straight);
+                // Of one albedo that has a colour the sun's quantity holds what all channels have.
+                const bool has_colour = kSunColours == 1 && kMultipleColours == 3;
+                const vec3 alike = has_colour ? vec3(min(straight.x, min(straight.y, straight.z))) : straight;
+                with_multiple += transmittance * alike;
+                if (has_colour) multiple += transmittance * sun_phase * (straight - alike);
+                if (kMultipleColours == 0) with_multiple += multiple / max(sun_phase, 1e-6);
+            }
+            if (kMultipleColours == 1) sum[fieldMultiple()] += multiple.x;
+            if (kSunColours == 1) sum[kFieldSun] += with_multiple.x;
             for (uint c = 0; c < 3; ++c) {
                 float albedo = grid.albedo[c];
                 if (kSunColours == 3) {
                     albedo = here[kExtinction] > 0 ? min(here[kScattering + c] / here[kExtinction], 1) : 0;
-                    sum[kFieldSun + c] += albedo * sun;
+                    sum[kFieldSun + c] += albedo * with_multiple[c];
                 }
                 if (kAmbientColours > 0) sum[fieldAmbient() + c] += albedo * ambient;
+                if (kMultipleColours == 3) sum[fieldMultiple() + c] += albedo * multiple[c];
                 if (kHasLocalLights && kSunColours == 3) sum[fieldScattering() + c] += albedo * slab;
             }
             sum[kFieldDepth] += slab;

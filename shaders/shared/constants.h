@@ -26,14 +26,18 @@ const uint kIdHasLocalLights = 30u; // bool: there are points or spots
 const uint kIdHasMeshes = 32u;      // bool: there are meshes
 const uint kIdHasStructure = 33u;   // bool: some planes have a structure (ground.h)
 const uint kIdUnion = 36u;          // bool: particles are balls whose union is the medium
+const uint kIdHasGlass = 60u;       // bool: there are sheets of glass: pictures are sums of layers (glass.h)
 
 // The volumetric shadow map.
 const uint kIdShadowLanes = 9u; // lanes that work on one tile together, texels of its width; a power of two, at most 8
 const uint kIdShadowGroupLanes = 10u; // lanes of a workgroup
 
 // Method `isv`.
-const uint kIdQuadrature = 11u; // 0: Simpson, 1: in transmittance, 2: analytic
+const uint kIdQuadrature = 11u; // 0: Simpson, 1: in transmittance, 2: analytic, 3: Taylor
 const uint kIdSteps = 12u;
+const uint kIdFading = 37u;      // bool: extinction fades from a particle's centre; else it is even
+const uint kIdSoftShadows = 38u; // bool: shadows of objects in the medium are means over 5x5 texels
+const uint kIdLegacyTerm = 39u;  // bool: the dissertation's term for multiple scattering is added
 
 // Method `tiles`.
 const uint kIdCached = 13u;        // bool: light is looked up once for each particle, not at each pixel
@@ -41,13 +45,15 @@ const uint kIdPixelsPerLane = 14u; // pixels of a lane's run
 const uint kIdTileLanes = 15u;     // lanes of a workgroup
 
 // Methods `slabs` and `grid`: the field of rays.
-const uint kIdSheet = 16u;          // slabs that one workgroup works on together: its lanes
-const uint kIdCubic = 17u;          // bool: the grid is interpolated by cubics; else linearly, and it is finer
-const uint kIdCoarse = 26u;         // bool: the grid's coarse nodes are filled; else the others
-const uint kIdHasCoarse = 27u;      // bool: the grid has coarse nodes
-const uint kIdRate = 18u;           // pixels between neighbouring rays
-const uint kIdSunColours = 19u;     // FieldColours::sun (field.h)
-const uint kIdAmbientColours = 20u; // FieldColours::ambient
+const uint kIdSheet = 16u;           // slabs that one workgroup works on together: its lanes
+const uint kIdCubic = 17u;           // bool: the grid is interpolated by cubics; else linearly, and it is finer
+const uint kIdCoarse = 26u;          // bool: the grid's coarse nodes are filled; else the others
+const uint kIdHasCoarse = 27u;       // bool: the grid has coarse nodes
+const uint kIdRate = 18u;            // pixels between neighbouring rays
+const uint kIdSunColours = 19u;      // FieldColours::sun (field.h)
+const uint kIdAmbientColours = 20u;  // FieldColours::ambient
+const uint kIdMultipleColours = 44u; // FieldColours::multiple
+const uint kIdScattering = 45u;      // kScatteringOctaves and so on (multiple.h)
 
 // Method `froxels`.
 const uint kIdShadows = 34u; // of objects: kShadowsByMap and so on (froxels.h)
@@ -65,6 +71,9 @@ const uint kIdDrawn = 22u;  // bool: `radiance` holds the medium already
 const uint kIdKeep = 23u;   // bool: the radiance of every pixel is stored for later reading
 const uint kIdFull = 24u;   // bool: R, G, B of all pixels instead of Y, Cb, Cr
 const uint kIdBlocks = 25u; // blocks of 8x2 pixels that a lane makes: 3 are whole cells of rates 3, 6, 12
+
+// Views of how a picture is made.
+const uint kIdShow = 50u; // what is drawn in place of the picture: kShowWasted and so on (show.h)
 
 #ifdef __cplusplus
 } // namespace brume::gpu

@@ -26,6 +26,8 @@ struct FieldColours {
     uint fog;        // 3 if there is fog; otherwise 0
     uint glow;       // 3 if some fog emits light; otherwise 0
     uint scattering; // 3 if there are local lights, and albedos differ; otherwise 0
+    uint multiple;   // 0 with single scattering, or if `sun` holds it; 1 if it is without albedo and colour; else 3
+    uint model;      // of scattering: kScatteringSingle and so on (multiple.h)
 #ifdef __cplusplus
     auto operator<=>(const FieldColours&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
 #endif
@@ -40,8 +42,11 @@ BRUME_INLINE uint fieldFog(FieldColours colours) { return fieldAmbient(colours) 
 BRUME_INLINE uint fieldGlow(FieldColours colours) { return fieldFog(colours) + colours.fog; } // emitted radiance
 // Albedo times optical depth of the particles.
 BRUME_INLINE uint fieldScattering(FieldColours colours) { return fieldGlow(colours) + colours.glow; }
-BRUME_INLINE uint fieldQuantities(FieldColours colours) { return fieldScattering(colours) + colours.scattering; }
-const uint kMostFieldQuantities = 16u;
+// Light of the sun that has scattered more than once, for E = 1: without albedo if it has one colour. Without shadows
+// of objects, which dim it otherwise than sunlight, kFieldSun holds it, divided by the ray's phase function.
+BRUME_INLINE uint fieldMultiple(FieldColours colours) { return fieldScattering(colours) + colours.scattering; }
+BRUME_INLINE uint fieldQuantities(FieldColours colours) { return fieldMultiple(colours) + colours.multiple; }
+const uint kMostFieldQuantities = 19u;
 
 // The planes of a field. A plane has a float for each ray.
 //
@@ -89,7 +94,8 @@ BRUME_INLINE uint steepPlane(FieldPlanes field) { return endSplinePlane(field) +
 BRUME_INLINE uint planesOf(FieldPlanes field) { return steepPlane(field) + endPlanes(field); }
 
 #ifdef __cplusplus
-static_assert(fieldQuantities({.sun = 3, .ambient = 3, .fog = 3, .glow = 3, .scattering = 3}) == kMostFieldQuantities);
+static_assert(fieldQuantities({.sun = 3, .ambient = 3, .fog = 3, .glow = 3, .scattering = 3, .multiple = 3}) ==
+              kMostFieldQuantities);
 } // namespace brume::gpu
 #endif
 #undef BRUME_INLINE

@@ -59,20 +59,60 @@ BRUME_STRUCT ScatterNode {
     real z;      // m along the ray, from the segment's entry (Hermite: from the closest approach)
 };
 
-// Composite Simpson: node j of 0 ... 2n for n >= 1 steps. T_V counts from the segment's entry.
-BRUME_FN BRUME_OF(ScatterNode) simpsonNode(BRUME_OF(GaussianSegment) segment, int j, int n) {
-    const real along = real(j) / real(2 * n);
+// Extinction times T_V times length, at the part `along` of a segment's length; T_V counts from its entry. An integral
+// over the segment is the mean of this along it.
+BRUME_FN real segmentSource(BRUME_OF(GaussianSegment) segment, real along) {
     const real c = segment.a + segment.h * along;
     const real gaussian = exp(-c * c);
     const real tail = gaussian * erfcx(abs(c));
     const real depth = real(0.5) * segment.line * erfBetween(segment.a, segment.tail_a, c, tail);
-    const real length = segment.h / segment.k;
+    return min(segment.h / segment.k * (segment.peak * gaussian), real(1e30)) * exp(-depth);
+}
+
+// The same of a segment whose extinction is even; depth: its optical depth.
+BRUME_FN real evenSource(real depth, real along) { return min(depth, real(1e30)) * exp(-depth * along); }
+
+// A rule for means over an interval: the part of its length at which a node lies, and its weight.
+BRUME_STRUCT RuleNode {
+    real along;
+    real weight;
+};
+
+// Composite Simpson: node j of 0 ... 2n for n >= 1 steps.
+BRUME_FN BRUME_OF(RuleNode) simpsonRule(int j, int n) {
     const real rule = (j == 0 || j == 2 * n) ? real(1) : ((j & 1) == 1 ? real(4) : real(2));
-    BRUME_OF(ScatterNode) node;
-    node.weight = rule / real(6 * n) * min(length * (segment.peak * gaussian), real(1e30)) * exp(-depth);
-    node.z = length * along;
+    BRUME_OF(RuleNode) node;
+    node.along = real(j) / real(2 * n);
+    node.weight = rule / real(6 * n);
     return node;
 }
+
+// Taylor series about the middle a of the interval, four terms, with forward differences as derivatives (seed 000
+// section 3.9): the sum of f^(n)(a) (x - a)^(n + 1) / (n + 1)! for n = 0 ... 3, at the end less that at the begin.
+// Terms of odd n are equal at both and cancel. The mean that is left is f(a) + length^2 f''(a) / 24, from nodes j = 0
+// ... 2 at a + j steps. A step is 1/16 of the length; the seed prints none. Exact for polynomials of degree 2. Of
+// degree 3 it errs by f''' step length^2 / 24. The series does not converge over a particle: a control that fails.
+BRUME_FN BRUME_OF(RuleNode) taylorRule(int j) {
+    const real second = real(16 * 16) / real(24);
+    BRUME_OF(RuleNode) node;
+    node.along = real(0.5) + real(j) / real(16);
+    node.weight = j == 0 ? real(1) + second : (j == 1 ? real(-2) * second : second);
+    return node;
+}
+
+// Composite Simpson on a segment: node j of 0 ... 2n for n >= 1 steps.
+BRUME_FN BRUME_OF(ScatterNode) simpsonNode(BRUME_OF(GaussianSegment) segment, int j, int n) {
+    const BRUME_OF(RuleNode) rule = BRUME_OF(simpsonRule)(j, n);
+    BRUME_OF(ScatterNode) node;
+    node.weight = rule.weight * segmentSource(segment, rule.along);
+    node.z = segment.h / segment.k * rule.along;
+    return node;
+}
+
+// What seed 000 adds to C / (rho p E) of one particle for multiple scattering (section 3.12, eq. 11). part: extinction
+// in the middle of its interval, over that of its centre; m: in [0, 1]. It is not physical: it knows neither depth nor
+// light, and grows with the number of particles on a ray.
+BRUME_FN real legacyMultiple(real part, real m) { return part * real(0.001) * m; }
 
 // Gauss-Legendre on (0, 1): node i of n in 1 ... 3 (more count as 3).
 BRUME_FN real legendreNode(int i, int n) {

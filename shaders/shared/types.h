@@ -107,6 +107,20 @@ struct UnionBalls {
 };
 const uint kUnionExact = 0u, kUnionNearest = 1u, kUnionBinary = 2u, kUnionNone = 3u;
 
+// Light that scatters more than once (shared/multiple.h).
+struct Multiple {
+    uint octaves;      // how many; 0: there are none
+    float scattering;  // of an octave, in parts of the one before: what it scatters,
+    float extinction;  // the optical depth that its light passes,
+    float phase;       // and its asymmetry
+    uint cells;        // of the six fluxes, along each side of LightMap::lo ... hi; a multiple of 4; 0: there are none
+    uint channels;     // of the fluxes: 1 if all have the same albedo; otherwise 3
+    float mean_cosine; // of the medium's phase function
+    float asymmetry;   // of what is scattered out of the scaled beam, in [-1/3, 1/3]
+    vec3 passed;       // part of the extinction that dims the scaled beam, in each channel
+    vec3 albedo;       // of what is scattered out of it, in each channel
+};
+
 // Values that all viewers share in one tick.
 struct Tick {
     Light sun;     // the first directional light; only it has maps
@@ -134,6 +148,7 @@ struct Tick {
     float extinction; // part of the particles' extinction
     uint channels;    // bits of red, green and blue: those that are drawn
     UnionBalls balls;
+    Multiple multiple;
 };
 const uint kAllChannels = 7u;
 
@@ -152,6 +167,7 @@ struct Eye {
     vec3 ray;    // world direction of unit view depth
     vec3 ray_right;
     vec3 ray_down;
+    uint show; // what is drawn in place of the picture: kShowPicture and so on (shared/show.h)
 };
 
 // An eye's rays in the sun's volumetric shadow map: texture coordinates and slice plane, affine in pixel and depth.
@@ -251,15 +267,15 @@ struct View {
     uint added;
     uint field;
     uint shaded;
-    uint padding[59]; // any view may be bound alone: offsets are multiples of 256 bytes
+    uint padding[58]; // any view may be bound alone: offsets are multiples of 256 bytes
 };
 
 // Which pixels probe.comp reads, and how they were drawn.
 struct ProbePush {
-    uint count;                        // pixels
-    uint rate;                         // pixels between the field's rays
-    uint sun_colours, ambient_colours; // FieldColours
-    uint step;                         // without a field: one pixel is drawn for step x step
+    uint count;                                          // pixels
+    uint rate;                                           // pixels between the field's rays
+    uint sun_colours, ambient_colours, multiple_colours; // FieldColours
+    uint step;                                           // without a field: one pixel is drawn for step x step
 };
 
 // The medium's grid (server/methods/grid/medium_grid.h): nodes at origin + spacing * (0, 1, 2 ...), in bricks of
@@ -286,10 +302,10 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 108 && sizeof(Tick) == 612 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 108 && sizeof(Tick) == 668 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
 static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
-static_assert(sizeof(Eye) == 112 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
+static_assert(sizeof(Eye) == 116 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
 static_assert(sizeof(SlabGrid) == 84 && sizeof(View) == 512 && sizeof(MediumGrid) == 36);

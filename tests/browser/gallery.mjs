@@ -10,7 +10,7 @@ const SCENES = 'server/scenes';
 const FINE = ['--frame-budget', '10000', '--most-frame-time', '60000'];
 const SIZE = 'w=480&h=270&quality=90';
 // Of scenes whose smoke has to rise first; the others are as they begin.
-const TICKS = { plume: 900, morning: 900, 'smoke-spots': 600 };
+const TICKS = { plume: 900, morning: 900, 'smoke-spots': 600, glass: 600 };
 // A scene of several places has a picture of each, with these parameters.
 const PLACES = {
   flythrough: {

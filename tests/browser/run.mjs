@@ -395,4 +395,5 @@ await import('./lists.mjs');
 await import('./nodes.mjs');
 await import('./scenes.mjs');
 await import('./trust.mjs');
+await import('./views.mjs');
 await import('./window.mjs');

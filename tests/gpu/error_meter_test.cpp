@@ -111,6 +111,25 @@ TEST_F(ErrorMeterTest, MeasuresTheErrorOfTheWholePicture) {
     }
 }
 
+// A sheet in the middle of the medium fills the picture. It mirrors nothing, which would count as light of the medium.
+TEST_F(ErrorMeterTest, ThroughGlass) {
+    for (const char* method : {"slabs", "tiles"}) {
+        Scene scene = coarse("cloud", method);
+        scene.sky.ambient = glm::vec3(0);
+        scene.glasses = {{.width = 60, .height = 60, .transmittance = {1, 0.5f, 0.2f}, .reflectance = 0}};
+        const Simulation simulation(scene);
+        ErrorMeter meter(1);
+        measure(meter, scene, simulation, 8);
+        const std::vector<ViewError> errors = meter.errors(ErrorMeter::Time::clock::now());
+        ASSERT_EQ(errors.size(), 1u);
+        const double whole = wholeError(scene, simulation);
+        EXPECT_GT(whole, 2e-3) << method;
+        EXPECT_GE(errors[0].error.pixels, 500u) << method;
+        EXPECT_GE(whole, errors[0].error.low) << method;
+        EXPECT_LE(whole, errors[0].error.high) << method;
+    }
+}
+
 // Objects throw shadows through the medium and hide it. Edges are left out.
 TEST_F(ErrorMeterTest, WhatIsWellDrawnHasASmallError) {
     Scene scene = loadScene("server/scenes/props.toml", std::vector<std::string>{"render.method=slabs"});

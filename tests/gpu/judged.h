@@ -43,7 +43,7 @@ protected:
                     ray.even = even;
                     return tracer.trace(ray);
                 };
-                const reference::PixelResult truth = reference::pixelOf(at, !world.obstacles.empty(), structure);
+                const reference::PixelResult truth = reference::pixelOf(at, reference::hasEdges(world), structure);
                 if (truth.edge) continue;
                 const glm::dvec4 got(picture.at(x, y));
                 const glm::dvec3 off = glm::dvec3(got) - truth.total;

@@ -212,8 +212,9 @@ TEST_F(GpuTest, NoLightBehindABoxAndAllOfItBesideIt) {
     const Scene without = scene;
     scene.boxes = {{{0, 7.6f, 0}, {6, 1, 6}, 0.3f, glm::vec3(0)}}; // black
     Stage stage(device(), scene, 3);
-    for (const auto& [method, quadrature] : {std::pair("sphere", "simpson"), std::pair("isv", "simpson"),
-                                             std::pair("isv", "transmittance"), std::pair("isv", "analytic")}) {
+    for (const auto& [method, quadrature] :
+         {std::pair("sphere", "simpson"), std::pair("isv", "simpson"), std::pair("isv", "transmittance"),
+          std::pair("isv", "analytic"), std::pair("isv", "taylor")}) {
         SCOPED_TRACE(testing::Message() << method << ' ' << quadrature);
         Scene shaded = scene, open = without;
         shaded.render.method = open.render.method = method;

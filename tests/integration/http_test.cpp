@@ -158,6 +158,34 @@ TEST_F(Http, ASnapshotIsOnePicture) {
     EXPECT_EQ(get(port(), "/snapshot.jpg?w=potato").status, 400);
 }
 
+TEST_F(Http, SnapshotsAndStreamsShowHowAPictureIsMade) {
+    // Paused, so that only the view differs.
+    const auto post = [&](const std::string& target) {
+        HttpConnection connection(port());
+        connection.send("POST " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 0\r\n\r\n");
+        return connection.readReply();
+    };
+    ASSERT_EQ(post("/pause").status, 200);
+    const auto at = [&](const std::string& view) { return get(port(), "/snapshot.png?w=160&h=96" + view); };
+    const HttpReply picture = at("");
+    ASSERT_EQ(picture.status, 200) << picture.body;
+    EXPECT_EQ(at("&view=picture").body, picture.body);
+    std::map<std::string, std::string> seen{{picture.body, "picture"}};
+    for (const char* view : {"wasted", "overdraw", "particles", "rays", "depth", "shadow", "light", "error"}) {
+        const HttpReply reply = at("&view=" + std::string(view));
+        ASSERT_EQ(reply.status, 200) << view << reply.body;
+        EXPECT_EQ(reply.headers.at("brume-state"), picture.headers.at("brume-state"));
+        const auto [same, is_new] = seen.emplace(reply.body, view);
+        EXPECT_TRUE(is_new) << view << " is as " << same->second;
+    }
+    EXPECT_EQ(at("").body, picture.body) << "the picture is as before";
+    const HttpReply wrong = at("&view=xray");
+    EXPECT_EQ(wrong.status, 400);
+    EXPECT_EQ(wrong.body, "view must be one of picture wasted overdraw particles rays depth shadow light error\n");
+    EXPECT_EQ(get(port(), "/stream.mjpg?view=xray").status, 400);
+    ASSERT_EQ(post("/resume").status, 200);
+}
+
 // One state gives one picture, whoever else is served meanwhile and whatever they cost.
 TEST(Snapshots, OfOneStateAreTheSameBytesAndGiveUpNothing) {
     Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0", "--paused", "--ahead", "off", "--frame-budget",

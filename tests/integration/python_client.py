@@ -95,6 +95,17 @@ class Package(unittest.TestCase):
         ticks = [frame.tick for frame in view.frames(5)]
         self.assertEqual(ticks, sorted(set(ticks)), 'each newer than the one before')
 
+    def test_a_view_shows_how_the_picture_is_made(self):
+        view = self.viewer()
+        view.look(position=(0, 2, 26), target=(0, 0, 0), size=(160, 96))
+        picture = view.frame().array().astype(int)
+        view.look(view='overdraw')
+        self.assertGreater(numpy.abs(view.frame().array() - picture).mean(), 5)
+        with self.assertRaisesRegex(brume.BrumeError, 'no view .* there are picture wasted'):
+            view.look(view='over')
+        view.look(view='picture')
+        self.assertLess(numpy.abs(view.frame().array() - picture).mean(), 5)
+
     def test_what_arrays_need_is_named_where_it_is_missing(self):
         frame = self.viewer().frame()
         for module, package in (('PIL', 'python3-pil'), ('numpy', 'python3-numpy')):

@@ -164,8 +164,8 @@ TEST_F(Record, WhatIsNoRecordingIsRefusedInOneLine) {
     };
     EXPECT_EQ(replayOf(bytes)->exitCode(), 0);
     test::expectOneLine(*replayOf(bytes.substr(0, 40)), "cut within its head");
-    test::expectOneLine(*replayOf("brume-recording 12" + bytes.substr(bytes.find('\n'))),
-                        "version 12; this server replays version 11");
+    test::expectOneLine(*replayOf("brume-recording 13" + bytes.substr(bytes.find('\n'))),
+                        "version 13; this server replays version 12");
     test::expectOneLine(*replayOf("not one\n"), "no recording");
     bytes[bytes.size() - 20] ^= 4;
     test::expectOneLine(*replayOf(bytes), "damaged");

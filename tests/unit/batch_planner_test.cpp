@@ -64,6 +64,22 @@ TEST(BatchPlanner, ViewersOfTheSamePictureShareIt) {
     }
 }
 
+// One camera, two views: two pictures.
+TEST(BatchPlanner, WhoLooksAtAnotherViewHasPicturesOfTheirOwn) {
+    BatchPlanner planner;
+    BatchContents batch;
+    const std::vector viewers{viewerOf(1), viewerOf(2), viewerOf(3)};
+    for (const auto& viewer : viewers) {
+        PoseRequest pose = poseOf(viewer->id(), 64, 36, 0);
+        pose.show = viewer->id() == 2 ? 5 : 0;
+        viewer->setPose(pose);
+    }
+    ASSERT_TRUE(planner.plan(viewers, 1, {.budget_ms = 50}, kStart, batch));
+    ASSERT_EQ(batch.jobs.size(), 3u);
+    ASSERT_EQ(batch.eyes.size(), 2u);
+    for (const BatchJob& job : batch.jobs) EXPECT_EQ(batch.eyes[job.first_eye].show, job.due.request.show);
+}
+
 // The plan is made for all who watched lately, also for those who are not due at this tick: it does not swing.
 TEST(BatchPlanner, ThePlanIsMadeForAllOfTheLastSecond) {
     BatchPlanner planner;

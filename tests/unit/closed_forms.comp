@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/fog.h"
+#include "shaders/shared/glass.h"
 #include "shaders/shared/ground.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/scatter.h"
@@ -20,7 +21,9 @@ void main() {
     }
     for (int j = 0; j < 3; ++j) {
         const ScatterNode node = transmittanceNode(segment, j, 3);
-        sum += node.weight * node.z;
+        const RuleNode rule = taylorRule(j);
+        sum += node.weight * node.z + rule.weight * segmentSource(segment, rule.along) +
+               evenSource(segment.depth, rule.along) + legacyMultiple(rule.along, x[i]);
     }
     for (int j = 0; j < 2; ++j) {
         const ScatterNode node = hermiteNode(segment.line, segment.k, j), cut = truncatedHermiteNode(segment, j);
@@ -38,5 +41,6 @@ void main() {
     const vec3 a = groundFootprint(vec3(x[i]), vec3(x[i + 1]), x[i + 2]);
     sum += groundAlbedo(vec3(x[i]), x[i + 1], groundStructure(x[i + 2], x[i + 3], a, vec3(x[i + 4]), x[i + 5])).x;
     sum += skyZenithPart(x[i]) + skySeen(x[i]) + skyZenithSeen(x[i]);
+    sum += glassAt(a, vec3(x[i]), vec3(x[i + 1]), vec3(x[i + 2]), vec3(x[i + 3])) + glassMirrors(x[i], x[i + 1]);
     x[i] = sum;
 }

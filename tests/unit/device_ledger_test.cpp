@@ -35,8 +35,20 @@ TEST(DeviceLedger, TimeIsSharedByViewsAndPixels) {
     const DeviceLedger::Times times = ledger.book(samples, batch);
     EXPECT_DOUBLE_EQ(times.shared_ms, 5);
     EXPECT_DOUBLE_EQ(times.views_ms, 17);
+    EXPECT_DOUBLE_EQ(times.shown_ms, 0);
     EXPECT_FLOAT_EQ(batch.jobs[0].gpu_ms, 2 + 4);     // half of the pixels
     EXPECT_FLOAT_EQ(batch.jobs[1].gpu_ms, 3 + 4 + 4); // both of its eyes, and the other half
+}
+
+TEST(DeviceLedger, ViewsOfHowAPictureIsMadeAreTheirViewersAlone) {
+    BatchContents batch = twoViewers();
+    const gpu::PassSample samples[] = {{"medium", gpu::kEach, 8, 0}, {"show", 0, 50, 0}};
+    DeviceLedger ledger;
+    const DeviceLedger::Times times = ledger.book(samples, batch);
+    EXPECT_DOUBLE_EQ(times.views_ms, 58);
+    EXPECT_DOUBLE_EQ(times.shown_ms, 50);
+    EXPECT_FLOAT_EQ(batch.jobs[0].gpu_ms, 4 + 50);
+    EXPECT_FLOAT_EQ(batch.jobs[1].gpu_ms, 4);
 }
 
 TEST(DeviceLedger, APassOfSeveralViewsCountsAsTheMeanOfOne) {

@@ -190,6 +190,9 @@ std::vector<Example> makeExamples() {
     all.push_back(example("pose_hidden", [&](Builder& b) {
         return CreatePose(b, 9, 10, &v, &turned, 0.75f, 0, 0, 0, nullptr, nullptr, true);
     }));
+    all.push_back(example("pose_view", [&](Builder& b) {
+        return CreatePoseDirect(b, 10, 11, &v, &turned, 0.75f, 0, 0, 0, nullptr, nullptr, false, "overdraw");
+    }));
     all.push_back(frame("frame_frusta", {7, 6}, jpeg, true));
     all.push_back(frame("frame_png", {13}, jpeg, false, Encoding::png));
     all.push_back(frame("frame_measured", {13}, jpeg, false, Encoding::jpeg, 0.00390625f));

@@ -62,6 +62,7 @@ Json of(const Pose& m) {
                              {"height", m.height()}});
     addFrusta(m, out);
     if (m.hidden()) out["hidden"] = true; // younger than the first examples
+    if (m.view()) out["view"] = m.view()->str();
     return out;
 }
 

@@ -279,9 +279,9 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreNamed) {
     EXPECT_NE(readError().find("no recording"), std::string::npos);
     put("#!/bin/sh\n");
     EXPECT_NE(readError().find("no recording"), std::string::npos);
-    for (const char* other : {"10", "12"}) {
+    for (const char* other : {"11", "13"}) {
         put(std::string("brume-recording ") + other + "\n");
-        EXPECT_NE(readError().find(std::string("version ") + other + "; this server replays version 11"),
+        EXPECT_NE(readError().find(std::string("version ") + other + "; this server replays version 12"),
                   std::string::npos)
             << readError();
     }

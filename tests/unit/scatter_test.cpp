@@ -81,22 +81,13 @@ double transmittance(const Interval& i, int n) {
     return sum;
 }
 
-// Seed 000 section 3.9: four Taylor terms about the middle with finite forward differences.
+template <typename real>
 double taylor(const Interval& i) {
-    const auto f = [&](double z) {
-        const double q = i.a + z;
-        return i.peak_line / kSqrtPi * std::exp(-q * q) * std::exp(-i.peak_line / 2 * (std::erf(q) - std::erf(i.a))) *
-               i.light(z);
-    };
-    const double m = i.h / 2, d = i.h / 16;
-    const double f0 = f(m), f1 = f(m + d), f2 = f(m + 2 * d), f3 = f(m + 3 * d);
-    const double derivatives[4] = {f0, (f1 - f0) / d, (f2 - 2 * f1 + f0) / (d * d),
-                                   (f3 - 3 * f2 + 3 * f1 - f0) / (d * d * d)};
-    double sum = 0, power = 1, factorial = 1;
-    for (int k = 0; k < 4; ++k) { // each term integrated from -h/2 to h/2
-        power = std::pow(m, k + 1);
-        factorial *= k + 1;
-        sum += derivatives[k] / factorial * (power - std::pow(-m, k + 1));
+    const auto segment = segmentOf<real>(i);
+    double sum = 0;
+    for (int j = 0; j < 3; ++j) {
+        const auto rule = physics::taylorRule<real>(j);
+        sum += rule.weight * physics::segmentSource(segment, rule.along) * i.light(i.h * rule.along);
     }
     return sum;
 }
@@ -305,7 +296,7 @@ TEST(Quadratures, RankAsExpected) {
                      s2 = rmsError(depth.lo, depth.hi, simpsonSteps(2));
         const double s10 = rmsError(depth.lo, depth.hi, simpsonSteps(10));
         const double t1 = rmsError(depth.lo, depth.hi, points(1)), t2 = rmsError(depth.lo, depth.hi, points(2));
-        const double t3 = rmsError(depth.lo, depth.hi, points(3)), tay = rmsError(depth.lo, depth.hi, taylor);
+        const double t3 = rmsError(depth.lo, depth.hi, points(3)), tay = rmsError(depth.lo, depth.hi, taylor<float>);
         std::printf(
             "peak depth %g to %g: Simpson 1/2/10 %.3g %.3g %.3g, transmittance 1/2/3 %.3g %.3g %.3g, Taylor %.3g\n",
             depth.lo, depth.hi, s1, s2, s10, t1, t2, t3, tay);
@@ -338,6 +329,10 @@ TEST(Nodes, FiniteAndInsideForExtremeInputs) {
                                 good && std::isfinite(node.weight) && node.weight >= 0 && node.z >= lo && node.z <= hi;
                         };
                         for (int j = 0; j <= 4; j += 2) check(physics::simpsonNode(segment, j, 2), 0, length);
+                        for (int j = 0; j < 3; ++j) {
+                            const float source = physics::segmentSource(segment, physics::taylorRule<float>(j).along);
+                            good = good && std::isfinite(source) && source >= 0;
+                        }
                         for (int j = 0; j < 2; ++j) {
                             check(physics::transmittanceNode(segment, j, 2), 0, length * 1.0001f);
                             check(physics::truncatedHermiteNode(segment, j), 0, length * 1.0001f);

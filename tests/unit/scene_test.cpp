@@ -44,7 +44,8 @@ INSTANTIATE_TEST_SUITE_P(
     All, WrongScene,
     testing::Values(
         Wrong{"nam = \"x\"", 1, "nam", "unknown key",
-              "box, camera, fog, light, medium, mesh, name, objects, origin, plane, render, simulation, sky, sphere"},
+              "box, camera, fog, glass, light, medium, mesh, name, objects, origin, plane, render, simulation, sky, "
+              "sphere"},
         Wrong{"[medium]\nlayout = \"cube\"\n\ncuont = 3", 4, "medium.cuont", "unknown key", "count"},
         Wrong{"[[light]]\ncolour = [1, 1, 1]", 2, "light[0].colour", "unknown key", "irradiance"},
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 9000\n[medium.emitter]\nspeed = 3", 5, "medium.emitter.speed",
@@ -61,6 +62,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[medium]\nalbedo = [0.5, 1.5, 0.5]", 2, "medium.albedo", "is not", "from 0 to 1"},
         Wrong{"[medium]\nalbedo = [0.5, 0.5]", 2, "medium.albedo", "an array of 2", "[x, y, z]"},
         Wrong{"[medium]\nextinction_colour = [0.5, -0.5, 0.5]", 2, "medium.extinction_colour", "is not", "from 0 to 1"},
+        Wrong{"[[glass]]\ntransmittance = [0.5, 1.5, 0.5]", 2, "glass[0].transmittance", "is not", "from 0 to 1"},
         Wrong{"[medium]\nalbedo = 0.5", 2, "medium.albedo", "0.5 is not", "[x, y, z]"},
         Wrong{"[medium]\nscale = [3, 2]", 2, "medium.scale", "upside down", "lowest first"},
         Wrong{"[medium]\nscale = [1, 2, 3]", 2, "medium.scale", "an array of 3", "[lowest, highest]"},
@@ -103,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[render]\nmethod = \"\"", 2, "render.method", "\"\" is not", "text of 1 to 64"},
         Wrong{"[render]\nquadrature = \"simpson\"", 2, "render.quadrature", "unknown key", "method"},
         Wrong{"[render.isv]\nquadrature = \"gauss\"", 2, "render.isv.quadrature", "\"gauss\"",
-              "\"simpson\", \"transmittance\", \"analytic\""},
+              "\"simpson\", \"transmittance\", \"analytic\", \"taylor\""},
         Wrong{"[render.isv]\nsteps = 11", 2, "render.isv.steps", "11 is not", "from 1 to 10"},
         Wrong{"[render.isv]\nquadrature = \"transmittance\"\nsteps = 4", 3, "render.isv.steps", "4 is not",
               "from 1 to 3"},
@@ -335,8 +337,9 @@ TEST(Scene, IsFoundByNameOrPath) {
     } catch (const SceneError& error) {
         EXPECT_NE(
             std::string(error.what())
-                .find("cloud, cloud-5000, cloud-65535, courtyard, cumulus, dusk, dusty-room, flythrough, islands, "
-                      "lamp, morning, plume, props, smoke-spots, stage, street, tubes, tubes-union"),
+                .find("cloud, cloud-5000, cloud-65535, courtyard, cube-and-sphere, cumulus, dusk, dusty-room, "
+                      "flythrough, glass, islands, lamp, morning, plume, props, smoke-spots, stage, street, tubes, "
+                      "tubes-union"),
             std::string::npos)
             << error.what();
     }

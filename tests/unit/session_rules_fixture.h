@@ -26,6 +26,7 @@ struct PoseFields {
     uint16_t width = 0, height = 0;
     std::optional<wire::Frustum> frustum{}, right_frustum{};
     bool hidden = false;
+    const char* view = nullptr; // null: it is left out
 };
 
 class SessionRulesTest : public testing::Test {
@@ -62,9 +63,9 @@ protected:
     }
     Effects pose(const PoseFields& p) {
         return say([&](FlatBufferBuilder& b) {
-            return wire::CreatePose(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height,
-                                    p.frustum ? &*p.frustum : nullptr, p.right_frustum ? &*p.right_frustum : nullptr,
-                                    p.hidden);
+            return wire::CreatePoseDirect(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height,
+                                          p.frustum ? &*p.frustum : nullptr,
+                                          p.right_frustum ? &*p.right_frustum : nullptr, p.hidden, p.view);
         });
     }
     template <class Build>

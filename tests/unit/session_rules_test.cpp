@@ -1,6 +1,7 @@
 // What a viewer may say when: the rules alone, without sockets and with a clock of the test's own.
 #include <algorithm>
 
+#include "common/view_names.h"
 #include "tests/unit/session_rules_fixture.h"
 
 namespace brume::net {
@@ -141,6 +142,18 @@ TEST_F(SessionRulesTest, AHiddenWindowIsHiddenUntilAPoseSaysOtherwise) {
     EXPECT_FALSE(only<SetPose>(pose({.seq = 1})).request.hidden);
     EXPECT_TRUE(only<SetPose>(pose({.seq = 2, .hidden = true})).request.hidden);
     EXPECT_FALSE(only<SetPose>(pose({.seq = 3})).request.hidden);
+}
+
+TEST_F(SessionRulesTest, APoseMayAskHowThePictureIsMade) {
+    watch();
+    EXPECT_EQ(only<SetPose>(pose({.seq = 1})).request.show, 0);
+    EXPECT_EQ(only<SetPose>(pose({.seq = 2, .view = "depth"})).request.show, *viewNamed("depth"));
+    EXPECT_EQ(only<SetPose>(pose({.seq = 3, .view = "picture"})).request.show, 0);
+    EXPECT_EQ(only<SetPose>(pose({.seq = 4})).request.show, 0); // each pose says it anew
+    const SendError refusal = only<SendError>(pose({.seq = 5, .view = "depths"}));
+    EXPECT_EQ(refusal.code, wire::ErrorCode::out_of_range);
+    EXPECT_EQ(refusal.text, "no such view; there are picture wasted overdraw particles rays depth shadow light error");
+    EXPECT_EQ(only<SetPose>(pose({.seq = 6, .view = "light"})).request.seq, 6u);
 }
 
 TEST_F(SessionRulesTest, APosesSizeStaysUntilAnotherComes) {

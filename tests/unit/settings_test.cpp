@@ -54,5 +54,22 @@ TEST(Settings, ALiveOneHasAValueThatACommandCanHave) {
     EXPECT_THROW(Change("render.isv.steps", 3.0f), std::invalid_argument) << "a whole number";
 }
 
+// The controls of figure 14 of seed 000: docs/results/seed-000.md says how each is changed.
+TEST(Settings, TheDissertationsControlsAreLive) {
+    for (const char* path : {"medium.albedo", "medium.extinction", "medium.falloff", "medium.anisotropy",
+                             "medium.asymmetry", "light.to_light", "light.irradiance", "light.rotate",
+                             "simulation.paused", "box[0].centre", "sphere[0].centre"}) {
+        ASSERT_NE(liveSetting(path), nullptr) << path;
+        EXPECT_EQ(liveSetting(path)->changed_by, ChangedBy::controllers) << path;
+    }
+    for (const char* path : {"render.method", "render.isv.quadrature", "render.isv.steps", "render.isv.fading",
+                             "render.isv.soft_shadows", "render.isv.multiple"}) {
+        ASSERT_NE(liveSetting(path), nullptr) << path;
+        EXPECT_EQ(liveSetting(path)->changed_by, ChangedBy::operators) << path;
+    }
+    for (const char* path : {"medium.count", "medium.scale"})
+        EXPECT_EQ(liveSetting(path), nullptr) << path << ": it needs another scene";
+}
+
 } // namespace
 } // namespace brume

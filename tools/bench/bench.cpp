@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/view_names.h"
 #include "tools/bench/commands.h"
 
 namespace brume::bench {
@@ -106,7 +107,12 @@ private:
         addSet(command, o.wanted.set);
         command->add_option("--ticks", o.ticks, "of simulation first")->check(CLI::Range(0, 100000));
         command->add_option("--out", o.out, ".exr, .png, .jpg or .jpeg");
+        command->add_option("--view", o.view, "how the picture is made, in its place: " + allViewNames());
         command->add_flag("--reference", o.reference, "in double precision, the true overlapping medium");
+        command
+            ->add_option("--paths", o.paths,
+                         "with --reference: light scatters any number of times, so many paths a pixel")
+            ->check(CLI::Range(2, 1'000'000));
         command->add_flag("--medium-alone", o.medium_alone,
                           "without sky and ambient light: pictures for compare, of which render.error is promised");
     }

@@ -14,6 +14,7 @@
 
 #include "common/metrics.h"
 #include "common/metrics_flip.h"
+#include "common/view_names.h"
 #include "tools/bench/error.h"
 #include "tools/bench/features.h"
 #include "tools/bench/native/compare.h"
@@ -96,13 +97,31 @@ CostModel costsOf(const Context& context, const gpu::Device& device) {
 void render(const Context& context, RenderOptions o) {
     if (const std::string refused = pictureRefusal(o.out); !refused.empty())
         throw std::runtime_error("--out " + refused);
+    const auto view = viewNamed(o.view);
+    if (!view) throw std::runtime_error(fmt::format("no view \"{}\"; there are {}", o.view, allViewNames()));
+    if (*view != gpu::kShowPicture && (o.reference || formatNamed(o.out).empty()))
+        throw std::runtime_error("--view is what is seen: a .png, .jpg or .jpeg, without --reference");
+    if (o.paths > 0 && !o.reference)
+        throw std::runtime_error("--paths is of the reference: add --reference; renderers have render.scattering");
     o.wanted.size = sizeOf(o.size);
     if (o.medium_alone) o.wanted.set.insert(o.wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
     if (!o.method.empty()) o.wanted.set.push_back("render.method=" + o.method);
     const gpu::Device device(context.device);
     Stage stage(device, o.wanted, o.ticks);
-    const RadianceImage image = o.reference ? Truth(context.cache).of(stage, stage.pose(), o.wanted.size)
-                                            : stage.picture(stage.pose(), o.wanted.size);
+    if (*view != gpu::kShowPicture) {
+        writePixels(o.out, o.wanted.size, stage.shown(stage.pose(), o.wanted.size, *view));
+        std::cout << o.out << '\n';
+        return;
+    }
+    RadianceImage image;
+    if (o.paths > 0) {
+        double error = 0;
+        image = Truth(context.cache).scattered(stage, stage.pose(), o.wanted.size, int(o.paths), error);
+        std::cout << fmt::format("standard error {:.2g} %\n", 100 * error);
+    } else {
+        image = o.reference ? Truth(context.cache).of(stage, stage.pose(), o.wanted.size)
+                            : stage.picture(stage.pose(), o.wanted.size);
+    }
     writePicture(o.out, image, displayOf(stage.scene().render));
     std::cout << o.out << '\n';
 }

@@ -24,10 +24,11 @@ struct Context {
 
 struct RenderOptions {
     Case wanted;
-    std::string method, size = "640x360", out = "picture.exr";
+    std::string method, size = "640x360", out = "picture.exr", view = "picture";
     bool reference = false;    // True: in double precision
     bool medium_alone = false; // True: without sky and ambient light
     uint32_t ticks = 0;        // simulated first
+    uint32_t paths = 0;        // random paths of a pixel; 0: single scattering. Only with `reference`
 };
 void render(const Context& context, RenderOptions options);
 

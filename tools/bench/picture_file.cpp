@@ -39,9 +39,12 @@ std::string pictureRefusal(const std::filesystem::path& file) {
 void writePicture(const std::filesystem::path& file, const RadianceImage& image, const DisplaySettings& display) {
     if (const std::string refused = pictureRefusal(file); !refused.empty()) throw std::runtime_error(refused);
     if (file.extension() == ".exr") return writeExr(file, image);
-    const std::vector<glm::u8vec3> pixels = displayed(image, display);
-    if (isJpeg(file)) return writeJpeg(file, image.width, image.height, pixels);
-    writePng(file, image.width, image.height, pixels);
+    writePixels(file, {image.width, image.height}, displayed(image, display));
+}
+
+void writePixels(const std::filesystem::path& file, glm::uvec2 size, const std::vector<glm::u8vec3>& pixels) {
+    if (isJpeg(file)) return writeJpeg(file, int(size.x), int(size.y), pixels);
+    writePng(file, int(size.x), int(size.y), pixels);
 }
 
 } // namespace brume::bench

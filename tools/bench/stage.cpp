@@ -95,9 +95,9 @@ Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, cons
         throw SceneError(wanted.scene + ": refused: " + plan_.refused);
 }
 
-void Stage::submit(std::span<const EyeRequest> eyes) {
+void Stage::submit(std::span<const EyeRequest> eyes, bool full) {
     const bool open = scene_.render.method == kAutoMethod;
-    renderer_.submit(submission_, simulation_, eyes, open ? &plan_.chosen.settings : nullptr);
+    renderer_.submit(submission_, simulation_, eyes, open ? &plan_.chosen.settings : nullptr, full);
     while (!submission_.commands.wait(1'000'000'000)) {
     }
     if (device_bytes_ == 0) device_bytes_ = device_.memoryInUse() - bytes_before_; // before other stages take theirs
@@ -135,6 +135,21 @@ RadianceImage Stage::picture(const Pose& pose, glm::uvec2 size) {
     }
     image.medium_alone = isMediumAlone(scene_);
     return image;
+}
+
+std::vector<glm::u8vec3> Stage::shown(const Pose& pose, glm::uvec2 size, uint32_t show) {
+    EyeRequest eye{pose, size.x, size.y};
+    eye.show = show;
+    submit({&eye, 1}, true);
+    const PictureView picture = submission_.pictures().front();
+    std::vector<glm::u8vec3> pixels;
+    for (uint32_t y = 0; y < size.y; ++y)
+        for (uint32_t x = 0; x < size.x; ++x) {
+            const uint8_t* red = picture.bytes + size_t(y) * picture.layout.lumaStride() + x;
+            const size_t plane = picture.layout.lumaBytes();
+            pixels.emplace_back(red[0], red[plane], red[2 * plane]);
+        }
+    return pixels;
 }
 
 std::span<const PictureView> Stage::planes() { return submission_.pictures(); }

@@ -62,7 +62,9 @@ public:
 
     FrameCost frame();                                        // renders all viewers of the case
     RadianceImage picture(const Pose& pose, glm::uvec2 size); // renders one more view and reads it back
-    std::span<const PictureView> planes();                    // planes of the last frame, the encoder's input
+    // Renders one more view: the picture, or what is drawn in its place (shaders/shared/show.h), as a display shows it.
+    std::vector<glm::u8vec3> shown(const Pose& pose, glm::uvec2 size, uint32_t show);
+    std::span<const PictureView> planes(); // planes of the last frame, the encoder's input
 
     const Plan& plan() const { return plan_; }
     const Scene& scene() const { return scene_; }
@@ -73,7 +75,7 @@ public:
     std::vector<gpu::Particle> particles() const;
 
 private:
-    void submit(std::span<const EyeRequest> eyes);
+    void submit(std::span<const EyeRequest> eyes, bool full = false);
 
     const gpu::Device& device_;
     uint64_t bytes_before_;

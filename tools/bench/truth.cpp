@@ -12,6 +12,7 @@
 #include "tools/reference/pixel.h"
 #include "tools/reference/progress.h"
 #include "tools/reference/rows.h"
+#include "tools/reference/tracker.h"
 
 namespace brume::bench {
 namespace {
@@ -58,19 +59,24 @@ public:
             for (const glm::dvec3& corner : corners) add(corner);
         if (structure > 0) add(structure), add(structure_size);
     }
+    void add(const reference::Sheet& sheet) {
+        const auto& [centre, across, along, normal, transmittance, reflectance] = sheet;
+        add(centre), add(across), add(along), add(normal), add(transmittance), add(reflectance);
+    }
     template <class Element>
     void add(const std::vector<Element>& list) {
         add(double(list.size()));
         for (const Element& element : list) add(element);
     }
     void add(const reference::World& world) {
-        const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, zenith, horizon, haze,
-                     ambient, phase, colour] = world;
+        const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, sheets, zenith, horizon,
+                     haze, ambient, phase, colour] = world;
         add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs),
             add(lights);
         add(obstacles), add(zenith), add(horizon), add(haze), add(ambient);
         add(phase);
         if (colour != glm::dvec3(1)) add(colour);
+        if (!sheets.empty()) add(sheets);
     }
     void add(const PhaseLobes& phase) {
         const auto& [part, asymmetry, draine, second] = phase;
@@ -125,7 +131,7 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
                 ray.even = even;
                 return tracer.trace(ray);
             };
-            const reference::PixelResult pixel = reference::pixelOf(at, !world.obstacles.empty(), structure);
+            const reference::PixelResult pixel = reference::pixelOf(at, reference::hasEdges(world), structure);
             image.radiance[i] = pixel.total;
             image.transmittance[i] = float(pixel.transmittance);
             image.edges[i] = pixel.edge;
@@ -173,6 +179,20 @@ RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, 
     const std::filesystem::path part = file.string() + ".part.exr"; // whole or not at all
     writeExr(part, image);
     std::filesystem::rename(part, file);
+    return image;
+}
+
+RadianceImage Truth::scattered(const Stage& stage, const Pose& pose, glm::uvec2 size, int paths, double& error) {
+    RadianceImage image = of(stage, pose, size); // for the transmittance and the edges
+    const reference::TrackedPicture picture = reference::track(
+        worldOf(stage), reference::perspective(pose, int(size.x), int(size.y), kNearDepth), {.samples = paths});
+    double errors = 0, squares = 0;
+    for (size_t i = 0; i < image.radiance.size(); ++i) {
+        image.radiance[i] = picture.radiance[i];
+        errors += glm::dot(picture.standard_error[i], picture.standard_error[i]);
+        squares += glm::dot(picture.radiance[i], picture.radiance[i]);
+    }
+    error = squares > 0 ? std::sqrt(errors / squares) : 0;
     return image;
 }
 

@@ -19,6 +19,10 @@ public:
     // divides the size; see thinned().
     RadianceImage of(const Stage& stage, const Pose& pose, glm::uvec2 size, uint32_t every = 1);
 
+    // The same with light that scatters any number of times, by so many random paths through each pixel's centre. Not
+    // kept on disk. `error`: the root of the mean squared standard error over that of the mean squared radiance.
+    RadianceImage scattered(const Stage& stage, const Pose& pose, glm::uvec2 size, int paths, double& error);
+
 private:
     std::filesystem::path folder_;
 };

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "shaders/shared/glass.h"
+
 namespace brume::reference {
 
 namespace {
@@ -177,6 +179,19 @@ Hit nearest(std::span<const Obstacle> obstacles, const Ray& ray) {
         }
     }
     return hit;
+}
+
+void sheetsOn(const World& world, const Ray& ray, std::vector<SheetHit>& hits) {
+    hits.clear();
+    for (const Sheet& sheet : world.sheets) {
+        const double t =
+            physics::glassAt(sheet.centre - ray.origin, sheet.across, sheet.along, sheet.normal, ray.direction);
+        if (!(t >= std::max(ray.begin, 0.0) && t < ray.end)) continue;
+        const double mirrors = physics::glassMirrors(sheet.reflectance, glm::dot(sheet.normal, ray.direction));
+        hits.push_back({t, (1 - mirrors) * sheet.transmittance,
+                        mirrors * skyRadiance(world, glm::reflect(ray.direction, sheet.normal))});
+    }
+    std::ranges::stable_sort(hits, {}, &SheetHit::t);
 }
 
 bool occluded(std::span<const Obstacle> obstacles, const Ray& ray, int skip) {

@@ -30,6 +30,14 @@ struct Hit {
 };
 // The first surface on [begin, end] that the ray enters from outside; a plane only from above.
 Hit nearest(std::span<const Obstacle> obstacles, const Ray& ray);
+// A sheet of glass on [begin, end].
+struct SheetHit {
+    double t;
+    glm::dvec3 passes;   // part of what is behind it
+    glm::dvec3 mirrored; // radiance
+};
+// All sheets that the ray meets, the nearest first.
+void sheetsOn(const World& world, const Ray& ray, std::vector<SheetHit>& hits);
 // True if an object other than `skip` lies on [begin, end].
 bool occluded(std::span<const Obstacle> obstacles, const Ray& ray, int skip = -1);
 

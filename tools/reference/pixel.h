@@ -21,9 +21,12 @@ bool isEdge(glm::vec3 centre, glm::vec3 mean, glm::vec3 corners);
 // True if some plane has a structure.
 bool hasStructure(const World& world);
 
-// `at(x, y, even)`: the ray's result at this position in the pixel, each in [0, 1]; `even`: Ray::even. `objects`: true
-// if the world has any; without them nothing has edges. `structure`: hasStructure(). A structure varies within a pixel,
-// but is no edge. Edges do not matter where the centre's transmittance is `most` or more.
+// True if there is something whose edges a picture may show.
+inline bool hasEdges(const World& world) { return !world.obstacles.empty() || !world.sheets.empty(); }
+
+// `at(x, y, even)`: the ray's result at this position in the pixel, each in [0, 1]; `even`: Ray::even. `objects`:
+// hasEdges(). `structure`: hasStructure(). A structure varies within a pixel, but is no edge. Edges do not matter where
+// the centre's transmittance is `most` or more.
 template <class At>
 PixelResult pixelOf(const At& at, bool objects, bool structure, double most = 2) {
     PixelResult pixel{.centre = at(0.5, 0.5, false)};

@@ -30,6 +30,8 @@ Stage::Stage(const World& w, const Settings& s)
     if (!(s.tolerance >= 1e-12 && s.tolerance <= 1e-2)) throw std::invalid_argument("tolerance is in [1e-12, 1e-2]");
     if (w.composition == Composition::sequential && !(w.fogs.empty() && w.balls.balls.empty()))
         throw std::invalid_argument("sequential composition is of Gaussian particles alone");
+    if (w.composition == Composition::sequential && !w.sheets.empty())
+        throw std::invalid_argument("sequential composition is of worlds without glass");
     if (w.cut_light && w.support != Support::tetrahedron)
         throw std::invalid_argument("cut_light needs the support to be the tetrahedron");
     if (!isColoured(w)) return;
@@ -72,6 +74,7 @@ RayResult RayTracer::trace(const Ray& ray) {
         result.background = throughHaze(world_, stage_.lighting.surface(hit, ray), hit.t, ray.direction);
     else if (std::isinf(ray.end))
         result.background = skyRadiance(world_, ray.direction);
+    sheetsOn(world_, ray_, sheets_);
     gather();
     result.transmittance = std::exp(-depthFromBegin(ray_.end));
     findBreaks();
@@ -81,7 +84,21 @@ RayResult RayTracer::trace(const Ray& ray) {
         sumOverlapping(result);
     else
         sumSequential(result);
+    addSheets(result);
     return result;
+}
+
+glm::dvec3 RayTracer::sheetsPass(double t) const {
+    glm::dvec3 part(1);
+    for (const SheetHit& sheet : sheets_)
+        if (sheet.t < t) part *= sheet.passes;
+    return part;
+}
+
+void RayTracer::addSheets(RayResult& result) const {
+    for (const SheetHit& sheet : sheets_)
+        result.scattered += sheetsPass(sheet.t) * sheet.mirrored * std::exp(-depthFromBegin(sheet.t));
+    result.background *= sheetsPass(kInfinity);
 }
 
 void RayTracer::gather() {
@@ -154,6 +171,7 @@ void RayTracer::findBreaks() {
         if (const Interval part = fog_parts_[f]; !part.empty()) cover({part.begin, endOf(world_.fogs[f], part)});
     if (!(end > begin)) return;
     stage_.lighting.edges(ray_, breaks_);
+    for (const SheetHit& sheet : sheets_) breaks_.push_back(sheet.t);
     std::erase_if(breaks_, [&](double t) { return !(t >= begin && t <= end); });
     std::sort(breaks_.begin(), breaks_.end());
     breaks_.erase(std::unique(breaks_.begin(), breaks_.end()), breaks_.end());
@@ -306,7 +324,8 @@ void RayTracer::refine() {
 }
 
 void RayTracer::sumOverlapping(RayResult& result) const {
-    for (const Panel& panel : panels_) result.scattered += panel.light + panel.ambient;
+    for (const Panel& panel : panels_)
+        result.scattered += sheetsPass((panel.t0 + panel.t1) / 2) * (panel.light + panel.ambient);
 }
 
 // Each particle by itself, from near to far. Panels cover it or do not: what they hold beyond the end of a Gaussian is

@@ -30,9 +30,10 @@ struct Settings {
 };
 
 struct RayResult {
-    glm::dvec3 scattered{0}; // by the medium, from lights and ambient light
-    // The opaque surface or the sky; black if the ray ends before. In coloured worlds each channel is multiplied by its
-    // transmittance over the mean one.
+    // By the medium, from lights and ambient light, and what sheets mirror, as sheets before it let it through.
+    glm::dvec3 scattered{0};
+    // The opaque surface or the sky, through all sheets; black if the ray ends before. In coloured worlds each channel
+    // is multiplied by its transmittance over the mean one.
     glm::dvec3 background{0};
     double transmittance = 1; // of the medium in front of it; of coloured worlds the mean over channels
     glm::dvec3 total() const { return scattered + transmittance * background; }
@@ -96,6 +97,8 @@ private:
     void layPanels();
     void refine();
     void sumOverlapping(RayResult& result) const;
+    void addSheets(RayResult& result) const;
+    glm::dvec3 sheetsPass(double t) const; // part of what is at t that the sheets before it let through
     void sumSequential(RayResult& result);
     double crossedDepth(const Crossing& c, double t) const;
 
@@ -104,6 +107,7 @@ private:
     Ray ray_;
     std::vector<Crossing> crossings_;
     std::vector<Interval> fog_parts_, ball_parts_;
+    std::vector<SheetHit> sheets_;
     double smallest_ball_ = kInfinity; // m
     std::vector<PhaseLobes> phases_;   // that of the world, then those of fogs that differ
     std::vector<size_t> fog_phases_;   // of each fog, in phases_

@@ -35,12 +35,18 @@ public:
         : world_(world), grid_(grid), lighting_(lighting), orders_(orders) {}
 
     // Radiance along one path back from the ray.
-    glm::dvec3 path(Ray ray, Random& random) const {
+    glm::dvec3 path(Ray ray, Random& random) {
         glm::dvec3 radiance(0), weight(1);
         for (int order = 0;; ++order) {
             const Hit hit = lighting_.obstacles().nearest(ray);
             ray.end = std::min(ray.end, hit.t);
             const Collision collision = collide(ray, random);
+            if (order == 0) {
+                Ray seen = ray;
+                seen.end = std::min(ray.end, collision.t);
+                sheetsOn(world_, seen, sheets_);
+                for (const SheetHit& sheet : sheets_) radiance += weight * sheet.mirrored, weight *= sheet.passes;
+            }
             if (!(collision.t < ray.end)) {
                 if (hit.object >= 0) {
                     const glm::dvec3 surface = lighting_.surface(hit, ray);
@@ -137,6 +143,7 @@ private:
     const DensityGrid& grid_;
     const Lighting& lighting_;
     int orders_;
+    std::vector<SheetHit> sheets_; // on the camera's ray
 };
 
 } // namespace
@@ -150,7 +157,7 @@ TrackedPicture track(const World& world, const Camera& camera, const TrackSettin
     const size_t size = static_cast<size_t>(camera.width) * camera.height;
     TrackedPicture picture{camera.width, camera.height, std::vector<glm::dvec3>(size), std::vector<glm::dvec3>(size)};
     forRows(camera.height, settings.threads, [&] {
-        return [&, tracker = Tracker(world, grid, lighting, settings.orders)](int y) {
+        return [&, tracker = Tracker(world, grid, lighting, settings.orders)](int y) mutable {
             for (int x = 0; x < camera.width; ++x) {
                 const size_t pixel = static_cast<size_t>(y) * camera.width + x;
                 const Ray ray = rayThrough(camera, x + 0.5, y + 0.5);

@@ -26,7 +26,7 @@ struct TrackedPicture {
 
 // Throws std::invalid_argument unless the world's support is full, its composition overlapping and it is not coloured.
 // The camera sees the sky; scattered rays that leave the medium meet World::ambient from all directions, those that
-// meet an obstacle its shading (Lighting::surface).
+// meet an obstacle its shading (Lighting::surface). Sheets of glass are on the camera's rays alone.
 TrackedPicture track(const World& world, const Camera& camera, const TrackSettings& settings = {});
 
 } // namespace brume::reference

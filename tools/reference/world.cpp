@@ -69,6 +69,17 @@ glm::dvec3 albedoAt(const Obstacle& obstacle, const Ray& ray, double t) {
     return physics::groundAlbedo(obstacle.albedo, obstacle.structure, mean);
 }
 
+Sheet sheetOf(const Glass& glass) {
+    const double yaw = double(glass.yaw), pitch = double(glass.pitch);
+    const glm::dvec3 forward(std::sin(yaw), 0, std::cos(yaw)), up(0, 1, 0);
+    return {.centre = glass.centre,
+            .across = glm::dvec3(std::cos(yaw), 0, -std::sin(yaw)) * (2 / double(glass.width)),
+            .along = (std::cos(pitch) * up + std::sin(pitch) * forward) * (2 / double(glass.height)),
+            .normal = std::cos(pitch) * forward - std::sin(pitch) * up,
+            .transmittance = glass.transmittance,
+            .reflectance = double(glass.reflectance)};
+}
+
 LightSource directional(const brume::Light& light) {
     LightSource source;
     source.colour = light.irradiance;
@@ -142,6 +153,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     for (const Sphere& s : scene.spheres)
         world.obstacles.push_back({Obstacle::Kind::sphere, s.centre, glm::dvec3(s.radius), 0, s.albedo});
     for (const Obstacle& triangle : obstaclesOf(scene.triangles)) world.obstacles.push_back(triangle);
+    for (const Glass& glass : scene.glasses) world.sheets.push_back(sheetOf(glass));
     world.sky_zenith = scene.sky.zenith;
     world.sky_horizon = scene.sky.horizon;
     world.haze = double(scene.sky.haze);

@@ -113,6 +113,17 @@ glm::dvec3 albedoAt(const Obstacle& obstacle, const Ray& ray, double t);
 // The triangles of meshes.
 std::vector<Obstacle> obstaclesOf(std::span<const Triangle> triangles);
 
+// A thin flat sheet of glass (shaders/shared/glass.h). View rays are dimmed and mirrored by it. Light that scatters, or
+// comes to a surface, passes as if there was none.
+struct Sheet {
+    glm::dvec3 centre{0};                       // m
+    glm::dvec3 across{1, 0, 0}, along{0, 1, 0}; // unit / half of its width and height: 1/m
+    glm::dvec3 normal{0, 0, 1};                 // unit
+    glm::dvec3 transmittance{1};                // of what it does not mirror
+    double reflectance = 0;                     // straight on
+};
+Sheet sheetOf(const Glass& glass);
+
 struct World {
     std::vector<Blob> blobs;
     Support support = Support::full;                    // of the blobs along view rays
@@ -122,6 +133,7 @@ struct World {
     std::vector<Fog> fogs;
     std::vector<LightSource> lights;
     std::vector<Obstacle> obstacles;
+    std::vector<Sheet> sheets;
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
     double haze = 0;                          // 1/m; throughHaze()
     glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed

@@ -20,6 +20,7 @@ except ImportError as error:
 
 IDENTIFIER = b'BRM1'
 MOST_BYTES = 64 * 1024  # of a message that the server reads
+VIEWS = ('picture', 'wasted', 'overdraw', 'particles', 'rays', 'depth', 'shadow', 'light', 'error')
 ROWS, ROWS_WITH_ALBEDO = 3000, 2000  # particles in one message, so that it stays below that
 
 
@@ -53,8 +54,9 @@ def hello(width, height, client, resume, quality, lossless):
     return _finish(b, Body.Body.Hello, Hello.End(b))
 
 
-def pose(seq, position, orientation, fov, size, hidden=False):
+def pose(seq, position, orientation, fov, size, view='picture', hidden=False):
     b = flatbuffers.Builder(256)
+    name = b.CreateString(view) if view != 'picture' else None
     Pose.Start(b)
     Pose.AddSeq(b, seq)
     Pose.AddClientTimeUs(b, now_us())
@@ -64,6 +66,8 @@ def pose(seq, position, orientation, fov, size, hidden=False):
     Pose.AddWidth(b, size[0])
     Pose.AddHeight(b, size[1])
     Pose.AddHidden(b, hidden)
+    if name is not None:
+        Pose.AddView(b, name)
     return _finish(b, Body.Body.Pose, Pose.End(b))
 
 

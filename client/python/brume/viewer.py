@@ -116,25 +116,29 @@ class Viewer:
 
     # ---- camera and pictures ----
 
-    def look(self, position=None, target=None, orientation=None, fov=None, size=None):
+    def look(self, position=None, target=None, orientation=None, fov=None, size=None, view=None):
         """Moves the camera; what is not given stays. position, target: m. orientation: world from view, a unit
         quaternion x, y, z, w, in place of a target. fov: rad, the full vertical angle. size: (width, height) in
-        pixels."""
-        view = dict(self._view)
+        pixels. view: of how the picture is made, in its place: one of messages.VIEWS."""
+        wish = dict(self._view)
         if position is not None:
-            view['position'] = tuple(float(one) for one in position)
+            wish['position'] = tuple(float(one) for one in position)
         if target is not None and orientation is not None:
             raise BrumeError('look() takes a target or an orientation, not both', 'out_of_range')
         if target is not None:
-            view['orientation'] = look_at(view['position'], tuple(float(one) for one in target))
+            wish['orientation'] = look_at(wish['position'], tuple(float(one) for one in target))
         if orientation is not None:
-            view['orientation'] = tuple(float(one) for one in orientation)
+            wish['orientation'] = tuple(float(one) for one in orientation)
         if fov is not None:
-            view['fov'] = float(fov)
+            wish['fov'] = float(fov)
         if size is not None:
-            view['size'] = (int(size[0]), int(size[1]))
-        self._view = view
-        self._link.look(**view)
+            wish['size'] = (int(size[0]), int(size[1]))
+        if view is not None:
+            if view not in messages.VIEWS:
+                raise BrumeError(f'no view {view!r}; there are {" ".join(messages.VIEWS)}', 'out_of_range')
+            wish['view'] = view
+        self._view = wish
+        self._link.look(**wish)
 
     def frame(self, after=None, timeout=None):
         """The next picture of the camera as it is now, drawn after the last command; newer than the one returned

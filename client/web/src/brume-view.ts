@@ -11,8 +11,9 @@ import type { Report } from './report';
 import { sentence, standstillText } from './sentence';
 import { sizeOf } from './size';
 import { Viewer } from './viewer';
-import type { Wishes } from './viewer';
+import type { Wishes } from './viewer-host';
 import { eyesOf, reprojectionOf } from './viewing';
+import { viewOf } from './views';
 
 export interface BrumeViewEvents {
   statechange: LinkState;
@@ -61,6 +62,7 @@ export class BrumeView extends HTMLElement {
       'size',
       'controls',
       'box',
+      'view',
     ],
   ];
   // The camera to begin with, in place of the attributes: of a viewer that was here before.
@@ -173,6 +175,7 @@ export class BrumeView extends HTMLElement {
       control: control === 'none' || control === 'look' ? control : 'push',
       place: {},
       box: this.hasAttribute('box'),
+      view: viewOf(this.getAttribute('view')),
     };
   }
 

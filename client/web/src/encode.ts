@@ -45,6 +45,7 @@ export function encodeHello(hello: HelloMessage): Uint8Array<ArrayBuffer> {
 
 export function encodePose(pose: PoseMessage): Uint8Array<ArrayBuffer> {
   const builder = new Builder(128);
+  const view = pose.view && pose.view !== 'picture' ? builder.createString(pose.view) : 0;
   WirePose.startPose(builder);
   WirePose.addSeq(builder, pose.seq);
   WirePose.addClientTimeUs(builder, pose.clientTimeUs);
@@ -58,6 +59,7 @@ export function encodePose(pose: PoseMessage): Uint8Array<ArrayBuffer> {
   if (frustum) WirePose.addFrustum(builder, createFrustum(builder, frustum));
   if (right) WirePose.addRightFrustum(builder, createFrustum(builder, right));
   WirePose.addHidden(builder, pose.hidden ?? false);
+  if (view) WirePose.addView(builder, view);
   return finish(builder, Body.Pose, WirePose.endPose(builder));
 }
 

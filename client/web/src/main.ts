@@ -93,10 +93,12 @@ function attributes(): Record<string, string | undefined> {
     reproject: settings.reprojection,
     predict: settings.predict ? '' : undefined,
     box: settings.box ? '' : undefined,
+    view: settings.view,
   };
 }
 
 function apply(): void {
+  document.body.classList.toggle('viewed', settings.view !== 'picture');
   for (const [name, value] of Object.entries(attributes())) {
     if (value === undefined) view.removeAttribute(name);
     else view.setAttribute(name, value);
@@ -226,6 +228,7 @@ const panel = buildPanel(
     setReprojection: (way) => change({ reprojection: way === 'rotation' || way === 'plane' ? way : 'off' }),
     setPredict: (predict) => change({ predict }),
     setBox: (box) => change({ box }),
+    setView: (view) => change({ view }),
     showScene: (name) => void doing(`Loading ${name}…`, scenes.show(name)),
     openCloud: () => chooseFile(showCloud),
     saveScene: () => void doing('Saving the scene…', saveScene()),

@@ -13,6 +13,8 @@ import type { Settings } from './settings';
 import { settingGroups, valuesOf } from './shared-settings';
 import type { SettingGroup, Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
+import { VIEWS, VIEW_TEXTS, viewOf } from './views';
+import type { View } from './views';
 
 const AUTOMATIC = 'auto'; // of the sizes
 
@@ -25,6 +27,7 @@ export interface PanelHost {
   setReprojection(way: string): void;
   setPredict(on: boolean): void;
   setBox(on: boolean): void;
+  setView(view: View): void;
   showScene(name: string): void;
   openCloud(): void;
   saveScene(): void;
@@ -125,6 +128,9 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   ]);
   predict.follow(chosen.predict ? 'on' : 'off');
 
+  const view = select('View', (value) => host.setView(viewOf(value)));
+  view.options(VIEWS.map((value) => ({ value, text: VIEW_TEXTS[value][0] })));
+  const viewSays = el('small', { role: 'status' });
   const box = toggle('Box, scale', (on) => host.setBox(on), 'The medium’s box and a scale in metres (B)');
 
   const scene = select('Scene', (name) => host.showScene(name), 'What everybody sees');
@@ -157,6 +163,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       reprojection.element,
       predict.element,
       box.element,
+      view.element,
+      viewSays,
     ),
     group('Keys', false, keyList()),
   );
@@ -189,6 +197,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     },
     follows: (own) => {
       box.follow(own.box);
+      view.follow(own.view);
+      setText(viewSays, VIEW_TEXTS[own.view][1]);
     },
     lists: (elements) => lists.forEach((list, i) => list.follow(elements[i] ?? [])),
     handles: (age) => (root.hidden ? [] : lists.flatMap((list) => list.handles(age))),

@@ -33,6 +33,7 @@ export interface PoseMessage {
   frusta?: readonly Frustum[]; // one for each eye, in place of fovY
   width: number;
   height: number;
+  view?: string; // of how the picture is made, in its place; left out: the picture
   hidden?: boolean; // true: the page is not seen, the server draws nothing until a pose without it
 }
 

@@ -2,6 +2,8 @@
 import { SIZE_CAPS } from './size';
 import { EYES, REPROJECTIONS } from './viewing';
 import type { Eyes, Reprojection } from './viewing';
+import { VIEWS } from './views';
+import type { View } from './views';
 
 export interface Settings {
   cap: number | undefined; // index of SIZE_CAPS; undefined: chosen by the server's device
@@ -11,6 +13,7 @@ export interface Settings {
   eyes: Eyes;
   reprojection: Reprojection;
   box: boolean; // true: the medium's box and a scale are drawn over the picture
+  view: View; // not kept between visits
   predict: boolean; // true: poses are predicted for the time when their pictures are seen
 }
 
@@ -19,7 +22,7 @@ const KEY = 'brume';
 export function loadSettings(): Settings {
   const settings: Settings = {
     ...{ cap: undefined, quality: 0, stats: false, panel: false },
-    ...{ eyes: 'one', reprojection: 'off', predict: false, box: false },
+    ...{ eyes: 'one', reprojection: 'off', predict: false, box: false, view: 'picture' },
   };
   try {
     const stored = JSON.parse(localStorage.getItem(KEY) ?? '{}') as Partial<Record<keyof Settings, unknown>>;
@@ -40,7 +43,7 @@ export function loadSettings(): Settings {
 const SIZES = SIZE_CAPS.map(({ width, height }) => `${width}x${height}`);
 
 // Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1&box=1&size=1280x720
-// &quality=90. Returns a line that says what is allowed if one of them cannot be used; it is then left as it was.
+// &quality=90&view=depth. Returns a line that says what is allowed if one of them cannot be used; it is then left as it was.
 export function followAddress(settings: Settings, address: string): string | undefined {
   const asked = new URLSearchParams(address);
   let fault: string | undefined;
@@ -55,6 +58,7 @@ export function followAddress(settings: Settings, address: string): string | und
   take('reproject', REPROJECTIONS, (_, i) => (settings.reprojection = REPROJECTIONS[i] ?? settings.reprojection));
   take('predict', ['0', '1'], (text) => (settings.predict = text === '1'));
   take('box', ['0', '1'], (text) => (settings.box = text === '1'));
+  take('view', VIEWS, (_, index) => (settings.view = VIEWS[index] ?? settings.view));
   take('size', SIZES, (_, index) => (settings.cap = index));
   const quality = asked.get('quality');
   if (quality !== null) {
@@ -66,7 +70,7 @@ export function followAddress(settings: Settings, address: string): string | und
 
 // The same as parameters of an address; those that are as in a new browser are left out.
 export function settingsText(settings: Settings): [name: string, value: string][] {
-  const { eyes, reprojection, predict, box, cap, quality } = settings;
+  const { eyes, reprojection, predict, box, cap, quality, view } = settings;
   const all: [string, string, boolean][] = [
     ['eyes', eyes, eyes !== 'one'],
     ['reproject', reprojection, reprojection !== 'off'],
@@ -74,6 +78,7 @@ export function settingsText(settings: Settings): [name: string, value: string][
     ['box', '1', box],
     ['size', SIZES[cap ?? -1] ?? '', cap !== undefined],
     ['quality', String(quality), quality !== 0],
+    ['view', view, view !== 'picture'],
   ];
   return all.flatMap(([name, value, given]) => (given ? [[name, value] as [string, string]] : []));
 }

@@ -25,6 +25,8 @@ import { placed } from './place';
 import type { Place } from './place';
 import { Viewing } from './viewing';
 import type { Eyes, Reprojection } from './viewing';
+import type { Stage, ViewerEvents, Wishes } from './viewer-host';
+import type { View } from './views';
 import { Visibility, watchSight } from './visibility';
 
 // A still camera sends its pose again this often: the latency shown is then never older.
@@ -32,36 +34,6 @@ const POSE_REFRESH_MS = 500;
 const RESIZE_SETTLE_MS = 150;
 const ERROR_FULL = 5; // ErrorCode.full; the connection's state shows it, no note does
 const CLIENT = 'brume-web 0.1.0';
-
-// Where a viewer draws and what it listens to.
-export interface Stage {
-  surface: HTMLElement; // the picture's place: the mouse and touch are for it, it has its size
-  canvas: HTMLCanvasElement;
-  warped: HTMLCanvasElement; // above the canvas
-  drawing: HTMLCanvasElement; // above both: lines
-  keys: HTMLElement | Window; // hears the keyboard
-}
-
-export interface ViewerEvents {
-  link(state: LinkState): void;
-  welcome(welcome: Welcome): void;
-  scene(scene: SceneState): void;
-  picture(frame: Frame, latency: Latency | undefined): void; // latency: of the first frame of its pose
-  note(text: string, kind: 'info' | 'error'): void;
-  changed(): void; // mode, pushing or headset
-  touched(): void; // the camera was moved by hand, or the picture pressed
-  pushed(active: boolean, x: number, y: number): void; // x, y: CSS pixels
-  moved(page: string): void; // the server has stopped and named another, whose page answers
-}
-
-export interface Wishes {
-  cap?: Size | undefined; // undefined: by the server's device, and by how fast it answers
-  quality: number; // JPEG, 0 = the server's
-  predict: boolean;
-  control: 'push' | 'look' | 'none'; // what the mouse, touch and keys may do
-  place: Place; // where the first view is; what it leaves out is the scene's
-  box: boolean; // true: the medium's box and a scale are drawn over the picture
-}
 
 const sameCamera = (a: Welcome, b: Welcome): boolean => JSON.stringify(a.camera) === JSON.stringify(b.camera);
 
@@ -86,7 +58,7 @@ export class Viewer {
   private movedAt: number | undefined; // ms, of the first input since the last pose that was sent
   // The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
   // pose with the same numbers, since the server draws a still picture only once.
-  private sent: { camera: Camera; size: Size; at: number; pose: number; said: string } | undefined;
+  private sent: { camera: Camera; size: Size; view: View; at: number; pose: number; said: string } | undefined;
   private readonly autoSize = new AutoSize();
   private readonly predictor = new Predictor();
   private readonly picture: Picture;
@@ -252,7 +224,8 @@ export class Viewer {
     try {
       this.headset = await Headset.start(this, {
         ask: (wish) => {
-          if (this.link.connected && this.link.sendPose(wish)) this.statistics.sent(this.link.lastPose, 0);
+          if (this.link.connected && this.link.sendPose({ ...wish, view: this.wishes.view }))
+            this.statistics.sent(this.link.lastPose, 0);
         },
         beforeFrame: () => this.picture.draw(),
         ended: (why) => this.useHeadset(undefined, why),
@@ -381,7 +354,8 @@ export class Viewer {
     this.drawBox();
     this.predictor.add(now, this.camera);
     const { sent, camera, size } = this;
-    const due = !sent || !same(sent.camera, camera) || sent.size !== size || now - sent.at > POSE_REFRESH_MS;
+    const changed = sent?.size !== size || sent.view !== this.wishes.view || !same(sent.camera, camera);
+    const due = changed || now - sent.at > POSE_REFRESH_MS;
     if (due && this.link.connected) this.ask(now);
   };
 
@@ -403,8 +377,9 @@ export class Viewer {
     if (!link.sendPose({ ...wish, hidden: this.visibility.hidden })) return;
     this.statistics.sent(link.lastPose, this.movedAt === undefined ? 0 : performance.now() - this.movedAt);
     this.movedAt = undefined;
-    const said = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height].map(Math.fround).join();
+    const numbers = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height];
+    const said = numbers.map(Math.fround).join() + wish.view;
     const pose = this.sent?.said === said ? this.sent.pose : link.lastPose;
-    this.sent = { camera, size, at: now, pose, said };
+    this.sent = { camera, size, view: this.wishes.view, at: now, pose, said };
   }
 }

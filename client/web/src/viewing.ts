@@ -9,6 +9,7 @@ import type { View } from './projection';
 import type { Frame, PoseMessage, Vec3 } from './protocol';
 import { requestedSize } from './size';
 import type { Size } from './size';
+import type { View as Made } from './views';
 import { Warp } from './warp';
 
 export type Eyes = 'one' | 'side';
@@ -47,6 +48,7 @@ export interface ViewingHost {
   readonly camera: Camera; // the newest
   readonly fovY: number;
   readonly cap: Size;
+  readonly wishes: { readonly view: Made }; // drawn in the picture's place
 }
 
 export class Viewing implements Surface {
@@ -84,15 +86,15 @@ export class Viewing implements Surface {
   // The size of one eye's picture to ask for, within `cap`.
   size(cap = this.host.cap): Size {
     const { clientWidth, clientHeight } = this.canvas;
-    const grown = this.reprojection === 'off' ? 1 : 1 + MARGIN;
+    const grown = this.grows ? 1 + MARGIN : 1;
     return requestedSize(clientWidth / this.views, clientHeight, window.devicePixelRatio * grown, cap);
   }
 
   wish(camera: Camera, size: Size): PoseWish {
-    const { fovY } = this.host;
-    const pose = { position: camera.position, orientation: orientation(camera), fovY, ...size };
+    const { fovY, wishes } = this.host;
+    const pose = { position: camera.position, orientation: orientation(camera), fovY, ...size, view: wishes.view };
     const stereo = this.views === 2 ? { eyeSeparation: EYE_SEPARATION } : {};
-    if (this.reprojection === 'off') return { ...pose, ...stereo };
+    if (!this.grows) return { ...pose, ...stereo };
     const frustum = shaped(widened(symmetric(fovY, this.aspect()), MARGIN), size.width / size.height);
     return { ...pose, ...stereo, frusta: this.views === 2 ? [frustum, frustum] : [frustum] };
   }
@@ -143,6 +145,11 @@ export class Viewing implements Surface {
   // To be called for a new connection: frames of the old one are not drawn any more.
   clear(): void {
     this.frame = undefined;
+  }
+
+  // True: pictures have a margin that is seen when the camera turns. The legend of a view would lie in it.
+  private get grows(): boolean {
+    return this.reprojection !== 'off' && this.host.wishes.view === 'picture';
   }
 
   private aspect(): number {

@@ -53,18 +53,18 @@ describe('a place in an address', () => {
 describe('a link', () => {
   const settings: Settings = {
     ...{ cap: 3, quality: 90, stats: true, panel: true },
-    ...{ eyes: 'side', reprojection: 'plane', predict: true, box: true },
+    ...{ eyes: 'side', reprojection: 'plane', predict: true, box: true, view: 'depth' },
   };
   const plain: Settings = {
     ...{ cap: undefined, quality: 0, stats: false, panel: false },
-    ...{ eyes: 'one', reprojection: 'off', predict: false, box: false },
+    ...{ eyes: 'one', reprojection: 'off', predict: false, box: false, view: 'picture' },
   };
 
   test('has the view and what is the viewer’s own, and no token', () => {
     const page = 'https://clouds.example/show/?eyes=one&old=1#token=secret';
     expect(linkTo(page, lookAt([0, 2, 26], [0, 0, 0]), 0.8, settingsText(settings))).toBe(
       'https://clouds.example/show/?position=0,2,26&target=0,0,0&fov=0.8' +
-        '&eyes=side&reproject=plane&predict=1&box=1&size=1280x720&quality=90',
+        '&eyes=side&reproject=plane&predict=1&box=1&size=1280x720&quality=90&view=depth',
     );
     expect(settingsText(plain)).toEqual([]);
   });
@@ -79,7 +79,16 @@ describe('a link', () => {
   });
 
   test('with a bad setting changes nothing, and says what there is', () => {
-    for (const bad of ['eyes=three', 'reproject=', 'predict=yes', 'box=on', 'size=1x1', 'quality=101', 'quality=-1']) {
+    for (const bad of [
+      'eyes=three',
+      'reproject=',
+      'predict=yes',
+      'box=on',
+      'size=1x1',
+      'quality=101',
+      'quality=-1',
+      'view=x',
+    ]) {
       const read = { ...plain };
       expect(followAddress(read, `?${bad}`), bad).toContain(`${bad.split('=')[0]} in the address is`);
       expect(read, bad).toEqual(plain);

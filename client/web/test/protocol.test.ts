@@ -342,7 +342,7 @@ describe('encode', () => {
     expect(readMessage(bytes, { type: 'Hello', body: back })).toEqual({ type: 'Hello', body: back });
   });
 
-  test.each(['pose', 'pose_frusta', 'pose_hidden'])('%s', (name) => {
+  test.each(['pose', 'pose_frusta', 'pose_hidden', 'pose_view'])('%s', (name) => {
     const body: Fields = { ...examples[name]?.body };
     const frusta = [body['frustum'], body['right_frustum']].filter((frustum) => frustum !== undefined);
     const bytes = encodePose({
@@ -356,6 +356,7 @@ describe('encode', () => {
       eyeSeparation: body['eye_separation'] as number,
       frusta: frusta as unknown as Frustum[],
       hidden: body['hidden'] === true,
+      ...(body['view'] !== undefined && { view: body['view'] as unknown as string }),
     });
     expect(readMessage(bytes, { type: 'Pose', body })).toEqual({ type: 'Pose', body });
   });

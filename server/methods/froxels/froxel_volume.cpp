@@ -103,15 +103,16 @@ void FroxelVolume::recordGroup(gpu::Commands& commands, const ViewGroup& group) 
     const EyeInputs& in = *group.any;
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd); // the eye before has used the same buffers
-    if (furthest_) furthest_->record(commands, in);
     gpu::FroxelGrid froxels = froxelSlices(in);
     const uint32_t all = raysFor(in.size.height, froxels.pixels), most = bandRows(in.size, froxels);
+    const bool has_rays = in.again && all <= most; // True: the volume holds them
+    if (furthest_ && !in.again) furthest_->record(commands, in);
     froxels.rays.x = raysFor(in.size.width, froxels.pixels);
     for (uint32_t row = 0; row + 1 < all; row += most - 1) {
         froxels.first_row = row;
         froxels.rays.y = std::min(most, all - row);
         if (row > 0) gpu::computeToCompute(cmd); // the band before is drawn
-        recordRays(commands, in, froxels);
+        if (!has_rays) recordRays(commands, in, froxels);
         const gpu::Commands::Pass pass(commands, "froxels to pixels", in.view);
         const struct {
             gpu::FroxelGrid froxels;

@@ -23,19 +23,23 @@ private:
         const uint32_t cubic = isCubic(*in.shared->settings);
         const gpu::Commands::Pass pass(commands, "grid rays", group.view());
         gpu::computeToCompute(cmd);
-        program(grid_rays_comp, "grid_rays", 2 * gpu::fieldQuantities(group.colours) + cubic,
+        program(grid_rays_comp, "grid_rays", 2 * variantOf(group.colours) + cubic,
                 {{gpu::kIdHasOpaque, features_.opaque},
                  {gpu::kIdCubic, cubic},
                  {gpu::kIdHasFog, features_.fog},
                  {gpu::kIdHasGlow, features_.glow},
                  {gpu::kIdHasLocalLights, features_.local_lights},
                  {gpu::kIdSunColours, group.colours.sun},
-                 {gpu::kIdAmbientColours, group.colours.ambient}})
+                 {gpu::kIdAmbientColours, group.colours.ambient},
+                 {gpu::kIdMultipleColours, group.colours.multiple},
+                 {gpu::kIdScattering, group.colours.model},
+                 {gpu::kIdHasLobe, features_.lobe}})
             .bind(commands,
                   {in.medium->tick, group.block, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
                    gpu::storageBuffer(5, medium_.marks()),
                    gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-                   gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
+                   gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
+                   gpu::sampledImage(9, *in.shared->fluence, *in.shared->linear)},
                   medium_.grid());
         vkCmdDispatch(cmd, group.most([](const gpu::View& v) { return v.grid.lines.x; }),
                       group.most([](const gpu::View& v) { return v.grid.lines.y; }), group.count());

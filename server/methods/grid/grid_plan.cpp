@@ -34,7 +34,9 @@ public:
         return fmt::format("grid, nodes {:.3g} deviations apart, a ray per {}x{} pixels, {} slabs", s.grid.spacing,
                            s.rate, s.rate, s.slabs);
     }
-    uint32_t shaders(const RenderSettings& settings) const override { return isCubic(settings); }
+    uint32_t shaders(const RenderSettings& settings) const override {
+        return 3 * uint32_t(isCubic(settings)) + RayPlan::shaders(settings);
+    }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
 

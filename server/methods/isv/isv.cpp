@@ -6,10 +6,17 @@
 #include "shaders/isv_vert.h"
 
 namespace brume::methods::isv {
+namespace {
+
+// Push of shaders/isv.frag.
+glm::vec3 pushOf(const TickInputs& tick) { return {tick.settings->isv.multiple, 0, 0}; }
+
+} // namespace
 
 std::unique_ptr<Method> make(const MethodContext& context) {
+    const IsvSettings& settings = context.settings.isv;
     RasterInfo info;
-    info.support = DepthOrder::Support::tetrahedron;
+    info.support = settings.fading ? DepthOrder::Support::tetrahedron : DepthOrder::Support::even_tetrahedron;
     if (context.device.hasMeshShaders())
         info.shaders = {{VK_SHADER_STAGE_MESH_BIT_EXT, isv_mesh, "isv_mesh"}};
     else
@@ -17,8 +24,12 @@ std::unique_ptr<Method> make(const MethodContext& context) {
     info.shaders.push_back({VK_SHADER_STAGE_FRAGMENT_BIT, isv_frag, "isv_frag"});
     info.vertices = 12;
     info.particles_per_group = 32; // as in isv.mesh
-    const IsvSettings& settings = context.settings.isv;
-    info.constants = {{gpu::kIdQuadrature, quadratureId(settings)}, {gpu::kIdSteps, settings.steps}};
+    info.constants = {{gpu::kIdQuadrature, quadratureId(settings)},
+                      {gpu::kIdSteps, settings.steps},
+                      {gpu::kIdFading, settings.fading},
+                      {gpu::kIdSoftShadows, settings.soft_shadows},
+                      {gpu::kIdLegacyTerm, settings.multiple > 0}};
+    info.push = pushOf;
     return makeRaster(context, std::move(info));
 }
 

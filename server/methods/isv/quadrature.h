@@ -6,7 +6,10 @@
 namespace brume::methods::isv {
 
 inline uint32_t quadratureId(const IsvSettings& settings) {
-    return settings.quadrature == "simpson" ? 0 : settings.quadrature == "transmittance" ? 1 : 2;
+    return settings.quadrature == "simpson"         ? 0
+           : settings.quadrature == "transmittance" ? 1
+           : settings.quadrature == "analytic"      ? 2
+                                                    : 3;
 }
 
 } // namespace brume::methods::isv

@@ -53,7 +53,9 @@ void DepthOrder::record(gpu::Commands& commands, const EyeInputs& in, Support su
         const struct {
             uint32_t full_support;
             float sprite; // radii of the ball around a sprite, per scale; 0: no sprites
-        } push{support == Support::sphere,
+        } push{support == Support::sphere             ? 1u
+               : support == Support::even_tetrahedron ? 2u
+                                                      : 0u,
                support == Support::sprite
                    ? std::max(kDiagonal * in.shared->settings->sprites.size, 1.0f) * in.shared->tick->balls.radius
                    : 0};

@@ -13,8 +13,9 @@ class DepthOrder {
 public:
     DepthOrder(const gpu::Device& device, uint32_t capacity);
 
-    // What a particle is drawn within: its tetrahedron, the sphere around its Gaussian, or a picture of its ball.
-    enum class Support { tetrahedron, sphere, sprite };
+    // What a particle is drawn within: its tetrahedron, the same filled evenly, the sphere around its Gaussian, or a
+    // picture of its ball.
+    enum class Support { tetrahedron, even_tetrahedron, sphere, sprite };
     // Afterwards draws may read order() and arguments(): instance i is the i-th farthest particle that the eye, or the
     // other one of its head, can see. Records nothing for an eye whose order is ready. With `furthest`
     // particles that objects hide are left out, unless another eye or picture uses the same order. Precondition then:

@@ -50,6 +50,11 @@ class RayPlan : public MethodPlan {
 public:
     bool hasRays() const override { return true; }
     bool drawsFogAndLocalLights() const override { return true; }
+    bool drawsMultiple() const override { return true; }
+    std::string refusal(const RenderSettings& settings) const override;
+    uint32_t shaders(const RenderSettings& settings) const override {
+        return settings.scattering == "octaves" ? 1 : settings.scattering == "propagation" ? 2 : 0;
+    }
     std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.

@@ -9,6 +9,7 @@
 #include "server/medium/band_limit.h"
 #include "server/methods/rays/ray_plan.h"
 #include "shaders/ray_ends_comp.h"
+#include "shaders/shared/multiple.h"
 #include "shaders/slab_spline_comp.h"
 
 namespace brume {
@@ -215,14 +216,16 @@ void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
 void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
     const gpu::Commands::Pass pass(commands, "ray ends", group.view());
     const EyeInputs& in = *group.any;
-    program(ray_ends_comp, "ray_ends", gpu::fieldQuantities(group.colours),
+    program(ray_ends_comp, "ray_ends", variantOf(group.colours),
             {{gpu::kIdHasCasters, features_.casters},
+             {gpu::kIdHasGlass, features_.glass},
              {gpu::kIdHasMeshes, features_.meshes},
              {gpu::kIdHasFog, features_.fog},
              {gpu::kIdHasGlow, features_.glow},
              {gpu::kIdHasLocalLights, features_.local_lights},
              {gpu::kIdSunColours, group.colours.sun},
-             {gpu::kIdAmbientColours, group.colours.ambient}})
+             {gpu::kIdAmbientColours, group.colours.ambient},
+             {gpu::kIdMultipleColours, group.colours.multiple}})
         .bind(commands,
               {in.medium->tick, group.block, gpu::storageBuffer(2, field_), gpu::storageBuffer(5, *in.shared->objects),
                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
@@ -233,13 +236,14 @@ void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
 
 void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
     const gpu::Commands::Pass pass(commands, "spline", group.view());
-    program(slab_spline_comp, "slab_spline", gpu::fieldQuantities(group.colours),
+    program(slab_spline_comp, "slab_spline", variantOf(group.colours),
             {{gpu::kIdHasOpaque, features_.opaque},
              {gpu::kIdHasFog, features_.fog},
              {gpu::kIdHasGlow, features_.glow},
              {gpu::kIdHasLocalLights, features_.local_lights},
              {gpu::kIdSunColours, group.colours.sun},
-             {gpu::kIdAmbientColours, group.colours.ambient}})
+             {gpu::kIdAmbientColours, group.colours.ambient},
+             {gpu::kIdMultipleColours, group.colours.multiple}})
         .bind(commands, {group.block, gpu::storageBuffer(2, field_)});
     const uint32_t nodes = group.most([](const gpu::View& v) { return v.grid.nodes.x * v.grid.nodes.y; });
     vkCmdDispatch(commands.handle(), gpu::groups(nodes, 64), 1, group.count());
@@ -248,11 +252,22 @@ void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
 
 gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
     const bool one = in.medium->extent->one_albedo;
+    const gpu::Multiple& multiple = in.shared->tick->multiple;
+    const uint32_t model = multiple.cells > 0     ? gpu::kScatteringPropagation
+                           : multiple.octaves > 1 ? gpu::kScatteringOctaves
+                                                  : gpu::kScatteringSingle;
+    const bool one_colour = one && (model != gpu::kScatteringPropagation || multiple.channels == 1);
+    // True: the sun's quantities hold what has scattered more than once, too.
+    const bool in_sun = model == gpu::kScatteringSingle || (one == one_colour && !features_.casters);
     return {.sun = one ? 1u : 3u,
             .ambient = features_.ambient && !(one && !features_.fog) ? 3u : 0u,
             .fog = features_.fog ? 3u : 0u,
             .glow = features_.glow ? 3u : 0u,
-            .scattering = features_.local_lights && !one ? 3u : 0u};
+            .scattering = features_.local_lights && !one ? 3u : 0u,
+            .multiple = in_sun       ? 0u
+                        : one_colour ? 1u
+                                     : 3u,
+            .model = model};
 }
 
 VkDeviceSize SlabRays::fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid) const {

@@ -20,6 +20,10 @@ public:
     void recordGroup(gpu::Commands& commands, const ViewGroup& group) final;
 
 protected:
+    // A number that differs between fields for which one method's shaders are compiled differently.
+    static uint32_t variantOf(const gpu::FieldColours& colours) {
+        return gpu::fieldQuantities(colours) * 3 + colours.model;
+    }
     static constexpr uint32_t kRaysOfTile = gpu::kSlabTile * gpu::kSlabTile;
 
     // Elements of the buffers that gpu::View points into.

@@ -51,14 +51,15 @@ private:
             struct Push {
                 uint32_t sheets, quantities;
             } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), quantitiesOf(in)};
-            program(slabs_comp, "slabs", gpu::fieldQuantities(group.colours),
+            program(slabs_comp, "slabs", variantOf(group.colours),
                     {{gpu::kIdSheet, group.views.front().grid.sheet},
                      {gpu::kIdHasOpaque, features_.opaque},
                      {gpu::kIdHasFog, features_.fog},
                      {gpu::kIdHasGlow, features_.glow},
                      {gpu::kIdHasLocalLights, features_.local_lights},
                      {gpu::kIdSunColours, group.colours.sun},
-                     {gpu::kIdAmbientColours, group.colours.ambient}})
+                     {gpu::kIdAmbientColours, group.colours.ambient},
+                     {gpu::kIdMultipleColours, group.colours.multiple}})
                 .bind(commands,
                       {in.medium->tick, group.block, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
                        gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, field_)},
@@ -68,17 +69,21 @@ private:
         }
         {
             const gpu::Commands::Pass pass(commands, "slab light", group.view());
-            program(slab_light_comp, "slab_light", gpu::fieldQuantities(group.colours),
+            program(slab_light_comp, "slab_light", variantOf(group.colours),
                     {{gpu::kIdHasOpaque, features_.opaque},
                      {gpu::kIdHasFog, features_.fog},
                      {gpu::kIdHasGlow, features_.glow},
                      {gpu::kIdHasLocalLights, features_.local_lights},
                      {gpu::kIdSunColours, group.colours.sun},
-                     {gpu::kIdAmbientColours, group.colours.ambient}})
+                     {gpu::kIdAmbientColours, group.colours.ambient},
+                     {gpu::kIdMultipleColours, group.colours.multiple},
+                     {gpu::kIdScattering, group.colours.model},
+                     {gpu::kIdHasLobe, features_.lobe}})
                 .bind(commands,
                       {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
                        gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-                       gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+                       gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
+                       gpu::sampledImage(9, *in.shared->fluence, *in.shared->linear)});
             vkCmdDispatch(cmd, columns, rows, group.count());
             gpu::computeToCompute(cmd);
         }

@@ -1,0 +1,28 @@
+// Views of how a picture is made, which the server draws in its place, with a legend.
+export const VIEWS = [
+  'picture',
+  'wasted',
+  'overdraw',
+  'particles',
+  'rays',
+  'depth',
+  'shadow',
+  'light',
+  'error',
+] as const;
+export type View = (typeof VIEWS)[number];
+
+export const viewOf = (text: string | null): View => VIEWS.find((view) => view === text) ?? 'picture';
+
+// What a view is called, and what it shows in a sentence.
+export const VIEW_TEXTS: Record<View, readonly [name: string, says: string]> = {
+  picture: ['The picture', ''],
+  wasted: ['Wasted pixels', 'Of the particles’ tetrahedra on each pixel, the part that adds nothing to it.'],
+  overdraw: ['Overdraw', 'How many of the particles’ hulls cover each pixel.'],
+  particles: ['Particles', 'How many particles reach each square of 16 × 16 pixels.'],
+  rays: ['Rays', 'The lattice of rays, and on how many slabs of each there is medium.'],
+  depth: ['Optical depth', 'Of the particles in front of what is behind them.'],
+  shadow: ['Shadow map', 'The planes of the sun’s shadow map, the one next to the sun first.'],
+  light: ['Light', 'The part of the sun’s light that arrives at each particle.'],
+  error: ['Error', 'Of single pixels, measured against an exact picture while your camera rests.'],
+};

@@ -1,0 +1,118 @@
+#include "server/light/propagation.h"
+
+#include <cstring>
+
+#include "shaders/flux_cells_comp.h"
+#include "shaders/flux_coarser_comp.h"
+#include "shaders/flux_finer_comp.h"
+#include "shaders/flux_pass_comp.h"
+#include "shaders/shared/multiple.h"
+
+namespace brume {
+
+using gpu::storageBuffer;
+
+namespace {
+
+constexpr uint32_t kFluxes = 6, kLanes = 64, kPassLanes = 256;
+constexpr uint32_t kFewCells = 2048; // of a grid: one workgroup makes all of its steps
+
+struct Push { // as in the shaders
+    uint32_t side, first, all, channels, parity, half_steps, last;
+};
+
+uint32_t cellsOf(uint32_t side) { return side * side * side; }
+
+} // namespace
+
+void Propagation::fit(gpu::Commands& commands, uint32_t side, uint32_t layers) {
+    if (image_ && image_.extent().width == side && image_.layers() == layers) return;
+    const VkImageUsageFlags usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    image_ = gpu::Image(device_, {VK_FORMAT_R32G32B32A32_SFLOAT, {side, side}, usage, layers}, "fluence");
+    gpu::toGeneral(commands.handle(), image_);
+}
+
+bool Propagation::Key::operator==(const Key& other) const {
+    return std::memcmp(&multiple, &other.multiple, sizeof multiple) == 0 && iterations == other.iterations &&
+           objects == other.objects && casters == other.casters && extinction == other.extinction;
+}
+
+void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all) {
+    const gpu::Multiple& multiple = tick.tick->multiple;
+    const uint32_t iterations = tick.settings->propagation.iterations;
+    const Key key{multiple, iterations, tick.objects_version, tick.features.casters, tick.hue_parts[0]};
+    if (valid_ && key == key_) return;
+    key_ = key, valid_ = true;
+    if (!pass_) {
+        const auto program = [&](std::span<const uint32_t> code, const char* name) {
+            return gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, code, name});
+        };
+        coarser_ = program(flux_coarser_comp, "flux_coarser");
+        finer_ = program(flux_finer_comp, "flux_finer");
+        pass_ = program(flux_pass_comp, "flux_pass");
+    }
+    gpu::ComputeProgram& first = tick.features.casters ? first_past_casters_ : first_;
+    if (!first)
+        first = gpu::ComputeProgram(
+            device_, {VK_SHADER_STAGE_COMPUTE_BIT, flux_cells_comp, "flux_cells"},
+            {{gpu::kIdHasCasters, tick.features.casters}, {gpu::kIdHasMeshes, tick.features.meshes}});
+    const gpu::Commands::Pass timed(commands, "propagation");
+    const VkCommandBuffer cmd = commands.handle();
+    const uint32_t channels = multiple.channels, side = multiple.cells;
+    fit(commands, side, channels * side);
+    uint32_t count = 0; // of the cells of all grids
+    for (uint32_t level = 0; level < gpu::kFluxLevels; ++level) count += cellsOf(side >> level);
+    const auto make = [&](gpu::Buffer& buffer, VkDeviceSize floats, VkBufferUsageFlags usage, const char* name) {
+        buffer.atLeast(device_, floats * sizeof(float), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, gpu::Memory::device,
+                       name);
+    };
+    make(cells_, VkDeviceSize(count) * (1 + channels), 0, "cells of fluxes");
+    make(fluxes_, VkDeviceSize(count) * channels * kFluxes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "fluxes");
+    make(fluence_, VkDeviceSize(cellsOf(side)) * channels * 4, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "fluence of cells");
+
+    gpu::everythingBefore(cmd); // the last tick's viewers have read it
+    vkCmdFillBuffer(cmd, fluxes_.handle(), 0, VK_WHOLE_SIZE, 0);
+    gpu::transferToCompute(cmd);
+    const auto run = [&](const gpu::ComputeProgram& program, std::initializer_list<gpu::Resource> resources,
+                         const Push& push, uint32_t lanes) {
+        program.bind(commands, resources, push);
+        vkCmdDispatch(cmd, gpu::groups(lanes, kLanes), 1, 1);
+        gpu::computeToCompute(cmd);
+    };
+    const gpu::Resource cells = storageBuffer(1, cells_), fluxes = storageBuffer(2, fluxes_);
+    Push push{side, 0, count, channels, 0, 1, 0};
+    run(first,
+        {all.tick, cells, gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
+         gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest),
+         gpu::sampledImage(9, *tick.mesh_heights, *tick.nearest)},
+        push, cellsOf(side));
+    const auto next = [&] { push.first += cellsOf(push.side), push.side /= 2; };
+    for (uint32_t level = 1; level < gpu::kFluxLevels; ++level) {
+        next();
+        run(coarser_, {all.tick, cells}, push, cellsOf(push.side));
+    }
+    for (uint32_t level = gpu::kFluxLevels; level-- > 0;) {
+        if (level + 1 < gpu::kFluxLevels) {
+            push.side *= 2, push.first -= cellsOf(push.side);
+            run(finer_, {all.tick, fluxes}, push, cellsOf(push.side));
+        }
+        const uint32_t half_steps = 2 * iterations << level;
+        const bool few = level > 0 && cellsOf(push.side) <= kFewCells;
+        push.half_steps = few ? half_steps : 1;
+        for (uint32_t i = 0; i < half_steps; i += push.half_steps) {
+            push.parity = i & 1;
+            push.last = level == 0 && i + 2 >= half_steps;
+            pass_.bind(commands, {all.tick, cells, fluxes, storageBuffer(3, fluence_)}, push);
+            vkCmdDispatch(cmd, few ? 1 : gpu::groups(cellsOf(push.side) / 2, kPassLanes), 1, 1);
+            gpu::computeToCompute(cmd);
+        }
+    }
+    gpu::computeToTransfer(cmd);
+    VkBufferImageCopy copy{};
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, image_.layers()};
+    copy.imageExtent = {side, side, 1};
+    vkCmdCopyBufferToImage(cmd, fluence_.handle(), image_.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+    gpu::everythingBefore(cmd);
+}
+
+} // namespace brume

@@ -1,0 +1,47 @@
+// Propagation: light of the sun that scatters more than once, once per tick and hue for all viewers. Six fluxes pass
+// cells of the bounds of the volumetric shadow map (shaders/shared/multiple.h), on three grids: what a coarse one has
+// is where the next finer one begins. Each tick begins with no light, so that a picture depends on nothing before it.
+#pragma once
+
+#include "server/gpu/commands.h"
+#include "server/gpu/program.h"
+#include "server/inputs/medium_view.h"
+#include "server/inputs/tick_inputs.h"
+
+namespace brume {
+
+class Propagation {
+public:
+    explicit Propagation(const gpu::Device& device) : device_(device) {}
+
+    // Records the fluence of the medium whose depths are in `tick.shadow_volume`, with the extinction of the block
+    // `all.tick`, unless the image holds it already: the hue, objects and settings are compared here. Precondition:
+    // tick.tick->multiple.cells > 0.
+    void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all);
+    // The depths are others from now on.
+    void invalidate() { valid_ = false; }
+    const gpu::Image& image() const { return image_; } // RGBA32F array: net flux and fluence, [channel][z]
+    // Frees its memory. Precondition: nothing of it is on the device.
+    void giveBack() { valid_ = false, cells_ = {}, fluxes_ = {}, fluence_ = {}, image_ = {}; }
+
+private:
+    void fit(gpu::Commands& commands, uint32_t side, uint32_t layers);
+
+    const gpu::Device& device_;
+    gpu::ComputeProgram first_, first_past_casters_, coarser_, finer_, pass_;
+    gpu::Buffer cells_, fluxes_, fluence_;
+    gpu::Image image_;
+    // What the image depends on besides the depths.
+    struct Key {
+        gpu::Multiple multiple{};
+        uint32_t iterations = 0;
+        uint64_t objects = 0;
+        bool casters = false;
+        float extinction = 0; // part of the medium's, of the hue
+        bool operator==(const Key& other) const;
+    };
+    Key key_;
+    bool valid_ = false; // True: the image is that of the key and of the depths
+};
+
+} // namespace brume

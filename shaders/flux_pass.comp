@@ -1,0 +1,61 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+// Six fluxes: half steps on one grid. In each, every second cell takes what its neighbours, which are of the other
+// half, let out. A lane is a cell after another. More than one half step is made by one workgroup alone.
+#include "shaders/shared/types.h"
+
+layout(local_size_x = 256) in;
+
+layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
+layout(scalar, binding = 1) readonly buffer Cells { float cells[]; };
+layout(scalar, binding = 2) coherent buffer FluxesBlock { float fluxes[]; };
+layout(scalar, binding = 3) writeonly buffer Fluence { vec4 fluence[]; }; // and net flux, [channel][z][y][x]
+
+#include "shaders/lib/flux_grid.glsl"
+
+// What leaves the cell before this one along an axis (0 ... 2 up it, 3 ... 5 down it); nothing comes from outside.
+float from(uint channel, uvec3 place, uint way) {
+    const uint axis = way % 3;
+    const bool up = way < 3;
+    if (up ? place[axis] == 0 : place[axis] + 1 == push.side) return 0;
+    place[axis] += up ? -1 : 1;
+    return fluxes[fluxesAt(channel, push.first + cellAt(place, push.side)) + way];
+}
+
+// The cell of index `at` in the half of this parity.
+void passFluxes(uint at, uint parity) {
+    const uint half_side = push.side / 2;
+    uvec3 place = uvec3(at % half_side, at / half_side % push.side, at / (half_side * push.side));
+    place.x = 2 * place.x + ((place.y + place.z + parity) & 1);
+    const uint cell = push.first + cellAt(place, push.side), numbers = numbersAt(cell);
+    const float extinction = cells[numbers];
+    for (uint c = 0; c < push.channels; ++c) {
+        Fluxes entering;
+        for (uint axis = 0; axis < 3; ++axis) {
+            entering.up[axis] = from(c, place, axis);
+            entering.down[axis] = from(c, place, axis + 3);
+        }
+        const float source = extinction > 0 ? cells[numbers + 1 + c] / extinction : 0;
+        const FluxCell passed = passCell(entering, extinction * tick.multiple.passed[c] * cellSize(),
+                                         tick.multiple.albedo[c], tick.multiple.asymmetry, source, vec3(0, 0, 1));
+        const uint to = fluxesAt(c, cell);
+        for (uint axis = 0; axis < 3; ++axis) {
+            fluxes[to + axis] = passed.leaving.up[axis];
+            fluxes[to + 3 + axis] = passed.leaving.down[axis];
+        }
+        if (push.last == 1)
+            fluence[(c * push.side + place.z) * push.side * push.side + place.y * push.side + place.x] =
+                vec4(passed.flux, passed.fluence);
+    }
+}
+
+void main() {
+    const uint cells_of_half = push.side * push.side * push.side / 2;
+    for (uint i = 0; i < push.half_steps; ++i) {
+        for (uint at = gl_GlobalInvocationID.x; at < cells_of_half; at += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
+            passFluxes(at, (push.parity + i) & 1);
+        memoryBarrierBuffer();
+        barrier();
+    }
+}

@@ -1,0 +1,194 @@
+// Light that scatters more than once: pictures by octaves and by propagation, against random paths in double precision
+// and against laws.
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/gpu/closed_form.h"
+#include "tools/reference/camera.h"
+#include "tools/reference/tracker.h"
+#include "tools/reference/world.h"
+
+namespace brume::test {
+namespace {
+
+constexpr uint32_t kWidth = 48, kHeight = 27;
+const Pose kFrom = lookAt({3, 2, 11}, {0, 0, 0}, 0.7f);
+
+class MultipleTest : public GpuTest {
+protected:
+    // 60 particles within 3 m. `sigma_t`: of each, 1/m; where seven overlap the mean free path is a seventh of
+    // 1/sigma_t.
+    static Scene cloud(float sigma_t, const std::string& scattering, glm::vec3 albedo = glm::vec3(0.98f)) {
+        std::vector<Point> points = randomPoints(60, 4, 6, sigma_t);
+        for (Point& point : points) point.albedo = albedo;
+        Scene scene = sceneOf(points, 1.6f);
+        scene.render.method = "slabs";
+        scene.render.rate = 1;
+        scene.render.slabs = 64;
+        scene.render.scattering = scattering;
+        return scene;
+    }
+    static Picture seen(const Scene& scene) { return render(device(), scene, kFrom, kWidth, kHeight); }
+
+    static double sum(const Picture& picture) {
+        double all = 0;
+        for (const glm::vec4& pixel : picture.pixels) all += double(pixel.r) + double(pixel.g) + double(pixel.b);
+        return all;
+    }
+
+    struct Error {
+        double bias, rmse; // of total radiance, in parts of its mean and its RMS; without the noise of the paths
+    };
+    static reference::TrackedPicture truthOf(const Scene& scene) {
+        const Simulation simulation(scene);
+        std::vector<gpu::Particle> particles(simulation.liveCount());
+        simulation.write(particles);
+        return reference::track(reference::worldOf(scene, particles), reference::perspective(kFrom, kWidth, kHeight),
+                                {.samples = 96});
+    }
+    static Error beside(const Picture& picture, const reference::TrackedPicture& truth) {
+        double errors = 0, noise = 0, squares = 0, got = 0, exact = 0;
+        for (size_t i = 0; i < truth.radiance.size(); ++i) {
+            const glm::dvec3 value(picture.pixels[i]), off = value - truth.radiance[i];
+            errors += glm::dot(off, off), squares += glm::dot(truth.radiance[i], truth.radiance[i]);
+            noise += glm::dot(truth.standard_error[i], truth.standard_error[i]);
+            got += value.x + value.y + value.z;
+            exact += truth.radiance[i].x + truth.radiance[i].y + truth.radiance[i].z;
+        }
+        return {got / exact - 1, std::sqrt(std::max(errors - noise, 0.0) / squares)};
+    }
+};
+
+TEST_F(MultipleTest, PropagationIsNearRandomPaths) {
+    struct Case {
+        const char *name, *method;
+        float sigma_t;
+        glm::vec3 albedo;
+        float anisotropy, asymmetry;
+        double bias = 0.05, rmse = 0.1; // allowed
+    };
+    constexpr glm::vec3 kWhite(0.98f);
+    for (const Case& c :
+         {Case{"thin", "slabs", 0.02f, kWhite, 0, 0}, Case{"medium", "slabs", 0.2f, kWhite, 0, 0},
+          Case{"medium", "grid", 0.2f, kWhite, 0, 0}, Case{"dense", "slabs", 2, kWhite, 0, 0, 0.08, 0.12},
+          Case{"forward", "slabs", 0.5f, kWhite, 1, 0.6f}, Case{"backward", "slabs", 0.5f, kWhite, 1, -0.4f},
+          Case{"coloured", "slabs", 0.5f, {0.99f, 0.8f, 0.4f}, 0, 0}}) {
+        Scene scene = cloud(c.sigma_t, "propagation", c.albedo);
+        scene.medium.anisotropy = c.anisotropy, scene.medium.asymmetry = c.asymmetry;
+        scene.render.method = c.method;
+        scene.render.grid.spacing = 0.5f;
+        const reference::TrackedPicture truth = truthOf(scene);
+        const auto of = [&](const char* scattering) {
+            scene.render.scattering = scattering;
+            return beside(seen(scene), truth);
+        };
+        const Error error = of("propagation"), octaves = of("octaves"), single = of("single");
+        std::printf("%-9s %-5s bias %+.1f %%, RMSE %.1f %%; octaves %+.1f %%, %.1f %%; single %+.1f %%, %.1f %%\n",
+                    c.name, c.method, 100 * error.bias, 100 * error.rmse, 100 * octaves.bias, 100 * octaves.rmse,
+                    100 * single.bias, 100 * single.rmse);
+        EXPECT_LT(std::abs(error.bias), c.bias) << c.name;
+        EXPECT_LT(error.rmse, c.rmse) << c.name;
+        EXPECT_LT(error.rmse, 0.5 * single.rmse) << c.name;
+    }
+}
+
+// Objects shadow the first scattering alone: a shadow in the medium gets light from around it.
+TEST_F(MultipleTest, ShadowsOfObjectsAreNoHoles) {
+    Scene scene = cloud(0.3f, "propagation");
+    scene.medium.anisotropy = 0.8f, scene.medium.asymmetry = 0.5f; // some of it goes straight on
+    scene.boxes = {{{1.2f, 5.5f, 3}, {3, 0.2f, 3}, 0, glm::vec3(0)}};
+    const Picture shadowed = seen(scene);
+    const Error error = beside(shadowed, truthOf(scene));
+    std::printf("below a box: bias %+.1f %%, RMSE %.1f %%\n", 100 * error.bias, 100 * error.rmse);
+    EXPECT_LT(error.rmse, 0.15);
+    scene.render.scattering = "single";
+    EXPECT_GT(sum(shadowed), 1.3 * sum(seen(scene)));
+}
+
+TEST_F(MultipleTest, OneOctaveIsSingleScattering) {
+    Scene scene = cloud(0.3f, "octaves");
+    scene.render.octaves.count = 1;
+    const Picture one = seen(scene);
+    scene.render.scattering = "single";
+    EXPECT_EQ(one.pixels, seen(scene).pixels);
+}
+
+// Octaves of the whole depth and the same phase function are single scattering, n times dimmed by the same part.
+TEST_F(MultipleTest, OctavesAddUp) {
+    for (const bool box : {false, true}) { // with shadows of objects they are kept apart from the sun's light
+        Scene scene = cloud(0.3f, "octaves");
+        scene.medium.anisotropy = 0.7f, scene.medium.asymmetry = 0.5f;
+        if (box) scene.boxes = {{{1.2f, 5.5f, 3}, {3, 0.2f, 3}, 0, glm::vec3(0)}};
+        scene.render.octaves = {.count = 4, .scattering = 0.5f, .extinction = 1, .phase = 1};
+        const Picture four = seen(scene);
+        scene.render.scattering = "single";
+        const Picture single = seen(scene);
+        float largest = 0;
+        for (const glm::vec4& pixel : four.pixels) largest = std::max(largest, pixel.r);
+        for (size_t i = 0; i < four.pixels.size(); ++i)
+            ASSERT_NEAR(four.pixels[i].r, 1.875f * single.pixels[i].r, 2e-3f * largest) << i << ' ' << box;
+    }
+}
+
+// The picture of a tick depends on nothing that was drawn before.
+TEST_F(MultipleTest, NothingIsKeptFromOneTickToTheNext) {
+    const Scene scene = cloud(0.5f, "propagation");
+    const Picture fresh = seen(scene);
+    Stage stage(device(), scene, 60);
+    for (const float sigma_t : {2.0f, 0.1f}) stage.see(cloud(sigma_t, "propagation"), kFrom, kWidth, kHeight);
+    EXPECT_EQ(stage.see(scene, kFrom, kWidth, kHeight).pixels, fresh.pixels);
+}
+
+// Nor on what was drawn while light scattered otherwise, or in other colours.
+TEST_F(MultipleTest, WhatChangesMeanwhileIsSeen) {
+    Scene scene = cloud(0.5f, "propagation");
+    const Scene first = scene;
+    Stage stage(device(), scene, 60);
+    const auto see = [&](const Scene& now) { return stage.see(now, kFrom, kWidth, kHeight).pixels; };
+    see(scene);
+    scene.render.scattering = "single";
+    scene.lights[0].to_light = glm::vec3(0, 1, 0);
+    see(scene), see(scene);
+    scene.render.scattering = "propagation";
+    EXPECT_EQ(see(scene), seen(scene).pixels);
+    scene.medium.extinction_colour = {1, 0.5f, 0.2f};
+    EXPECT_EQ(see(scene), seen(scene).pixels);
+    scene.medium.extinction_colour = glm::vec3(1);
+    EXPECT_EQ(see(scene), seen(scene).pixels);
+    EXPECT_EQ(see(first), seen(first).pixels);
+}
+
+TEST_F(MultipleTest, AnyDepthIsFinite) {
+    for (const float depth : {1e-3f, 1.0f, 1e3f})
+        for (const char* scattering : {"octaves", "propagation"}) {
+            const Scene scene = cloud(depth, scattering, glm::vec3(1));
+            const Picture picture = seen(scene);
+            for (const glm::vec4& pixel : picture.pixels)
+                ASSERT_TRUE(std::isfinite(pixel.r + pixel.g + pixel.b + pixel.a) && pixel.r >= 0) << depth;
+            if (depth > 1e-3f) continue;
+            Scene single = scene;
+            single.render.scattering = "single";
+            const double more = sum(picture) / sum(seen(single));
+            EXPECT_GT(more, 1) << scattering;
+            // Octaves add 1/2 + 1/4 + ... whatever the depth, so they are wrong where it is thin.
+            EXPECT_LT(more, scattering == std::string("propagation") ? 1.03 : 2.01);
+        }
+}
+
+TEST_F(MultipleTest, OtherMethodsRefuseInOneLine) {
+    Scene scene = cloud(0.3f, "propagation");
+    scene.render.method = "tiles";
+    try {
+        seen(scene);
+        FAIL() << "tiles draws it";
+    } catch (const gpu::Error& error) {
+        EXPECT_EQ(std::string(error.what()), "tiles: it draws light that scatters once; use slabs or grid, or "
+                                             "render.scattering = \"single\"");
+    }
+}
+
+} // namespace
+} // namespace brume::test

@@ -1,0 +1,60 @@
+// What sheets of glass cost in the plan.
+#include <gtest/gtest.h>
+
+#include "tests/unit/plan_scenes.h"
+
+namespace brume {
+namespace {
+
+Work workOf(const Scene& scene, const char* method) {
+    const PlanInputs inputs = inputsOf(scene);
+    RenderSettings settings = scene.render;
+    settings.method = method, settings.rate = 4, settings.slabs = 32;
+    return ViewWork(inputs.scene, inputs.views[0]).of(settings);
+}
+double ms(const Work& work) { return work.ms(builtInCosts()); }
+
+Scene withSheets(int count) {
+    Scene scene = cube();
+    scene.planes.emplace_back(); // pictures pass through their targets without glass, too
+    for (int i = 0; i < count; ++i) scene.glasses.push_back({.centre = {0, float(i), 0}});
+    return scene;
+}
+
+// Each layer is the medium again, up to the fourth.
+TEST(GlassWork, GrowsWithLayers) {
+    for (const char* method : {"slabs", "grid", "isv", "tiles"}) {
+        const double none = ms(workOf(withSheets(0), method)), one = ms(workOf(withSheets(1), method)),
+                     two = ms(workOf(withSheets(2), method)), four = ms(workOf(withSheets(4), method));
+        EXPECT_GT(one, none) << method;
+        EXPECT_NEAR(four - two, 2 * (two - one), 1e-9 * four) << method;
+        EXPECT_GT(two, one) << method;
+        EXPECT_DOUBLE_EQ(ms(workOf(withSheets(9), method)), four) << method;
+    }
+}
+
+TEST(GlassWork, SheetsOutOfSightAddNothing) {
+    Scene scene = withSheets(3);
+    for (Glass& glass : scene.glasses) glass.centre.z = 1000;
+    EXPECT_DOUBLE_EQ(ms(workOf(scene, "tiles")), ms(workOf(withSheets(0), "tiles")));
+    // A field's picture passes through its target.
+    const Work with = workOf(scene, "slabs"), without = workOf(withSheets(0), "slabs");
+    for (const CostInfo* cost : allCosts())
+        EXPECT_EQ(with[*cost] - without[*cost], cost == &costs::kCompose ? 640 * 360 : 0) << cost->key;
+}
+
+// Rays of a field are made once, and surfaces are drawn once.
+TEST(GlassWork, WhatIsDoneOnce) {
+    const Work with = workOf(withSheets(3), "slabs"), without = workOf(withSheets(0), "slabs");
+    EXPECT_DOUBLE_EQ(with[costs::kOpaque], without[costs::kOpaque]);
+    int grown = 0;
+    for (const CostInfo* cost : allCosts()) {
+        const bool more = with[*cost] > without[*cost];
+        EXPECT_TRUE(!more || std::string_view(cost->pass) == "compose") << cost->key;
+        grown += more;
+    }
+    EXPECT_EQ(grown, 2) << "the field's look-up, and the sums";
+}
+
+} // namespace
+} // namespace brume
