@@ -161,6 +161,40 @@ TEST_F(MultipleTest, WhatChangesMeanwhileIsSeen) {
     EXPECT_EQ(see(first), seen(first).pixels);
 }
 
+// Neither a camera nor a sun that moves slowly makes pictures pop: a pixel goes on as it did in the frames before.
+// Cells follow the sun and the particles' bounds, so that a sun which turns is the harder case.
+TEST_F(MultipleTest, SlowMotionDoesNotPop) {
+    constexpr int kFrames = 12;
+    Stage stage(device(), cloud(0.5f, "single"), 60);
+    const auto roughest = [&](const char* scattering, bool sun) {
+        std::vector<std::vector<glm::vec4>> frames;
+        float largest = 0, change = 0;
+        for (int i = 0; i < kFrames; ++i) {
+            Scene scene = cloud(0.5f, scattering);
+            const float angle = glm::radians(0.5f * float(i));
+            const glm::vec3 from(std::sin(angle), 0, std::cos(angle));
+            if (sun) scene.lights[0].to_light = glm::normalize(from + glm::vec3(0, 1, 0));
+            const Pose pose = sun ? kFrom : lookAt(11.0f * from + glm::vec3(0, 2, 0), {0, 0, 0}, 0.7f);
+            frames.push_back(stage.see(scene, pose, kWidth, kHeight).pixels);
+        }
+        for (int i = 1; i + 1 < kFrames; ++i)
+            for (size_t p = 0; p < frames[0].size(); ++p) {
+                largest = std::max(largest, frames[i][p].r);
+                change = std::max(change, std::abs(frames[i - 1][p].r - 2 * frames[i][p].r + frames[i + 1][p].r));
+            }
+        return change / largest;
+    };
+    for (const bool sun : {false, true}) {
+        const float single = roughest("single", sun);
+        for (const char* scattering : {"octaves", "propagation"}) {
+            const float rough = roughest(scattering, sun);
+            std::printf("%s turns, %s: second difference %.5f of the brightest pixel, single %.5f\n",
+                        sun ? "sun" : "camera", scattering, double(rough), double(single));
+            EXPECT_LT(rough, 0.002f) << scattering << sun;
+        }
+    }
+}
+
 TEST_F(MultipleTest, AnyDepthIsFinite) {
     for (const float depth : {1e-3f, 1.0f, 1e3f})
         for (const char* scattering : {"octaves", "propagation"}) {

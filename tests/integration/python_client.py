@@ -10,7 +10,6 @@ import tempfile
 import time
 import unittest
 import unittest.mock
-import urllib.request
 
 try:
     import flatbuffers  # noqa: F401
@@ -22,37 +21,16 @@ except ImportError as missing:
           'python3-numpy and python3-pil')
     sys.exit(77)
 
-PATIENCE = 30  # s
 program, package = (os.path.abspath(path) for path in sys.argv[1:3])
 sys.path.insert(0, package)
 import brume  # noqa: E402
-
-
-class Server:
-    def __init__(self, *options):
-        self.process = subprocess.Popen([program, '--scene', 'cloud', '--ahead', 'off', '--port', '0', *options],
-                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        for line in self.process.stdout:
-            if found := re.search(r'listening on (http://.*:(\d+))', line):
-                self.url, self.port = found[1], found[2]
-                return
-        raise RuntimeError('the server does not start')
-
-    def stop(self, kill=False):
-        if self.process.poll() is None:
-            self.process.kill() if kill else self.process.terminate()
-        self.process.stdout.close()
-        return self.process.wait(PATIENCE)
-
-    def metric(self, name):
-        text = urllib.request.urlopen(f'{self.url}/metrics').read().decode()
-        return next(float(line.split(' ')[-1]) for line in text.splitlines() if line.startswith(f'{name} '))
+from python_server import PATIENCE, Server  # noqa: E402
 
 
 class Package(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.server = Server()
+        cls.server = Server(program)
 
     @classmethod
     def tearDownClass(cls):
@@ -239,7 +217,7 @@ class Needs(unittest.TestCase):
 
 class Alone(unittest.TestCase):
     def serve(self, *options):
-        server = Server(*options)
+        server = Server(program, *options)
         self.addCleanup(server.stop)
         return server
 
