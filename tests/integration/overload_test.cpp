@@ -14,10 +14,10 @@ namespace brume::test {
 namespace {
 
 // In larger pictures most of the time is that of pixels, which accuracy does not shorten.
-constexpr client::Wishes kLarge{.width = 1280, .height = 720, .views = 2, .quality = 50};
+const client::Wishes kLarge{.width = 1280, .height = 720, .views = 2, .quality = 50};
 constexpr const char* kMaxPixels = "1843200";                                      // two of kLarge
 constexpr const char *kError = "render.error=0.003", *kFlip = "render.flip=0.003"; // so fine that rays matter
-constexpr client::Wishes kTiny{.width = 64, .height = 36, .views = 1, .quality = 50};
+const client::Wishes kTiny{.width = 64, .height = 36, .views = 1, .quality = 50};
 
 double relaxed(const RunningServer& server) { return metric(server.port(), "brume_plan_relaxed").value_or(-1); }
 

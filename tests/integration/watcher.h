@@ -30,7 +30,7 @@ struct SeenError {
     uint32_t input_seq;
 };
 
-constexpr client::Wishes kSmall{.width = 320, .height = 180, .views = 1, .quality = 80};
+inline const client::Wishes kSmall{.width = 320, .height = 180, .views = 1, .quality = 80};
 
 class Watcher {
 public:
