@@ -142,7 +142,7 @@ private:
     const std::function<void(uint64_t, std::span<const ViewError>, const Plan&)> on_errors_;
     std::shared_ptr<const Scene> shown_scene_; // equal to scene_; jobs of the meter keep it
     Clock::time_point costs_learnt_{}, costs_told_{};
-    std::vector<uint32_t> drawn_viewers_;      // of a batch: those whose pictures are drawn
+    std::vector<uint32_t> drawn_viewers_;      // viewers of a batch whose pictures are drawn
     std::vector<gpu::ErrorDisc> shown_errors_; // of the batch's eyes that look at them
     std::vector<ViewError> errors_;            // what meter_ knew at load_told_
     PromiseWatch promise_;

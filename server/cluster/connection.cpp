@@ -15,7 +15,7 @@ namespace {
 
 constexpr int64_t kPingMs = 1000;  // and after kPings without an answer the connection counts as lost
 constexpr int kPings = 2;          // the library's own defaults take four minutes
-constexpr int64_t kWriteMs = 2000; // that a write may take
+constexpr int64_t kWriteMs = 2000; // a write that takes longer fails
 constexpr int kUnsent = 1 << 20;   // bytes that wait for a connection to come back
 
 // Throws ClusterError where an option is no good.

@@ -13,7 +13,7 @@
 namespace brume::cluster {
 
 inline constexpr int64_t kReconnectMs = 100;
-inline constexpr int64_t kAnswerMs = 1000; // what takes longer is asked for again
+inline constexpr int64_t kAnswerMs = 1000; // an answer that takes longer is asked for again
 
 template <class T, void (*Destroy)(T*)>
 struct Destroyer {

@@ -100,7 +100,7 @@ private:
     Ticker ticker_{Clock::now()};
     int64_t created_ = 0; // Engine::LogInfo::created
     uint64_t first_tick_ = 0;
-    uint64_t sequence_ = 0;               // of the last message that was handled
+    uint64_t sequence_ = 0;               // the last message that was handled
     uint64_t last_hash_ = 0;              // hashOf() it; 0: not known
     uint64_t known_last_ = 0;             // sequence that the log had when it was verified
     uint64_t connections_ = 0;            // Engine::connections() when the log was verified last

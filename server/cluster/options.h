@@ -21,7 +21,7 @@ struct EngineOptions {
     std::filesystem::path certificate, key; // PEM, what this server shows; empty: nothing
     std::string log;                        // name of the log; letters, digits, '-' and '_'
     uint32_t replicas = 1;                  // NATS servers that keep the log
-    uint64_t log_bytes = 1024ull << 20;     // that the log keeps: about two days of ticks
+    uint64_t log_bytes = 1024ull << 20;     // most that the log keeps: two days of ticks
     std::chrono::milliseconds timeout{5000}; // for NATS to answer at the start
 };
 

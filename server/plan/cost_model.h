@@ -30,7 +30,7 @@ inline constexpr CostInfo kCompose{"compose", "compose", 11};                   
 inline constexpr CostInfo kLocalLightDepth{"local_light_depth", "local light depth", 160000};
 inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local light", 60}; // ViewWork::localPieces()
 // Hues x channels x cells x iterations of all grids, with scattering = "propagation".
-inline constexpr CostInfo kPropagation{"propagation", "propagation", 15};
+inline constexpr CostInfo kPropagation{"propagation", "propagation", 75};
 inline constexpr CostInfo kShafts{"shafts", "shafts", 11};             // pixels x (1 + casters)
 inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
 } // namespace costs

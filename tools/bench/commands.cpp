@@ -219,7 +219,8 @@ void correction(const Context& context, CorrectionOptions o) {
         "it then takes what is too coarse. Without a command it would first wait two seconds, as for anything that is "
         "only cheaper. The budget, `render.error`, is {:.3g} %. Measuring takes {:.3g} of a core; overload is switched "
         "off. Measured is the error of the newest 100 to 256 pixels, by which the plan learns: it changes once 100 "
-        "pixels of new pictures are traced. Predicted is the plan's own, as corrected. Errors as [`conventions.md`](../../conventions.md#errors) defines them.\n\n",
+        "pixels of new pictures are traced. Predicted is the plan's own, as corrected. "
+        "Errors as [`conventions.md`](../../conventions.md#errors) defines them.\n\n",
         context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model), q.wanted.scene, o.size, q.at,
         q.law_factor, 100 * run.promised, q.measure_error);
     if (!o.out.empty()) {
