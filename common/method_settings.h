@@ -32,6 +32,8 @@ inline constexpr SceneSetting kMethodSettings[]{
      "True: shadows of objects in the medium are means over 5x5 texels of their map", kOperators},
     {"render.isv.multiple", at<&P::render, &R::isv, &IsvSettings::multiple>, "", limits::kPart,
      "Part of a term for multiple scattering, as printed in the dissertation: it is not physical", kOperators},
+    {"render.tetrahedra.nodes", at<&P::render, &R::tetrahedra, &TetrahedraSettings::nodes>, "",
+     limits::kTetrahedraNodes, "Places in each tetrahedron on a ray for which light is looked up", kOperators},
     {"render.tiles.quadrature", at<&P::render, &R::tiles, &TilesSettings::quadrature>, "", kNone,
      "Where light is looked up: `cached` on the particles, or `hermite` at two points of each ray", kOperators,
      Form::plain, kTilesQuadratures},

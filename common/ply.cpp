@@ -46,12 +46,13 @@ struct Columns {
     Point unit{}; // factors: a slot's value is the file's number times its factor
 };
 
-// The number of `vertex`'s property of that name; none: properties.size().
-size_t find(Reader& in, const Element& vertex, std::string_view name) {
-    size_t found = vertex.properties.size();
-    for (size_t p = 0; p < vertex.properties.size(); ++p) {
-        if (name.empty() || vertex.properties[p].name != name) continue;
-        if (found < vertex.properties.size()) in.fail(fmt::format("vertex property {} is there twice", name));
+// The number of the element's property of that name; none: properties.size().
+size_t find(Reader& in, const Element& element, std::string_view name) {
+    size_t found = element.properties.size();
+    for (size_t p = 0; p < element.properties.size(); ++p) {
+        if (name.empty() || element.properties[p].name != name) continue;
+        if (found < element.properties.size())
+            in.fail(fmt::format("{} property {} is there twice", element.name, name));
         found = p;
     }
     return found;
@@ -73,17 +74,20 @@ void take(Reader& in, const Element& vertex, Slot slot, Columns& out) {
     out.unit[slot] = rule.part && !isFloat(p) ? 1.0 / 255 : 1.0;
 }
 
-Columns columnsOf(Reader& in, const Element& vertex, bool ids) {
+Columns columnsOf(Reader& in, const Element& vertex, PlyWanted wanted) {
     Columns out{.slot_of = std::vector<size_t>(vertex.properties.size(), kSlots)};
-    for (const Slot slot : {kX, kY, kZ, kScale, kSigmaT, kRed, kGreen, kBlue}) take(in, vertex, slot, out);
-    if (!out.there[kScale]) take(in, vertex, kRadius, out);
-    if (!out.there[kSigmaT]) take(in, vertex, kOpacity, out);
+    for (const Slot slot : {kX, kY, kZ, kSigmaT, kRed, kGreen, kBlue}) take(in, vertex, slot, out);
+    if (!wanted.tetrahedra) take(in, vertex, kScale, out);
+    if (!wanted.tetrahedra && !out.there[kScale]) take(in, vertex, kRadius, out);
+    if (!wanted.tetrahedra && !out.there[kSigmaT]) take(in, vertex, kOpacity, out);
     if (const size_t id = find(in, vertex, "id");
-        ids && id < vertex.properties.size() && !vertex.properties[id].list && !isFloat(vertex.properties[id]))
+        wanted.ids && id < vertex.properties.size() && !vertex.properties[id].list && !isFloat(vertex.properties[id]))
         take(in, vertex, kId, out);
     if (!out.there[kX] || !out.there[kY] || !out.there[kZ]) in.fail("element vertex lacks one of x, y, z");
     if (out.there[kRed] != out.there[kGreen] || out.there[kRed] != out.there[kBlue])
         in.fail("element vertex has some of red, green, blue; expected all or none");
+    if (wanted.tetrahedra && !out.there[kSigmaT])
+        in.fail("element vertex lacks sigma_t; expected the extinction at each corner of the tetrahedra, 1/m");
     return out;
 }
 
@@ -105,9 +109,8 @@ std::string problemOf(const Point& point, const Columns& columns, glm::dvec3 ori
     return {};
 }
 
-PointCloud readPoints(Reader& in, const Element& vertex, glm::dvec3 origin, bool ids) {
-    const Columns columns = columnsOf(in, vertex, ids);
-    PointCloud out;
+void readPoints(Reader& in, const Element& vertex, glm::dvec3 origin, PlyWanted wanted, PointCloud& out) {
+    const Columns columns = columnsOf(in, vertex, wanted);
     for (size_t p = 0; p < vertex.properties.size(); ++p)
         if (columns.slot_of[p] == kSlots) out.ignored.push_back(vertex.properties[p].name);
     for (uint64_t row = 0; row < vertex.count; ++row) {
@@ -123,6 +126,8 @@ PointCloud readPoints(Reader& in, const Element& vertex, glm::dvec3 origin, bool
         for (size_t s = 0; s < kSlots; ++s) taken[s] = v[s] * columns.unit[s];
         for (int axis = 0; axis < 3; ++axis) taken[kX + static_cast<size_t>(axis)] -= origin[axis];
         if (const std::string problem = problemOf(taken, columns, origin); !problem.empty()) {
+            if (wanted.tetrahedra)
+                in.fail("a corner of tetrahedra cannot be left out: " + in.rowName() + ": " + problem);
             if (out.dropped++ == 0) out.first_dropped = in.rowName() + ": " + problem;
             continue;
         }
@@ -137,7 +142,55 @@ PointCloud readPoints(Reader& in, const Element& vertex, glm::dvec3 origin, bool
         if (columns.there[kId]) out.id.push_back(static_cast<int64_t>(taken[kId]));
         if (columns.there[kRed]) out.albedo.emplace_back(taken[kRed], taken[kGreen], taken[kBlue]);
     }
-    return out;
+}
+
+// The number of the property that holds the corners.
+size_t cornersOf(Reader& in, const Element& tetrahedron) {
+    size_t at = find(in, tetrahedron, "vertex_indices");
+    if (at == tetrahedron.properties.size()) at = find(in, tetrahedron, "vertex_index");
+    if (at == tetrahedron.properties.size() || !tetrahedron.properties[at].list || isFloat(tetrahedron.properties[at]))
+        in.fail("element tetrahedron has no corners; expected \"property list uchar int vertex_indices\"");
+    return at;
+}
+
+void readTetrahedra(Reader& in, const Element& tetrahedron, uint64_t points, std::vector<glm::uvec4>& out) {
+    const size_t corners = cornersOf(in, tetrahedron);
+    for (uint64_t row = 0; row < tetrahedron.count; ++row) {
+        in.beginRow(tetrahedron, row);
+        for (size_t p = 0; p < tetrahedron.properties.size(); ++p) {
+            const Property& property = tetrahedron.properties[p];
+            const uint64_t length = property.list ? in.length(property) : 1;
+            if (p != corners) {
+                for (uint64_t n = length; n > 0; --n) in.value(property);
+                continue;
+            }
+            if (length != 4)
+                in.fail(
+                    fmt::format("element tetrahedron, {}: a list of {} vertices; expected 4", in.rowName(), length));
+            glm::uvec4& cell = out.emplace_back();
+            for (int m = 0; m < 4; ++m) {
+                const double index = in.value(property);
+                if (!(index >= 0 && index < double(points)) || index != std::floor(index))
+                    in.fail(fmt::format("element tetrahedron, {}: there is no vertex {}; expected 0 to {}",
+                                        in.rowName(), index, points - 1));
+                cell[m] = uint32_t(index);
+            }
+        }
+        in.endRow();
+    }
+}
+
+void checkCount(Reader& in, const Element& element, Limits allowed, const char* of) {
+    if (!allowed.holds(static_cast<double>(element.count)))
+        in.fail(fmt::format("element {} has {} {}; allowed: {:.0f} to {:.0f}", element.name, element.count, of,
+                            allowed.lo, allowed.hi));
+}
+
+// The first element of that name; null: there is none.
+const Element* named(const ply::Header& header, std::string_view name) {
+    for (const Element& element : header.elements)
+        if (element.name == name) return &element;
+    return nullptr;
 }
 
 std::string readBytes(const std::filesystem::path& file) {
@@ -158,25 +211,34 @@ std::string readBytes(const std::filesystem::path& file) {
 
 } // namespace
 
-PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin, bool ids) {
-    return parsePly(readBytes(file), file.string(), origin, ids);
+PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin, PlyWanted wanted) {
+    return parsePly(readBytes(file), file.string(), origin, wanted);
 }
 
-PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin, bool ids) {
+PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin, PlyWanted wanted) {
     Reader in(bytes, name);
     const ply::Header header = readHeader(in);
+    const Element* const vertex = named(header, "vertex");
+    if (!vertex) in.fail("no element vertex; expected one with x, y, z");
+    checkCount(in, *vertex, limits::kCount, "points");
+    const Element* const tetrahedron = wanted.tetrahedra ? named(header, "tetrahedron") : nullptr;
+    if (tetrahedron)
+        checkCount(in, *tetrahedron, limits::kTetrahedra, "rows");
+    else if (wanted.tetrahedra)
+        in.fail("no element tetrahedron; expected one with \"property list uchar int vertex_indices\"");
+    PointCloud cloud;
     for (const Element& element : header.elements) {
-        if (element.name != "vertex") {
+        if (&element == vertex)
+            readPoints(in, element, origin, wanted, cloud);
+        else if (&element == tetrahedron)
+            readTetrahedra(in, element, vertex->count, cloud.tetrahedra);
+        else
             in.skip(element);
-            continue;
-        }
-        if (!limits::kCount.holds(static_cast<double>(element.count)))
-            in.fail("element vertex has " + std::to_string(element.count) + " points; allowed: 1 to 1000000");
-        PointCloud cloud = readPoints(in, element, origin, ids);
-        if (cloud.position.empty()) in.fail("no point is usable; the first, " + cloud.first_dropped);
-        return cloud;
+        if (&element == vertex && cloud.position.empty())
+            in.fail("no point is usable; the first, " + cloud.first_dropped);
+        if (!cloud.position.empty() && (!tetrahedron || !cloud.tetrahedra.empty())) break;
     }
-    in.fail("no element vertex; expected one with x, y, z");
+    return cloud;
 }
 
 } // namespace brume

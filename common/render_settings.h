@@ -19,6 +19,11 @@ struct IsvSettings {
 
     bool operator==(const IsvSettings&) const = default;
 };
+struct TetrahedraSettings {
+    uint32_t nodes = 2; // 1...3: places in each tetrahedron on a ray for which light is looked up
+
+    bool operator==(const TetrahedraSettings&) const = default;
+};
 struct TilesSettings {
     std::string quadrature = "cached"; // cached | hermite
     float light_tolerance = 0.2f;      // cached: how far light may be from linear on a particle, as a part of 1
@@ -136,6 +141,7 @@ struct PropagationSettings {
 
 struct MethodSettings {
     IsvSettings isv;
+    TetrahedraSettings tetrahedra;
     TilesSettings tiles;
     GridSettings grid;
     FroxelSettings froxels;
@@ -173,6 +179,8 @@ struct RenderSettings : MethodSettings {
     float shadow_error = 3e-3f;         // relative error of the light in the medium, where the map's size is automatic
     uint32_t opaque_shadow_size = 1024; // texels a side
     float cutoff = 5e-2f;               // optical depth: bound on the SUM that proxies leave out on any ray
+
+    bool operator==(const RenderSettings&) const = default;
 };
 
 } // namespace brume

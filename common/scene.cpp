@@ -7,9 +7,11 @@
 
 #include "common/meshes.h"
 #include "common/object_layout.h"
+#include "common/ply.h"
 #include "common/scene_reader.h"
 #include "common/scene_text.h"
 #include "common/settings.h"
+#include "common/tetrahedra.h"
 #include "common/text.h"
 
 namespace brume {
@@ -107,6 +109,8 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
     out.scale_by_spacing = from_file && !in.has("scale");
     out.extinction_by_depth = out.layout == Layout::file && !in.has("extinction");
     const std::string name = out.file.filename().string();
+    if (out.model == kTetrahedraMedium && out.layout != Layout::file)
+        in.fail("model", "\"tetrahedra\" come from a file", "only with layout = \"file\"");
     if (from_file && out.file.empty())
         in.fail("layout", sequence ? "\"sequence\" without files" : "\"file\" without a file",
                 sequence ? "with the key file, like \"smoke-####.ply\", beside the scene"
@@ -127,6 +131,25 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
         in.fail(in.has("count") ? "count" : "layout", "the pool is smaller than emitter.rate * emitter.life",
                 "count from " + std::to_string(static_cast<uint64_t>(out.emitter.rate * out.emitter.life) + 1) +
                     " to " + std::to_string(static_cast<uint64_t>(limits::kCount.hi)));
+}
+
+// Null with another model.
+std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::dvec3& origin) {
+    if (medium.model != kTetrahedraMedium) return nullptr;
+    PointCloud cloud = loadPly(medium.file, origin, {.tetrahedra = true});
+    return std::make_shared<Tetrahedra>(connected(std::move(cloud.tetrahedra), cloud.position, medium.file.string()));
+}
+
+// Refuses what is drawn beside a sum of Gaussians only.
+void refuseBesides(const TableReader& in, const Scene& scene) {
+    if (scene.medium.model == kSumMedium) return;
+    const auto fail = [&](const char* key, const std::string& what) {
+        in.fail(key, what + " drawn with medium.model = \"" + scene.medium.model + "\"",
+                "only with medium.model = \"sum\"");
+    };
+    if (!scene.fogs.empty()) fail("fog", "is not");
+    if (!scene.meshes.empty()) fail("mesh", "is not");
+    if (std::ranges::any_of(scene.lights, isLocal)) fail("light", "points and spots are not");
 }
 
 void readCamera(TableReader& in, const SettingReader& read, SceneCamera& out, const glm::dvec3& origin) {
@@ -219,11 +242,8 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     out.triangles = trianglesOf(out.meshes);
     in.tables("glass", out.glasses, limits::kGlasses,
               [&](TableReader& r, Glass& glass) { read.readTable(r, "glass", {.glass = &glass}, &origin); });
-    if (out.medium.model == kUnionMedium)
-        for (const auto& [key, empty] : {std::pair("fog", out.fogs.empty()), std::pair("mesh", out.meshes.empty())})
-            if (!empty) in.fail(key, "not drawn in a union medium", "only with medium.model = \"sum\"");
-    if (out.medium.model == kUnionMedium && std::ranges::any_of(out.lights, isLocal))
-        in.fail("light", "points and spots are not drawn in a union medium", "directional, or medium.model = \"sum\"");
+    refuseBesides(in, out);
+    out.tetrahedra = tetrahedraOf(out.medium, origin);
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
     in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
     out.camera_by_points = !out.medium.file.empty() && !in.has("camera");

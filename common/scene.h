@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -45,12 +46,13 @@ struct PhaseSettings {
     float droplet = 20;         // micrometres, diameter, 5 ... 50; droplets
 };
 
-inline constexpr const char *kSumMedium = "sum", *kUnionMedium = "union";
+inline constexpr const char *kSumMedium = "sum", *kUnionMedium = "union", *kTetrahedraMedium = "tetrahedra";
 
 struct Medium : PhaseSettings {
     Layout layout = Layout::cube;
     // sum: particles are Gaussians, and their extinctions add up. union: they are balls, and the extinction is the same
-    // wherever at least one of them is (Mattsson 2022).
+    // wherever at least one of them is (Mattsson 2022). tetrahedra: they are the corners of the file's tetrahedra, and
+    // the extinction is linear within each.
     std::string model = kSumMedium;
     float union_radius = 0.12f;   // radius of a ball, per scale
     float union_extinction = 0.5; // 1/m
@@ -202,6 +204,8 @@ struct SceneCamera {
     float fov_y = 0.8f;
 };
 
+struct Tetrahedra; // common/tetrahedra.h
+
 struct Scene {
     std::string name;
     // World coordinates (m) of the point that all places here count from. Places in the file and in its point cloud are
@@ -209,6 +213,7 @@ struct Scene {
     // float32. A place that the file leaves out is the default, counted from the origin.
     glm::dvec3 origin{0};
     Medium medium;
+    std::shared_ptr<const Tetrahedra> tetrahedra; // of the medium's file; null with another model
     SimulationSettings simulation;
     std::vector<Light> lights; // at most one that is directional, and limits::kLocalLights others
     std::vector<Fog> fogs;     // at most limits::kFogs

@@ -97,6 +97,7 @@ private:
     uint64_t pictureBytes() const;
     void drop(Batch& batch, const char* why);
     void beginMeasuring(Batch& batch, const RenderSettings& settings);
+    DrawnWith drawnWith(const RenderSettings& settings, const EyeRequest& eye) const;
     void showMeasured(Batch& batch);
     void endMeasuring(Batch& batch, bool drawn);
     void tellMeasured(Batch& batch, const std::string& method) const;

@@ -28,6 +28,10 @@ void boundsOf(std::span<const gpu::Particle> particles, float falloff, glm::vec3
 void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     ProbeReading& probe = batch.submission.probe;
     probe.pixels.clear();
+    if (!meter_.measures() || settings.scattering != "single") {
+        for (const BatchJob& job : batch.jobs) job.viewer->cannotMeasure();
+        return;
+    }
     drawn_viewers_.clear();
     for (const BatchJob& job : batch.jobs)
         if (&job == &batch.jobs[job.pictures]) drawn_viewers_.push_back(job.viewer->id());
@@ -35,11 +39,9 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     if (!job) return;
     const auto of = std::ranges::find(batch.jobs, job->viewer, [](const BatchJob& one) { return one.viewer->id(); });
     const EyeRequest& eye = batch.eyes[of->first_eye];
-    RenderSettings own = settings;
-    if (eye.rate > 0) own.rate = eye.rate;
-    if (own.scattering != "single" || !ways_.mayProbe(own)) return meter_.drop(std::move(job));
-    job->method = own.method;
-    job->law = planner_->predictedError(own, {eye.pose, eye.width, eye.height});
+    job->with = drawnWith(settings, eye);
+    if (!ways_.mayProbe(job->with.settings)) return meter_.drop(std::move(job));
+    job->law = planner_->predictedError(job->with.settings, {eye.pose, eye.width, eye.height});
     job->scene = shown_scene_;
     job->now = simulation_.now();
     leaveOut(job->now.lists, drawn_);
@@ -54,6 +56,9 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
         const bool fog = std::ranges::any_of(job->now.lists.fogs, isThere);
         if (!fog) boundsOf(job->particles, job->now.medium.falloff, lo, hi);
         if (fog || !job->particles.empty()) job->pixels = pixelsOf(job->pose, job->size, lo, hi, job->number);
+        if (job->pixels.empty())
+            for (const BatchJob& one : batch.jobs)
+                if (one.pictures == of->pictures) one.viewer->cannotMeasure();
     } catch (const std::bad_alloc&) { // where memory is short nothing is measured, and the picture is drawn
     }
     if (job->pixels.empty()) return meter_.drop(std::move(job));
@@ -62,7 +67,13 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     batch.measured = std::move(job);
 }
 
-// Those who look at their error see the pixels that were measured since their camera rests.
+DrawnWith FrameLoop::drawnWith(const RenderSettings& settings, const EyeRequest& eye) const {
+    DrawnWith with{settings, simulation_.settingsVersion()};
+    if (eye.rate > 0) with.settings.rate = eye.rate;
+    return with;
+}
+
+// Those who look at their error see the pixels that were measured since their camera rests, of pictures like this one.
 void FrameLoop::showMeasured(Batch& batch) {
     shown_errors_.clear();
     const auto each = [&](const auto& visit) { // a job's pictures; the right eye's are not measured
@@ -73,7 +84,7 @@ void FrameLoop::showMeasured(Batch& batch) {
     std::vector<size_t> counts;
     each([&](const BatchJob& job, const EyeRequest& eye) {
         const size_t before = shown_errors_.size();
-        meter_.shown(job.viewer->id(), eye.pose, batch.taken, shown_errors_);
+        meter_.shown(job.viewer->id(), eye.pose, drawnWith(batch.settings, eye), batch.taken, shown_errors_);
         counts.push_back(shown_errors_.size() - before);
     });
     size_t at = 0, n = 0;

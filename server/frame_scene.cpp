@@ -35,7 +35,8 @@ private:
 
 // The most particles that can be alive. Throws SceneError when so many do not fit the memory that there is for them.
 uint32_t bounded(const Scene& scene, const Simulation& simulation, uint64_t memory) {
-    const std::string wrong = memoryRefusal(simulation.capacity(), memory, simulation.besides());
+    const uint64_t mesh = tetrahedraMemory(scene.tetrahedra.get()).total();
+    const std::string wrong = memoryRefusal(simulation.capacity(), memory, simulation.besides() + mesh);
     if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);
     return simulation.capacity();
 }

@@ -17,6 +17,7 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(constant_id = kIdShow) const uint kShow = kShowOverdraw;
+layout(constant_id = kIdFading) const bool kFading = true; // false: all of a tetrahedron has its centre's extinction
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 
@@ -67,7 +68,7 @@ float radiusOf(float scale, float sigma_t) {
     if (kShow == kShowDepth) return 4 / gaussianK(scale, tick.falloff); // beyond, there is a part of 1e-8
     if (kShow == kShowLight) return support < 0 ? support : kDisc * scale;
     const bool tetrahedron = kShow == kShowWasted || (kShow == kShowOverdraw && push.spheres == 0);
-    return tetrahedron && support > 0 ? scale : support;
+    return tetrahedron && (support > 0 || !kFading) ? scale : support;
 }
 
 // True: the ball meets the cone and is not behind the near plane.
@@ -159,7 +160,9 @@ void gather(inout Pixel pixel, uint slot) {
     }
     pixel.sum.x += 1;
     if (kShow == kShowWasted) {
-        const float depth = segmentDepth(sigma_t, k, b2, k * (interval.x - closest), k * (interval.y - interval.x));
+        const float inside = interval.y - interval.x;
+        const float depth = kFading ? segmentDepth(sigma_t, k, b2, k * (interval.x - closest), k * inside)
+                                    : sigma_t * inside;
         if (depth < tick.cut) pixel.sum.y += 1;
     }
 }

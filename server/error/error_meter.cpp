@@ -89,6 +89,13 @@ bool mayHaveEdge(const reference::Stage& stage, const reference::Camera& camera,
 
 } // namespace
 
+bool DrawnWith::operator==(const DrawnWith& other) const {
+    const RenderSettings &a = settings, &b = other.settings;
+    const MethodSettings &own_of_a = a, &own_of_b = b;
+    return version == other.version && a.method == b.method && a.rate == b.rate && a.slabs == b.slabs &&
+           a.shading == b.shading && a.shadow_error == b.shadow_error && own_of_a == own_of_b;
+}
+
 ErrorMeter::ErrorMeter(double share) : share_(share), credit_s_(kMostCredit) {
     if (share > 0) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
@@ -160,19 +167,25 @@ std::vector<ViewError> ErrorMeter::errors(Time now) const {
     return all;
 }
 
-void ErrorMeter::shown(uint32_t viewer, const Pose& pose, Time now, std::vector<gpu::ErrorDisc>& out) const {
+void ErrorMeter::shown(uint32_t viewer, const Pose& pose, const DrawnWith& with, Time now,
+                       std::vector<gpu::ErrorDisc>& out) const {
     const std::scoped_lock lock(mutex_);
     const auto of = shown_.find(viewer);
     if (of == shown_.end() || !isSame(of->second.pose, pose)) return;
-    for (const Shown::Pixel& pixel : of->second.pixels)
-        if (now - pixel.at <= ErrorWindow::kKept) out.push_back(pixel.disc);
+    const DrawnWith* last = nullptr; // of the pixel before: pixels of one picture are compared once
+    bool same = false;
+    for (const Shown::Pixel& pixel : of->second.pixels) {
+        if (pixel.with.get() != last) last = pixel.with.get(), same = *last == with;
+        if (same && now - pixel.at <= ErrorWindow::kKept) out.push_back(pixel.disc);
+    }
 }
 
 // Precondition: mutex_ is held.
 void ErrorMeter::keep(const MeterJob& job, std::span<const gpu::ErrorDisc> discs, Time now) {
     Shown& shown = shown_[job.viewer];
-    if (!isSame(shown.pose, job.pose) || shown.method != job.method) shown = {job.pose, job.method, {}};
-    for (const gpu::ErrorDisc& disc : discs) shown.pixels.push_back({disc, now});
+    if (!isSame(shown.pose, job.pose)) shown = {job.pose, {}};
+    const auto with = std::make_shared<const DrawnWith>(job.with);
+    for (const gpu::ErrorDisc& disc : discs) shown.pixels.push_back({disc, now, with});
     while (shown.pixels.size() > gpu::kMostErrorDiscs) shown.pixels.pop_front();
 }
 
@@ -228,7 +241,7 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
     if (found.empty() || job.epoch != epoch_ || !last_.contains(job.viewer)) return;
     const int accuracy = job.law > 0 ? accuracyOf(job.law) : 0;
     const auto now = ErrorWindow::Time::clock::now();
-    windows_[{job.viewer, job.method, accuracy}].add(found, job.law, now);
+    windows_[{job.viewer, job.with.settings.method, accuracy}].add(found, job.law, now);
     if (job.keeps) keep(job, discs, now);
     std::erase_if(windows_, [&](const auto& one) { return now - one.second.last() > ErrorWindow::kKept; });
 }

@@ -20,10 +20,18 @@
 
 namespace brume {
 
+// What single errors are told apart by.
+struct DrawnWith {
+    RenderSettings settings;
+    uint64_t version = 0; // Simulation::settingsVersion(): all that people set
+    // Of the settings it compares what the plan may choose.
+    bool operator==(const DrawnWith& other) const;
+};
+
 // Pixels of one picture, with all that a reference needs. It is filled by the frame loop and given back.
 struct MeterJob {
     uint32_t viewer = 0;
-    std::string method;
+    DrawnWith with;
     double law = 0; // relative RMSE that the laws predict for this picture; 0: none
     std::shared_ptr<const Scene> scene;
     SceneNow now;
@@ -46,6 +54,7 @@ public:
     explicit ErrorMeter(double share);
     ~ErrorMeter();
 
+    bool measures() const { return share_ > 0; }
     // A job to fill, if there is time for one; otherwise null. It is for the viewer whose pictures were measured
     // longest ago: `viewers` are those to choose from.
     std::unique_ptr<MeterJob> begin(std::span<const uint32_t> viewers, Time now);
@@ -60,17 +69,18 @@ public:
     void forget();
     // What is known now, by viewer and method: of pictures as accurate as the last ones.
     std::vector<ViewError> errors(Time now) const;
-    // Appends the errors of single pixels of this viewer's pictures: of those from this pose, of the last half minute,
-    // the newest last. They are kept for jobs that say so, until one has another pose or another method.
-    void shown(uint32_t viewer, const Pose& pose, Time now, std::vector<gpu::ErrorDisc>& out) const;
+    // Appends the errors of single pixels of this viewer's pictures: of those from this pose that were drawn `with`
+    // this, of the last half minute, the newest last. They are kept for jobs that say so, until one has another pose.
+    void shown(uint32_t viewer, const Pose& pose, const DrawnWith& with, Time now,
+               std::vector<gpu::ErrorDisc>& out) const;
 
 private:
     struct Shown {
         Pose pose;
-        std::string method;
         struct Pixel {
             gpu::ErrorDisc disc;
             Time at;
+            std::shared_ptr<const DrawnWith> with; // one for all pixels of a picture
         };
         std::deque<Pixel> pixels;
     };

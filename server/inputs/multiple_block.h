@@ -1,9 +1,10 @@
-// setMultiple(): the part of gpu::Tick that describes light which scatters more than once.
+// Light that scatters more than once: the part of gpu::Tick that describes it, and numbers of its models.
 #pragma once
 
 #include <span>
 
 #include "server/sim/simulation.h"
+#include "shaders/shared/multiple.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -11,5 +12,17 @@ namespace brume {
 // Fluxes have the mean albedo of the particles, by extinction and volume. A union medium, none, and
 // one without sunlight have single scattering. Precondition: the tick has the sun.
 void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles);
+
+// The model, gpu::kScatteringSingle and so on, as a tick has it, and as settings ask for it.
+inline uint32_t scatteringOf(const gpu::Multiple& multiple) {
+    return multiple.cells > 0     ? gpu::kScatteringPropagation
+           : multiple.octaves > 1 ? gpu::kScatteringOctaves
+                                  : gpu::kScatteringSingle;
+}
+inline uint32_t scatteringOf(const RenderSettings& settings) {
+    return settings.scattering == "octaves"       ? gpu::kScatteringOctaves
+           : settings.scattering == "propagation" ? gpu::kScatteringPropagation
+                                                  : gpu::kScatteringSingle;
+}
 
 } // namespace brume

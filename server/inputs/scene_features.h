@@ -20,13 +20,14 @@ struct SceneFeatures {
     bool local_lights = false; // True: there are points or spots
     bool balls = false;        // True: the medium is the union of balls
     bool glass = false;        // True: there are sheets of glass
+    bool tetrahedra = false;   // True: the medium is of tetrahedra
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
         return {opaque || o.opaque,   meshes || o.meshes,   bodies || o.bodies,
                 casters || o.casters, ambient || o.ambient, lobe || o.lobe,
                 fog || o.fog,         glow || o.glow,       local_lights || o.local_lights,
-                balls || o.balls,     glass || o.glass};
+                balls || o.balls,     glass || o.glass,     tetrahedra || o.tetrahedra};
     }
 };
 
@@ -57,6 +58,7 @@ inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now, const S
     all.ambient |= scene.sky.ambient != glm::vec3(0);
     all.lobe |= hasLobe(now.medium);
     all.balls |= now.medium.model == kUnionMedium;
+    all.tetrahedra |= now.medium.model == kTetrahedraMedium;
     return all;
 }
 // Takes out of the lists what shaders that are compiled for `features` do not draw.

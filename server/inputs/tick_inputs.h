@@ -13,6 +13,8 @@
 
 namespace brume {
 
+struct TetrahedraBuffers; // server/light/tetrahedra_buffers.h
+
 struct TickInputs {
     const RenderSettings* settings = nullptr;  // in use: every choice is made
     uint64_t number = 0;                       // number of the tick
@@ -41,9 +43,10 @@ struct TickInputs {
     const gpu::Buffer* planes = nullptr;       // bytes of all finished pictures, each laid out as PlaneLayout says
     const gpu::Sampler* linear = nullptr;
     const gpu::Sampler* nearest = nullptr;
-    float lobe_width = 1;   // rad, PhaseLobes::width()
-    SceneFeatures features; // that shaders are compiled for
-    bool needs_rays = true; // needsRays() the tick
+    float lobe_width = 1;                          // rad, PhaseLobes::width()
+    SceneFeatures features;                        // that shaders are compiled for
+    bool needs_rays = true;                        // needsRays() the tick
+    const TetrahedraBuffers* tetrahedra = nullptr; // null: the medium is not of tetrahedra
     // True: the passes before were the same group's in another hue, and what no colour changes is there already.
     bool again = false;
     uint32_t hue = 0;                                  // index of the hue that is drawn

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "server/light/flux_sizes.h"
 #include "shaders/flux_cells_comp.h"
 #include "shaders/flux_coarser_comp.h"
 #include "shaders/flux_finer_comp.h"
@@ -14,7 +15,7 @@ using gpu::storageBuffer;
 
 namespace {
 
-constexpr uint32_t kFluxes = 6, kLanes = 64, kPassLanes = 256;
+constexpr uint32_t kLanes = 64, kPassLanes = 256;
 constexpr uint32_t kFewCells = 2048; // of a grid: one workgroup makes all of its steps
 
 struct Push { // as in the shaders
@@ -62,13 +63,13 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     fit(commands, side, channels * side);
     uint32_t count = 0; // of the cells of all grids
     for (uint32_t level = 0; level < gpu::kFluxLevels; ++level) count += cellsOf(side >> level);
-    const auto make = [&](gpu::Buffer& buffer, VkDeviceSize floats, VkBufferUsageFlags usage, const char* name) {
-        buffer.atLeast(device_, floats * sizeof(float), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, gpu::Memory::device,
-                       name);
+    const auto make = [&](gpu::Buffer& buffer, VkDeviceSize bytes, VkBufferUsageFlags usage, const char* name) {
+        buffer.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, gpu::Memory::device, name);
     };
-    make(cells_, VkDeviceSize(count) * (1 + channels), 0, "cells of fluxes");
-    make(fluxes_, VkDeviceSize(count) * channels * kFluxes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "fluxes");
-    make(fluence_, VkDeviceSize(cellsOf(side)) * channels * 4, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "fluence of cells");
+    const FluxSizes sizes = fluxSizes(side, channels);
+    make(cells_, sizes.cells, 0, "cells of fluxes");
+    make(fluxes_, sizes.fluxes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "fluxes");
+    make(fluence_, sizes.fluence, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "fluence of cells");
 
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
     vkCmdFillBuffer(cmd, fluxes_.handle(), 0, VK_WHOLE_SIZE, 0);

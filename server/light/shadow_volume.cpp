@@ -5,6 +5,7 @@
 
 #include "shaders/shadow_particles_comp.h"
 #include "shaders/shadow_volume_comp.h"
+#include "shaders/tetrahedra_shadow_comp.h"
 
 namespace brume {
 
@@ -59,20 +60,51 @@ void ShadowVolume::fit(VkCommandBuffer cmd, const gpu::Tick& tick) {
     gpu::toGeneral(cmd, image_);
 }
 
+template <class Record>
+void ShadowVolume::inBands(VkCommandBuffer cmd, const gpu::Tick& tick, const Record& record) {
+    // Through a buffer, which a CPU driver stores to several times faster than to an image.
+    const VkDeviceSize row = VkDeviceSize(tick.map.texels.x) * image_.layers() * sizeof(glm::vec4); // of texels
+    const uint32_t all = gpu::groups(tick.map.texels.y, kRows);
+    const uint32_t most = uint32_t(std::clamp<VkDeviceSize>(kMostStaged / (row * kRows), 1, all));
+    texels_.atLeast(device_, row * std::min(tick.map.texels.y, most * kRows),
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
+                    "shadow texels");
+    for (uint32_t first = 0; first < all; first += most) {
+        const uint32_t rows = std::min(most, all - first);
+        record(first, rows);
+        gpu::computeToTransfer(cmd);
+        VkBufferImageCopy copy{};
+        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, image_.layers()};
+        copy.imageOffset = {0, int32_t(first * kRows), 0};
+        copy.imageExtent = {tick.map.texels.x, std::min(rows * kRows, tick.map.texels.y - first * kRows), 1};
+        vkCmdCopyBufferToImage(cmd, texels_.handle(), image_.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+        gpu::everythingBefore(cmd); // the next band uses the buffer again; draws read the image
+    }
+}
+
 bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                          const gpu::Buffer& particles, bool same_particles) {
+                          const gpu::Buffer& particles, bool same_particles, const TetrahedraBuffers* tetrahedra) {
     if (image_ && same_particles && sameVolume(tick, last_)) return false;
     last_ = tick;
+    const gpu::Commands::Pass pass(commands, tetrahedra ? "tetrahedra shadow" : "shadow volume");
+    fit(commands.handle(), tick);
+    gpu::everythingBefore(commands.handle()); // the last tick's viewers have read it
+    if (tetrahedra)
+        recordTetrahedra(commands, tick_block, tick, particles, *tetrahedra);
+    else
+        recordParticles(commands, tick_block, tick, particles);
+    return true;
+}
+
+void ShadowVolume::recordParticles(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+                                   const gpu::Buffer& particles) {
     const VkCommandBuffer cmd = commands.handle();
-    const gpu::Commands::Pass pass(commands, "shadow volume");
-    fit(cmd, tick);
     const Bins bins{{gpu::groups(tick.map.texels.x, shape_.lanes), gpu::groups(tick.map.texels.y, kRows),
                      gpu::groups(tick.map.slices - 1, kGroup)},
                     gpu::groups(std::max(tick.particle_count, 1u), 256) * 8};
     const VkDeviceSize bytes = VkDeviceSize(bins.tiles.x + bins.tiles.y + bins.tiles.z) * bins.words * sizeof(uint32_t);
     bits_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                   gpu::Memory::device, "shadow bins");
-    gpu::everythingBefore(cmd); // the last tick's viewers have read it
     vkCmdFillBuffer(cmd, bits_.handle(), 0, bytes, 0);
     gpu::transferToCompute(cmd);
     particles_.bind(
@@ -80,28 +112,29 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_blo
         {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, bits_)}, bins);
     vkCmdDispatch(cmd, gpu::groups(std::max(tick.particle_count, 1u), 64), 1, 1);
     gpu::computeToCompute(cmd);
-
-    // Band by band through a buffer, which a CPU driver stores to several times faster than to an image.
-    const VkDeviceSize row = VkDeviceSize(tick.map.texels.x) * image_.layers() * sizeof(glm::vec4); // of texels
-    const uint32_t most_rows = uint32_t(std::clamp<VkDeviceSize>(kMostStaged / (row * kRows), 1, bins.tiles.y));
-    texels_.atLeast(device_, row * std::min(tick.map.texels.y, most_rows * kRows),
-                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
-                    "shadow texels");
-    for (uint32_t first = 0; first < bins.tiles.y; first += most_rows) {
-        const Band band{bins, first, std::min(most_rows, bins.tiles.y - first)};
+    inBands(cmd, tick, [&](uint32_t first, uint32_t rows) {
+        const Band band{bins, first, rows};
         volume_.bind(
             commands,
             {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)}, band);
         vkCmdDispatch(cmd, gpu::groups(gpu::groups(bins.tiles.x * band.rows, 8) * 8, shape_.tiles), 1, 1);
-        gpu::computeToTransfer(cmd);
-        VkBufferImageCopy copy{};
-        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, image_.layers()};
-        copy.imageOffset = {0, int32_t(first * kRows), 0};
-        copy.imageExtent = {tick.map.texels.x, std::min(band.rows * kRows, tick.map.texels.y - first * kRows), 1};
-        vkCmdCopyBufferToImage(cmd, texels_.handle(), image_.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
-        gpu::everythingBefore(cmd); // the next band uses the buffer again; draws read the image
-    }
-    return true;
+    });
+}
+
+void ShadowVolume::recordTetrahedra(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
+                                    const gpu::Buffer& particles, const TetrahedraBuffers& tetrahedra) {
+    if (!tetrahedra_)
+        tetrahedra_ =
+            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tetrahedra_shadow_comp, "tetrahedra_shadow"});
+    inBands(commands.handle(), tick, [&](uint32_t first, uint32_t rows) {
+        const gpu::TetrahedraBand band{first * kRows, rows * kRows, image_.layers(), tetrahedra.faceCount()};
+        tetrahedra_.bind(commands,
+                         {tick_block, storageBuffer(2, particles), storageBuffer(3, tetrahedra.cells),
+                          storageBuffer(4, tetrahedra.faces), storageBuffer(5, texels_),
+                          storageBuffer(6, tetrahedra.nodes)},
+                         band);
+        vkCmdDispatch(commands.handle(), gpu::groups(tick.map.texels.x, 8), rows, 1);
+    });
 }
 
 } // namespace brume

@@ -7,7 +7,7 @@
 
 namespace brume {
 
-MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float falloff, float cut) {
+MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float falloff, float cut, bool corners) {
     MediumExtent extent;
     if (particles.empty()) return extent;
     extent.albedo = particles.front().albedo;
@@ -40,6 +40,11 @@ MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float fallof
         extent.lo = extent.hi = glm::vec3(0);
         return extent;
     }
+    if (corners)
+        for (const gpu::Particle& p : particles) {
+            extent.lo = glm::min(extent.lo, p.centre);
+            extent.hi = glm::max(extent.hi, p.centre);
+        }
     extent.deviation = float(std::pow(fineness / mass, -0.25));
     return extent;
 }

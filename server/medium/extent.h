@@ -18,8 +18,8 @@ struct MediumExtent {
     glm::vec3 albedo{1};    // the first particle's
 };
 
-// `cut`: gpu::Tick::cut.
-MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float falloff, float cut);
+// `cut`: gpu::Tick::cut. `corners`: true for particles that are corners of tetrahedra, which all count.
+MediumExtent mediumExtent(std::span<const gpu::Particle> particles, float falloff, float cut, bool corners = false);
 
 // View depths (m) of the medium's bounds, from `eye` along `forward` (unit). Negative depths are behind the eye.
 struct DepthRange {

@@ -16,12 +16,13 @@ namespace brume {
 namespace {
 
 // Version of the file. It grows when a pass is new, counts its work in another unit, or is timed otherwise.
-constexpr int kVersion = 10;
+constexpr int kVersion = 11;
 
-constexpr const CostInfo* kCommon[] = {&costs::kUpload,          &costs::kOpaqueShadow, &costs::kShadowVolume,
-                                       &costs::kParticleLight,   &costs::kOpaque,       &costs::kCompose,
-                                       &costs::kLocalLightDepth, &costs::kLocalLight,   &costs::kLitSurfaces,
-                                       &costs::kShafts,          &costs::kPropagation};
+constexpr const CostInfo* kCommon[] = {
+    &costs::kUpload,        &costs::kOpaqueShadow, &costs::kShadowVolume, &costs::kTetrahedraShadow,
+    &costs::kParticleLight, &costs::kOpaque,       &costs::kCompose,      &costs::kLocalLightDepth,
+    &costs::kLocalLight,    &costs::kLitSurfaces,  &costs::kShafts,       &costs::kPropagation,
+    &costs::kGlass};
 
 std::vector<const CostInfo*> collected() {
     std::vector<const CostInfo*> all(std::begin(kCommon), std::end(kCommon));

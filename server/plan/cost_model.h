@@ -23,14 +23,16 @@ inline constexpr CostInfo kUpload{"upload", "upload", 38};                    //
 inline constexpr CostInfo kOpaqueShadow{"opaque_shadow", "opaque shadow", 2}; // texels x casters
 // Particles x cells that they reach, plus the cells.
 inline constexpr CostInfo kShadowVolume{"shadow_volume", "shadow volume", 0.12};
-inline constexpr CostInfo kParticleLight{"particle_light", "particle light", 130}; // particles
-inline constexpr CostInfo kOpaque{"opaque", "opaque", 7.3};                        // pixels x (1 + objects)
-inline constexpr CostInfo kCompose{"compose", "compose", 11};                      // pixels
+inline constexpr CostInfo kTetrahedraShadow{"tetrahedra_shadow", "tetrahedra shadow", 23}; // texels x tetrahedra behind
+inline constexpr CostInfo kParticleLight{"particle_light", "particle light", 130};         // particles
+inline constexpr CostInfo kOpaque{"opaque", "opaque", 7.3};                                // pixels x (1 + objects)
+inline constexpr CostInfo kCompose{"compose", "compose", 11};                              // pixels
 // Of points and spots. Lights that particles dim x particles.
 inline constexpr CostInfo kLocalLightDepth{"local_light_depth", "local light depth", 160000};
 inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local light", 60}; // ViewWork::localPieces()
 // Hues x channels x cells x iterations of all grids, with scattering = "propagation".
 inline constexpr CostInfo kPropagation{"propagation", "propagation", 75};
+inline constexpr CostInfo kGlass{"glass", "glass", 12};                // pixels x (1 + layers) x (1 + sheets)
 inline constexpr CostInfo kShafts{"shafts", "shafts", 11};             // pixels x (1 + casters)
 inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
 } // namespace costs

@@ -4,9 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "common/tetrahedra.h"
+#include "server/light/flux_sizes.h"
 #include "server/methods/plans.h"
 #include "server/sim/columns.h"
 #include "shaders/shared/splat.h"
+#include "shaders/shared/tetrahedra.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -35,6 +38,18 @@ uint64_t deviceBytes() { // of one particle
 } // namespace
 
 ParticleMemory particleMemory(uint32_t count) { return {kCpu * count, deviceBytes() * count}; }
+
+uint64_t propagationMemory(const gpu::Multiple& multiple, uint32_t hues) {
+    return multiple.cells > 0 ? hues * fluxSizes(multiple.cells, multiple.channels).all() : 0;
+}
+
+ParticleMemory tetrahedraMemory(const Tetrahedra* mesh) {
+    if (!mesh) return {};
+    const uint64_t cells = mesh->corners.size(), faces = mesh->faces.size(), nodes = mesh->tree.size();
+    // The tree is there twice: of the file, and as the corners lie now.
+    return {cells * 2 * sizeof(glm::uvec4) + faces * sizeof(Tetrahedra::Face) + 2 * nodes * sizeof(BoundingNode),
+            cells * sizeof(gpu::Tetrahedron) + faces * sizeof(gpu::TetrahedraFace) + nodes * sizeof(gpu::ObjectNode)};
+}
 
 std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides) {
     const uint64_t all = particleMemory(count).total() + besides;

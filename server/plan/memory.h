@@ -1,10 +1,14 @@
-// Memory that a scene's particles need, estimated before any of it is allocated.
+// Memory that a scene's particles and its light need, estimated before any of it is allocated.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
+#include "shaders/shared/types.h"
+
 namespace brume {
+
+struct Tetrahedra;
 
 struct ParticleMemory {
     uint64_t cpu = 0;    // bytes: the simulation's columns, twice for a restart, and the renderer's lists
@@ -15,6 +19,12 @@ struct ParticleMemory {
 // Upper bound for `count` particles, with levels of detail, a picture of 1920 x 1080 and three submissions in flight.
 // Memory that does not grow with the count (pictures, shadow maps, fields of slabs) is left out.
 ParticleMemory particleMemory(uint32_t count);
+
+// Bytes on the device for scattering = "propagation"; 0 without it. `hues`: huesOf().
+uint64_t propagationMemory(const gpu::Multiple& multiple, uint32_t hues);
+
+// Bytes of the CPU's memory and of the device's for a mesh; nothing for null.
+ParticleMemory tetrahedraMemory(const Tetrahedra* mesh);
 
 // Empty if `count` particles fit `most` bytes, with `besides` bytes that do not depend on them; otherwise one line that
 // says how many would fit.

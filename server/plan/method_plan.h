@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/plan/cost_model.h"
@@ -56,9 +57,8 @@ public:
     }
     // True: it draws fog, and makes a field that local lights are seen through.
     virtual bool drawsFogAndLocalLights() const { return false; }
-    // Which media it draws (Medium::model).
-    virtual bool drawsSum() const { return true; }
-    virtual bool drawsUnion() const { return false; }
+    // True: it draws media of this Medium::model.
+    virtual bool draws(std::string_view model) const { return model == kSumMedium; }
     // True: it draws light that scatters more than once (RenderSettings::scattering).
     virtual bool drawsMultiple() const { return false; }
     // True: it traces rays that are settings.rate pixels apart, and every view may have its own rate.
@@ -81,9 +81,11 @@ inline std::string fogRefusal(const MethodPlan& method) {
 
 // Why a scene's medium is not for a method, one line; empty: it is.
 inline std::string mediumRefusal(const MethodPlan& method, const SceneFeatures& features) {
-    if (features.balls ? method.drawsUnion() : method.drawsSum()) return {};
-    return std::string(method.name()) + (features.balls ? ": it draws no medium.model = \"union\"; use sprites or tiles"
-                                                        : ": it draws medium.model = \"union\" only");
+    const auto [model, others] = features.balls        ? std::pair(kUnionMedium, "sprites or tiles")
+                                 : features.tetrahedra ? std::pair(kTetrahedraMedium, "tetrahedra")
+                                                       : std::pair(kSumMedium, "slabs or grid");
+    if (method.draws(model)) return {};
+    return std::string(method.name()) + ": it draws no medium.model = \"" + model + "\"; use " + others;
 }
 
 // Why scattering as the settings ask for is not for a method, one line; empty: it is.

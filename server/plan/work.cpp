@@ -61,6 +61,8 @@ double cellsTouched(double lo, double hi, double size, double count) {
     return std::max(last - first, 0.0);
 }
 
+double tetrahedraOnRay(uint32_t corners) { return 1 + 2 * std::cbrt(5.0 * corners); }
+
 double groupsOf(uint32_t count, uint32_t size) { return std::ceil(double(count) / double(size)); }
 
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
@@ -86,6 +88,10 @@ Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow) {
     const ShadowResolution& map = shadow.resolution;
     const glm::vec3 size = scene.tick.map.hi - scene.tick.map.lo;
     const glm::vec3 cell = size / glm::vec3(glm::vec2(map.texels), float(std::max(map.slices, 2u) - 1));
+    if (scene.features.tetrahedra) {
+        work[costs::kTetrahedraShadow] = double(map.texels.x) * map.texels.y * tetrahedraOnRay(scene.particles);
+        return work;
+    }
     double touched = 0;
     for (const gpu::Particle& p : scene.sample) {
         const double reach = 2 * scene.support(p);
@@ -165,8 +171,8 @@ void ViewWork::addLayers(bool has_rays, Work& work) const {
     }
     layer *= layers_;
     work += layer;
-    const uint32_t sums = layers_ > 0 ? layers_ + 1 : 0, own = has_rays ? 1 : 0; // and a field's picture
-    work[costs::kCompose] += pixels() * (sums + own);
+    if (has_rays) work[costs::kCompose] += pixels(); // a field's picture
+    if (layers_ > 0) work[costs::kGlass] += pixels() * (1 + layers_) * (1 + double(scene_.glasses.size()));
 }
 
 bool ViewWork::inside() const { return near_ <= kNear; }

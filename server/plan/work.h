@@ -141,5 +141,8 @@ private:
 double cellsTouched(double lo, double hi, double size, double count);
 // Number of groups of `size` that cover `count` items.
 double groupsOf(uint32_t count, uint32_t size);
+// Tetrahedra that a ray meets, of a mesh that fills a cube: it has some five for each corner, and of n a ray meets
+// about 2 n^(1/3).
+double tetrahedraOnRay(uint32_t corners);
 
 } // namespace brume

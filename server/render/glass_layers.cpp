@@ -30,7 +30,7 @@ uint32_t GlassLayers::layersOf(const EyeInputs& in) const {
 
 void GlassLayers::record(gpu::Commands& commands, const ViewGroup& group, uint32_t drawn, uint32_t layers) {
     const EyeInputs& in = *group.any;
-    const gpu::Commands::Pass pass(commands, "compose", in.view); // as the plan counts it
+    const gpu::Commands::Pass pass(commands, "glass", in.view);
     if (!program_) program_ = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, glass_comp, "glass"});
     const gpu::View& view = group.views.front();
     const gpu::GlassPush push{uint32_t(glasses_.size()), drawn, layers, view.first, view.end};

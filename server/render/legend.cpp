@@ -56,6 +56,7 @@ constexpr Legend kAll[kLegends]{
     {gpu::kShowParticles, "PARTICLES IN 16 X 16 PIXELS", kCounts},
     {gpu::kShowRays, "SLABS WITH MEDIUM ON EACH RAY", kSlabs},
     {gpu::kShowRays, "THIS METHOD HAS NO COARSE RAYS", {}},
+    {gpu::kShowDepth, "OF GAUSSIANS: THIS MEDIUM HAS NONE", {}},
     {gpu::kShowDepth, "OPTICAL DEPTH BEFORE SURFACES", kDepths},
     {gpu::kShowShadow, "OPTICAL DEPTH TO THE SUN, BY PLANES", kDepths},
     {gpu::kShowLight, "SUNLIGHT THAT ARRIVES AT PARTICLES", kParts},

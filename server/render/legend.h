@@ -31,6 +31,7 @@ enum class LegendOf : uint32_t {
     particles,
     rays,
     no_rays,
+    no_gaussians,
     depth,
     shadow,
     light,

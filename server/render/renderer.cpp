@@ -26,7 +26,9 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capac
       local_lights_(device), surfaces_(device, objects_.counts(), !scene.triangles.empty()), shafts_(device),
       depth_order_(device, capacity), compose_(device), glass_(device, scene.glasses), probe_(device), cells_(device),
       linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
-      coarse_targets_(device) {}
+      coarse_targets_(device) {
+    if (scene.tetrahedra) tetrahedra_.emplace(device, scene.tetrahedra);
+}
 
 Renderer::~Renderer() = default;
 
@@ -53,6 +55,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     fitPictures(s, eyes, full || hues_.size() > 1);
     probe_.prepare(s.probe);
     upload_.take(simulation, scene_, now_, objects_.all(), eyes, s.particles_);
+    if (tetrahedra_ && upload_.moved()) tetrahedra_->follow(upload_.list());
     writeLocalLights(s, eyes);
     const bool behind_balls = (features_.balls && features_.opaque) || needs.union_path;
     if (behind_balls) {
@@ -218,7 +221,8 @@ void Renderer::recordLight(Submission& s) {
     MediumView& all = upload_.all();
     opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects(), objects_.all());
     mesh_shadow_.record(s.commands, all.tick, upload_.tick(), meshes_);
-    if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved())) {
+    if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved(),
+                              tetrahedra_ ? &*tetrahedra_ : nullptr)) {
         invalidateParticleLight();
         for (Propagation& hue : propagation_) hue.invalidate();
     }
@@ -284,6 +288,7 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .lobe_width = float(lobesOf(now_.medium).width()),
                .features = features_,
                .needs_rays = needsRays(upload_.tick()),
+               .tetrahedra = tetrahedra_ ? &*tetrahedra_ : nullptr,
                .uses_target = features_.opaque || compose_.keepsRadiance()};
     enterHue(0);
     shared_.objects_bounds.add(meshes_.bounds);

@@ -11,6 +11,7 @@
 #include "server/light/particle_light.h"
 #include "server/light/propagation.h"
 #include "server/light/shadow_volume.h"
+#include "server/light/tetrahedra_buffers.h"
 #include "server/light/union_path.h"
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
@@ -152,6 +153,7 @@ private:
     std::optional<SceneFeatures> lists_; // nothing: all that there are
     const SceneFeatures besides_;        // those that are drawn with, whatever the scene has
     TickUpload upload_;
+    std::optional<TetrahedraBuffers> tetrahedra_; // of a medium of them
     ShadowVolume shadow_volume_;
     OpaqueShadow opaque_shadow_;
     MeshShadow mesh_shadow_;

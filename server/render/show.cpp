@@ -18,6 +18,9 @@ uint32_t squaresOf(uint32_t show) { return show == gpu::kShowRays ? 16 : 32; }
 
 bool asksParticles(uint32_t show) { return show != gpu::kShowShadow && show != gpu::kShowError; }
 
+// True: the view shows what Gaussians do, not only where they are.
+bool isOfGaussians(uint32_t show) { return asksParticles(show) && show != gpu::kShowLight; }
+
 // Mean radius of what is looked for around a particle, over its standard deviation: of spheres, and where a Gaussian
 // has ended; of tetrahedra; and of discs.
 double reachOf(uint32_t show, bool spheres, double falloff) {
@@ -63,6 +66,9 @@ Detail detailOf(const ViewGroup& group, const gpu::View& view, bool spheres, dou
 // Methods that draw every particle within its whole support cover pixels with spheres.
 bool coversWithSpheres(const std::string& method) { return method == "sphere" || method == "tiles"; }
 
+// False: all of a tetrahedron has the extinction of its centre.
+bool fades(const RenderSettings& settings) { return settings.method != "isv" || settings.isv.fading; }
+
 } // namespace
 
 void Show::prepare(std::span<const EyeRequest> eyes, bool full) {
@@ -103,11 +109,13 @@ void Show::makeLegends() {
     legends_.flush();
 }
 
-const gpu::ComputeProgram& Show::programFor(uint32_t show, const SceneFeatures& features) {
-    gpu::ComputeProgram& program = programs_[{show, features.opaque, features.casters, full_}];
+const gpu::ComputeProgram& Show::programFor(uint32_t show, const SceneFeatures& features, bool fading) {
+    if (show != gpu::kShowWasted && show != gpu::kShowOverdraw) fading = true; // others do not ask
+    gpu::ComputeProgram& program = programs_[{show, fading, features.opaque, features.casters, full_}];
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, show_comp, "show"},
                                       {{gpu::kIdShow, show},
+                                       {gpu::kIdFading, fading},
                                        {gpu::kIdHasOpaque, features.opaque},
                                        {gpu::kIdHasCasters, features.casters},
                                        {gpu::kIdFull, full_}});
@@ -115,6 +123,7 @@ const gpu::ComputeProgram& Show::programFor(uint32_t show, const SceneFeatures& 
 }
 
 LegendOf Show::legendFor(const ViewGroup& group, const gpu::View& view, uint32_t discs) const {
+    if (group.any->shared->features.tetrahedra && isOfGaussians(view.eye.show)) return LegendOf::no_gaussians;
     switch (view.eye.show) {
     case gpu::kShowWasted:
         return LegendOf::wasted;
@@ -154,7 +163,7 @@ void Show::record(gpu::Commands& commands, const ViewGroup& group) {
         const uint32_t side = squaresOf(show) * detail.step;
         uint32_t items = gpu::groups(in.medium->count, detail.every);
         if (show == gpu::kShowError) items = eye->discs;
-        if (legend == LegendOf::no_rays) items = 0;
+        if (legend == LegendOf::no_rays || legend == LegendOf::no_gaussians) items = 0;
         const gpu::ShowPush push{.items = items,
                                  .every = detail.every,
                                  .step = detail.step,
@@ -165,7 +174,7 @@ void Show::record(gpu::Commands& commands, const ViewGroup& group) {
                                  .legend_scale =
                                      std::max(1u, std::min(view.eye.size.y / 360, view.eye.size.x / placed.size.x))};
         gpu::computeToCompute(cmd);
-        programFor(show, in.shared->features)
+        programFor(show, in.shared->features, fades(*in.shared->settings))
             .bind(commands,
                   {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, *in.medium->particles),
                    gpu::storageBuffer(3, *in.shared->planes),

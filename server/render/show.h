@@ -26,7 +26,7 @@ public:
 
 private:
     void makeLegends();
-    const gpu::ComputeProgram& programFor(uint32_t show, const SceneFeatures& features);
+    const gpu::ComputeProgram& programFor(uint32_t show, const SceneFeatures& features, bool fading);
     LegendOf legendFor(const ViewGroup& group, const gpu::View& view, uint32_t discs) const;
 
     // One eye of the submission.
@@ -43,8 +43,9 @@ private:
         uint32_t first = 0; // word
         glm::uvec2 size{0};
     };
-    std::vector<Placed> placed_;                                                     // of every legend in legends_
-    std::map<std::tuple<uint32_t, bool, bool, bool>, gpu::ComputeProgram> programs_; // by view, opaque, casters, full
+    std::vector<Placed> placed_; // of every legend in legends_
+    // By view, fading, opaque, casters, full.
+    std::map<std::tuple<uint32_t, bool, bool, bool, bool>, gpu::ComputeProgram> programs_;
 };
 
 } // namespace brume

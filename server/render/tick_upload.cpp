@@ -31,10 +31,11 @@ void TickUpload::take(const Simulation& simulation, const Scene& scene, const Sc
     tick_ = makeTick(scene, now, now_, objects);
     if (std::exchange(forgotten_, false) || moved_ || tick_.falloff != before.falloff || tick_.cut != before.cut) {
         ++all_.version;
-        extent_ = mediumExtent(now_, tick_.falloff, tick_.cut);
+        extent_ = mediumExtent(now_, tick_.falloff, tick_.cut, now.medium.model == kTetrahedraMedium);
     }
     std::span<const gpu::Particle> ordered = now_;
-    if (now_.size() >= kLargeMedium) {
+    // Tetrahedra know their corners by number.
+    if (now_.size() >= kLargeMedium && now.medium.model != kTetrahedraMedium) {
         ordered_.resize(now_.size());
         if (moved_) order_.sort(now_, ordered_);
         ordered = ordered_;

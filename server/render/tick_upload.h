@@ -40,6 +40,8 @@ public:
     const MediumExtent& extent() const { return extent_; }
     bool moved() const { return moved_; } // True: the particles are not those of the last submission
     const gpu::Buffer& particles() const { return particles_; }
+    // What take() took, in the simulation's order; valid until submitted().
+    std::span<const gpu::Particle> list() const { return now_; }
 
     // All particles, and what eye number `eye` sees.
     MediumView& all() { return all_; }

@@ -8,6 +8,7 @@
 
 #include "common/camera.h"
 #include "common/scene_limits.h"
+#include "common/tetrahedra.h"
 #include "common/text.h"
 #include "server/sim/point_cloud.h"
 #include "server/sim/simulation.h"
@@ -51,9 +52,21 @@ std::string rangeOf(const Cloud& cloud, Member member) {
     return rangeText((*lo).*member, (*hi).*member);
 }
 
+// The integral of the extinction over a tetrahedron.
+double massOf(const glm::uvec4& cell, const std::vector<gpu::Particle>& corners) {
+    const auto &a = corners[cell.x], &b = corners[cell.y], &c = corners[cell.z], &d = corners[cell.w];
+    const glm::dvec3 from(a.centre), across = glm::cross(glm::dvec3(b.centre) - from, glm::dvec3(c.centre) - from);
+    const double volume = std::abs(glm::dot(across, glm::dvec3(d.centre) - from)) / 6;
+    return volume * (double(a.sigma_t) + double(b.sigma_t) + double(c.sigma_t) + double(d.sigma_t)) / 4;
+}
+
 // Mean optical depth of the cloud's box, seen along the axes.
 double depthOf(const Cloud& cloud) {
     double mass = 0; // integral of the extinction over the volume
+    if (cloud.scene.tetrahedra) {
+        for (const glm::uvec4& cell : cloud.scene.tetrahedra->corners) mass += massOf(cell, cloud.particles);
+        return mass > 0 ? opticalDepth(mass, cloud.bounds.lo, cloud.bounds.hi, 0) : 0;
+    }
     for (const gpu::Particle& p : cloud.particles)
         mass += double(p.sigma_t) * std::pow(double(cloud.deviation(p)) * 2.50662827, 3);
     return opticalDepth(mass, cloud.bounds.lo, cloud.bounds.hi, double(cloud.reach()));
@@ -73,6 +86,14 @@ bool seesAny(const Cloud& cloud) {
     const Pose pose = lookAt(camera.position, camera.target, camera.fov_y);
     const Frustum frustum = frustumOf(pose, kWidth, kHeight);
     const glm::mat3 view_from_world = glm::mat3_cast(glm::conjugate(pose.orientation));
+    if (cloud.scene.tetrahedra)
+        return std::ranges::any_of(cloud.scene.tetrahedra->corners, [&](const glm::uvec4& cell) {
+            glm::vec3 middle(0);
+            for (int m = 0; m < 4; ++m) middle += 0.25f * cloud.particles[cell[m]].centre;
+            float reach = 0;
+            for (int m = 0; m < 4; ++m) reach = std::max(reach, glm::distance(middle, cloud.particles[cell[m]].centre));
+            return sees(frustum, view_from_world * (middle - pose.position), reach);
+        });
     return std::any_of(cloud.particles.begin(), cloud.particles.end(), [&](const gpu::Particle& p) {
         return sees(frustum, view_from_world * (p.centre - pose.position), kVisibleDeviations * cloud.deviation(p));
     });
@@ -115,15 +136,19 @@ std::string ignoredText(const PointCloudFacts& facts) {
 std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
     const Cloud cloud(scene, simulation);
     const double depth = depthOf(cloud);
-    return oneLine(fmt::format(
-        "{} '{}': {}{} points in {}; scale {} m ({}); extinction {} 1/m ({}); {}; {}; "
-        "optical depth about {:.2g}{}",
-        kind(cloud.facts), scene.medium.file.string(),
-        cloud.facts.sequence.empty() ? "" : cloud.facts.sequence + "; the first file: ", cloud.particles.size(),
-        cloud.boxText(), rangeOf(cloud, &gpu::Particle::scale), cloud.facts.sizes_from,
-        rangeOf(cloud, &gpu::Particle::sigma_t), cloud.facts.extinctions_from,
-        cloud.facts.coloured ? "with colours" : "no colours", ignoredText(cloud.facts), depth,
-        depth < kNearlyNothing ? ", nearly transparent: medium.extinction changes it" : ""));
+    const std::string before = scene.tetrahedra ? fmt::format("{} tetrahedra of ", scene.tetrahedra->corners.size())
+                               : cloud.facts.sequence.empty() ? ""
+                                                              : cloud.facts.sequence + "; the first file: ";
+    const std::string sizes = scene.tetrahedra ? ""
+                                               : fmt::format("scale {} m ({}); ", rangeOf(cloud, &gpu::Particle::scale),
+                                                             cloud.facts.sizes_from);
+    return oneLine(fmt::format("{} '{}': {}{} points in {}; {}extinction {} 1/m ({}); {}; {}; "
+                               "optical depth about {:.2g}{}",
+                               kind(cloud.facts), scene.medium.file.string(), before, cloud.particles.size(),
+                               cloud.boxText(), sizes, rangeOf(cloud, &gpu::Particle::sigma_t),
+                               cloud.facts.extinctions_from, cloud.facts.coloured ? "with colours" : "no colours",
+                               ignoredText(cloud.facts), depth,
+                               depth < kNearlyNothing ? ", nearly transparent: medium.extinction changes it" : ""));
 }
 
 std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/scene_limits.h"
+#include "common/tetrahedra.h"
 #include "server/sim/homes.h"
 #include "server/sim/kernels.h"
 #include "server/sim/layout.h"
@@ -95,6 +96,8 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
     if (scene.medium.model == kUnionMedium && double(rows) > limits::kUnionCount.hi)
         throw SceneError("medium.model: \"union\" of " + std::to_string(rows) + " particles; allowed: up to " +
                          std::to_string(int(limits::kUnionCount.hi)));
+    if (scene.tetrahedra && scene.tetrahedra->points != rows)
+        throw SceneError(scene.medium.file.string() + ": it changed while it was read; open the scene again");
     first_step = motion->runUp();
     while (steps < first_step) advance();
     now.light = sunOf(scene); // which the run-up has turned,
@@ -146,8 +149,8 @@ std::string Simulation::State::change(Edit edit) {
     tried = now.lists;
     std::string problem = edit(tried);
     if (problem.empty()) problem = problemOf(tried, now.medium.layout != Layout::none);
-    if (problem.empty() && now.medium.model == kUnionMedium && !(tried.fogs.empty() && tried.lights.empty()))
-        problem = "fog, points and spots are not drawn in a union medium";
+    if (problem.empty() && now.medium.model != kSumMedium && !(tried.fogs.empty() && tried.lights.empty()))
+        problem = "fog, points and spots are drawn only with medium.model = \"sum\"";
     if (!problem.empty()) return problem;
     std::swap(now.lists, tried);
     lists_changed = true;

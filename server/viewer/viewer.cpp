@@ -149,7 +149,7 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         // PNG is large: over a link that has queued, the next pose's picture would wait behind it.
         const bool lossless =
             made_detail_ == Detail::still && request.takes_png && request.show != kShowsErrors && !pacing_.bytes();
-        const bool collects = request.show == kShowsErrors && now - made_at_ >= kMeasuresEvery;
+        const bool collects = request.show == kShowsErrors && measurable_ && now - made_at_ >= kMeasuresEvery;
         if (!still_picture || (made_detail_ != Detail::moving && !lossless && !collects)) return {};
         if (quality_.level() > 0 || quality_.deviceLevel() > 0 || now - made_at_ < kRestsFor) return {};
         request.still_picture = true;
@@ -187,6 +187,7 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
     pacing_.issued(issued_, now);
     made_detail_ = request.lossless ? Detail::lossless : request.still_picture ? Detail::still : Detail::moving;
     made_at_ = now;
+    if (!request.still_picture) measurable_ = true;
     if (!request.still_picture || request.one_shot) made_ = request;
     scene_ = scene;
     return Due{issued_, request, again};
@@ -209,6 +210,11 @@ void Viewer::deliver(FramePtr frame) {
     }
     const std::scoped_lock lock(notify_mutex_);
     if (notify_) notify_();
+}
+
+void Viewer::cannotMeasure() {
+    const std::scoped_lock lock(mutex_);
+    measurable_ = false;
 }
 
 void Viewer::abandon(uint32_t frame_id) {

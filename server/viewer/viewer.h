@@ -83,7 +83,7 @@ public:
     // nothing: it always differs). `most_pixels`: of all its eyes together; a larger picture is made smaller, in
     // steps. `still_picture`: asks for refinements of a still picture instead. First, after
     // 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a link that does not
-    // queue. Each comes once, but for who looks at errors: that one gets more.
+    // queue. Each comes once, but for who looks at errors: that one gets more, unless nothing can be measured.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
                                        double most_pixels = std::numeric_limits<double>::infinity());
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.
@@ -100,6 +100,8 @@ public:
     // Delivers a frame that was handed out. It is dropped if a newer one has overtaken it; a superseded frame leaves
     // the window.
     void deliver(FramePtr frame);
+    // No pixel of its last picture can be measured: who looks at errors gets no more of it at rest.
+    void cannotMeasure();
     // A frame that was handed out could not be rendered: it leaves the window.
     void abandon(uint32_t frame_id);
     // This viewer's pictures cannot be drawn. Nothing is due any more, and its connection ends with this reason, one
@@ -141,6 +143,7 @@ private:
     Clock::time_point made_at_{};         // when a frame was last handed out
     std::optional<uint64_t> scene_;       // its version of the scene
     Detail made_detail_ = Detail::moving; // its refinement
+    bool measurable_ = true;              // False: cannotMeasure() was called since it was made
     double fit_ = 1;                      // factor on the sides of its pictures, for `most_pixels`
     uint32_t skipped_ = 0;                // frames skipped since the last one, for QualityStep::every
     std::optional<DeviceLoad> device_;    // since the last observe()

@@ -38,6 +38,11 @@ TEST(Truth, EveryPartOfAWorldIsInItsFilesName) {
         [](auto& w) { w.composition = reference::Composition::sequential; },
         [](auto& w) { w.balls.sigma_t = 1; },
         [](auto& w) { w.balls.balls[0].radius = 2; },
+        [](auto& w) { w.tetrahedra.cells.emplace_back(0, 1, 2, 3); },
+        [](auto& w) {
+            w.tetrahedra.cells.emplace_back(0, 1, 2, 3);
+            w.tetrahedra.corners.push_back({glm::dvec3(0), 1, glm::dvec3(1)});
+        },
         [](auto& w) { w.fogs[0].sigma_t = 0.1; },
         [](auto& w) { w.fogs[0].falloff = 0.1; },
         [](auto& w) { w.fogs.emplace_back(); },
@@ -190,11 +195,32 @@ error = "32x18"
 frames = 2
 degrees = 1
 set = ["medium.count=10"]
+[[series]]
+name = "Seams"
+kind = "seams"
+scenes = ["cloud"]
+error = "96x54"
+set = ["medium.count=40", "render.shadow_size=64"]
+variant = [
+    { name = "cut off", set = ["render.method=isv", "medium.falloff=5"] },
+    { name = "faded", set = ["render.method=isv", "medium.falloff=1"] },
+    { name = "whole", set = ["render.method=sphere"] },
+]
+[[series]]
+name = "Motion"
+kind = "motion"
+scenes = ["cloud"]
+error = "48x27"
+frames = 4
+set = ["medium.count=40", "render.method=isv"]
+variant = [
+    { name = "coarse", set = ["render.shadow_size=16", "render.shadow_slices=7"] },
+    { name = "fine", set = ["render.shadow_size=256", "render.shadow_slices=64"] },
+]
 )";
     Truth truth(here / "cache");
     json results = {{"device", "d"}, {"command", "c"}};
-    results["series"] =
-        runSweep(device(), loadSweep(here / "s.toml"), truth, {.seconds = 0, .least = 2, .only = ""});
+    results["series"] = runSweep(device(), loadSweep(here / "s.toml"), truth, {.seconds = 0, .least = 2, .only = ""});
     const json& rows = results["series"][0]["rows"];
     ASSERT_EQ(rows.size(), 4u);
     EXPECT_EQ(rows[0]["frames"], 2);
@@ -211,13 +237,23 @@ set = ["medium.count=10"]
     EXPECT_GT(light[0]["estimated"], 2 * light[1]["estimated"].get<double>());
     EXPECT_GT(light[0]["shadow_ms"], 0);
     EXPECT_LT(std::abs(results["series"][3]["rows"][0]["temporal_flip"].get<double>()), 0.05);
+    const json& seams = results["series"][4]["rows"];
+    EXPECT_GT(seams[0]["pixels"], 200);
+    EXPECT_GT(seams[0]["kink_p99"], 2 * seams[1]["kink_p99"].get<double>());
+    EXPECT_GT(seams[1]["seams"], 0);
+    EXPECT_EQ(seams[2]["seams"], 0);
+    EXPECT_EQ(seams[2]["kink_p99"], 0) << "the same picture";
+    const json& motion = results["series"][5]["rows"];
+    EXPECT_GT(motion[0]["flicker"], 4 * motion[1]["flicker"].get<double>());
+    EXPECT_GT(motion[1]["flicker"], 0);
+    EXPECT_GT(motion[0]["relative_rmse"], 4 * motion[1]["relative_rmse"].get<double>());
 
     writeReport(results, here, "r");
     std::stringstream text;
     text << std::ifstream(here / "r.md").rdbuf();
     for (const char* expected :
          {"## Ways <1>", "| two |", "| 4 | 1 |", "![time against error](r-ways-1-cloud-outside-48x27.svg)", "## JPEG",
-          "## Shadow map", "16 x 16 x 7", "## Orbit"})
+          "## Shadow map", "16 x 16 x 7", "## Orbit", "## Seams", "| kinks above 1 % |", "## Motion", "| flicker |"})
         EXPECT_NE(text.str().find(expected), std::string::npos) << expected;
     EXPECT_TRUE(fs::exists(here / "r-ways-1-cloud-outside-48x27.svg"));
     const std::string compared = compareResults(results, results);

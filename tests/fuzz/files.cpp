@@ -9,6 +9,7 @@
 #include "common/ply.h"
 #include "common/scene.h"
 #include "common/scene_limits.h"
+#include "common/tetrahedra.h"
 #include "server/plan/cost_model.h"
 #include "tests/fuzz/promise.h"
 
@@ -17,6 +18,26 @@ namespace {
 
 constexpr size_t kLongestRefusal = 2000; // an unknown key is answered with every key that there is
 bool within(glm::vec3 v, Limits allowed) { return allowed.holds(v.x) && allowed.holds(v.y) && allowed.holds(v.z); }
+
+void tetrahedra(const std::string& bytes) {
+    try {
+        PointCloud cloud = parsePly(bytes, "tetrahedra.ply", glm::dvec3(0), {.tetrahedra = true});
+        promise(cloud.dropped == 0 && cloud.sigma_t.size() == cloud.position.size(), "corners are complete");
+        promise(limits::kTetrahedra.holds(double(cloud.tetrahedra.size())), "a number of tetrahedra within limits");
+        const Tetrahedra all = connected(std::move(cloud.tetrahedra), cloud.position, "tetrahedra.ply");
+        size_t inner = 0;
+        for (const glm::uvec4& neighbours : all.neighbours)
+            for (int m = 0; m < 4; ++m) {
+                promise(neighbours[m] == Tetrahedra::kOutside || neighbours[m] < all.corners.size(), "a neighbour");
+                inner += neighbours[m] != Tetrahedra::kOutside;
+            }
+        promise(inner + all.faces.size() == 4 * all.corners.size(), "every face is inside or outside");
+        for (const glm::uvec4& cell : all.corners)
+            for (int m = 0; m < 4; ++m) promise(cell[m] < cloud.position.size(), "corners are points");
+    } catch (const SceneError& error) {
+        promiseOneLine(error.what(), kLongestRefusal);
+    }
+}
 
 } // namespace
 
@@ -56,7 +77,7 @@ void scene(Bytes input) {
 void ply(Bytes input) {
     const std::string bytes(textOf(input)); // exactly so long
     try {
-        const PointCloud cloud = parsePly(bytes, "points.ply", glm::dvec3(0), bytes.size() % 2 == 1);
+        const PointCloud cloud = parsePly(bytes, "points.ply", glm::dvec3(0), {.ids = bytes.size() % 2 == 1});
         const size_t points = cloud.position.size();
         promise(limits::kCount.holds(double(points)), "a number of points within limits");
         promise(points + cloud.dropped <= bytes.size(), "every point has bytes of its own");
@@ -76,6 +97,7 @@ void ply(Bytes input) {
     } catch (const SceneError& error) {
         promiseOneLine(error.what(), kLongestRefusal);
     }
+    tetrahedra(bytes);
 }
 
 void gltf(Bytes input) {

@@ -35,7 +35,8 @@ protected:
         return particles;
     }
     // Lets the meter measure `pictures` drawings of the same state.
-    void measure(ErrorMeter& meter, const Scene& scene, const Simulation& simulation, int pictures) {
+    void measure(ErrorMeter& meter, const Scene& scene, const Simulation& simulation, int pictures,
+                 uint64_t version = 0) {
         Renderer renderer(device(), scene, simulation.capacity());
         Submission submission(device(), "meter");
         const EyeRequest eye{poseOf(scene), kSize.x, kSize.y};
@@ -45,7 +46,8 @@ protected:
             std::unique_ptr<MeterJob> job;
             while (!(job = meter.begin(viewers, now += seconds(10)))) std::this_thread::yield();
             EXPECT_EQ(job->viewer, 7u);
-            job->method = scene.render.method;
+            job->with = {scene.render, version};
+            job->keeps = true;
             job->law = 0.01;
             job->scene = std::make_shared<const Scene>(scene);
             job->now = simulation.now();
@@ -59,7 +61,9 @@ protected:
             job->drawn = submission.probe.drawn;
             meter.give(std::move(job));
         }
-        while (!meter.begin(viewers, now += seconds(10))) std::this_thread::yield(); // the last one is measured
+        std::unique_ptr<MeterJob> next; // there is one when the last one is measured
+        while (!(next = meter.begin(viewers, now += seconds(10)))) std::this_thread::yield();
+        meter.drop(std::move(next));
     }
     // Of all the medium's pixels; without objects there are no edges.
     double wholeError(Scene scene, const Simulation& simulation) {
@@ -156,6 +160,31 @@ TEST_F(ErrorMeterTest, WhoHasLeftAndAnotherSceneAreForgotten) {
     EXPECT_EQ(known(), 1u);
     meter.stay(others);
     EXPECT_EQ(known(), 0u);
+}
+
+// Pixels of pictures that were drawn otherwise are not shown among those of present ones.
+TEST_F(ErrorMeterTest, SinglePixelsAreOfPicturesThatAreDrawnAlike) {
+    Scene scene = coarse("cloud", "slabs");
+    const Simulation simulation(scene);
+    ErrorMeter meter(1);
+    const auto shown = [&](const RenderSettings& settings, uint64_t version) {
+        std::vector<gpu::ErrorDisc> discs;
+        meter.shown(7, poseOf(scene), {settings, version}, ErrorMeter::Time::clock::now(), discs);
+        return discs.size();
+    };
+    const RenderSettings first = scene.render;
+    measure(meter, scene, simulation, 2);
+    const size_t before = shown(first, 0);
+    EXPECT_GT(before, 50u);
+    EXPECT_EQ(shown(first, 1), 0u) << "a setting of the medium, say";
+    scene.render.method = "grid";
+    EXPECT_EQ(shown(scene.render, 0), 0u);
+    scene.render = first, scene.render.rate = 4;
+    EXPECT_EQ(shown(scene.render, 0), 0u);
+    measure(meter, scene, simulation, 1, 1);
+    EXPECT_GT(shown(scene.render, 1), 20u);
+    EXPECT_LT(shown(scene.render, 1), before);
+    EXPECT_EQ(shown(first, 0), before) << "they are there again when the settings are";
 }
 
 TEST_F(ErrorMeterTest, WithoutAShareItMeasuresNothing) {

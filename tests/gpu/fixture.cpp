@@ -7,6 +7,8 @@
 
 #include <unistd.h>
 
+#include "common/tetrahedra.h"
+
 namespace brume::test {
 namespace {
 
@@ -71,17 +73,23 @@ void GpuTest::TearDown() {
     EXPECT_EQ(deviceWithoutMesh().validationMessages(), 0u);
 }
 
-Scene sceneOf(const std::vector<Point>& points, float falloff) {
+Scene sceneOf(const std::vector<Point>& points, float falloff, const std::vector<glm::uvec4>& tetrahedra) {
     static Folder folder;
     const auto file = folder.next();
     std::ofstream ply(file);
     ply.precision(9);
     ply << "ply\nformat ascii 1.0\nelement vertex " << points.size()
         << "\nproperty float x\nproperty float y\nproperty float z\nproperty float scale\nproperty float sigma_t\n"
-           "property float red\nproperty float green\nproperty float blue\nend_header\n";
+           "property float red\nproperty float green\nproperty float blue\n";
+    if (!tetrahedra.empty())
+        ply << "element tetrahedron " << tetrahedra.size() << "\nproperty list uchar uint vertex_indices\n";
+    ply << "end_header\n";
     for (const Point& p : points)
         ply << p.centre.x << ' ' << p.centre.y << ' ' << p.centre.z << ' ' << p.scale << ' ' << p.sigma_t << ' '
             << p.albedo.x << ' ' << p.albedo.y << ' ' << p.albedo.z << '\n';
+    for (const glm::uvec4& cell : tetrahedra)
+        ply << "4 " << cell.x << ' ' << cell.y << ' ' << cell.z << ' ' << cell.w << '\n';
+    ply.close();
     Scene scene;
     scene.name = "points";
     scene.medium.layout = Layout::file;
@@ -98,6 +106,12 @@ Scene sceneOf(const std::vector<Point>& points, float falloff) {
     scene.render.shadow_size = 256; // tolerances presume so many
     scene.render.shadow_slices = 16;
     scene.render.tone_map = "linear";
+    if (tetrahedra.empty()) return scene;
+    std::vector<glm::vec3> places;
+    for (const Point& p : points) places.push_back(p.centre);
+    scene.medium.model = kTetrahedraMedium;
+    scene.tetrahedra = std::make_shared<const Tetrahedra>(connected(tetrahedra, places, file.string()));
+    scene.render.method = "tetrahedra";
     return scene;
 }
 

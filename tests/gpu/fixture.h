@@ -52,8 +52,9 @@ struct Point {
     glm::vec3 albedo{1};
 };
 
-// A scene of exactly these particles, one light of irradiance 1, no sky, and a negligible cut-off.
-Scene sceneOf(const std::vector<Point>& points, float falloff = 1);
+// A scene of exactly these particles, one light of irradiance 1, no sky, and a negligible cut-off. `tetrahedra`: of
+// which the particles are the corners; none: they are Gaussians.
+Scene sceneOf(const std::vector<Point>& points, float falloff = 1, const std::vector<glm::uvec4>& tetrahedra = {});
 
 // Random numbers that are equal on all machines.
 class Random {

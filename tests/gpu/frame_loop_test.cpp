@@ -283,6 +283,42 @@ TEST_F(FrameLoopTest, MethodsThatAreNoLongerUsedAreGone) {
     EXPECT_LE(most_later, most_of_first + most_of_first / 4);
 }
 
+// A picture at rest is drawn again for who looks at errors, but not where nothing can be measured.
+TEST_F(FrameLoopTest, ErrorsAreCollectedWhereTheyCanBeMeasured) {
+    scene_.simulation.paused = true;
+    const auto collects = [&](const char* scattering, glm::vec3 target) {
+        scene_.render.scattering = scattering;
+        FrameLoop::Options options;
+        options.measure_error = 1;
+        options.frame_ms = 1e4, options.most_frame_ms = 6e4; // nothing is given up
+        FrameLoop loop(scene_, device(), audience_, metrics_, options);
+        loop.start([&] { failed_ = true; });
+        const std::shared_ptr<Viewer> viewer = audience_.join([] {}).viewer;
+        PoseRequest request{.seq = 1, .pose = lookAt({0.1f, 2, 26}, target, 0.8f), .width = 64, .height = 36};
+        request.show = gpu::kShowError;
+        request.received = Clock::now();
+        viewer->setPose(request);
+        int stills = 0; // a second one is there because errors are collected
+        Clock::time_point last = Clock::now();
+        while (stills < 3 && Clock::now() - last < std::chrono::seconds(stills == 0 ? 30 : 2)) {
+            if (const FramePtr frame = viewer->takeFrame()) {
+                viewer->acknowledge(frame->id);
+                stills += frame->request.still_picture;
+                last = Clock::now();
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        audience_.leave(viewer);
+        EXPECT_GE(stills, 1);
+        return stills > 1;
+    };
+    const glm::vec3 there(0.5f, 0, 0), away(0, 0, 100);
+    EXPECT_TRUE(collects("single", there));
+    EXPECT_FALSE(collects("octaves", there));
+    EXPECT_FALSE(collects("single", away));
+    EXPECT_FALSE(failed_);
+}
+
 // The laws predict a tenth of the error: what is measured mends the plan.
 TEST_F(FrameLoopTest, ALawThatIsWrongIsMendedByMeasuring) {
     FrameLoop::Options options;

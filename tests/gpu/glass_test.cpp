@@ -274,6 +274,83 @@ TEST_F(GlassTest, SeveralEyesAndAProbe) {
     }
 }
 
+// A camera that goes slowly around: sheets that fill the picture cross each other in it, so that their order on a ray
+// changes from pixel to pixel and from frame to frame. Frames that are a fifth as far apart go on more evenly: a pop
+// would stay as large as it is.
+TEST_F(GlassTest, SlowMotionDoesNotPop) {
+    constexpr int kFrames = 8;
+    for (const char* method : kOfParticles) {
+        Scene scene = cloud(method);
+        const auto roughest = [&](float degrees) {
+            Stage stage(device(), scene, 60);
+            std::vector<Picture> frames;
+            for (int i = 0; i < kFrames; ++i) {
+                const float angle = glm::radians(degrees * (float(i) - 3.5f));
+                const Pose pose = lookAt({9 * std::sin(angle), 0, 9 * std::cos(angle)}, {0, 0, 0}, 0.6f);
+                frames.push_back(stage.see(scene, pose, kWidth, kHeight));
+            }
+            float largest = 0, change = 0;
+            for (int i = 1; i + 1 < kFrames; ++i)
+                for (size_t p = 0; p < frames[0].pixels.size(); ++p)
+                    for (int c = 0; c < 3; ++c) {
+                        const float before = frames[size_t(i) - 1].pixels[p][c], now = frames[size_t(i)].pixels[p][c],
+                                    after = frames[size_t(i) + 1].pixels[p][c];
+                        largest = std::max(largest, now);
+                        change = std::max(change, std::abs(before - 2 * now + after));
+                    }
+            return change / largest;
+        };
+        const float bare = roughest(0.1f);
+        scene.glasses = {wall(0, {1, 0.5f, 0.2f}), wall(0, {0.3f, 1, 0.6f}), wall(0, {0.2f, 0.5f, 1})};
+        scene.glasses[0].yaw = 0.7f, scene.glasses[1].yaw = -0.5f, scene.glasses[2].pitch = 0.6f;
+        scene.glasses[0].centre.x = 2, scene.glasses[1].centre.x = -2; // which centre is nearer changes on the way
+        const float coarse = roughest(0.5f), with = roughest(0.1f);
+        std::printf("%-9s second difference %.5f of the brightest pixel, of larger steps %.5f, without glass %.5f\n",
+                    method, double(with), double(coarse), double(bare));
+        EXPECT_LT(with, 0.35f * coarse + 2e-4f) << method;
+    }
+}
+
+// Steps of 4 cm through a sheet that is a little askew. Each pixel is tinted until the sheet is at the near plane, and
+// never again. In the medium a clear sheet changes nothing in any frame.
+TEST_F(GlassTest, AnEyeGoesThroughASheet) {
+    const glm::vec3 tint(0.9f, 0.5f, 0.1f);
+    for (const char* method : kOfParticles) {
+        const Scene bare = cloud(method);
+        Scene before = bare, within = bare;
+        before.glasses = {wall(9, tint)};
+        within.glasses = {wall(0, glm::vec3(1))};
+        before.glasses[0].yaw = within.glasses[0].yaw = 0.2f;
+        Stage none(device(), bare, 60), tinting(device(), before, 60), clear(device(), within, 60);
+        std::vector<bool> through(size_t(kWidth) * kHeight, false);
+        size_t tinted = 0, mixed = 0, again = 0;
+        for (int i = 0; i < 7; ++i) {
+            const float ahead = 0.15f - 0.04f * float(i);
+            const Pose outside = lookAt({0, 0, 9 + ahead}, {0, 0, 0}, 0.6f),
+                       inside = lookAt({0, 0, ahead}, {0, 0, -9}, 0.6f);
+            EXPECT_LT(apart(clear.see(within, inside, kWidth, kHeight), none.see(bare, inside, kWidth, kHeight)),
+                      kRounding)
+                << method << ' ' << i;
+            const Picture without = none.see(bare, outside, kWidth, kHeight);
+            const Picture with = tinting.see(before, outside, kWidth, kHeight);
+            float largest = 0;
+            for (const glm::vec4& pixel : without.pixels) largest = std::max({largest, pixel.r, pixel.g, pixel.b});
+            for (size_t p = 0; p < through.size(); ++p) {
+                const glm::vec3 plain(without.pixels[p]), seen(with.pixels[p]);
+                const bool is_tinted = glm::distance(seen, tint * plain) < 1e-4f * largest;
+                mixed += !is_tinted && glm::distance(seen, plain) > 1e-4f * largest;
+                again += is_tinted && through[p];
+                through[p] = !is_tinted;
+                tinted += is_tinted;
+            }
+        }
+        EXPECT_EQ(mixed, 0u) << method;
+        EXPECT_EQ(again, 0u) << method;
+        EXPECT_GT(tinted, through.size()) << method;
+        EXPECT_EQ(std::ranges::count(through, false), 0) << method;
+    }
+}
+
 TEST_F(GlassTest, ItsMemoryIsPredicted) {
     Scene scene = cloud("slabs");
     scene.glasses = {wall(0, glm::vec3(0.5f))};

@@ -4,8 +4,11 @@
 #include <unistd.h>
 
 #include "server/gpu/pipeline_cache.h"
+#include "server/inputs/hues.h"
+#include "server/plan/memory.h"
 #include "server/render/room.h"
 #include "tests/gpu/fixture.h"
+#include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"
 
 namespace brume::test {
@@ -127,6 +130,38 @@ TEST_F(MemoryTest, LightThatIsKeptForEachPixelCounts) {
         renderer.giveBack();
         EXPECT_EQ(renderer.pictureBytes(), 0u);
     }
+}
+
+// More cells take what more memory is predicted for.
+TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
+    const EyeRequest eye = eyeOf(64, 36);
+    for (const bool coloured : {false, true}) {
+        Scene scene = loadScene("server/scenes/cloud.toml");
+        scene.render.method = "slabs", scene.render.rate = 4, scene.render.slabs = 16;
+        scene.render.scattering = "propagation";
+        if (coloured) scene.medium.albedo = {0.9f, 0.8f, 0.7f}, scene.medium.extinction_colour = {1, 0.5f, 0.2f};
+        const Simulation simulation(scene);
+        std::vector<gpu::Particle> particles(simulation.liveCount());
+        simulation.write(particles);
+        Renderer renderer(device(), scene, simulation.capacity());
+        uint64_t predicted = 0, used = 0;
+        for (const uint32_t cells : {8u, 22u, 64u}) { // 22: as 24
+            scene.render.propagation.cells = cells;
+            const uint64_t predicted_before = predicted, used_before = used;
+            renderer.submit(submission_, simulation, {&eye, 1}, &scene.render);
+            waitFor(submission_.commands);
+            const auto hues = uint32_t(huesOf(simulation.now(), simulation.liveCount()).size());
+            EXPECT_EQ(hues, coloured ? 3u : 1u);
+            predicted = propagationMemory(tickOf(scene, particles).multiple, hues);
+            used = device().memoryInUse();
+            if (used_before > 0) {
+                EXPECT_NEAR(double(used - used_before), double(predicted - predicted_before), 64 << 10) << cells;
+            }
+        }
+        EXPECT_GT(predicted, coloured ? 140u << 20 : 17u << 20);
+    }
+    Scene single = loadScene("server/scenes/cloud.toml");
+    EXPECT_EQ(propagationMemory(tickOf(single, {}).multiple, 1), 0u);
 }
 
 // The same pictures again and again: nothing is allocated.

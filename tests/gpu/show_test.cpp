@@ -3,29 +3,13 @@
 #include <cmath>
 
 #include "server/light/shadow_volume.h"
-#include "shaders/shared/show_colours.h"
+#include "shaders/shared/support.h"
 #include "shaders/shared/transmittance.h"
-#include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
+#include "tests/gpu/shown.h"
 
 namespace brume::test {
 namespace {
-
-constexpr uint32_t kWidth = 320, kHeight = 240, kLegendHigh = 60; // pixels; a legend lies below the others
-constexpr double kLevels = 2.5; // of 255: colours of float and of double, and rounding to a byte
-
-struct Shown {
-    std::vector<glm::ivec3> pixels;
-    glm::ivec3 at(uint32_t x, uint32_t y) const { return pixels[y * kWidth + x]; }
-};
-
-glm::dvec3 colourOf(uint32_t show, double value) {
-    return 255.0 * physics::shownColour(show, physics::shownPart(show, value));
-}
-double apart(glm::ivec3 a, glm::dvec3 b) {
-    const glm::dvec3 off = glm::abs(glm::dvec3(a) - b);
-    return std::max({off.r, off.g, off.b});
-}
 
 // A particle's tetrahedron on a ray, m along it; .y < .x: it is beside it. In double, by its four faces' planes, each
 // from the three vertices that it has.
@@ -43,54 +27,6 @@ glm::dvec2 inTetrahedron(const gpu::Particle& p, glm::dvec3 eye, glm::dvec3 w) {
             interval.y = std::min(interval.y, t);
     }
     return interval;
-}
-
-class ShowTest : public GpuTest {
-protected:
-    static constexpr glm::vec3 kEye{0.3f, 0.5f, 9};
-
-    static Pose pose() { return lookAt(kEye, {0, 0, 0}, 0.6f); }
-
-    static Shown see(const Scene& scene, uint32_t show, std::span<const gpu::ErrorDisc> errors = {}) {
-        const Simulation simulation(scene);
-        Renderer renderer(device(), scene, simulation.capacity());
-        Submission submission(device(), "show");
-        EyeRequest eye{pose(), kWidth, kHeight};
-        eye.show = show;
-        eye.errors = errors;
-        renderer.submit(submission, simulation, {&eye, 1}, nullptr, true);
-        waitFor(submission.commands);
-        const PictureView picture = submission.pictures().front();
-        Shown out;
-        for (uint32_t y = 0; y < kHeight; ++y)
-            for (uint32_t x = 0; x < kWidth; ++x) {
-                const uint8_t* red = picture.bytes + size_t(y) * picture.layout.lumaStride() + x;
-                const size_t plane = picture.layout.lumaBytes();
-                out.pixels.emplace_back(red[0], red[plane], red[2 * plane]);
-            }
-        return out;
-    }
-
-    static std::vector<gpu::Particle> particlesOf(const Scene& scene) {
-        const Simulation simulation(scene);
-        std::vector<gpu::Particle> all(simulation.liveCount());
-        simulation.write(all);
-        return all;
-    }
-
-    // Calls it for each pixel above the legend with the unit direction of the ray through its middle.
-    template <class Visit>
-    static void eachPixel(const Visit& visit) {
-        for (uint32_t y = 0; y < kHeight - kLegendHigh; ++y)
-            for (uint32_t x = 0; x < kWidth; ++x)
-                visit(x, y, glm::normalize(pixelDirection(pose(), kWidth, kHeight, x, y)));
-    }
-};
-
-Scene dense(const std::vector<Point>& points, const char* method = "isv", float falloff = 0.5f) {
-    Scene scene = sceneOf(points, falloff);
-    scene.render.method = method;
-    return scene;
 }
 
 TEST_F(ShowTest, OneTetrahedronCoversItsProjectionOnce) {
@@ -111,38 +47,48 @@ TEST_F(ShowTest, OneTetrahedronCoversItsProjectionOnce) {
 }
 
 // Of many: how many cover a pixel, and how many of them are below the cut there. Both are told apart by their colours.
+// Tetrahedra that do not fade count all: also those whose Gaussians no ray would meet.
 TEST_F(ShowTest, DrawnAndWastedTogetherAreAll) {
-    Scene scene = dense(randomPoints(30, 2.5f, 0.9f, 2, 7));
-    scene.render.cutoff = 0.1f * 30 / 30; // 0.1 / 30 for each
+    std::vector<Point> points = randomPoints(30, 2.5f, 0.9f, 2, 7);
+    for (const Point& thin : randomPoints(20, 2.5f, 0.9f, 2e-5f, 8)) points.push_back(thin);
+    Scene scene = dense(points);
+    scene.render.cutoff = 0.1f;
     const std::vector<gpu::Particle> particles = particlesOf(scene);
     const gpu::Tick tick = tickOf(scene, particles);
-    const Shown overdraw = see(scene, gpu::kShowOverdraw), wasted = see(scene, gpu::kShowWasted);
-    size_t pixels = 0, wrong = 0, drawn_ones = 0, wasted_ones = 0;
-    eachPixel([&](uint32_t x, uint32_t y, glm::dvec3 w) {
-        int all = 0, below = 0;
-        bool close = false; // True: rounding decides
-        for (const gpu::Particle& p : particles) {
-            const glm::dvec2 interval = inTetrahedron(p, kEye, w);
-            close = close || std::abs(interval.y - interval.x) < 0.01;
-            if (!(interval.y > interval.x)) continue;
-            ++all;
-            const double k = physics::gaussianK(double(p.scale), double(tick.falloff));
-            const glm::dvec3 c = glm::dvec3(p.centre) - glm::dvec3(kEye);
-            const double closest = glm::dot(c, w), b2 = glm::dot(c, c) - closest * closest;
-            const double depth = physics::segmentDepth(double(p.sigma_t), k, b2, k * (interval.x - closest),
-                                                       k * (interval.y - interval.x));
-            close = close || std::abs(depth / double(tick.cut) - 1) < 0.01;
-            below += depth < double(tick.cut);
-        }
-        if (close || all == 0) return;
-        ++pixels, drawn_ones += size_t(all - below), wasted_ones += size_t(below);
-        wrong += apart(overdraw.at(x, y), colourOf(gpu::kShowOverdraw, all)) > kLevels ||
-                 apart(wasted.at(x, y), colourOf(gpu::kShowWasted, double(below) / all)) > kLevels;
-    });
-    EXPECT_EQ(wrong, 0u);
-    EXPECT_GT(pixels, 5000u);
-    EXPECT_GT(drawn_ones, 5000u);
-    EXPECT_GT(wasted_ones, 5000u);
+    for (const bool fading : {true, false}) {
+        scene.render.isv.fading = fading;
+        const Shown overdraw = see(scene, gpu::kShowOverdraw), wasted = see(scene, gpu::kShowWasted);
+        size_t pixels = 0, wrong = 0, drawn_ones = 0, wasted_ones = 0;
+        eachPixel([&](uint32_t x, uint32_t y, glm::dvec3 w) {
+            int all = 0, below = 0;
+            bool close = false; // True: rounding decides
+            for (const gpu::Particle& p : particles) {
+                const double u = double(p.scale) * double(tick.falloff);
+                if (fading && physics::supportRadius(double(p.sigma_t), u, double(tick.cut)) < 0) continue;
+                const glm::dvec2 interval = inTetrahedron(p, kEye, w);
+                const double length = interval.y - interval.x;
+                close = close || std::abs(length) < 0.01;
+                if (!(length > 0)) continue;
+                ++all;
+                const double k = physics::gaussianK(double(p.scale), double(tick.falloff));
+                const glm::dvec3 c = glm::dvec3(p.centre) - glm::dvec3(kEye);
+                const double closest = glm::dot(c, w), b2 = glm::dot(c, c) - closest * closest;
+                double depth = double(p.sigma_t) * length;
+                if (fading)
+                    depth = physics::segmentDepth(double(p.sigma_t), k, b2, k * (interval.x - closest), k * length);
+                close = close || std::abs(depth / double(tick.cut) - 1) < 0.01;
+                below += depth < double(tick.cut);
+            }
+            if (close || all == 0) return;
+            ++pixels, drawn_ones += size_t(all - below), wasted_ones += size_t(below);
+            wrong += apart(overdraw.at(x, y), colourOf(gpu::kShowOverdraw, all)) > kLevels ||
+                     apart(wasted.at(x, y), colourOf(gpu::kShowWasted, double(below) / all)) > kLevels;
+        });
+        EXPECT_EQ(wrong, 0u) << fading;
+        EXPECT_GT(pixels, 5000u);
+        EXPECT_GT(drawn_ones, 5000u);
+        EXPECT_GT(wasted_ones, 5000u);
+    }
 }
 
 // Through all of one Gaussian, and through the half of it that lies before a box.
@@ -359,6 +305,24 @@ TEST_F(ShowTest, EveryViewIsDrawn) {
             EXPECT_GT(ink, 200u); // its title
         }
     }
+}
+
+TEST_F(ShowTest, TetrahedraAreNotShownAsGaussians) {
+    const Scene scene = sceneOf({{.centre = {-2, -2, 0}, .scale = 2},
+                                 {.centre = {2, -2, 0}, .scale = 2},
+                                 {.centre = {0, 2, -2}, .scale = 2},
+                                 {.centre = {0, 2, 2}, .scale = 2}},
+                                1, {glm::uvec4(0, 1, 2, 3)});
+    const size_t above = size_t(kWidth) * (kHeight - kLegendHigh);
+    const auto top = [&](uint32_t show) {
+        const Shown shown = see(scene, show);
+        return std::vector(shown.pixels.begin(), shown.pixels.begin() + ptrdiff_t(above));
+    };
+    const std::vector<glm::ivec3> dimmed = top(gpu::kShowRays);
+    for (const uint32_t show : {gpu::kShowWasted, gpu::kShowOverdraw, gpu::kShowParticles, gpu::kShowDepth})
+        EXPECT_EQ(top(show), dimmed) << show;
+    EXPECT_NE(top(gpu::kShowLight), dimmed);
+    EXPECT_NE(top(gpu::kShowShadow), dimmed);
 }
 
 } // namespace

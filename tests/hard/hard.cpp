@@ -66,6 +66,7 @@ std::vector<Way> ways() {
     for (const MethodPlan* method : methodPlans()) {
         RenderSettings named;
         named.method = method->name();
+        if (!method->draws(kSumMedium)) continue;
         if (!method->hasClosedForms()) continue; // what these err is measured in tests/gpu/froxels_test.cpp
         const SceneSetting* choice = quadratureSetting(named);
         if (!choice) {

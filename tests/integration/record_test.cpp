@@ -165,7 +165,7 @@ TEST_F(Record, WhatIsNoRecordingIsRefusedInOneLine) {
     EXPECT_EQ(replayOf(bytes)->exitCode(), 0);
     test::expectOneLine(*replayOf(bytes.substr(0, 40)), "cut within its head");
     test::expectOneLine(*replayOf("brume-recording 13" + bytes.substr(bytes.find('\n'))),
-                        "version 13; this server replays version 12");
+                        "version 14; this server replays version 13");
     test::expectOneLine(*replayOf("not one\n"), "no recording");
     bytes[bytes.size() - 20] ^= 4;
     test::expectOneLine(*replayOf(bytes), "damaged");

@@ -219,6 +219,82 @@ TEST(Ply, NothingElseHappens) {
     }
 }
 
+const std::string kCorners = "element vertex 5\n" + kXyz + "property float sigma_t\n",
+                  kPoints = "0 0 0 0\n1 0 0 1\n0 1 0 2\n0 0 1 3\n1 1 1 0\n",
+                  kCells = "element tetrahedron 2\nproperty list uchar int vertex_indices\n";
+
+PointCloud tetrahedra(const std::string& bytes) {
+    return parsePly(bytes, "ply_test.ply", glm::dvec3(0), {.tetrahedra = true});
+}
+
+std::string tetrahedraError(const std::string& bytes) {
+    try {
+        tetrahedra(bytes);
+    } catch (const SceneError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+TEST(Ply, TetrahedraInText) {
+    const std::string file = kAscii + kCorners + kCells + "end_header\n" + kPoints + "4 0 1 2 3\n4 4 3 2 1\n";
+    const PointCloud cloud = tetrahedra(file);
+    EXPECT_EQ(cloud.position.size(), 5u);
+    EXPECT_EQ(cloud.position[4], glm::vec3(1));
+    EXPECT_EQ(cloud.sigma_t, (std::vector<float>{0, 1, 2, 3, 0}));
+    EXPECT_EQ(cloud.tetrahedra, (std::vector<glm::uvec4>{{0, 1, 2, 3}, {4, 3, 2, 1}}));
+    EXPECT_TRUE(load(file).tetrahedra.empty()) << "nobody asked for them";
+}
+
+TEST(Ply, TetrahedraBeforeTheirPointsAndWithOtherProperties) {
+    const std::string body = raw(0.5) + raw(4) + raw<uint16_t>(0) + raw<uint16_t>(3) + raw<uint16_t>(2) +
+                             raw<uint16_t>(1) + raw<uint8_t>(2) + raw(1.0f) + raw(2.0f) + raw<uint8_t>(9);
+    std::string points;
+    for (const float x : {0.0f, 1.0f, 2.0f, 3.0f}) points += raw(x) + raw(0.0f) + raw(0.0f) + raw(7.0f) + raw(2 * x);
+    const PointCloud cloud =
+        tetrahedra(kBinary +
+                   "element tetrahedron 1\nproperty double quality\nproperty list int ushort vertex_index\n"
+                   "property list uchar float weights\nelement edge 1\nproperty uchar a\nelement vertex 4\n" +
+                   kXyz + "property float scale\nproperty float sigma_t\nend_header\n" + body + points);
+    EXPECT_EQ(cloud.tetrahedra, (std::vector<glm::uvec4>{{0, 3, 2, 1}}));
+    EXPECT_EQ(cloud.sigma_t, (std::vector<float>{0, 2, 4, 6}));
+    EXPECT_TRUE(cloud.scale.empty()) << "corners have no size";
+    EXPECT_EQ(cloud.ignored, std::vector<std::string>{"scale"});
+}
+
+TEST(Ply, BrokenTetrahedraSayWhatIsExpected) {
+    const std::string points = "end_header\n" + kPoints, head = kAscii + kCorners;
+    const auto list = [](const char* property) { return std::string("element tetrahedron 2\nproperty ") + property; };
+    const std::vector<Broken> all{
+        {head + points, "no element tetrahedron; expected one with \"property list uchar int vertex_indices\""},
+        {head + "element tetrahedron 0\n" + points, "element tetrahedron has 0 rows; allowed: 1 to 2000000"},
+        {head + "element tetrahedron 2000001\n" + points, "2000001 rows; allowed: 1 to 2000000"},
+        {head + list("list uchar int corners\n") + points, "element tetrahedron has no corners; expected \"prop"},
+        {head + list("int vertex_indices\n") + points, "element tetrahedron has no corners"},
+        {head + list("list uchar float vertex_indices\n") + points, "element tetrahedron has no corners"},
+        {head + list("list uchar int vertex_index\nproperty list uchar int vertex_index\n") + points,
+         "tetrahedron property vertex_index is there twice"},
+        {kAscii + "element vertex 1\n" + kXyz + "property float opacity\n" + kCells + "end_header\n0 0 0 1\n",
+         "element vertex lacks sigma_t; expected the extinction at each corner of the tetrahedra, 1/m"},
+        {kAscii + "element vertex 2\n" + kXyz + "property float sigma_t\n" + kCells +
+             "end_header\n0 0 0 1\n0 nan 0 1\n",
+         "a corner of tetrahedra cannot be left out: line 12: y is nan; allowed: finite"},
+        {head + kCells + points + "4 0 1 2 3\n3 0 1 2\n", "tetrahedron, line 17: a list of 3 vertices; expected 4"},
+        {head + kCells + points + "5 0 1 2 3 4\n", "line 16: a list of 5 vertices; expected 4"},
+        {head + kCells + points + "4 0 1 2 5\n", "line 16: there is no vertex 5; expected 0 to 4"},
+        {head + kCells + points + "4 0 1 2 -1\n", "line 16: there is no vertex -1; expected 0 to 4"},
+        {head + kCells + points + "4 0 1 2 1.5\n", "line 16: there is no vertex 1.5; expected 0 to 4"},
+        {head + kCells + points + "4 0 1 2 3\n", "ends early, after 1 of 2 rows of element tetrahedron"},
+        {head + kCells + points + "4 0 1 2\n4 0 1 2 3\n", "16: PLY: the line has 4 values"},
+    };
+    for (const Broken& broken : all) {
+        const std::string message = tetrahedraError(broken.bytes);
+        EXPECT_NE(message.find(broken.says), std::string::npos)
+            << "expected \"" << broken.says << "\", got: " << message;
+        EXPECT_TRUE(message.starts_with("ply_test.ply:")) << message;
+    }
+}
+
 TEST(Ply, IsReadFromAFile) {
     const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "ply_test.ply";
     std::ofstream(file, std::ios::binary)

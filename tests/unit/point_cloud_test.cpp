@@ -5,10 +5,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "common/tetrahedra.h"
 #include "tests/unit/simulation_scenes.h"
 
 namespace brume {
@@ -173,6 +175,76 @@ TEST(PointClouds, TheLineSaysHowDenseTheyAre) {
     expectIn(told(cloudScene(header, "0 0 0 1 10\n", "falloff = 1\n")), "optical depth about 0.98\n");
     expectIn(told(cloudScene(header, "0 0 0 1 .1\n", "falloff = 1\n")),
              "about 0.0098, nearly transparent: medium.exti");
+}
+
+// Four corners of a cube with edges of 2 m, and the middle tetrahedron of its five. `medium`: rest of the scene.
+std::filesystem::path tetrahedraScene(const std::string& medium = "") {
+    const std::filesystem::path folder(testing::TempDir());
+    std::ofstream(folder / "tetrahedra_test.ply")
+        << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+           "property float scale\n"
+        << kOwn
+        << "element tetrahedron 1\nproperty list uchar int vertex_indices\nend_header\n"
+           "0 0 0 9 0 .1 .2 .3\n2 2 0 9 0.5 .4 .5 .6\n2 0 2 9 1 .7 .8 .9\n0 2 2 9 4.5 1 1 1\n4 0 2 1 3\n";
+    std::ofstream(folder / "tetrahedra_test.toml")
+        << "[medium]\nmodel = 'tetrahedra'\nlayout = 'file'\nfile = 'tetrahedra_test.ply'\n"
+        << medium;
+    return folder / "tetrahedra_test.toml";
+}
+
+TEST(Tetrahedra, ParticlesAreTheFilesPointsInItsOrder) {
+    const Scene scene = loadScene(tetrahedraScene("centre = [1, 0, 0]\n"));
+    ASSERT_TRUE(scene.tetrahedra);
+    EXPECT_EQ(scene.tetrahedra->corners, std::vector<glm::uvec4>{glm::uvec4(0, 2, 1, 3)}) << "turned: a volume > 0";
+    const auto placed = particlesOf(Simulation(scene));
+    ASSERT_EQ(placed.size(), 4u);
+    EXPECT_EQ(placed[0].centre, glm::vec3(1, 0, 0));
+    EXPECT_EQ(placed[3].centre, glm::vec3(1, 2, 2));
+    EXPECT_EQ(placed[0].sigma_t, 0);
+    EXPECT_EQ(placed[3].sigma_t, 4.5f);
+    EXPECT_EQ(placed[1].albedo, glm::vec3(0.4f, 0.5f, 0.6f));
+    EXPECT_FALSE(loadScene(cloudScene(kOwn, "0 0 0 1 1 1 1\n")).tetrahedra);
+    const double deviation = 0.1 * double(placed[0].scale * scene.medium.falloff), volume = 8.0 / 3;
+    EXPECT_NEAR(std::pow(std::sqrt(2 * std::numbers::pi) * deviation, 3), volume / 4, 1e-5) << "as much optical mass";
+}
+
+TEST(Tetrahedra, OneLineSaysWhatCame) {
+    // A third of the cube's 8 m^3, times a mean extinction of 1.5 1/m, over a face of 4 m^2.
+    const std::string lines = told(tetrahedraScene());
+    expectIn(lines, "tetrahedra_test.ply': 1 tetrahedra of 4 points in [0, 0, 0] to [2, 2, 2] m; extinction 0 to 4.5 "
+                    "1/m (the file's sigma_t); with colours; ignored properties: scale; optical depth about 1\n");
+    expectIn(told(tetrahedraScene("centre = [0, 0, 40]\n[camera]\nposition = [0, 0, 26]\ntarget = [0, 0, 0]\n")),
+             "sees none of the 4 points");
+    const std::string within = "[camera]\nposition = [1, 1, 1]\ntarget = [1, 1, 0.99]\nfov_y = 0.1\n";
+    EXPECT_EQ(told(tetrahedraScene(within)).find("sees none"), std::string::npos) << "it looks past all corners";
+}
+
+TEST(Tetrahedra, WhatIsNotDrawnWithThemIsRefused) {
+    for (const auto& [rest, says] : {std::pair("[[fog]]\n", "fog: is not drawn with medium.model = \"tetrahedra\""),
+                                     std::pair("[[light]]\ntype = 'spot'\n", "points and spots are not drawn")}) {
+        try {
+            loadScene(tetrahedraScene(rest));
+            ADD_FAILURE() << rest;
+        } catch (const SceneError& error) {
+            expectIn(error.what(), says);
+        }
+    }
+    Simulation simulation(loadScene(tetrahedraScene()));
+    give(simulation, {command(Add{.list = SceneList::fogs})});
+    ASSERT_EQ(simulation.refused().size(), 1u);
+    expectIn(simulation.refused()[0].why, "only with medium.model = \"sum\"");
+    give(simulation, {command(Add{.list = SceneList::lights})});
+    EXPECT_EQ(simulation.refused().size(), 1u);
+}
+
+TEST(Tetrahedra, AFileThatChangesWhileItIsReadIsRefused) {
+    Scene scene = loadScene(tetrahedraScene());
+    scene.medium.file = std::filesystem::path(testing::TempDir()) / "more_points.ply";
+    std::ofstream(scene.medium.file)
+        << "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+           "property float sigma_t\nelement tetrahedron 1\nproperty list uchar int vertex_indices\nend_header\n"
+           "0 0 0 1\n1 0 0 1\n0 1 0 1\n0 0 1 1\n1 1 1 1\n4 0 1 2 4\n";
+    EXPECT_THROW(Simulation{scene}, SceneError);
 }
 
 TEST(PointClouds, NamesOfAFileAreSafeToShow) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "shaders/shared/scatter.h"
+#include "shaders/shared/tetrahedra.h"
 #include "tests/unit/worst.h"
 
 namespace {
@@ -341,6 +342,23 @@ TEST(Nodes, FiniteAndInsideForExtremeInputs) {
                         ASSERT_TRUE(good)
                             << "sigma " << sigma_t << " k " << k << " b2 " << b2 << " a " << a << " h " << h;
                     }
+}
+
+TEST(Scatter, LinearQuantileInvertsTheDepthOfLinearExtinction) {
+    for (const double a : {0.0, 1e-30, 1e-6, 1.0, 3.0, 1e6, 1e18})
+        for (const double b : {0.0, 1e-6, 1.0, 1e18})
+            for (double s = 0; s <= 1; s += 1.0 / 64) {
+                const auto reached = [&](double x) { // the part of the depth before the part x of the length
+                    return a + b > 0 ? (a * x + (b - a) * x * x / 2) / physics::linearDepth(a, b, 1.0) : x;
+                };
+                const double x = physics::linearQuantile(a, b, s);
+                const float single = physics::linearQuantile(float(a), float(b), float(s));
+                EXPECT_NEAR(reached(x), s, 1e-14) << a << ' ' << b;
+                EXPECT_NEAR(reached(double(single)), s, 3e-7) << a << ' ' << b;
+                EXPECT_TRUE(x >= 0 && x <= 1 && single >= 0 && single <= 1) << a << ' ' << b << ' ' << s;
+            }
+    EXPECT_EQ(physics::linearQuantile(0.0f, 0.0f, 0.25f), 0.25f) << "no extinction";
+    EXPECT_EQ(physics::linearQuantile(0.0f, 2.0f, 0.25f), 0.5f) << "it grows from nothing: the depth as the square";
 }
 
 } // namespace

@@ -75,6 +75,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[medium]\nfile = \"a.ply\"", 2, "medium.file", "not used", "layout = \"file\""},
         Wrong{"[medium]\nlayout = \"file\"\nfile = \"a.ply\"\ncount = 3", 4, "medium.count", "not used",
               "the file says"},
+        Wrong{"[medium]\nmodel = \"tetrahedra\"", 2, "medium.model", "come from a file", "layout = \"file\""},
+        Wrong{"[medium]\nlayout = \"sequence\"\nfile = \"a#.ply\"\nmodel = \"tetrahedra\"", 4, "medium.model",
+              "come from a file", "layout = \"file\""},
         Wrong{"[medium]\n[medium.emitter]\nrate = 1", 2, "medium.emitter", "not used", "layout = \"emitter\""},
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 99\nemitter = { rate = 50, life = 2 }", 3, "medium.count",
               "smaller than", "from 101"},
@@ -337,9 +340,10 @@ TEST(Scene, IsFoundByNameOrPath) {
     } catch (const SceneError& error) {
         EXPECT_NE(
             std::string(error.what())
-                .find("cloud, cloud-5000, cloud-65535, courtyard, cube-and-sphere, cumulus, dusk, dusty-room, "
-                      "flythrough, glass, islands, lamp, morning, plume, props, smoke-spots, stage, street, tubes, "
-                      "tubes-union"),
+                .find(
+                    "cloud, cloud-5000, cloud-65535, courtyard, cube-and-sphere, cumulus, dusk, dusty-room, "
+                    "flythrough, glass, islands, lamp, morning, plume, props, smoke-spots, stage, street, tetrahedra, "
+                    "tubes, tubes-union"),
             std::string::npos)
             << error.what();
     }

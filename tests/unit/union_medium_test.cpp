@@ -20,9 +20,15 @@ Scene unionScene(uint32_t count = 10) {
 TEST(UnionMedium, ScenesHaveNoFogMeshesOrLampsWithIt) {
     EXPECT_EQ(loadScene(written(kUnion)).medium.model, kUnionMedium);
     EXPECT_TRUE(loadScene(written("fog = []\nmesh = []\n" + std::string(kUnion))).fogs.empty());
-    EXPECT_NE(errorOf(std::string(kUnion) + "[[fog]]\n").find("not drawn in a union medium"), std::string::npos);
-    EXPECT_NE(errorOf(std::string(kUnion) + "[[light]]\ntype = \"point\"\n").find("not drawn in a union medium"),
+    EXPECT_NE(errorOf(std::string(kUnion) + "[[fog]]\n")
+                  .find("fog: is not drawn with medium.model = \"union\"; allowed: only with medium.model = \"sum\""),
               std::string::npos);
+    EXPECT_NE(errorOf(std::string(kUnion) + "[[light]]\ntype = \"point\"\n")
+                  .find("points and spots are not drawn with medium.model = \"union\""),
+              std::string::npos);
+    EXPECT_NE(
+        errorOf(std::string(kUnion) + "[render]\nscattering = \"octaves\"\n").find("a union medium needs \"single\""),
+        std::string::npos);
     EXPECT_NE(errorOf("[medium]\nmodel = \"both\"\n").find("sum"), std::string::npos);
     EXPECT_NE(errorOf("[medium]\nunion_radius = 0\n").find("union_radius"), std::string::npos);
 }
@@ -31,7 +37,7 @@ TEST(UnionMedium, CommandsAddNoneEither) {
     Simulation simulation(unionScene());
     give(simulation, {command(Add{.list = SceneList::fogs})});
     ASSERT_EQ(simulation.refused().size(), 1u);
-    EXPECT_NE(simulation.refused()[0].why.find("union medium"), std::string::npos);
+    EXPECT_NE(simulation.refused()[0].why.find("only with medium.model = \"sum\""), std::string::npos);
     give(simulation, {command(Add{.list = SceneList::lights})});
     EXPECT_EQ(simulation.refused().size(), 1u);
     EXPECT_TRUE(simulation.now().lists.fogs.empty() && simulation.now().lists.lights.empty());

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "common/view_names.h"
 #include "server/viewer/audience.h"
 #include "tests/unit/take_due.h"
 
@@ -243,24 +242,6 @@ TEST(Viewer, WhatRestsComesFinerThenWithoutLossThenNotAtAll) {
         ASSERT_TRUE(moved);
         EXPECT_FALSE(moved->request.still_picture || moved->request.lossless);
     }
-}
-
-// Who looks at errors gets more pictures at rest, so that more pixels are measured: four a second at most.
-TEST(Viewer, ErrorsAreCollectedWhileNothingMoves) {
-    Viewer viewer(1, windowOf(20), nullptr);
-    PoseRequest pose = poseWithSeq(1);
-    pose.show = *viewNamed("error");
-    viewer.setPose(pose);
-    Clock::time_point now{std::chrono::hours(1)};
-    ASSERT_TRUE(takeDue(viewer, now, 7));
-    int stills = 0;
-    for (int ms = 0; ms < 2000; ms += 10, now += std::chrono::milliseconds(10))
-        if (const auto due = takeDue(viewer, now, 7, true)) {
-            EXPECT_TRUE(due->request.still_picture);
-            ++stills;
-        }
-    EXPECT_GE(stills, 6);
-    EXPECT_LE(stills, 8);
 }
 
 // PNG is large: the next pose's picture would wait behind it.

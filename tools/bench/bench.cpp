@@ -40,6 +40,7 @@ public:
         addCompare();
         addCalibrate();
         addSweep();
+        addTetrahedra();
         addReport();
         addTables();
         addPromise();
@@ -150,6 +151,19 @@ private:
         command->add_option("--only", o.effort.only, "series whose name holds this");
     }
 
+    void addTetrahedra() {
+        TetrahedraOptions& o = tetrahedra_;
+        CLI::App* command =
+            addPlain("tetrahedra", kQuestions, "a PLY file for medium.model = \"tetrahedra\" of a scene's particles",
+                     [this] { tetrahedra(tetrahedra_); });
+        command->add_option("--scene", o.wanted.scene, kSceneHelp);
+        addSet(command, o.wanted.set);
+        command->add_option("--ticks", o.ticks, "of simulation first")->check(CLI::Range(0, 100000));
+        command->add_option("--cells", o.cells, "cubes along the longest side, each of twelve tetrahedra")
+            ->check(CLI::Range(1, 128));
+        command->add_option("--out", o.out, ".ply");
+    }
+
     void addReport() {
         ReportOptions& o = report_;
         CLI::App* command = addPlain("report", kMeasurements,
@@ -251,6 +265,7 @@ private:
     CompareOptions compare_;
     double calibrate_seconds_ = 15;
     SweepOptions sweep_;
+    TetrahedraOptions tetrahedra_;
     PromiseOptions promise_;
     CorrectionOptions correction_;
     ReportOptions report_;

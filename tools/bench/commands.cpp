@@ -17,6 +17,7 @@
 #include "common/view_names.h"
 #include "tools/bench/error.h"
 #include "tools/bench/features.h"
+#include "tools/bench/lattice.h"
 #include "tools/bench/native/compare.h"
 #include "tools/bench/picture_file.h"
 #include "tools/bench/pictures.h"
@@ -255,6 +256,25 @@ void sweep(const Context& context, const SweepOptions& o) {
     results["cpu"] = cpu();
     results["date"] = today();
     writeText(o.out, results.dump(1) + '\n');
+}
+
+void tetrahedra(const TetrahedraOptions& o) {
+    const Scene scene = sceneOf(o.wanted);
+    if (scene.medium.model != kSumMedium)
+        throw SceneError(fmt::format("{}: medium.model = \"{}\"; only \"sum\" has particles that add up",
+                                     o.wanted.scene, scene.medium.model));
+    Simulation simulation(scene);
+    for (uint32_t i = 0; i < o.ticks; ++i) simulation.step({});
+    std::vector<gpu::Particle> particles(simulation.liveCount());
+    simulation.write(particles);
+    const Lattice lattice = latticeOf(particles, simulation.now().medium.falloff, o.cells);
+    writeText(o.out, plyOf(lattice, scene.origin));
+    const glm::vec3 albedo = particles[0].albedo;
+    std::cerr << fmt::format(
+        "{} tetrahedra of {} points, cubes of {:.4g} m, extinction up to {:.4g} 1/m, {}\n", lattice.corners.size(),
+        lattice.position.size(), lattice.cell, std::ranges::max(lattice.sigma_t),
+        lattice.albedo.empty() ? fmt::format("medium.albedo = [{}, {}, {}]", albedo.x, albedo.y, albedo.z)
+                               : "with albedos");
 }
 
 void calibrateDevice(const Context& context, double seconds) {

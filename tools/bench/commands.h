@@ -69,6 +69,14 @@ struct SweepOptions {
 };
 void sweep(const Context& context, const SweepOptions& options);
 
+struct TetrahedraOptions {
+    Case wanted;
+    uint32_t ticks = 0;  // simulated first
+    uint32_t cells = 16; // cubes along the longest side
+    std::string out = "tetrahedra.ply";
+};
+void tetrahedra(const TetrahedraOptions& options);
+
 void calibrateDevice(const Context& context, double seconds);
 void plan(const Context& context, const PlanTable& wanted, const std::filesystem::path& out);
 void features(const Context& context, uint32_t frames, const std::filesystem::path& out);

@@ -105,7 +105,8 @@ std::string pictureHashes(const gpu::Device& device, const std::string& only) {
     for (const std::string& scene : scenes()) {
         if (std::filesystem::path(scene).stem().string().find(only) == only.npos) continue;
         const Scene loaded = loadScene(findScene(scene, BRUME_SCENES));
-        std::vector<std::string> all_methods = methodNames({.balls = loaded.medium.model == kUnionMedium});
+        std::vector<std::string> all_methods = methodNames(
+            {.balls = loaded.medium.model == kUnionMedium, .tetrahedra = loaded.medium.model == kTetrahedraMedium});
         all_methods.emplace_back(kAutoMethod);
         std::sort(all_methods.begin(), all_methods.end());
         const bool needs_fields = !loaded.fogs.empty() || !localLightsOf(loaded).empty();

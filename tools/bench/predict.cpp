@@ -41,6 +41,8 @@ constexpr Sample kSamples[] = {
     {"cloud", "outside", "slabs", 8, 32, {640, 360}, "propagation"},
     {"stage", "outside", "slabs", 8, 32, {640, 360}},
     {"lamp", "outside", "slabs", 4, 32, {640, 360}},
+    {"glass", "outside", "slabs", 4, 48, {640, 360}},
+    {"tetrahedra", "outside", "tetrahedra", 0, 0, {320, 180}},
 };
 
 // Least time of each pass, ms: whatever else the machine does only adds to it.

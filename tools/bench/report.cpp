@@ -177,6 +177,24 @@ std::string orbitTable(const json& series) {
     return table.text() + "\n";
 }
 
+std::string seamTable(const json& series) {
+    Table table({"picture", "variant", "pixels", "kinks above 1 %", "99th percentile", "median"});
+    for (const json& row : series.at("rows"))
+        table.line({place(row), row.at("variant"), whole(numberAt(row, "/pixels")),
+                    digits(numberAt(row, "/seams"), 100, " %"), digits(numberAt(row, "/kink_p99"), 100, " %"),
+                    digits(numberAt(row, "/kink_median"), 100, " %")});
+    return table.text() + "\n";
+}
+
+std::string motionTable(const json& series) {
+    Table table({"picture", "variant", "frames", "relative RMSE", "flicker", "temporal FLIP beyond the finest map's"});
+    for (const json& row : series.at("rows"))
+        table.line({place(row), row.at("variant"), whole(numberAt(row, "/frames")),
+                    digits(numberAt(row, "/relative_rmse"), 100, " %"), digits(numberAt(row, "/flicker"), 100, " %"),
+                    digits(numberAt(row, "/temporal_flip"))});
+    return table.text() + "\n";
+}
+
 std::string list(const json& texts) {
     std::string out;
     for (const json& text : texts) out += (out.empty() ? "`" : ", `") + text.get<std::string>() + '`';
@@ -225,10 +243,12 @@ void writeReport(const json& results, const std::filesystem::path& folder, const
             out += " Published figures: " + series.value("published_on", "") + '.';
         out += "\n\n";
         const std::string kind = series.at("kind");
-        out += kind == "jpeg"    ? jpegTable(series)
-               : kind == "light" ? lightTable(series)
-               : kind == "orbit" ? orbitTable(series)
-                                 : costTables(series, folder, name);
+        out += kind == "jpeg"     ? jpegTable(series)
+               : kind == "light"  ? lightTable(series)
+               : kind == "orbit"  ? orbitTable(series)
+               : kind == "seams"  ? seamTable(series)
+               : kind == "motion" ? motionTable(series)
+                                  : costTables(series, folder, name);
     }
     std::ofstream file(folder / (name + ".md"));
     file << out;

@@ -60,6 +60,7 @@ public:
     // Steps the simulation by `ticks` first. `costs`: for the plan if the method is auto.
     Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks = 0, const CostModel& costs = builtInCosts());
 
+    void step(std::span<const Command> commands) { simulation_.step(commands); }
     FrameCost frame();                                        // renders all viewers of the case
     RadianceImage picture(const Pose& pose, glm::uvec2 size); // renders one more view and reads it back
     // Renders one more view: the picture, or what is drawn in its place (shaders/shared/show.h), as a display shows it.

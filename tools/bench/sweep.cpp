@@ -12,6 +12,7 @@
 #include "tools/bench/jpeg_error.h"
 #include "tools/bench/light_error.h"
 #include "tools/bench/passes.h"
+#include "tools/bench/seen_error.h"
 
 namespace brume::bench {
 namespace {
@@ -31,7 +32,7 @@ void readVariant(TableReader& in, Variant& out) {
 void readSeries(TableReader& in, Series& out) {
     in.text("name", out.name, 64);
     in.text("about", out.about, 400);
-    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "orbit"};
+    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "orbit", "seams", "motion"};
     if (const auto kind = in.choice("kind", kKinds)) out.kind = kKinds[*kind];
     in.texts("scenes", out.scenes);
     in.texts("cameras", out.cameras);
@@ -222,6 +223,14 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
         for (const std::string& scene : series.scenes)
             for (const std::string& camera : series.cameras) {
                 if (series.kind == "orbit") take(orbitRows(device, series, scene, camera, truth));
+                if (series.kind == "seams" || series.kind == "motion") {
+                    std::vector<SeenCase> cases;
+                    for (const Variant& variant : series.variants)
+                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
+                    const glm::uvec2 size = sizeOf(series.error);
+                    take(series.kind == "seams" ? seamRows(device, cases, size)
+                                                : motionRows(device, cases, size, std::max(series.frames, 3u)));
+                }
                 if (series.kind == "light") {
                     std::vector<LightCase> cases;
                     for (const Variant& variant : series.variants)

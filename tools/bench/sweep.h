@@ -24,7 +24,7 @@ struct Variant {
 
 struct Series {
     std::string name, about;
-    std::string kind = "cost"; // cost | jpeg | light | orbit
+    std::string kind = "cost"; // cost | jpeg | light | orbit | seams | motion
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
     float apart = 0; // degrees that each viewer is turned from the one before; 0: they stand evenly around the target
@@ -35,7 +35,7 @@ struct Series {
     std::string published_on; // device of the published figures
     std::vector<Variant> variants;
     std::vector<std::string> qualities; // kind jpeg: JPEG qualities
-    uint32_t frames = 0;                // kind orbit: frames
+    uint32_t frames = 0;                // kinds orbit and motion: frames
     float degrees = 0;                  // kind orbit: degrees per frame
 };
 

@@ -40,6 +40,17 @@ public:
         const auto& [balls, sigma_t, albedo] = medium;
         add(balls), add(sigma_t), add(albedo);
     }
+    void add(const reference::TetrahedralMedium::Corner& corner) {
+        const auto& [place, sigma_t, albedo] = corner;
+        add(place), add(sigma_t), add(albedo);
+    }
+    void add(const glm::uvec4& cell) {
+        for (int i = 0; i < 4; ++i) add(double(cell[i]));
+    }
+    void add(const reference::TetrahedralMedium& medium) {
+        const auto& [corners, cells] = medium;
+        add(corners), add(cells);
+    }
     void add(const reference::Fog& fog) {
         const auto& [sigma_t, albedo, falloff, lo, hi, centre, radius, base, phase, emission, colour] = fog;
         add(sigma_t), add(albedo), add(falloff), add(lo), add(hi), add(centre), add(radius), add(base);
@@ -69,14 +80,15 @@ public:
         for (const Element& element : list) add(element);
     }
     void add(const reference::World& world) {
-        const auto& [blobs, support, cut_light, composition, balls, fogs, lights, obstacles, sheets, zenith, horizon,
-                     haze, ambient, phase, colour] = world;
+        const auto& [blobs, support, cut_light, composition, balls, tetrahedra, fogs, lights, obstacles, sheets, zenith,
+                     horizon, haze, ambient, phase, colour] = world;
         add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs),
             add(lights);
         add(obstacles), add(zenith), add(horizon), add(haze), add(ambient);
         add(phase);
         if (colour != glm::dvec3(1)) add(colour);
         if (!sheets.empty()) add(sheets);
+        if (!tetrahedra.cells.empty()) add(tetrahedra);
     }
     void add(const PhaseLobes& phase) {
         const auto& [part, asymmetry, draine, second] = phase;

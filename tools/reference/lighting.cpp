@@ -27,7 +27,7 @@ Arrival arrivalAt(const LightSource& light, glm::dvec3 x) {
 }
 
 Lighting::Lighting(const World& world, double reach, bool shadows, double cells)
-    : world_(world), obstacles_(world.obstacles), shadows_(shadows) {
+    : world_(world), obstacles_(world.obstacles), tetrahedra_(world.tetrahedra), shadows_(shadows) {
     for (const LightSource& light : world.lights) {
         Fields& fields = fields_.emplace_back();
         if (!shadows || world.cut_light) continue;
@@ -69,7 +69,7 @@ double Lighting::depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip)
         insideUnion(world_.balls, toward, parts);
         for (const Interval part : parts) sum += world_.balls.sigma_t * (part.end - part.begin);
     }
-    return sum;
+    return sum + tetrahedra_.depth(toward);
 }
 
 void Lighting::scattered(glm::dvec3 x, glm::dvec3 w, std::span<const PhaseLobes> phases,
@@ -109,6 +109,7 @@ void Lighting::edges(const Ray& ray, std::vector<double>& t) const {
         if (!shadows_) continue;
         if (light.shadows) {
             obstacles_.shadowEdges(light, ray, t);
+            tetrahedra_.shadowEdges(light, ray, t);
             for (const UnionMedium::Ball& ball : world_.balls.balls)
                 shadowEdges({Obstacle::Kind::sphere, ball.centre, glm::dvec3(ball.radius), 0, {}}, light, ray, t);
             if (world_.cut_light)

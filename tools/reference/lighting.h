@@ -6,6 +6,7 @@
 
 #include "tools/reference/light_field.h"
 #include "tools/reference/obstacle_tree.h"
+#include "tools/reference/tetrahedra.h"
 #include "tools/reference/world.h"
 
 namespace brume::reference {
@@ -37,9 +38,10 @@ public:
     void edges(const Ray& ray, std::vector<double>& t) const;
 
     const ObstacleTree& obstacles() const { return obstacles_; }
+    const TetrahedraTree& tetrahedra() const { return tetrahedra_; }
 
 private:
-    double cutDepth(const Ray& toward) const; // optical depth of tetrahedra
+    double cutDepth(const Ray& toward) const; // optical depth of blobs that their tetrahedra cut
 
     struct Fields {
         std::optional<LightField> distant;
@@ -47,6 +49,7 @@ private:
     };
     const World& world_;
     ObstacleTree obstacles_;
+    TetrahedraTree tetrahedra_;
     bool shadows_;
     std::vector<Fields> fields_; // per light
     const ErfTable& table_ = ErfTable::shared();

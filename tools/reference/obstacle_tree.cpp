@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/reference/bounds.h"
+
 namespace brume::reference {
 namespace {
 
@@ -27,20 +29,6 @@ Bounds3 boundsOf(const Obstacle& o) {
     return {o.centre - reach, o.centre + reach};
 }
 
-bool passes(const Bounds3& bounds, const Ray& ray) {
-    Interval inside{ray.begin, ray.end};
-    for (int axis = 0; axis < 3; ++axis) {
-        const double origin = ray.origin[axis], slope = ray.direction[axis];
-        if (slope == 0) {
-            if (origin < bounds.lo[axis] || origin > bounds.hi[axis]) return false;
-            continue;
-        }
-        const double a = (bounds.lo[axis] - origin) / slope, b = (bounds.hi[axis] - origin) / slope;
-        inside = common(inside, {std::min(a, b), std::max(a, b)});
-    }
-    return inside.begin <= inside.end;
-}
-
 } // namespace
 
 ObstacleTree::ObstacleTree(std::span<const Obstacle> obstacles) : obstacles_(obstacles) {
@@ -55,14 +43,8 @@ ObstacleTree::ObstacleTree(std::span<const Obstacle> obstacles) : obstacles_(obs
 
 template <class Enters, class Visit>
 bool ObstacleTree::walk(const Enters& enters, const Visit& visit) const {
-    if (std::ranges::any_of(planes_, visit)) return true;
-    for (size_t n = 0; n < nodes_.size();) {
-        const BoundingNode& node = nodes_[n];
-        const bool entered = enters(node.bounds);
-        if (entered && node.item != BoundingNode::kInner && visit(bodies_[node.item])) return true;
-        n = entered ? n + 1 : node.next;
-    }
-    return false;
+    return std::ranges::any_of(planes_, visit) ||
+           reference::walk(nodes_, enters, [&](uint32_t item) { return visit(bodies_[item]); });
 }
 
 Hit ObstacleTree::nearest(const Ray& ray) const {
@@ -89,16 +71,11 @@ void ObstacleTree::shadowEdges(const LightSource& light, const Ray& ray, std::ve
     const bool distant = light.kind == LightSource::Kind::directional;
     // A shadow reaches the ray from an obstacle that meets the plane of the ray and the light.
     const glm::dvec3 normal = glm::cross(ray.direction, distant ? light.to_light : light.position - ray.origin);
-    walk(
-        [&](const Bounds3& bounds) {
-            if (bodies_.size() <= kFew) return true;
-            const glm::dvec3 half = (bounds.hi - bounds.lo) / 2.0, to = (bounds.lo + bounds.hi) / 2.0 - ray.origin;
-            return std::abs(glm::dot(normal, to)) <= glm::dot(glm::abs(normal), half + 1e-12 * glm::abs(to));
-        },
-        [&](int i) {
-            reference::shadowEdges(obstacles_[size_t(i)], light, ray, t);
-            return false;
-        });
+    walk([&](const Bounds3& bounds) { return bodies_.size() <= kFew || meetsPlane(bounds, normal, ray.origin); },
+         [&](int i) {
+             reference::shadowEdges(obstacles_[size_t(i)], light, ray, t);
+             return false;
+         });
 }
 
 } // namespace brume::reference

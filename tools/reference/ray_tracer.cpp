@@ -8,6 +8,9 @@ namespace brume::reference {
 
 namespace {
 
+// A panel in a tetrahedron is so wide at least, and has 8 nodes: with 4 the light's kinks cannot be told.
+constexpr double kLeastWidth = 0.2;
+
 double sum(glm::dvec3 v) { return v.x + v.y + v.z; }
 
 double reachFor(const World& world, double tolerance) {
@@ -28,7 +31,8 @@ struct ChannelStage {
 Stage::Stage(const World& w, const Settings& s)
     : world(w), settings(s), reach(reachFor(w, s.tolerance)), lighting(w, reach, s.shadows, s.light_cells) {
     if (!(s.tolerance >= 1e-12 && s.tolerance <= 1e-2)) throw std::invalid_argument("tolerance is in [1e-12, 1e-2]");
-    if (w.composition == Composition::sequential && !(w.fogs.empty() && w.balls.balls.empty()))
+    if (w.composition == Composition::sequential &&
+        !(w.fogs.empty() && w.balls.balls.empty() && w.tetrahedra.cells.empty()))
         throw std::invalid_argument("sequential composition is of Gaussian particles alone");
     if (w.composition == Composition::sequential && !w.sheets.empty())
         throw std::invalid_argument("sequential composition is of worlds without glass");
@@ -120,6 +124,7 @@ void RayTracer::gather() {
     fog_parts_.clear();
     for (const Fog& fog : world_.fogs) fog_parts_.push_back(common(insideFog(fog, ray_), {ray_.begin, ray_.end}));
     insideUnion(world_.balls, ray_, ball_parts_);
+    stage_.lighting.tetrahedra().along(ray_, cell_parts_);
     smallest_ball_ = kInfinity;
     for (const UnionMedium::Ball& ball : world_.balls.balls) smallest_ball_ = std::min(smallest_ball_, ball.radius);
 }
@@ -135,6 +140,7 @@ double RayTracer::depthFromBegin(double t) const {
     for (const Fog& fog : world_.fogs) depth += depthOn(fog, {ray_.origin, ray_.direction, ray_.begin, t});
     for (const Interval part : ball_parts_)
         depth += world_.balls.sigma_t * std::max(std::min(t, part.end) - part.begin, 0.0);
+    for (const CellPart& part : cell_parts_) depth += part.depthTo(t);
     return depth;
 }
 
@@ -167,6 +173,7 @@ void RayTracer::findBreaks() {
         }
     }
     for (const Interval part : ball_parts_) cover(part);
+    for (const CellPart& part : cell_parts_) cover({part.begin, part.end});
     for (size_t f = 0; f < world_.fogs.size(); ++f)
         if (const Interval part = fog_parts_[f]; !part.empty()) cover({part.begin, endOf(world_.fogs[f], part)});
     if (!(end > begin)) return;
@@ -186,6 +193,11 @@ double RayTracer::finest(double t0, double t1, bool& empty) const {
     for (const Crossing& c : crossings_)
         if (c.t0 < t1 && c.t1 > t0) k = std::max(k, c.blob->k);
     if (k > 0) empty = false;
+    for (const CellPart& part : cell_parts_) {
+        if (!part.holds(t)) continue;
+        empty = false;
+        k = std::max({k, part.extinction[0], part.extinction[1], kLeastWidth / (t1 - t0)});
+    }
     // The light through a union has kinks wherever balls meet: eight times as fine as a ball finds them.
     if (std::any_of(ball_parts_.begin(), ball_parts_.end(), holds)) k = std::max(k, 8 / smallest_ball_);
     return k;
@@ -253,6 +265,10 @@ void RayTracer::addMedia(Panel& panel) const {
             if (!(middle > part.begin && middle < part.end)) continue;
             panel.scattering[i] += world_.balls.sigma_t * world_.balls.albedo;
         }
+        for (const CellPart& part : cell_parts_) {
+            panel.depth[i] += part.depthTo(t);
+            if (part.holds(middle)) panel.scattering[i] += part.extinctionAt(t) * part.albedoAt(t);
+        }
     }
 }
 
@@ -291,7 +307,8 @@ RayTracer::Panel RayTracer::panelOn(double t0, double t1, double k) {
         return std::abs(rule.coefficient(m, integrand)) + std::abs(rule.coefficient(m + 1, integrand));
     };
     const double late = largest(n - 2), early = largest(n / 2 - 2), rate = early > 0 ? std::min(late / early, 1.0) : 0;
-    const double decay = ball_parts_.empty() ? rate * rate : rate; // unions have kinks, whose coefficients fall slowly
+    const bool kinks = !ball_parts_.empty() || !world_.tetrahedra.cells.empty(); // their coefficients fall slowly
+    const double decay = kinks ? rate : rate * rate;
     panel.error = 16 * 2 * half * late * decay;
     return panel;
 }

@@ -17,8 +17,8 @@ struct Settings {
     // Relative tolerance of a ray's scattered radiance, and absolute tolerance of the optical depth left out where
     // Gaussians end. In [1e-12, 1e-2]. Panels are split exactly at edges of shadows, faces of tetrahedra, ends of fog
     // and silhouettes of balls. Kinks where balls of a union meet, and where light leaves a fog's sphere and slab at
-    // once, are found by halving only: unions are tested down to 1e-7. Precondition: no ray passes through a point
-    // light.
+    // once, are found by halving only: unions are tested down to 1e-7. So are weaker kinks, by edges of tetrahedra
+    // on the inside. Precondition: no ray passes through a point light.
     double tolerance = 1e-8;
     bool shadows = true;  // False: every light reaches every point unattenuated
     unsigned threads = 0; // for a picture; 0: as many as the machine has
@@ -107,6 +107,7 @@ private:
     Ray ray_;
     std::vector<Crossing> crossings_;
     std::vector<Interval> fog_parts_, ball_parts_;
+    std::vector<CellPart> cell_parts_;
     std::vector<SheetHit> sheets_;
     double smallest_ball_ = kInfinity; // m
     std::vector<PhaseLobes> phases_;   // that of the world, then those of fogs that differ

@@ -83,7 +83,7 @@ private:
     };
 
     // The first of the media's own collisions: they are independent.
-    Collision collide(const Ray& ray, Random& random) const {
+    Collision collide(const Ray& ray, Random& random) {
         Collision first;
         for (const Fog& fog : world_.fogs)
             if (const double t = ray.begin + distanceOfDepth(fog, ray, random.depth()); t < first.t)
@@ -99,6 +99,10 @@ private:
                            return false;
                        }
                    });
+        lighting_.tetrahedra().along({ray.origin, ray.direction, ray.begin, std::min(ray.end, first.t)}, parts_);
+        for (const CellPart& part : parts_)
+            if (const double t = part.whereDepthIs(random.depth()); t < first.t)
+                first = {t, part.albedoAt(t), glm::dvec3(0), &world_.phase};
         return first;
     }
 
@@ -109,7 +113,7 @@ private:
     }
 
     double transmittance(const Ray& ray, Random& random) const {
-        double through = throughFogs(ray);
+        double through = throughFogs(ray) * std::exp(-lighting_.tetrahedra().depth(ray));
         if (through == 0) return 0;
         grid_.walk(ray, [&](size_t cell, double t0, double t1, double majorant) {
             for (double t = t0 + random.depth() / majorant; t < t1; t += random.depth() / majorant)
@@ -144,6 +148,7 @@ private:
     const Lighting& lighting_;
     int orders_;
     std::vector<SheetHit> sheets_; // on the camera's ray
+    std::vector<CellPart> parts_;  // on the last ray
 };
 
 } // namespace

@@ -1,6 +1,6 @@
 // Multiple scattering by random paths: free flights by delta tracking (Woodcock 1965) in cells with their own bounds,
-// fog's flights by inversion, next-event estimation to every light past the objects with ratio tracking (Novak et al.
-// 2014). Unbiased.
+// flights in fog and tetrahedra by inversion, next-event estimation to every light past the objects with ratio tracking
+// (Novak et al. 2014). Unbiased.
 #pragma once
 
 #include <cstdint>

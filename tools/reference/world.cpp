@@ -6,6 +6,7 @@
 #include <map>
 
 #include "common/scene_limits.h"
+#include "common/tetrahedra.h"
 #include "shaders/shared/ground.h"
 #include "shaders/shared/sky.h"
 
@@ -25,6 +26,12 @@ UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_
                     glm::dvec3 albedo) {
     UnionMedium medium{{}, sigma_t, albedo};
     for (const gpu::Particle& p : particles) medium.balls.push_back({p.centre, radius_per_scale * p.scale});
+    return medium;
+}
+
+TetrahedralMedium tetrahedraOf(std::span<const gpu::Particle> particles, std::span<const glm::uvec4> cells) {
+    TetrahedralMedium medium{{}, {cells.begin(), cells.end()}};
+    for (const gpu::Particle& p : particles) medium.corners.push_back({p.centre, p.sigma_t, p.albedo});
     return medium;
 }
 
@@ -124,6 +131,7 @@ World inChannel(const World& world, int channel) {
     const double part = world.extinction_colour[channel];
     for (Blob& blob : one.blobs) blob.sigma_t *= part, blob.half_line *= part;
     one.balls.sigma_t *= part;
+    for (TetrahedralMedium::Corner& corner : one.tetrahedra.corners) corner.sigma_t *= part;
     one.extinction_colour = glm::dvec3(1);
     for (Fog& fog : one.fogs) {
         fog.sigma_t *= fog.extinction_colour[channel];
@@ -137,6 +145,8 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     if (now.medium.model == kUnionMedium)
         world.balls =
             unionOf(particles, double(now.medium.union_radius), double(now.medium.union_extinction), now.medium.albedo);
+    else if (now.medium.model == kTetrahedraMedium)
+        world.tetrahedra = tetrahedraOf(particles, scene.tetrahedra->corners);
     else
         world.blobs = blobsOf(particles, now.medium.falloff);
     world.lights = {directional(now.light)};

@@ -68,6 +68,19 @@ struct UnionMedium {
 UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t,
                     glm::dvec3 albedo);
 
+// Tetrahedra: extinction and albedo are linear within each, between its corners. Where they overlap, extinctions add
+// up.
+struct TetrahedralMedium {
+    struct Corner {
+        glm::dvec3 place; // m
+        double sigma_t;   // 1/m
+        glm::dvec3 albedo;
+    };
+    std::vector<Corner> corners;
+    std::vector<glm::uvec4> cells; // of each tetrahedron: indices of corners
+};
+TetrahedralMedium tetrahedraOf(std::span<const gpu::Particle> particles, std::span<const glm::uvec4> cells);
+
 // extinction = sigma_t e^(-falloff (y - base)) where lo <= y <= hi and |x - centre| <= radius.
 struct Fog {
     double sigma_t = 0; // 1/m at y = base
@@ -92,7 +105,7 @@ struct LightSource {
     double cos_outer = 0, cos_inner = 1; // spot: I * smoothstep(cos_outer, cos_inner, cosine to the axis)
     double radius = 0;                   // point, spot, m: I / (d^2 + radius^2)
     double range = kInfinity;            // point, spot, m: where its light ends, by (1 - (d / range)^4)^2
-    bool shadows = true;                 // point, spot. True: obstacles, blobs and balls shadow it; fog always dims it
+    bool shadows = true;                 // point, spot. True: all but fog shadows it; fog always dims it
 };
 
 struct Obstacle {
@@ -130,6 +143,7 @@ struct World {
     bool cut_light = false;                             // True, with Support::tetrahedron: light depth is cut, too
     Composition composition = Composition::overlapping; // sequential: only worlds of blobs
     UnionMedium balls;
+    TetrahedralMedium tetrahedra;
     std::vector<Fog> fogs;
     std::vector<LightSource> lights;
     std::vector<Obstacle> obstacles;

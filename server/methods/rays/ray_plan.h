@@ -2,6 +2,7 @@
 // settings `rate` and `slabs`, their errors, and what it costs to show the rays' field.
 #pragma once
 
+#include "server/inputs/multiple_block.h"
 #include "server/plan/method_plan.h"
 #include "shaders/shared/field.h"
 
@@ -52,9 +53,7 @@ public:
     bool drawsFogAndLocalLights() const override { return true; }
     bool drawsMultiple() const override { return true; }
     std::string refusal(const RenderSettings& settings) const override;
-    uint32_t shaders(const RenderSettings& settings) const override {
-        return settings.scattering == "octaves" ? 1 : settings.scattering == "propagation" ? 2 : 0;
-    }
+    uint32_t shaders(const RenderSettings& settings) const override { return scatteringOf(settings); }
     std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.

@@ -9,7 +9,6 @@
 #include "server/medium/band_limit.h"
 #include "server/methods/rays/ray_plan.h"
 #include "shaders/ray_ends_comp.h"
-#include "shaders/shared/multiple.h"
 #include "shaders/slab_spline_comp.h"
 
 namespace brume {
@@ -253,9 +252,7 @@ void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
 gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
     const bool one = in.medium->extent->one_albedo;
     const gpu::Multiple& multiple = in.shared->tick->multiple;
-    const uint32_t model = multiple.cells > 0     ? gpu::kScatteringPropagation
-                           : multiple.octaves > 1 ? gpu::kScatteringOctaves
-                                                  : gpu::kScatteringSingle;
+    const uint32_t model = scatteringOf(multiple);
     const bool one_colour = one && (model != gpu::kScatteringPropagation || multiple.channels == 1);
     // True: the sun's quantities hold what has scattered more than once, too.
     const bool in_sun = model == gpu::kScatteringSingle || (one == one_colour && !features_.casters);

@@ -20,8 +20,7 @@ public:
     }
     std::string text(const RenderSettings& s) const override { return fmt::format("sprites, {} maps", s.sprites.maps); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
-    bool drawsSum() const override { return false; }
-    bool drawsUnion() const override { return true; }
+    bool draws(std::string_view model) const override { return model == kUnionMedium; }
     bool hasClosedForms() const override { return false; }
     // It is `auto`'s choice in a union medium, though its error has no law.
     void addWays(const PlanScene&, const RenderSettings& way, bool, std::vector<RenderSettings>& ways,

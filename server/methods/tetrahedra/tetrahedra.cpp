@@ -1,0 +1,71 @@
+// Method `tetrahedra`: interval shading of a mesh of tetrahedra (seed 000 section 6.2). Every pixel's ray walks from
+// neighbour to neighbour, so the order is right on every ray, and nothing is sorted.
+#include <map>
+#include <utility>
+
+#include "server/inputs/multiple_block.h"
+#include "server/light/tetrahedra_buffers.h"
+#include "server/methods/method.h"
+#include "server/methods/plans.h"
+#include "shaders/tetrahedra_comp.h"
+
+namespace brume::methods::tetrahedra {
+namespace {
+
+using gpu::storageBuffer;
+
+class TetrahedraMethod final : public Method {
+public:
+    explicit TetrahedraMethod(const MethodContext& context)
+        : device_(context.device), features_(context.features), nodes_(context.settings.tetrahedra.nodes) {}
+
+    MethodNeeds needs() const override { return {.one_medium = true}; }
+
+    void recordGroup(gpu::Commands& commands, const ViewGroup& group) override {
+        const EyeInputs& in = *group.any;
+        const TickInputs& shared = *in.shared;
+        const gpu::Commands::Pass pass(commands, "medium", in.view);
+        const struct {
+            glm::vec3 albedo;
+            uint32_t faces;
+        } push{in.medium->extent->albedo, shared.tetrahedra->faceCount()};
+        program(in.medium->extent->one_albedo, scatteringOf(shared.tick->multiple))
+            .bind(commands,
+                  {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
+                   storageBuffer(3, shared.tetrahedra->cells), storageBuffer(4, shared.tetrahedra->faces),
+                   storageBuffer(5, shared.tetrahedra->nodes),
+                   gpu::sampledImage(6, *shared.shadow_volume, *shared.linear),
+                   gpu::sampledImage(7, *shared.opaque_shadow, *shared.nearest),
+                   gpu::sampledImage(8, in.target->view_depth, *shared.nearest),
+                   gpu::storageImage(9, in.target->radiance), gpu::sampledImage(10, *shared.fluence, *shared.linear)},
+                  push);
+        vkCmdDispatch(commands.handle(), gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
+        gpu::computeToCompute(commands.handle());
+    }
+
+private:
+    const gpu::ComputeProgram& program(bool one_albedo, uint32_t model) {
+        gpu::ComputeProgram& made = programs_[{one_albedo, model}];
+        if (!made)
+            made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tetrahedra_comp, "tetrahedra"},
+                                       {{gpu::kIdHasOpaque, features_.opaque},
+                                        {gpu::kIdHasCasters, features_.casters},
+                                        {gpu::kIdHasLobe, features_.lobe},
+                                        {gpu::kIdHasAmbient, features_.ambient},
+                                        {gpu::kIdOneAlbedo, one_albedo},
+                                        {gpu::kIdSteps, nodes_},
+                                        {gpu::kIdScattering, model}});
+        return made;
+    }
+
+    const gpu::Device& device_;
+    const SceneFeatures features_;
+    const uint32_t nodes_;
+    std::map<std::pair<bool, uint32_t>, gpu::ComputeProgram> programs_; // by: all corners have one albedo; scattering
+};
+
+} // namespace
+
+std::unique_ptr<Method> make(const MethodContext& context) { return std::make_unique<TetrahedraMethod>(context); }
+
+} // namespace brume::methods::tetrahedra
