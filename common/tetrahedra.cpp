@@ -89,6 +89,7 @@ public:
             fail(fmt::format("{} faces of tetrahedra are outside; expected up to {}: those side by side have the same "
                              "vertices",
                              out_.faces.size(), Tetrahedra::kMostFaces));
+        if (out_.faces.empty()) fail("the tetrahedra have no outside; expected some that are not flat");
         std::vector<Bounds3> boxes;
         boxes.reserve(out_.faces.size());
         for (const Tetrahedra::Face& face : out_.faces) boxes.push_back(boundsOf(face, points_));

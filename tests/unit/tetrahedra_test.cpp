@@ -194,6 +194,8 @@ TEST(Tetrahedra, RefusalsAreOneLine) {
     mesh.cells.erase(mesh.cells.begin());
     mesh.cells.push_back(mesh.cells[0]);
     EXPECT_NE(errorOf(mesh).find("rows 1 and 5 of element tetrahedron lie on the same side"), std::string::npos);
+    mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2, 3}, {0, 1, 2, 3}}};
+    EXPECT_EQ(errorOf(mesh), "mesh.ply: PLY: the tetrahedra have no outside; expected some that are not flat");
     mesh = {};
     for (uint32_t i = 0; i < 125'001; ++i) {
         for (const glm::vec3 corner : {glm::vec3(0), glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)})
