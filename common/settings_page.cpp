@@ -113,9 +113,8 @@ Every point has a `sigma_t`, and may have a colour; both are linear in between. 
 at the corners of the outside, the medium ends softly. A point with a number out of range is an error here.
 
 Tetrahedra side by side have three points in common. Copies of points do, too, but then every ray looks for each
-tetrahedron anew. A face has one or two tetrahedra, which lie on
-different sides of it. Up to 500000 faces are outside. A tetrahedron may be flat. Tetrahedra that overlap otherwise are
-not found, and are drawn wrongly.
+tetrahedron anew. A face has one or two tetrahedra, which lie on different sides of it. Up to 500000 faces are outside.
+A tetrahedron may be flat. Tetrahedra that overlap otherwise are not found, and are drawn wrongly.
 
 A push moves corners, and springs draw them back: the mesh deforms, and the extinction at its corners stays. So a
 tetrahedron that is pressed together holds less of the medium. `medium.centre`, `simulation.volume_velocity` and so on

@@ -90,10 +90,7 @@ private:
 
 // Names of the shipped scenes, then the path of one with several albedos, which they lack.
 std::vector<std::string> scenes() {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(BRUME_SCENES))
-        names.push_back(entry.path().stem().string());
-    std::sort(names.begin(), names.end());
+    std::vector<std::string> names = sceneNames(BRUME_SCENES);
     names.emplace_back(BRUME_BENCH_SCENES "/albedos.toml");
     return names;
 }

@@ -68,10 +68,10 @@ json rowOf(const SeenCase& one) {
 
 } // namespace
 
-json seamRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size) {
+json seamRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size, uint32_t ticks) {
     json rows = json::array();
     for (const SeenCase& one : cases) {
-        Stage stage(device, one.wanted), whole(device, with(one.wanted, {"render.method=sphere"}));
+        Stage stage(device, one.wanted, ticks), whole(device, with(one.wanted, {"render.method=sphere"}), ticks);
         const std::vector<double> all = kinks(stage.picture(stage.pose(), size), whole.picture(whole.pose(), size));
         const auto seams = std::ranges::count_if(all, [](double kink) { return kink > kSeam; });
         json row = rowOf(one);
@@ -87,13 +87,14 @@ json seamRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm
     return rows;
 }
 
-json motionRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size, uint32_t frames) {
+json motionRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size, uint32_t frames,
+                uint32_t ticks) {
     // Cases are alike but for the map.
-    Stage finest(device, with(cases.front().wanted, {"render.shadow_size=512", "render.shadow_slices=128"}));
+    Stage finest(device, with(cases.front().wanted, {"render.shadow_size=512", "render.shadow_slices=128"}), ticks);
     const std::vector<RadianceImage> exact = moving(finest, size, frames);
     json rows = json::array();
     for (const SeenCase& one : cases) {
-        Stage stage(device, one.wanted);
+        Stage stage(device, one.wanted, ticks);
         const std::vector<RadianceImage> seen = moving(stage, size, frames);
         const DisplaySettings display = displayOf(stage.scene().render);
         std::vector<std::vector<double>> errors;

@@ -18,11 +18,12 @@ struct SeenCase {
 // Each case's picture against the same drawn by `sphere`: whole Gaussians, which end nowhere. A kink is the second
 // difference of the luminance to a pixel's neighbours, across or down, less that of the other picture, over the mean of
 // 3x3 pixels. Only pixels that show the medium count.
-nlohmann::json seamRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size);
+// `ticks`: of simulation first.
+nlohmann::json seamRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size, uint32_t ticks);
 
 // `frames` pictures, a tick apart, of particles that were pushed, each against the same with a far finer map of the
-// light. Precondition: cases are alike but for their maps.
+// light. `ticks`: before the push. Precondition: cases are alike but for their maps.
 nlohmann::json motionRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size,
-                          uint32_t frames);
+                          uint32_t frames, uint32_t ticks);
 
 } // namespace brume::bench

@@ -228,8 +228,9 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
                     for (const Variant& variant : series.variants)
                         cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
                     const glm::uvec2 size = sizeOf(series.error);
-                    take(series.kind == "seams" ? seamRows(device, cases, size)
-                                                : motionRows(device, cases, size, std::max(series.frames, 3u)));
+                    take(series.kind == "seams"
+                             ? seamRows(device, cases, size, series.ticks)
+                             : motionRows(device, cases, size, std::max(series.frames, 3u), series.ticks));
                 }
                 if (series.kind == "light") {
                     std::vector<LightCase> cases;
