@@ -164,7 +164,7 @@ TEST_F(Record, WhatIsNoRecordingIsRefusedInOneLine) {
     };
     EXPECT_EQ(replayOf(bytes)->exitCode(), 0);
     test::expectOneLine(*replayOf(bytes.substr(0, 40)), "cut within its head");
-    test::expectOneLine(*replayOf("brume-recording 13" + bytes.substr(bytes.find('\n'))),
+    test::expectOneLine(*replayOf("brume-recording 14" + bytes.substr(bytes.find('\n'))),
                         "version 14; this server replays version 13");
     test::expectOneLine(*replayOf("not one\n"), "no recording");
     bytes[bytes.size() - 20] ^= 4;
