@@ -53,7 +53,8 @@ struct Seen {
 };
 
 // Adds the part of a tetrahedron between two places on the ray. map_at: the line's origin in the shadow map.
-void addInterval(inout Seen seen, Line line, vec3 map_at, vec3 map_per_m, float t0, float t1, vec2 sigma, vec3 albedo[2]) {
+void addInterval(inout Seen seen, Line line, vec3 map_at, vec3 map_per_m, float t0, float t1, vec2 sigma,
+                 vec3 albedo[2]) {
     const float length = t1 - t0, depth = tick.extinction * linearDepth(sigma.x, sigma.y, length);
     if (!(depth > 0)) return;
     const float weight = opacity(depth) * exp(-seen.depth);

@@ -85,6 +85,22 @@ bool cross(const TetrahedralMedium& medium, const glm::uvec4& cell, const View& 
     return count == 2;
 }
 
+// Calls act(where the ray enters, where it leaves, the part of that on the ray) for every tetrahedron on it, in any
+// order.
+template <class Act>
+void eachCrossed(const TetrahedralMedium& medium, std::span<const BoundingNode> nodes, const Ray& ray, const Act& act) {
+    const View view(ray);
+    std::array<FaceHit, 2> hits;
+    walk(
+        nodes, [&](const Bounds3& bounds) { return passes(bounds, ray); },
+        [&](uint32_t i) {
+            if (!cross(medium, medium.cells[i], view, hits)) return false;
+            const Interval part = common({hits[0].t, hits[1].t}, {ray.begin, ray.end});
+            if (!part.empty()) act(hits[0], hits[1], part);
+            return false;
+        });
+}
+
 // Bounds of corners, with room for roundings.
 template <size_t n>
 Bounds3 boundsOf(const TetrahedralMedium& medium, const std::array<uint32_t, n>& corners) {
@@ -154,38 +170,19 @@ std::vector<TetrahedraTree::Edge> TetrahedraTree::outside() const {
 
 void TetrahedraTree::along(const Ray& ray, std::vector<CellPart>& parts) const {
     parts.clear();
-    const View view(ray);
-    std::array<FaceHit, 2> hits;
-    walk(
-        nodes_, [&](const Bounds3& bounds) { return passes(bounds, ray); },
-        [&](uint32_t i) {
-            if (!cross(medium_, medium_.cells[i], view, hits)) return false;
-            const Interval part = common({hits[0].t, hits[1].t}, {ray.begin, ray.end});
-            if (part.empty()) return false;
-            const CellPart whole{hits[0].t,
-                                 hits[1].t,
-                                 {hits[0].extinction(), hits[1].extinction()},
-                                 {hits[0].albedo(), hits[1].albedo()}};
-            parts.push_back(whole.cut(part));
-            return false;
-        });
+    eachCrossed(medium_, nodes_, ray, [&](const FaceHit& in, const FaceHit& out, Interval part) {
+        const CellPart whole{in.t, out.t, {in.extinction(), out.extinction()}, {in.albedo(), out.albedo()}};
+        parts.push_back(whole.cut(part));
+    });
     std::ranges::sort(parts, {}, &CellPart::begin);
 }
 
 double TetrahedraTree::depth(const Ray& ray) const {
     double sum = 0;
-    const View view(ray);
-    std::array<FaceHit, 2> hits;
-    walk(
-        nodes_, [&](const Bounds3& bounds) { return passes(bounds, ray); },
-        [&](uint32_t i) {
-            if (!cross(medium_, medium_.cells[i], view, hits)) return false;
-            const Interval part = common({hits[0].t, hits[1].t}, {ray.begin, ray.end});
-            if (part.empty()) return false;
-            const CellPart whole{hits[0].t, hits[1].t, {hits[0].extinction(), hits[1].extinction()}};
-            sum += whole.depthTo(part.end) - whole.depthTo(part.begin);
-            return false;
-        });
+    eachCrossed(medium_, nodes_, ray, [&](const FaceHit& in, const FaceHit& out, Interval part) {
+        const CellPart whole{in.t, out.t, {in.extinction(), out.extinction()}};
+        sum += whole.depthTo(part.end) - whole.depthTo(part.begin);
+    });
     return sum;
 }
 
