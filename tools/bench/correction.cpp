@@ -80,7 +80,8 @@ CorrectionRun correctionRun(const gpu::Device& device, const CostModel& costs, c
         if (!first && now - began > kPatience)
             throw std::runtime_error("nothing was measured in a minute: does the camera see the medium?");
         const double s = first ? Seconds(now - *first).count() : 0;
-        if (s >= question.seconds) break;
+        run.samples = samples.all();
+        if (s >= question.seconds || (broken && question.done && question.done(run))) break;
         if (!broken && s >= question.at) {
             loop.setLawFactor(question.law_factor);
             [[maybe_unused]] const bool taken =
@@ -98,7 +99,6 @@ CorrectionRun correctionRun(const gpu::Device& device, const CostModel& costs, c
     }
     loop.stop();
     if (loop.failure()) std::rethrow_exception(loop.failure());
-    run.samples = samples.all();
     return run;
 }
 
@@ -111,7 +111,7 @@ CorrectionTimes timesOf(const CorrectionRun& run) {
             continue;
         }
         // Nothing is known of the new pictures yet.
-        if (out.before && !out.last && one.measured == out.before->measured) continue;
+        if (out.before && one.measured == out.before->measured) continue;
         out.last = &one;
         if (!out.worst || one.measured.rmse > out.worst->measured.rmse) out.worst = &one;
         const bool above = one.measured.rmse > run.promised;

@@ -1,6 +1,7 @@
 // What measuring makes of laws that turn wrong while the server's frame loop draws for a viewer.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,14 +11,6 @@
 #include "tools/bench/stage.h"
 
 namespace brume::bench {
-
-struct CorrectionQuestion {
-    Case wanted;                 // its viewer flies slowly around the scene's target
-    double law_factor = 0.25;    // on the error of every law, from `at` on
-    double at = 20;              // s after the first measured error. A command makes the plan anew then
-    double seconds = 60;         // s after it at which the run ends; more than `at`
-    double measure_error = 0.02; // FrameOptions::measure_error
-};
 
 // What is known at one moment, of the newest pictures.
 struct CorrectionSample {
@@ -34,6 +27,15 @@ struct CorrectionRun {
     double broken_s = 0; // when the laws turned wrong
     uint64_t frames = 0; // frames that the viewer got
     std::vector<CorrectionSample> samples;
+};
+
+struct CorrectionQuestion {
+    Case wanted;                 // its viewer flies slowly around the scene's target
+    double law_factor = 0.25;    // on the error of every law, from `at` on
+    double at = 20;              // s after the first measured error. A command makes the plan anew then
+    double seconds = 60;         // s after it at which the run ends; more than `at`
+    double measure_error = 0.02; // FrameOptions::measure_error
+    std::function<bool(const CorrectionRun&)> done; // true ends the run before that; may be empty
 };
 
 // Takes a sample each half second. Throws SceneError for a scene that promises nothing, std::runtime_error if nothing
