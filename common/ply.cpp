@@ -215,6 +215,13 @@ PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin, PlyWant
     return parsePly(readBytes(file), file.string(), origin, wanted);
 }
 
+bool holdsTetrahedra(std::string_view bytes, const std::string& name) {
+    Reader in(bytes, name);
+    const ply::Header header = readHeader(in);
+    const Element* const tetrahedron = named(header, "tetrahedron");
+    return tetrahedron && tetrahedron->count > 0;
+}
+
 PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin, PlyWanted wanted) {
     Reader in(bytes, name);
     const ply::Header header = readHeader(in);

@@ -46,4 +46,7 @@ PointCloud loadPly(const std::filesystem::path& file, glm::dvec3 origin = glm::d
 PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 origin = glm::dvec3(0),
                     PlyWanted wanted = {});
 
+// True: the file has rows of element `tetrahedron`. Throws SceneError for a header that parsePly() would refuse.
+bool holdsTetrahedra(std::string_view bytes, const std::string& name);
+
 } // namespace brume

@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "common/ply.h"
 #include "common/scene_text.h"
 #include "common/text.h"
 #include "server/ahead.h"
@@ -125,8 +126,8 @@ std::string SceneChanger::change(const SceneRequest& request) {
     }
 }
 
-// The points become a scene file beside them, with a camera that sees all of them. Nothing is replaced before it is
-// known to be good.
+// The points, or the tetrahedra, become a scene file beside them, with a camera that sees all of them. Nothing is
+// replaced before it is known to be good.
 void SceneChanger::showCloud(const SceneRequest& request) {
     const std::vector<std::string> own = sceneNames(options_.scene_dir);
     if (std::find(own.begin(), own.end(), request.name) != own.end())
@@ -144,8 +145,10 @@ void SceneChanger::showCloud(const SceneRequest& request) {
         }
     } remover{incoming};
 
-    Scene scene = sceneOf(
-        "[medium]\nlayout = \"file\"\nfile = \"" + std::string(kIncoming) + "/" + request.name + ".ply\"\n", file, {});
+    const char* const model = holdsTetrahedra(request.points, request.name + ".ply") ? kTetrahedraMedium : kSumMedium;
+    Scene scene = sceneOf(fmt::format("[medium]\nmodel = \"{}\"\nlayout = \"file\"\nfile = \"{}/{}.ply\"\n", model,
+                                      kIncoming, request.name),
+                          file, {});
     placeCamera(scene);
     fs::rename(incoming, folder / (request.name + ".ply"));
     scene.medium.file = folder / (request.name + ".ply");

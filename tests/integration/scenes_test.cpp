@@ -47,6 +47,14 @@ protected:
     }
 };
 
+// One tetrahedron with a corner at (3, 1, 0).
+std::string tetrahedron(const std::string& last_corner = "3") {
+    return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+           "property float sigma_t\nelement tetrahedron 1\nproperty list uchar int vertex_indices\nend_header\n"
+           "3 1 0 2\n2 -1 -1 1\n4 -1 -1 1\n3 -1 1 1\n4 0 1 2 " +
+           last_corner + "\n";
+}
+
 TEST_F(Scenes, AnotherSceneIsShownToAllWithoutARestart) {
     RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
     Watcher a(server.endpoint()), b(server.endpoint());
@@ -106,6 +114,20 @@ TEST_F(Scenes, AnUploadedCloudIsSeenAndListedAfterwards) {
     EXPECT_EQ(post(server.port(), "/scene?name=cloud").status, 200);
     EXPECT_EQ(post(server.port(), "/scene?name=mine").status, 200) << "it stays known by its name";
     EXPECT_EQ(post(server.port(), "/cloud?name=mine", points("1")).status, 200) << "and can be replaced";
+}
+
+TEST_F(Scenes, AnUploadWithTetrahedraIsShownAsThese) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    Watcher a(server.endpoint());
+    const HttpReply broken = post(server.port(), "/cloud?name=mesh", tetrahedron("4"));
+    EXPECT_EQ(broken.status, 422);
+    EXPECT_EQ(broken.body, "mesh.ply: PLY: element tetrahedron, line 15: there is no vertex 4; expected 0 to 3\n");
+    const HttpReply reply = post(server.port(), "/cloud?name=mesh", tetrahedron());
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    a.look(kPose);
+    ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
+    EXPECT_EQ(a.session.granted().scene, "mesh");
+    EXPECT_EQ(loadScene(fs::path(clouds()) / "mesh.toml").medium.model, "tetrahedra");
 }
 
 TEST_F(Scenes, AFileThatIsTooLargeIsRefusedBeforeItIsRead) {

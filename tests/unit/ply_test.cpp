@@ -262,6 +262,14 @@ TEST(Ply, TetrahedraBeforeTheirPointsAndWithOtherProperties) {
     EXPECT_EQ(cloud.ignored, std::vector<std::string>{"scale"});
 }
 
+TEST(Ply, HeaderSaysWhetherThereAreTetrahedra) {
+    const std::string end = "end_header\n";
+    EXPECT_TRUE(holdsTetrahedra(kAscii + kCorners + kCells + end, "ply_test.ply"));
+    EXPECT_FALSE(holdsTetrahedra(kAscii + kCorners + end, "ply_test.ply"));
+    EXPECT_FALSE(holdsTetrahedra(kAscii + kCorners + "element tetrahedron 0\n" + end, "ply_test.ply"));
+    EXPECT_THROW(holdsTetrahedra(kAscii + kCorners, "ply_test.ply"), SceneError);
+}
+
 TEST(Ply, BrokenTetrahedraSayWhatIsExpected) {
     const std::string points = "end_header\n" + kPoints, head = kAscii + kCorners;
     const auto list = [](const char* property) { return std::string("element tetrahedron 2\nproperty ") + property; };
