@@ -44,6 +44,7 @@ public:
         addReport();
         addTables();
         addPromise();
+        addScattering();
         addCorrection();
         addPictures();
     }
@@ -228,6 +229,22 @@ private:
         addCosts(command);
     }
 
+    void addScattering() {
+        ScatteringQuestion& q = scattering_.question;
+        CLI::App* command =
+            addPlain("scattering", kMeasurements,
+                     "how light that scatters more than once errs on random scenes, beside random paths",
+                     [this] { scattering(context_, scattering_); });
+        command->add_option("--scenes", q.scenes, "how many")->check(CLI::Range(1, 1'000'000));
+        command->add_option("--seed", q.seed, "of the first; the next has the next seed");
+        command->add_option("--width", q.width, "pixels; the height is 9/16 of it")->check(CLI::Range(16, 1920));
+        command->add_option("--noise", q.noise, "of the paths, that is aimed at")->check(CLI::Range(1e-4, 1.0));
+        command->add_option("--paths", q.paths, "of a pixel, at most")->check(CLI::Range(16, 1'000'000));
+        command->add_option("--seconds", q.seconds, "of the paths of each, at most")->check(CLI::Range(0.0, 3600.0));
+        command->add_option("--out", scattering_.out, kOutHelp)->default_str("");
+        addCosts(command);
+    }
+
     void addCorrection() {
         CorrectionQuestion& q = correction_.question;
         CLI::App* command = addPlain("correction", kMeasurements,
@@ -267,6 +284,7 @@ private:
     SweepOptions sweep_;
     TetrahedraOptions tetrahedra_;
     PromiseOptions promise_;
+    ScatteringOptions scattering_;
     CorrectionOptions correction_;
     ReportOptions report_;
     PlanTable planned_;

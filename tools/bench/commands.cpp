@@ -206,6 +206,27 @@ void keepPromise(const Context& context, PromiseOptions o) {
     std::cerr << "scenes: " << o.question.folder.string() << ", rows: " << o.rows.string() << '\n';
 }
 
+void scattering(const Context& context, ScatteringOptions o) {
+    o.question.folder = context.costs / "random-scenes", o.question.references = context.cache;
+    const gpu::Device device(context.device);
+    const CostModel model = costsOf(context, device);
+    std::vector<ScatteringRow> rows;
+    for (uint32_t i = 0; i < o.question.scenes; ++i) {
+        rows.push_back(scatteringRow(device, model, o.question, o.question.seed + i));
+        std::cerr << fmt::format("  {} of {}\n", i + 1, o.question.scenes);
+    }
+    writeText(
+        o.out,
+        fmt::format("# Light that scatters more than once, in random scenes\n\nWritten by `{}` on {}. CPU: "
+                    "{}. Vulkan device: {}, {}.\n\n"
+                    "Random scenes, drawn by `auto` with each `render.scattering`, beside random paths in "
+                    "double precision. RMSE and bias are of the radiance of the medium's pixels without edges, without "
+                    "sky and ambient light. The noise of the paths is taken out of the RMSE, and 0 is "
+                    "where it hides the error. Nothing was tuned on these seeds.\n\n",
+                    context.command, today(), cpu(), device.name(), device.driver()) +
+            scatteringPage(rows));
+}
+
 void correction(const Context& context, CorrectionOptions o) {
     CorrectionQuestion& q = o.question;
     q.wanted.size = sizeOf(o.size);

@@ -9,6 +9,7 @@
 #include "tools/bench/correction.h"
 #include "tools/bench/predict.h"
 #include "tools/bench/promise.h"
+#include "tools/bench/scattering.h"
 #include "tools/bench/sweep.h"
 #include "tools/bench/which.h"
 
@@ -54,6 +55,12 @@ struct PromiseOptions {
     std::filesystem::path rows = "build/promise.jsonl", out;
 };
 void keepPromise(const Context& context, PromiseOptions options);
+
+struct ScatteringOptions {
+    ScatteringQuestion question; // its folders are replaced
+    std::filesystem::path out;
+};
+void scattering(const Context& context, ScatteringOptions options);
 
 struct CorrectionOptions {
     CorrectionQuestion question; // its scene's size is replaced

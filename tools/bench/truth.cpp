@@ -12,7 +12,6 @@
 #include "tools/reference/pixel.h"
 #include "tools/reference/progress.h"
 #include "tools/reference/rows.h"
-#include "tools/reference/tracker.h"
 
 namespace brume::bench {
 namespace {
@@ -194,10 +193,14 @@ RadianceImage Truth::of(const Stage& stage, const Pose& pose, glm::uvec2 whole, 
     return image;
 }
 
+reference::TrackedPicture tracked(const Stage& stage, const Pose& pose, glm::uvec2 size, int paths) {
+    return reference::track(worldOf(stage), reference::perspective(pose, int(size.x), int(size.y), kNearDepth),
+                            {.samples = paths});
+}
+
 RadianceImage Truth::scattered(const Stage& stage, const Pose& pose, glm::uvec2 size, int paths, double& error) {
     RadianceImage image = of(stage, pose, size); // for the transmittance and the edges
-    const reference::TrackedPicture picture = reference::track(
-        worldOf(stage), reference::perspective(pose, int(size.x), int(size.y), kNearDepth), {.samples = paths});
+    const reference::TrackedPicture picture = tracked(stage, pose, size, paths);
     double errors = 0, squares = 0;
     for (size_t i = 0; i < image.radiance.size(); ++i) {
         image.radiance[i] = picture.radiance[i];

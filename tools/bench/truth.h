@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "tools/bench/stage.h"
+#include "tools/reference/tracker.h"
 #include "tools/reference/world.h"
 
 namespace brume::bench {
@@ -26,6 +27,9 @@ public:
 private:
     std::filesystem::path folder_;
 };
+
+// The stage's present scene by so many random paths through each pixel's centre.
+reference::TrackedPicture tracked(const Stage& stage, const Pose& pose, glm::uvec2 size, int paths);
 
 // Some pixels of such a picture, as a picture of one row. It ends with the last that is begun within `seconds`, but not
 // before `least`.
