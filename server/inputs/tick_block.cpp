@@ -52,9 +52,15 @@ glm::vec3 inLightSpace(const gpu::Tick& tick, glm::vec3 x) {
     return {glm::dot(tick.map.x, x), glm::dot(tick.map.y, x), glm::dot(tick.sun.to_light, x)};
 }
 
-// Of every particle's support. Most lie so far inside that no radius of theirs can matter.
-LightBounds mediumBounds(std::span<const gpu::Particle> particles, const gpu::Tick& tick) {
+// Of every particle's support, or of the corners of tetrahedra. Most particles lie so far inside that no radius of
+// theirs can matter.
+LightBounds mediumBounds(std::span<const gpu::Particle> particles, bool corners, const gpu::Tick& tick) {
     LightBounds bounds;
+    if (corners) {
+        for (const gpu::Particle& p : particles) bounds.add(inLightSpace(tick, p.centre), 0);
+        bounds.fallback();
+        return bounds;
+    }
     float largest_scale = 0, largest_sigma_t = 0;
     for (const gpu::Particle& p : particles) {
         largest_scale = std::max(largest_scale, p.scale);
@@ -144,7 +150,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.extinction = 1;
     tick.channels = gpu::kAllChannels;
 
-    const LightBounds medium = mediumBounds(particles, tick);
+    const LightBounds medium = mediumBounds(particles, now.medium.model == kTetrahedraMedium, tick);
     tick.map.lo = medium.lo;
     tick.map.hi = medium.hi;
     const glm::vec3 size = medium.hi - medium.lo;

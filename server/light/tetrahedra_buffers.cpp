@@ -45,6 +45,8 @@ TetrahedraBuffers::TetrahedraBuffers(const gpu::Device& device, std::shared_ptr<
 }
 
 void TetrahedraBuffers::follow(std::span<const gpu::Particle> corners) {
+    float outside = 0, most = 0; // extinctions
+    for (const gpu::Particle& corner : corners) most = std::max(most, corner.sigma_t);
     const std::span<gpu::ObjectNode> out = nodes.mapped<gpu::ObjectNode>(tree_.size());
     for (size_t i = tree_.size(); i-- > 0;) { // a node comes before what is in it
         BoundingNode& node = tree_[i];
@@ -57,11 +59,13 @@ void TetrahedraBuffers::follow(std::span<const gpu::Particle> corners) {
             for (int c = 0; c < 3; ++c) {
                 const glm::dvec3 place = corners[face[c]].centre;
                 node.bounds.add({place, place});
+                outside = std::max(outside, corners[face[c]].sigma_t);
             }
         }
         out[i] = objectNode(node);
     }
     nodes.flush();
+    hard_ = outside > kSoft * most;
 }
 
 } // namespace brume

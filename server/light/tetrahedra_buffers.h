@@ -17,6 +17,8 @@ struct TetrahedraBuffers {
     // Fits the tree to where the corners are. Precondition: nothing of it is on the device.
     void follow(std::span<const gpu::Particle> corners);
     uint32_t faceCount() const { return uint32_t(mesh_->faces.size()); }
+    // True: the medium ends at once somewhere: a corner of the outside has more than kSoft of the largest extinction.
+    bool isHard() const { return hard_; }
 
     gpu::Buffer cells; // gpu::Tetrahedron[]
     gpu::Buffer faces; // gpu::TetrahedraFace[]: of the outside
@@ -24,7 +26,9 @@ struct TetrahedraBuffers {
 
 private:
     std::shared_ptr<const Tetrahedra> mesh_;
+    static constexpr float kSoft = 0.01f;
     std::vector<BoundingNode> tree_;
+    bool hard_ = false;
 };
 
 } // namespace brume

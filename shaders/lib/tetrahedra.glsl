@@ -143,6 +143,25 @@ vec2 boxOn(ObjectNode node, Line line) {
     return vec2(max(t0.x, max(t0.y, t0.z)), min(t1.x, min(t1.y, t1.z)));
 }
 
+// Places `walk` on a face, before the tetrahedron `cell`. False: the line does not go through it.
+bool meetFace(out Walk walk, Line line, uvec3 corners, uint cell) {
+    walk.a = cornerOf(line, corners.x);
+    walk.b = cornerOf(line, corners.y);
+    walk.c = cornerOf(line, corners.z);
+    walk.ab = sideOf(walk.a, walk.b);
+    walk.bc = sideOf(walk.b, walk.c);
+    walk.ca = sideOf(walk.c, walk.a);
+    walk.cell = cell;
+    walk.placed = false;
+    walk.t = -kEndless;
+    walk.sigma = 0;
+    walk.albedo = vec3(1);
+    if (!isLeft(walk.ab, walk.a, walk.b) || !isLeft(walk.bc, walk.b, walk.c) || !isLeft(walk.ca, walk.c, walk.a))
+        return false;
+    arrive(walk);
+    return true;
+}
+
 // A place where the line enters the mesh. No two are equal: those at the same t go by the number of their face.
 struct Entry {
     float t;
@@ -164,20 +183,7 @@ bool enterMesh(inout Walk walk, Line line, uint count, inout Entry after, float 
         if (!met || node.object == kInnerNode) continue;
         const TetrahedraFace face = faces[node.object];
         Walk here;
-        here.a = cornerOf(line, face.corners.x);
-        here.b = cornerOf(line, face.corners.y);
-        here.c = cornerOf(line, face.corners.z);
-        here.ab = sideOf(here.a, here.b);
-        here.bc = sideOf(here.b, here.c);
-        here.ca = sideOf(here.c, here.a);
-        if (!isLeft(here.ab, here.a, here.b) || !isLeft(here.bc, here.b, here.c) || !isLeft(here.ca, here.c, here.a))
-            continue;
-        here.cell = face.cell;
-        here.placed = false;
-        here.t = -kEndless;
-        here.sigma = 0;
-        here.albedo = vec3(1);
-        arrive(here);
+        if (!meetFace(here, line, face.corners, face.cell)) continue;
         const float middle = (here.a.t + here.b.t + here.c.t) / 3;
         const Entry entry = Entry(here.placed ? here.t : middle, node.object);
         if (!isBefore(after, entry) || !isBefore(entry, found)) continue;
@@ -190,12 +196,16 @@ bool enterMesh(inout Walk walk, Line line, uint count, inout Entry after, float 
     return any;
 }
 
+// What a place on the line is rounded by, at most, m.
+float roundingAt(Line line, float t) {
+    return 2e-6 * (abs(line.origin.x) + abs(line.origin.y) + abs(line.origin.z) + abs(t));
+}
+
 // Where the line enters again, after it has left at walk.t what it had entered at `entered`. Pieces of a mesh may
 // touch: by roundings one may then begin before the other ends. Each entry is after the last: their number is finite.
 bool enterAgain(inout Walk walk, Line line, uint count, inout Entry entered, float to) {
-    const float rounding = 2e-6 * (abs(line.origin.x) + abs(line.origin.y) + abs(line.origin.z) + abs(walk.t));
     const float left = walk.t;
-    const Entry touches = Entry(left - rounding, 0);
+    const Entry touches = Entry(left - roundingAt(line, left), 0);
     if (isBefore(entered, touches)) entered = touches;
     if (!enterMesh(walk, line, count, entered, to, false)) return false;
     walk.t = max(walk.t, left);

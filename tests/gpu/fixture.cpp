@@ -7,6 +7,7 @@
 
 #include <unistd.h>
 
+#include "common/ply.h"
 #include "common/tetrahedra.h"
 
 namespace brume::test {
@@ -107,10 +108,10 @@ Scene sceneOf(const std::vector<Point>& points, float falloff, const std::vector
     scene.render.shadow_slices = 16;
     scene.render.tone_map = "linear";
     if (tetrahedra.empty()) return scene;
-    std::vector<glm::vec3> places;
-    for (const Point& p : points) places.push_back(p.centre);
     scene.medium.model = kTetrahedraMedium;
-    scene.tetrahedra = std::make_shared<const Tetrahedra>(connected(tetrahedra, places, file.string()));
+    PointCloud read = loadPly(file, glm::dvec3(0), {.tetrahedra = true}); // without points that no tetrahedron has
+    scene.tetrahedra =
+        std::make_shared<const Tetrahedra>(connected(std::move(read.tetrahedra), read.position, file.string()));
     scene.render.method = "tetrahedra";
     return scene;
 }

@@ -46,6 +46,10 @@ TEST_F(TetrahedraTest, PiecesThatTouchAreAsOne) {
         for (int m = 0; m < 4; ++m) apart.points.push_back(one.points[cell[m]]);
     }
     EXPECT_LT(worstTransmittance(apart, lookAt({3, 4, 9}, {0, 0, 0}, 0.7f)), 1e-5);
+    EXPECT_LT(worstTransmittance(apart, lookAt({0.3f, 0.2f, 0.1f}, {2, 0, 1}, 1.5f)), 1e-5) << "from within";
+    const glm::vec3 corner = one.points[one.cells.size() / 12].centre, edge = 0.5f * (corner + one.points[63].centre);
+    for (const glm::vec3 from : {corner, edge})
+        EXPECT_LT(worstTransmittance(apart, lookAt(from, {0, 0, 5}, 1.5f)), 1e-4) << "from where pieces touch";
 }
 
 TEST_F(TetrahedraTest, OpticalDepthsFromAThousandthToAThousandHold) {
@@ -70,7 +74,7 @@ TEST_F(TetrahedraTest, ShadowsOfTheSunAreExactAtPlanes) {
         glm::vec3 to_light;
         uint32_t texels; // of the last one columns lie on lines of the lattice
     } cases[]{{lattice(5, 4, 0.15f, soft), glm::normalize(glm::vec3(0.3f, 0.8f, 0.5f)), 256},
-              {centred(4, 4, soft), {0, 1, 0}, 36}};
+              {centred(4, 4, inner), {0, 1, 0}, 33}};
     for (const auto& [mesh, to_light, texels] : cases) {
         Scene scene = sceneOf(mesh);
         scene.lights[0].to_light = to_light;
@@ -118,6 +122,32 @@ TEST_F(TetrahedraTest, ObjectsEndRaysAndShadowTheMedium) {
     const Error error = errorOf(scene, lookAt({3, 4, 7}, {0, 0, 0}, 0.8f));
     std::printf("objects    %.4f %%, worst pixel %.3f %%\n", 100 * error.rmse, 100 * error.worst);
     EXPECT_LT(error.rmse, kAllowed);
+}
+
+// A mesh that ends at once: within a texel or between two planes of the map the light's depth is no line.
+TEST_F(TetrahedraTest, HardOutsidesAreLit) {
+    for (const float sigma : {0.3f, 3.0f, 30.0f, 300.0f})
+        for (const uint32_t side : {1u, 5u}) {
+            Scene scene = sceneOf(lattice(side, 4, 0, [&](glm::vec3) { return sigma; }));
+            const Error error = errorOf(scene, lookAt({6, 5, 8}, {0, 0, 0}, 0.7f));
+            std::printf("extinction %3g, %4u: %.4f %%, worst pixel %.3f %%\n", double(sigma), 6 * side * side * side,
+                        100 * error.rmse, 100 * error.worst);
+            EXPECT_LT(error.rmse, 0.003) << sigma << ' ' << side;
+        }
+}
+
+// Light changes along a thick or long tetrahedron, and objects' shadows end within it.
+TEST_F(TetrahedraTest, CoarseMeshesAreAsFineOnes) {
+    for (const float sigma : {0.05f, 0.5f, 2.0f})
+        for (const bool box : {false, true}) {
+            Scene scene = sceneOf(lattice(1, 8, 0, [&](glm::vec3) { return sigma; }));
+            scene.lights[0].to_light = glm::normalize(glm::vec3(0.1f, 1, 0.2f));
+            if (box) scene.boxes = {{.centre = {2.5f, 4.5f, 1.8f}, .size = {1.5f, 0.4f, 2}, .yaw = 0.3f}};
+            const Error error = errorOf(scene, lookAt({1, 0.8f, 1.2f}, {3, -0.5f, 2}, 1.1f));
+            std::printf("extinction %4g%s: %.4f %%, worst pixel %.3f %%\n", double(sigma), box ? ", box" : "",
+                        100 * error.rmse, 100 * error.worst);
+            EXPECT_LT(error.rmse, 0.003) << sigma << ' ' << box;
+        }
 }
 
 // A mesh as fine as its particles' detail is drawn as slabs draw the particles, with light that scatters again, too.

@@ -14,12 +14,16 @@ namespace {
 
 using gpu::storageBuffer;
 
+// Optical depth that numbers of the shadow map may differ by where light is taken from it, and not from a walk to the
+// light. A soft mesh differs in many places, with errors that a line of sight averages away.
+constexpr float kAgreesHard = 0.05f, kAgreesSoft = 0.3f;
+
 class TetrahedraMethod final : public Method {
 public:
     explicit TetrahedraMethod(const MethodContext& context)
         : device_(context.device), features_(context.features), nodes_(context.settings.tetrahedra.nodes) {}
 
-    MethodNeeds needs() const override { return {.one_medium = true}; }
+    MethodNeeds needs() const override { return {.one_medium = true, .every_pixel = true}; }
 
     void recordGroup(gpu::Commands& commands, const ViewGroup& group) override {
         const EyeInputs& in = *group.any;
@@ -28,7 +32,9 @@ public:
         const struct {
             glm::vec3 albedo;
             uint32_t faces;
-        } push{in.medium->extent->albedo, shared.tetrahedra->faceCount()};
+            float agrees;
+        } push{in.medium->extent->albedo, shared.tetrahedra->faceCount(),
+               shared.tetrahedra->isHard() ? kAgreesHard : kAgreesSoft};
         program(in.medium->extent->one_albedo, scatteringOf(shared.tick->multiple))
             .bind(commands,
                   {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
