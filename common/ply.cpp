@@ -1,8 +1,10 @@
 #include "common/ply.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -148,8 +150,12 @@ void readPoints(Reader& in, const Element& vertex, glm::dvec3 origin, PlyWanted 
 size_t cornersOf(Reader& in, const Element& tetrahedron) {
     size_t at = find(in, tetrahedron, "vertex_indices");
     if (at == tetrahedron.properties.size()) at = find(in, tetrahedron, "vertex_index");
-    if (at == tetrahedron.properties.size() || !tetrahedron.properties[at].list || isFloat(tetrahedron.properties[at]))
+    if (at == tetrahedron.properties.size() || !tetrahedron.properties[at].list)
         in.fail("element tetrahedron has no corners; expected \"property list uchar int vertex_indices\"");
+    if (const Property& p = tetrahedron.properties[at]; isFloat(p))
+        in.fail(fmt::format("tetrahedron property {} is a list of type {}; expected a whole-number type: \"property "
+                            "list uchar int vertex_indices\"",
+                            p.name, p.type == Type::f32 ? "float" : "double"));
     return at;
 }
 
@@ -178,6 +184,38 @@ void readTetrahedra(Reader& in, const Element& tetrahedron, uint64_t points, std
         }
         in.endRow();
     }
+}
+
+// Leaves out the elements of points that no tetrahedron has.
+template <class T>
+void keep(std::vector<T>& list, const std::vector<uint32_t>& kept) {
+    if (list.empty()) return;
+    for (size_t i = 0; i < kept.size(); ++i) list[i] = list[kept[i]];
+    list.resize(kept.size());
+}
+
+// Leaves out the points that no tetrahedron has: they belong to nothing that is drawn, wherever they are.
+void dropUnused(PointCloud& cloud) {
+    constexpr uint32_t kUnused = ~0u;
+    std::vector<uint32_t> now(cloud.position.size(), kUnused), kept; // number of each point from now on
+    for (const glm::uvec4& cell : cloud.tetrahedra)
+        for (int m = 0; m < 4; ++m) now[cell[m]] = 0;
+    for (uint32_t i = 0; i < now.size(); ++i) {
+        if (now[i] == kUnused) continue;
+        now[i] = uint32_t(kept.size());
+        kept.push_back(i);
+    }
+    if (kept.size() == now.size()) return;
+    cloud.dropped = now.size() - kept.size();
+    cloud.first_dropped =
+        fmt::format("vertex {}: no tetrahedron has it", std::ranges::find(now, kUnused) - now.begin());
+    for (glm::uvec4& cell : cloud.tetrahedra)
+        for (int m = 0; m < 4; ++m) cell[m] = now[cell[m]];
+    keep(cloud.position, kept);
+    keep(cloud.sigma_t, kept);
+    keep(cloud.albedo, kept);
+    keep(cloud.id, kept);
+    cloud.vertex = std::move(kept);
 }
 
 void checkCount(Reader& in, const Element& element, Limits allowed, const char* of) {
@@ -245,6 +283,7 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, glm::dvec3 
             in.fail("no point is usable; the first, " + cloud.first_dropped);
         if (!cloud.position.empty() && (!tetrahedron || !cloud.tetrahedra.empty())) break;
     }
+    if (tetrahedron) dropUnused(cloud);
     return cloud;
 }
 

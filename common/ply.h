@@ -23,15 +23,19 @@ struct PointCloud {
     std::vector<int64_t> id;            // each point's property `id`; empty unless loadPly() is asked for it
     std::vector<glm::uvec4> tetrahedra; // indices of points; empty unless loadPly() is asked for them
     std::vector<std::string> ignored;   // names of the points' properties that are not read
-    size_t dropped = 0;                 // number of points left out, since a number is not finite or out of range
-    std::string first_dropped;          // why the first of them was left out: "line 9: x is nan; allowed: ..."
+    // Points left out: a number of theirs is not finite or out of range, or no tetrahedron has them.
+    size_t dropped = 0;
+    std::string first_dropped; // why the first of them was left out: "line 9: x is nan; allowed: ..."
+    // The file's number of each point, from 0; empty unless points were left out that no tetrahedron has.
+    std::vector<uint32_t> vertex;
 };
 
 // What is read besides places, sizes, extinctions and albedos.
 struct PlyWanted {
     bool ids = false; // True: the points' property id, too, if it is of a whole-number type
     // True: element `tetrahedron` with a list of four indices, vertex_indices or vertex_index. Then sizes are not read,
-    // every point has to have a sigma_t, and none is left out.
+    // and every point has to have a sigma_t and numbers within range. Points that no tetrahedron has are left out, and
+    // the indices count the others.
     bool tetrahedra = false;
 };
 

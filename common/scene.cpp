@@ -137,7 +137,8 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
 std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::dvec3& origin) {
     if (medium.model != kTetrahedraMedium) return nullptr;
     PointCloud cloud = loadPly(medium.file, origin, {.tetrahedra = true});
-    return std::make_shared<Tetrahedra>(connected(std::move(cloud.tetrahedra), cloud.position, medium.file.string()));
+    return std::make_shared<Tetrahedra>(
+        connected(std::move(cloud.tetrahedra), cloud.position, medium.file.string(), cloud.vertex));
 }
 
 // Refuses what is drawn beside a sum of Gaussians only.

@@ -110,7 +110,8 @@ end_header
 ```
 
 Every point has a `sigma_t`, and may have a colour; both are linear in between. Sizes are not read. Where `sigma_t` is 0
-at the corners of the outside, the medium ends softly. A point with a number out of range is an error here.
+at the corners of the outside, the medium ends softly. A point with a number out of range is an error here. Points that
+no tetrahedron has are left out, and the server says how many.
 
 Tetrahedra side by side have three points in common. Copies of points do, too, but then every ray looks for each
 tetrahedron anew. A face has one or two tetrahedra, which lie on different sides of it. Up to 500000 faces are outside.

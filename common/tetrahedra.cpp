@@ -71,8 +71,9 @@ void turn(glm::uvec4& cell) { std::swap(cell.z, cell.w); }
 
 class Connector {
 public:
-    Connector(std::vector<glm::uvec4> corners, std::span<const glm::vec3> points, const std::string& name)
-        : points_(points), name_(name), solid_(corners.size()) {
+    Connector(std::vector<glm::uvec4> corners, std::span<const glm::vec3> points, const std::string& name,
+              std::span<const uint32_t> vertex)
+        : points_(points), name_(name), vertex_(vertex), solid_(corners.size()) {
         out_.corners = std::move(corners);
         out_.neighbours.resize(out_.corners.size(), glm::uvec4(kNone));
         out_.points = uint32_t(points.size());
@@ -98,6 +99,7 @@ public:
     }
 
 private:
+    uint32_t numberOf(uint32_t point) const { return vertex_.empty() ? point : vertex_[point]; }
     [[noreturn]] void fail(const std::string& what) const { throw SceneError(name_ + ": PLY: " + what); }
 
     void orient(uint32_t cell) {
@@ -110,7 +112,7 @@ private:
                 if (corners[m] == corners[other])
                     fail(fmt::format("row {} of element tetrahedron: vertex {} is there twice; expected four "
                                      "different ones",
-                                     cell + 1, corners[m]));
+                                     cell + 1, numberOf(corners[m])));
         }
         const int sign = orientation(corners, points_);
         solid_[cell] = sign != 0;
@@ -129,7 +131,8 @@ private:
             const Side &a = sides[i - 1], &b = sides[i];
             if (a.key != b.key) continue;
             const glm::uvec3 face = cornersOf(a.key);
-            const std::string text = fmt::format("of vertices {}, {} and {}", face.x, face.y, face.z);
+            const std::string text =
+                fmt::format("of vertices {}, {} and {}", numberOf(face.x), numberOf(face.y), numberOf(face.z));
             if (i + 1 < sides.size() && sides[i + 1].key == a.key)
                 fail(fmt::format("rows {}, {} and {} of element tetrahedron have the same face, {}; expected two at "
                                  "most",
@@ -192,14 +195,16 @@ private:
 
     std::span<const glm::vec3> points_;
     const std::string& name_;
-    std::vector<bool> solid_; // per tetrahedron; false: it is flat
+    std::span<const uint32_t> vertex_; // the file's number of each point; empty: its index
+    std::vector<bool> solid_;          // per tetrahedron; false: it is flat
     Tetrahedra out_;
 };
 
 } // namespace
 
-Tetrahedra connected(std::vector<glm::uvec4> corners, std::span<const glm::vec3> points, const std::string& name) {
-    return Connector(std::move(corners), points, name).connect();
+Tetrahedra connected(std::vector<glm::uvec4> corners, std::span<const glm::vec3> points, const std::string& name,
+                     std::span<const uint32_t> vertex) {
+    return Connector(std::move(corners), points, name, vertex).connect();
 }
 
 Bounds3 boundsOf(const Tetrahedra::Face& face, std::span<const glm::vec3> points) {

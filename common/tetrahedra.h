@@ -28,14 +28,16 @@ struct Tetrahedra {
     std::vector<glm::uvec4> neighbours; // [m]: the tetrahedron behind the face that corner m is not of, or kOutside
     std::vector<Face> faces;            // of the outside
     std::vector<BoundingNode> tree;     // of `faces`, with the points where the file has them
-    uint32_t points = 0;                // how many the file has
+    uint32_t points = 0;                // how many are corners
 };
 
-// `corners`: of each tetrahedron four indices of `points`. `name`: of the file, for messages.
+// `corners`: of each tetrahedron four indices of `points`. For messages: `name` of the file, and `vertex`, the file's
+// number of each point; empty: its index.
 // Throws SceneError, one line, if an index is not of a point or is there twice in one tetrahedron; if a face has three
 // tetrahedra; if the two tetrahedra of a face lie on the same side of it; or for more than kMostFaces. A tetrahedron
 // may be flat: then it has the order of corners that its neighbours ask for. Equal tetrahedra give equal results.
-Tetrahedra connected(std::vector<glm::uvec4> corners, std::span<const glm::vec3> points, const std::string& name);
+Tetrahedra connected(std::vector<glm::uvec4> corners, std::span<const glm::vec3> points, const std::string& name,
+                     std::span<const uint32_t> vertex = {});
 
 // The box of a face. `points` may have moved since the tree was made.
 Bounds3 boundsOf(const Tetrahedra::Face& face, std::span<const glm::vec3> points);

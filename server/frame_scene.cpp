@@ -33,14 +33,6 @@ private:
     std::jthread thread_; // the last member: it uses the others
 };
 
-// The most particles that can be alive. Throws SceneError when so many do not fit the memory that there is for them.
-uint32_t bounded(const Scene& scene, const Simulation& simulation, uint64_t memory) {
-    const uint64_t mesh = tetrahedraMemory(scene.tetrahedra.get()).total();
-    const std::string wrong = memoryRefusal(simulation.capacity(), memory, simulation.besides() + mesh);
-    if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);
-    return simulation.capacity();
-}
-
 } // namespace
 
 FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
@@ -49,7 +41,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory),
       frame_ms_(options.frame_ms), law_factor_(options.law_factor), most_frame_ms_(options.most_frame_ms),
       simulation_(scene, options.memory),
-      renderer_(std::in_place, device, scene, bounded(scene, simulation_, options.memory)),
+      renderer_(std::in_place, device, scene, boundedCapacity(scene, simulation_, options.memory)),
       planner_(std::in_place, scene_, options.costs, options.frame_ms, &ways_), refinement_(options.refine_moving),
       meter_(options.measure_error), learns_costs_(options.learn_costs), on_costs_(options.on_costs),
       on_errors_(options.on_errors), shown_scene_(std::make_shared<const Scene>(scene)),
@@ -126,7 +118,7 @@ void FrameLoop::takeScene() {
     renderer_.reset(); // makes room for the other
     std::shared_ptr<const SceneFacts> facts;
     try {
-        renderer_.emplace(device_, next->scene, bounded(next->scene, next->simulation, memory_));
+        renderer_.emplace(device_, next->scene, boundedCapacity(next->scene, next->simulation, memory_));
         facts = sceneFacts(next->scene, std::move(next->others));
         next->simulation.countFrom(simulation_.tick() + 1); // a tick has one state
         if (next->on_show) next->on_show(next->simulation);

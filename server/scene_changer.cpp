@@ -12,6 +12,7 @@
 #include "common/scene_text.h"
 #include "common/text.h"
 #include "server/ahead.h"
+#include "server/plan/memory.h"
 #include "server/sim/point_cloud.h"
 #include "server/sim/sequence_files.h"
 
@@ -127,7 +128,7 @@ std::string SceneChanger::change(const SceneRequest& request) {
 }
 
 // The points, or the tetrahedra, become a scene file beside them, with a camera that sees all of them. Nothing is
-// replaced before it is known to be good.
+// replaced before it is known to be good: show() then finds nothing wrong but what the device lacks.
 void SceneChanger::showCloud(const SceneRequest& request) {
     const std::vector<std::string> own = sceneNames(options_.scene_dir);
     if (std::find(own.begin(), own.end(), request.name) != own.end())
@@ -150,11 +151,15 @@ void SceneChanger::showCloud(const SceneRequest& request) {
                                       kIncoming, request.name),
                           file, {});
     placeCamera(scene);
+    const std::string text = sceneToml(scene); // names the points by their file's name alone
+    const std::vector<std::string> overrides = rendererOverrides(options_);
+    const Scene wanted = sceneOf(text, fs::path(incoming).replace_extension(".toml"), overrides);
+    checkScene(wanted, file, overrides);
+    boundedCapacity(wanted, Simulation(wanted, options_.frame.memory), options_.frame.memory);
     fs::rename(incoming, folder / (request.name + ".ply"));
-    scene.medium.file = folder / (request.name + ".ply");
-    writeFile(file, sceneToml(scene));
+    writeFile(file, text);
     keepNewest(folder);
-    show(filesOf(file, rendererOverrides(options_)));
+    show(filesOf(file, overrides));
 }
 
 void SceneChanger::reload() {

@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "common/scene.h"
 #include "common/tetrahedra.h"
 #include "server/light/flux_sizes.h"
 #include "server/methods/plans.h"
 #include "server/sim/columns.h"
+#include "server/sim/simulation.h"
 #include "shaders/shared/splat.h"
 #include "shaders/shared/tetrahedra.h"
 #include "shaders/shared/types.h"
@@ -22,6 +24,7 @@ constexpr uint64_t kCpu = 2 * uint64_t(Column::count) * sizeof(float) // now, an
                           + 2 * sizeof(uint64_t)    // SpatialOrder's keys
                           + kParticle;              // a look of the plan
 constexpr uint64_t kSubmissions = 3;
+constexpr uint64_t kMebi = 1 << 20;
 constexpr uint64_t kBitsOfBins =
     (409 + 278 + 7) / 8; // lines of tiles: of slabs at 1920 x 1080, of the largest shadow map
 constexpr uint64_t kDevice = kParticle + kMerged * 5 / 4 + kSubmissions * (kParticle + kMerged) // uploads
@@ -51,11 +54,22 @@ ParticleMemory tetrahedraMemory(const Tetrahedra* mesh) {
             cells * sizeof(gpu::Tetrahedron) + faces * sizeof(gpu::TetrahedraFace) + nodes * sizeof(gpu::ObjectNode)};
 }
 
-std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides) {
-    const uint64_t all = particleMemory(count).total() + besides;
+std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides, const Tetrahedra* mesh) {
+    const uint64_t all = particleMemory(count).total() + besides + tetrahedraMemory(mesh).total();
     if (all <= most) return {};
-    return fmt::format("{} particles take {} MiB, --memory allows {}: use at most {} particles or allow more", count,
-                       all >> 20, most >> 20, (most - std::min(besides, most)) / (kCpu + deviceBytes()));
+    const std::string take = fmt::format("take {} MiB, --memory allows {}", (all + kMebi - 1) / kMebi, most / kMebi);
+    if (mesh)
+        return fmt::format("{} tetrahedra with {} corners {}: use a smaller mesh or allow more", mesh->corners.size(),
+                           count, take);
+    const uint64_t fit = (most - std::min(besides, most)) / (kCpu + deviceBytes());
+    return fmt::format("{} particles {}: use {} or allow more", count, take,
+                       fit > 0 ? fmt::format("at most {} particles", fit) : "fewer particles");
+}
+
+uint32_t boundedCapacity(const Scene& scene, const Simulation& simulation, uint64_t most) {
+    const std::string wrong = memoryRefusal(simulation.capacity(), most, simulation.besides(), scene.tetrahedra.get());
+    if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);
+    return simulation.capacity();
 }
 
 } // namespace brume

@@ -8,6 +8,8 @@
 
 namespace brume {
 
+class Simulation;
+struct Scene;
 struct Tetrahedra;
 
 struct ParticleMemory {
@@ -26,8 +28,11 @@ uint64_t propagationMemory(const gpu::Multiple& multiple, uint32_t hues);
 // Bytes of the CPU's memory and of the device's for a mesh; nothing for null.
 ParticleMemory tetrahedraMemory(const Tetrahedra* mesh);
 
-// Empty if `count` particles fit `most` bytes, with `besides` bytes that do not depend on them; otherwise one line that
-// says how many would fit.
-std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides = 0);
+// Empty if `count` particles fit `most` bytes, with `besides` bytes that the simulation keeps of them, and with the
+// mesh whose corners they are; otherwise one line. Without a mesh it says how many would fit. Null: there is no mesh.
+std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides = 0, const Tetrahedra* mesh = nullptr);
+
+// The most particles of the scene that can be alive. Throws SceneError when so many do not fit `most` bytes.
+uint32_t boundedCapacity(const Scene& scene, const Simulation& simulation, uint64_t most);
 
 } // namespace brume

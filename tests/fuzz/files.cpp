@@ -22,9 +22,11 @@ bool within(glm::vec3 v, Limits allowed) { return allowed.holds(v.x) && allowed.
 void tetrahedra(const std::string& bytes) {
     try {
         PointCloud cloud = parsePly(bytes, "tetrahedra.ply", glm::dvec3(0), {.tetrahedra = true});
-        promise(cloud.dropped == 0 && cloud.sigma_t.size() == cloud.position.size(), "corners are complete");
+        promise(cloud.sigma_t.size() == cloud.position.size(), "corners are complete");
+        promise(cloud.vertex.size() == (cloud.dropped > 0 ? cloud.position.size() : 0),
+                "those that are left have numbers");
         promise(limits::kTetrahedra.holds(double(cloud.tetrahedra.size())), "a number of tetrahedra within limits");
-        const Tetrahedra all = connected(std::move(cloud.tetrahedra), cloud.position, "tetrahedra.ply");
+        const Tetrahedra all = connected(std::move(cloud.tetrahedra), cloud.position, "tetrahedra.ply", cloud.vertex);
         size_t inner = 0;
         for (const glm::uvec4& neighbours : all.neighbours)
             for (int m = 0; m < 4; ++m) {

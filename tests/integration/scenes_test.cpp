@@ -140,6 +140,26 @@ TEST_F(Scenes, AFileThatIsTooLargeIsRefusedBeforeItIsRead) {
     EXPECT_EQ(post(server.port(), "/cloud?name=small", points()).status, 200);
 }
 
+// So many points in a row.
+std::string row(int count) {
+    std::string all = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(count) +
+                      "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    for (int i = 0; i < count; ++i) all += std::to_string(i) + " 0 0\n";
+    return all;
+}
+
+TEST_F(Scenes, AnUploadThatIsRefusedReplacesNothing) {
+    const fs::path small = write("small.toml", "[medium]\ncount = 100\n");
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds(), "--memory", "4", "--scene", small.string()});
+    ASSERT_EQ(post(server.port(), "/cloud?name=mine", points()).status, 200);
+    const HttpReply large = post(server.port(), "/cloud?name=mine", row(20'000));
+    EXPECT_EQ(large.status, 422);
+    EXPECT_NE(large.body.find("20000 particles take "), large.body.npos) << large.body;
+    const HttpReply again = post(server.port(), "/scene?name=mine");
+    EXPECT_EQ(again.status, 200) << again.body;
+    EXPECT_EQ(metric(server.port(), "brume_particles"), 3);
+}
+
 TEST_F(Scenes, WhatWasTunedIsSavedAndLoadsAsTheSame) {
     RunningServer server({"--ahead", "off"});
     Watcher a(server.endpoint());
@@ -158,6 +178,7 @@ TEST_F(Scenes, WhatWasTunedIsSavedAndLoadsAsTheSame) {
     EXPECT_EQ(scene.medium.extinction, 7.25f);
     EXPECT_EQ(scene.camera.position, glm::vec3(1, 2, 30));
     EXPECT_EQ(scene.medium.count, loadScene("server/scenes/cloud.toml").medium.count);
+    EXPECT_EQ(scene.render.sprites.opacity, kAuto);
 }
 
 TEST_F(Scenes, LightsOfEveryTypeAreSaved) {

@@ -91,18 +91,18 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
     const wire::Vec3 up(0, 5, 0), zero(0, 0, 0);
     const auto all = answer([&](auto& b) {
         return Changes{
-            wire::CreateChangeDirect(b, "medium.falloff", 1.5), wire::CreateChangeDirect(b, "render.isv.steps", 3),
-            wire::CreateChangeDirect(b, "simulation.paused", 1), wire::CreateChangeDirect(b, "light.to_light", {}, &up),
-            wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
+            wire::CreateChangeDirect(b, "medium.falloff", 1.5),
+            wire::CreateChangeDirect(b, "render.isv.steps", 3),
+            wire::CreateChangeDirect(b, "simulation.paused", 1),
+            wire::CreateChangeDirect(b, "light.to_light", {}, &up),
+            wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv"),
+            wire::CreateChangeDirect(b, "render.sprites.opacity", 0)}; // which is less than any number of it: auto
     });
     const std::vector<Change> changes = std::get<Set>(only<EnqueueCommand>(all).body).changes;
-    ASSERT_EQ(changes.size(), 5u);
+    const std::vector<SettingValue> values{1.5f, 3u, true, glm::vec3(0, 1, 0), "isv", 0.f};
+    ASSERT_EQ(changes.size(), values.size());
     EXPECT_EQ(changes[0].setting->path, "medium.falloff");
-    EXPECT_EQ(changes[0].value, SettingValue(1.5f));
-    EXPECT_EQ(changes[1].value, SettingValue(3u));
-    EXPECT_EQ(changes[2].value, SettingValue(true));
-    EXPECT_EQ(changes[3].value, SettingValue(glm::vec3(0, 1, 0)));
-    EXPECT_EQ(changes[4].value, SettingValue("isv"));
+    for (size_t i = 0; i < values.size(); ++i) EXPECT_EQ(changes[i].value, values[i]) << changes[i].setting->path;
 
     const auto refused = [&](const char* path, flatbuffers::Optional<double> number, const wire::Vec3* vector,
                              const char* text) {

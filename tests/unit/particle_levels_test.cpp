@@ -5,12 +5,14 @@
 #include <cstring>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "common/random.h"
 #include "common/scene.h"
+#include "common/tetrahedra.h"
 #include "server/medium/levels.h"
 #include "server/plan/memory.h"
-#include "common/random.h"
 
 namespace brume {
 namespace {
@@ -226,6 +228,20 @@ TEST(ParticleMemory, ARefusalNamesTheCountThatFits) {
     const auto fits = uint32_t(std::stoul(wrong.substr(at + 12)));
     EXPECT_EQ(memoryRefusal(fits, 256ull << 20), "");
     EXPECT_NE(memoryRefusal(fits + 1, 256ull << 20), "");
+}
+
+TEST(ParticleMemory, ARefusalNamesTheMeshAndNeverACountOfNone) {
+    Tetrahedra mesh;
+    mesh.corners.resize(60'000);
+    mesh.faces.resize(4'000);
+    const uint64_t all = particleMemory(14'398).total() + tetrahedraMemory(&mesh).total();
+    EXPECT_EQ(memoryRefusal(14'398, all, 0, &mesh), "");
+    EXPECT_EQ(memoryRefusal(14'398, 5ull << 20, 0, &mesh),
+              fmt::format("60000 tetrahedra with 14398 corners take {} MiB, --memory allows 5: use a smaller mesh or "
+                          "allow more",
+                          (all + (1 << 20) - 1) >> 20));
+    const std::string kept = memoryRefusal(1000, 5ull << 20, 9ull << 20);
+    EXPECT_NE(kept.find("--memory allows 5: use fewer particles or allow more"), kept.npos) << kept;
 }
 
 } // namespace

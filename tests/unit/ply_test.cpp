@@ -262,6 +262,31 @@ TEST(Ply, TetrahedraBeforeTheirPointsAndWithOtherProperties) {
     EXPECT_EQ(cloud.ignored, std::vector<std::string>{"scale"});
 }
 
+TEST(Ply, PointsThatNoTetrahedronHasAreLeftOut) {
+    const std::string vertices = "element vertex 7\n" + kXyz +
+                                 "property float sigma_t\nproperty float red\nproperty float green\n"
+                                 "property float blue\nproperty int id\n",
+                      points = "0 0 0 0 0 0 0 10\n1 0 0 1 .1 0 0 11\n900 900 900 9 1 1 1 12\n0 1 0 2 .2 0 0 13\n"
+                               "0 0 1 3 .3 0 0 14\n-900 0 0 9 1 1 1 15\n1 1 1 4 .4 0 0 16\n",
+                      cells = "4 0 1 3 4\n4 6 4 3 1\n";
+    for (const bool cells_first : {false, true}) {
+        const PointCloud cloud = parsePly(kAscii + (cells_first ? kCells + vertices : vertices + kCells) +
+                                              "end_header\n" + (cells_first ? cells + points : points + cells),
+                                          "ply_test.ply", glm::dvec3(0), {.ids = true, .tetrahedra = true});
+        EXPECT_EQ(cloud.tetrahedra, (std::vector<glm::uvec4>{{0, 1, 2, 3}, {4, 3, 2, 1}}));
+        EXPECT_EQ(cloud.position, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}));
+        EXPECT_EQ(cloud.sigma_t, (std::vector<float>{0, 1, 2, 3, 4}));
+        ASSERT_EQ(cloud.albedo.size(), 5u);
+        EXPECT_EQ(cloud.albedo[4], glm::vec3(0.4f, 0, 0));
+        EXPECT_EQ(cloud.id, (std::vector<int64_t>{10, 11, 13, 14, 16}));
+        EXPECT_EQ(cloud.vertex, (std::vector<uint32_t>{0, 1, 3, 4, 6}));
+        EXPECT_EQ(cloud.dropped, 2u);
+        EXPECT_EQ(cloud.first_dropped, "vertex 2: no tetrahedron has it");
+    }
+    const PointCloud all = tetrahedra(kAscii + kCorners + kCells + "end_header\n" + kPoints + "4 0 1 2 3\n4 4 3 2 1\n");
+    EXPECT_TRUE(all.dropped == 0 && all.vertex.empty() && all.first_dropped.empty());
+}
+
 TEST(Ply, HeaderSaysWhetherThereAreTetrahedra) {
     const std::string end = "end_header\n";
     EXPECT_TRUE(holdsTetrahedra(kAscii + kCorners + kCells + end, "ply_test.ply"));
@@ -279,7 +304,10 @@ TEST(Ply, BrokenTetrahedraSayWhatIsExpected) {
         {head + "element tetrahedron 2000001\n" + points, "2000001 rows; allowed: 1 to 2000000"},
         {head + list("list uchar int corners\n") + points, "element tetrahedron has no corners; expected \"prop"},
         {head + list("int vertex_indices\n") + points, "element tetrahedron has no corners"},
-        {head + list("list uchar float vertex_indices\n") + points, "element tetrahedron has no corners"},
+        {head + list("list uchar float vertex_indices\n") + points,
+         "tetrahedron property vertex_indices is a list of type float; expected a whole-number type: \"property list "
+         "uchar int vertex_indices\""},
+        {head + list("list uchar float64 vertex_index\n") + points, "vertex_index is a list of type double; expected"},
         {head + list("list uchar int vertex_index\nproperty list uchar int vertex_index\n") + points,
          "tetrahedron property vertex_index is there twice"},
         {kAscii + "element vertex 1\n" + kXyz + "property float opacity\n" + kCells + "end_header\n0 0 0 1\n",

@@ -219,6 +219,24 @@ TEST(Tetrahedra, OneLineSaysWhatCame) {
     EXPECT_EQ(told(tetrahedraScene(within)).find("sees none"), std::string::npos) << "it looks past all corners";
 }
 
+TEST(Tetrahedra, APointThatNoneHasIsLeftOutAndTold) {
+    const std::filesystem::path folder = testing::TempDir();
+    std::ofstream(folder / "unused_test.ply")
+        << "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+           "property float sigma_t\nelement tetrahedron 1\nproperty list uchar int vertex_indices\nend_header\n"
+           "0 0 0 1\n9000 0 0 1\n2 0 0 1\n0 2 0 1\n0 0 2 1\n4 0 2 3 4\n";
+    std::ofstream(folder / "unused_test.toml")
+        << "[medium]\nmodel = 'tetrahedra'\nlayout = 'file'\nfile = 'unused_test.ply'\n";
+    Scene scene = loadScene(folder / "unused_test.toml");
+    EXPECT_EQ(scene.tetrahedra->points, 4u);
+    EXPECT_EQ(Simulation(scene).bounds().hi, glm::vec3(2));
+    placeCamera(scene);
+    EXPECT_EQ(scene.camera.target, glm::vec3(1));
+    const std::string lines = told(folder / "unused_test.toml");
+    expectIn(lines, "1 tetrahedra of 4 points in [0, 0, 0] to [2, 2, 2] m; ");
+    expectIn(lines, "dropped 1 of 5 points; the first, vertex 1: no tetrahedron has it\n");
+}
+
 TEST(Tetrahedra, WhatIsNotDrawnWithThemIsRefused) {
     for (const auto& [rest, says] : {std::pair("[[fog]]\n", "fog: is not drawn with medium.model = \"tetrahedra\""),
                                      std::pair("[[light]]\ntype = 'spot'\n", "points and spots are not drawn")}) {
@@ -242,8 +260,8 @@ TEST(Tetrahedra, AFileThatChangesWhileItIsReadIsRefused) {
     scene.medium.file = std::filesystem::path(testing::TempDir()) / "more_points.ply";
     std::ofstream(scene.medium.file)
         << "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
-           "property float sigma_t\nelement tetrahedron 1\nproperty list uchar int vertex_indices\nend_header\n"
-           "0 0 0 1\n1 0 0 1\n0 1 0 1\n0 0 1 1\n1 1 1 1\n4 0 1 2 4\n";
+           "property float sigma_t\nelement tetrahedron 2\nproperty list uchar int vertex_indices\nend_header\n"
+           "0 0 0 1\n1 0 0 1\n0 1 0 1\n0 0 1 1\n1 1 1 1\n4 0 1 2 3\n4 1 2 3 4\n";
     EXPECT_THROW(Simulation{scene}, SceneError);
 }
 

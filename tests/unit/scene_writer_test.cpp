@@ -92,6 +92,21 @@ TEST(SceneWriter, OnlyWhatDiffersFromTheDefaultsIsWritten) {
     EXPECT_EQ(sceneToml(scene), "name = 'plain'\n\n[[light]]\n\n[medium]\nfalloff = 2.5\n");
 }
 
+// As of a server whose settings nobody has changed: it saves what its settings have now.
+TEST(SceneWriter, DefaultsThatWereSetLoadAsTheSame) {
+    Scene scene;
+    scene.name = "plain";
+    scene.lights.emplace_back();
+    const SceneParts parts{.medium = &scene.medium,
+                           .simulation = &scene.simulation,
+                           .light = &scene.lights[0],
+                           .sky = &scene.sky,
+                           .render = &scene.render};
+    for (const SceneSetting* setting : liveSettings()) apply({setting->path, defaultOf(*setting)}, parts);
+    EXPECT_EQ(sceneToml(scene), "name = 'plain'\n\n[[light]]\n");
+    expectSame(sceneOf("name = 'plain'\n", kScenes / "else.toml"), again(scene));
+}
+
 TEST(SceneWriter, ASceneWithoutLightsStaysDark) {
     Scene scene;
     scene.name = "dark";

@@ -54,6 +54,50 @@ TEST(Settings, ALiveOneHasAValueThatACommandCanHave) {
     EXPECT_THROW(Change("render.isv.steps", 3.0f), std::invalid_argument) << "a whole number";
 }
 
+// What a setting is once a command has set it to `value`.
+SettingValue whenSet(const SceneSetting& setting, const SettingValue& value) {
+    Scene scene;
+    Light light;
+    Fog fog;
+    Plane plane;
+    Box box;
+    Sphere sphere;
+    const SceneParts parts{.scene = &scene,
+                           .medium = &scene.medium,
+                           .simulation = &scene.simulation,
+                           .light = &light,
+                           .fog = &fog,
+                           .plane = &plane,
+                           .box = &box,
+                           .sphere = &sphere,
+                           .sky = &scene.sky,
+                           .render = &scene.render};
+    std::string path(setting.path);
+    if (setting.in_list) path.insert(path.find('.'), "[0]");
+    apply(Change(path, value), parts);
+    return valueOf(setting, parts);
+}
+
+TEST(Settings, ALiveOneCanBeSetToItsDefault) {
+    for (const SceneSetting& setting : sceneSettings()) {
+        if (!setting.live() || setting.form == Form::direction) continue; // that is made a unit vector
+        EXPECT_EQ(whenSet(setting, defaultOf(setting)), defaultOf(setting)) << setting.path;
+    }
+}
+
+TEST(Settings, AutoIsKeptAndOtherValuesBelowTheLeastAreNot) {
+    const SceneSetting& opacity = *liveSetting("render.sprites.opacity");
+    EXPECT_EQ(whenSet(opacity, float(kAuto)), SettingValue(float(kAuto)));
+    EXPECT_EQ(whenSet(opacity, 1e-6f), SettingValue(float(opacity.allowed.lo)));
+    SceneSetting whole = *liveSetting("render.isv.steps"); // no whole number that is live may be auto: as if it were
+    whole.form = Form::or_auto;
+    Change change(whole.path, kAuto);
+    change.setting = &whole;
+    RenderSettings render;
+    apply(change, {.render = &render});
+    EXPECT_EQ(render.isv.steps, kAuto);
+}
+
 // The controls of figure 14 of seed 000: docs/results/seed-000.md says how each is changed.
 TEST(Settings, TheDissertationsControlsAreLive) {
     for (const char* path : {"medium.albedo", "medium.extinction", "medium.falloff", "medium.anisotropy",

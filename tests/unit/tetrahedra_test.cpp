@@ -173,6 +173,26 @@ std::string errorOf(const Parts& mesh) {
     return "no error";
 }
 
+TEST(Tetrahedra, RefusalsNameTheVerticesOfTheFile) {
+    const std::vector<uint32_t> vertex{0, 2, 4, 6, 8, 10, 12, 14};
+    Parts mesh = cubes(1);
+    mesh.cells[1] = {1, 3, 5, 3};
+    try {
+        brume::connected(mesh.cells, mesh.points, "mesh.ply", vertex);
+        ADD_FAILURE() << "no error";
+    } catch (const SceneError& error) {
+        EXPECT_NE(std::string(error.what()).find("vertex 6 is there twice"), std::string::npos) << error.what();
+    }
+    mesh = cubes(1);
+    mesh.points[7] = {0.2f, 0.2f, 0.2f};
+    try {
+        brume::connected(mesh.cells, mesh.points, "mesh.ply", vertex);
+        ADD_FAILURE() << "no error";
+    } catch (const SceneError& error) {
+        EXPECT_NE(std::string(error.what()).find("of vertices 6, 10 and 12;"), std::string::npos) << error.what();
+    }
+}
+
 TEST(Tetrahedra, RefusalsAreOneLine) {
     Parts mesh = cubes(1);
     mesh.cells[2].y = 8;
