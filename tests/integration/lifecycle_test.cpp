@@ -237,8 +237,11 @@ TEST(Lifecycle, WhoCompilesAheadEndsWithTheServerHoweverThatEnds) {
         Process server({BRUME_SERVER, "--scene", "props", "--port", "0", "--costs", mark});
         ASSERT_TRUE(server.lineStarting("listening on ")) << server.err();
         const auto soon = [&](bool runs) {
-            for (int i = 0; i < 1000 && runsSomewhere(mark) != runs; ++i) std::this_thread::sleep_for(milliseconds(10));
-            return runsSomewhere(mark) == runs;
+            for (int i = 0; i < 1000; ++i) {
+                if (runsSomewhere(mark) == runs) return true;
+                std::this_thread::sleep_for(milliseconds(10));
+            }
+            return false;
         };
         EXPECT_TRUE(soon(true));
         server.signal(end);
@@ -264,9 +267,11 @@ TEST(Lifecycle, WhoHasCompiledAheadIsGone) {
     Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0"});
     ASSERT_TRUE(server.lineStarting("listening on ")) << server.err();
     const auto becomes = [&](size_t children, int seconds) {
-        for (int i = 0; i < 200 * seconds && childrenOf(server.id()) != children; ++i)
+        for (int i = 0; i < 200 * seconds; ++i) { // asked once each time: who compiles little is soon gone
+            if (childrenOf(server.id()) == children) return true;
             std::this_thread::sleep_for(milliseconds(5));
-        return childrenOf(server.id()) == children;
+        }
+        return false;
     };
     EXPECT_TRUE(becomes(1, 30));
     EXPECT_TRUE(becomes(0, 300));
