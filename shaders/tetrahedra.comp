@@ -32,8 +32,8 @@ layout(rgba32f, binding = 9) uniform image2D radiance;
 layout(binding = 10) uniform sampler2DArray fluence;
 
 layout(push_constant, scalar) uniform Push {
-    vec3 albedo; // of all corners, with kOneAlbedo
-    uint faces;  // of the outside
+    vec3 albedo;  // of all corners, with kOneAlbedo
+    uint faces;   // of the outside
     float agrees; // lib/tetrahedra_light.glsl
 } push;
 
@@ -84,14 +84,14 @@ float lightDepthOn(Line line, MapLine map, uint cell, float t, float sigma) {
 }
 float visibilityOn(Line line, float t) { return visibility(toLightSpace(line.origin + t * line.dir)); }
 
-// Adds such a part, whose light is smooth.
+// Adds a part in which light is smooth.
 void addSmooth(inout Seen seen, Line line, MapLine map, uint cell, Part part) {
     const float length = part.t.y - part.t.x;
     const float depth = tick.extinction * linearDepth(part.sigma.x, part.sigma.y, length);
     if (!(depth > 0)) return;
     const float weight = opacity(depth) * exp(-seen.depth);
     float visible = 0;        // part of the sun that objects let through
-    vec2 ends_at, ends_depth; // of the first and the last place: part of the length, light depth
+    vec2 ends_at, ends_depth; // the first and the last place: part of the length, light depth
     [[unroll]] for (int i = 0; i < kNodes; ++i) {
         const float at = linearQuantile(part.sigma.x, part.sigma.y, depthPart(depth, legendreNode(i, kNodes)));
         const float t = part.t.x + length * at;
@@ -138,9 +138,8 @@ void addInterval(inout Seen seen, Line line, MapLine map, uint cell, Part whole)
     const float length = whole.t.y - whole.t.x;
     const float depth = tick.extinction * linearDepth(whole.sigma.x, whole.sigma.y, length);
     if (!(depth > 0)) return;
-    const float shown = min(depth, kDark); // what is behind is not seen
-    const float parts =
-        ceil(max(shown / kPartDepth, length / (kPartLength * distance(tick.map.lo, tick.map.hi))));
+    const float shown = min(depth, kDark); // a depth of kDark hides what is behind it
+    const float parts = ceil(max(shown / kPartDepth, length / (kPartLength * distance(tick.map.lo, tick.map.hi))));
     const float before = seen.depth;
     vec2 at = vec2(0);
     [[dont_unroll]] for (float p = 1; p <= parts; ++p) {

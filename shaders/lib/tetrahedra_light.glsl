@@ -4,7 +4,7 @@
 //   uint faces     of the outside
 //   float agrees   optical depth that the map's numbers may differ by
 
-const float kDark = 12;        // optical depth from which on no light is seen
+const float kDark = 12; // optical depth from which on no light is seen
 
 // Places `walk` at a place of the line in a tetrahedron, at t = 0, where the extinction is sigma. False: the line does
 // not go through it, as far as roundings tell.
@@ -40,12 +40,12 @@ float walkedLightDepth(Walk walk, Line line) {
     return depth;
 }
 
-// A place in the shadow map: its layer of four planes, and how far it is from that layer's plane to the next.
+// A place in the shadow map, between two planes of a layer of four.
 struct MapPlace {
     vec2 at; // texture coordinates
     float layer;
-    uint plane; // of the layer: 0 ... 2
-    float part;
+    uint plane; // the layer's plane before the place: 0 ... 2
+    float part; // of the way from it to the next plane, 0 ... 1
 };
 
 // Depths at the two planes around, without tick.extinction, `aside` texels away.
@@ -67,7 +67,7 @@ float lightDepthWithin(uint cell, vec3 place, vec3 in_volume, float sigma) {
     const vec3 size = tick.map.hi - tick.map.lo;
     const float step = size.z / float(tick.map.slices - 1);
     const float cube = sigma * max(step, max(size.x / float(tick.map.texels.x), size.y / float(tick.map.texels.y)));
-    // Beside the place it is less by so much at most: there is no light.
+    // The depth that texels beside the place lack is taken to be at most 8 cubes': then there is no light either.
     const bool dark = tick.extinction * (depths.x - 8 * cube) > kDark;
     if (dark || tick.extinction * cube < push.agrees) return tick.extinction * depth;
     float off = abs(sigma * step - (depths.y - depths.x));

@@ -80,7 +80,7 @@ SettingValue whenSet(const SceneSetting& setting, const SettingValue& value) {
 
 TEST(Settings, ALiveOneCanBeSetToItsDefault) {
     for (const SceneSetting& setting : sceneSettings()) {
-        if (!setting.live() || setting.form == Form::direction) continue; // that is made a unit vector
+        if (!setting.live() || setting.form == Form::direction) continue; // a direction is made a unit vector
         EXPECT_EQ(whenSet(setting, defaultOf(setting)), defaultOf(setting)) << setting.path;
     }
 }

@@ -16,12 +16,12 @@
 namespace brume::bench {
 
 struct ScatteringQuestion {
-    uint64_t seed = 1;                // of the first scene; the others follow
+    uint64_t seed = 1;                // seed of the first scene; the others follow
     uint32_t scenes = 40;             // number of seeds
     uint32_t width = 48;              // pixels; the height is 9/16 of it
-    double noise = 0.03;              // of the paths: relative standard error that is aimed at
-    uint32_t paths = 4096;            // of a pixel, at most
-    double seconds = 60;              // of the paths of one scene, as the first few of them foretell
+    double noise = 0.03;              // relative standard error of the paths that is aimed at
+    uint32_t paths = 4096;            // most paths of a pixel
+    double seconds = 60;              // most time of one scene's paths, as the first few of them foretell
     std::filesystem::path folder;     // the scenes are written there, so that each can be opened again
     std::filesystem::path references; // folder of Truth
 };
