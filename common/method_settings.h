@@ -153,6 +153,11 @@ inline constexpr SceneSetting kMethodSettings[]{
      limits::kPropagationCells, "With scattering = \"propagation\": cells along each side of the medium's bounds"},
     {"render.propagation.iterations", at<&P::render, &R::propagation, &PropagationSettings::iterations>, "",
      limits::kIterations, "With scattering = \"propagation\": steps on the finest grid in each tick", kOperators},
+    {"render.propagation.surface_parts", at<&P::render, &R::propagation, &PropagationSettings::surface_parts>, "",
+     limits::kSurfaceParts,
+     "With scattering = \"propagation\": parts along each side of a plane, box or sphere that sends the sun's light "
+     "into the medium; 0: none does",
+     kOperators},
 };
 
 } // namespace brume::setting_rows

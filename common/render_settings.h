@@ -135,6 +135,8 @@ struct OctaveSettings {
 struct PropagationSettings {
     uint32_t cells = 24;     // along each side, 8...64; counted up to a multiple of 4
     uint32_t iterations = 4; // on the finest of three grids, 1...256; twice and four times as many on the others
+    // Along each side of a plane, box or sphere whose reflected sunlight the medium gets, 0...16; 0: it gets none.
+    uint32_t surface_parts = 4;
 
     bool operator==(const PropagationSettings&) const = default;
 };

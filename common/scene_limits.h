@@ -65,7 +65,8 @@ inline constexpr Limits kUnionRadius{1e-3, 10}, kUnionCount{1, 8192}; // per sca
 inline constexpr Limits kPathGroups{1, 64}, kPathCutoff{0, 256};      // ticks; hits
 inline constexpr Limits kSpriteSize{0.1, 4}, kOpacity{0.01, 1};       // radii;
 inline constexpr Limits kMarchSamples{1, 256}, kDepthFalloff{1e-3, 1e4};
-inline constexpr Limits kOctaves{1, 12}, kPart{0, 1}, kPropagationCells{8, 64}, kIterations{1, 256};
+inline constexpr Limits kOctaves{1, 12}, kPart{0, 1}, kPropagationCells{8, 64}, kIterations{1, 256},
+    kSurfaceParts{0, 16};
 inline constexpr Limits kGlasses{0, 16}, kTilt{-1.6, 1.6}; // how many; rad
 inline constexpr Limits kMerge{0, 8};                      // pixels: beyond, nothing of a picture is left
 inline constexpr Limits kError{1e-5, 1}, kFlip{1e-5, 1};

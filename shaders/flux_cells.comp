@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 // Six fluxes, first pass: extinction and first scattering of the finest cells, from the sun's volumetric shadow map. A
 // lane is a cell.
 #include "shaders/shared/constants.h"
@@ -17,17 +18,11 @@ layout(binding = 7) uniform sampler2D opaque_shadow;
 layout(binding = 9) uniform sampler2D mesh_heights; // server/opaque/mesh_shadow.h
 
 #include "shaders/lib/flux_grid.glsl"
-#include "shaders/lib/has_meshes.glsl"
+#include "shaders/lib/fog.glsl"
 #include "shaders/lib/light.glsl"
+#include "shaders/lib/mesh_heights.glsl"
 
 const uint kAcross = 2; // columns of a cell along x and y, whose middles are looked up
-
-// Visibility of the sun past meshes from a light-space point: 1 or 0, from one texel.
-float visibilityPastMeshes(vec3 at) {
-    const vec2 texel = (at.xy - tick.mesh_lo) / (tick.mesh_hi - tick.mesh_lo) * float(tick.mesh_size);
-    if (any(lessThan(texel, vec2(0))) || any(greaterThanEqual(texel, vec2(tick.mesh_size)))) return 1;
-    return at.z >= texelFetch(mesh_heights, ivec2(texel), 0).r ? 1 : 0;
-}
 
 void main() {
     if (gl_GlobalInvocationID.x >= push.side * push.side * push.side) return;
@@ -43,6 +38,7 @@ void main() {
         const vec3 middle = mix(tick.map.lo, tick.map.hi, vec3(at, 1 - 0.5 * (ends.x + ends.y)));
         float lit = kHasCasters ? visibility(middle) : 1;
         if (kHasMeshes) lit *= visibilityPastMeshes(middle);
+        if (kHasFog) lit *= exp(-fogTowardSun(fromLightSpace(middle)));
         extinction += own;
         for (uint c = 0; c < push.channels; ++c)
             source[c] += own * lit *
@@ -52,5 +48,5 @@ void main() {
     const float scale = 1 / (float(kAcross * kAcross) * height);
     const uint to = numbersAt(cellAt(place, push.side));
     cells[to] = extinction * scale;
-    for (uint c = 0; c < push.channels; ++c) cells[to + 1 + c] = source[c] * scale;
+    for (uint c = 0; c < push.channels; ++c) cells[to + 1 + 2 * c] = cells[to + 2 + 2 * c] = source[c] * scale;
 }

@@ -15,7 +15,7 @@ void main() {
     if (gl_GlobalInvocationID.x >= push.side * push.side * push.side) return;
     const uvec3 place = placeOf(gl_GlobalInvocationID.x);
     const uint finer = push.side * 2, first = push.first - finer * finer * finer;
-    for (uint q = 0; q <= push.channels; ++q) {
+    for (uint q = 0; q < numbersOfCell(); ++q) {
         float sum = 0;
         for (uint i = 0; i < 8; ++i)
             sum += cells[numbersAt(first + cellAt(2 * place + uvec3(i & 1, i >> 1 & 1, i >> 2), finer)) + q];

@@ -10,7 +10,8 @@ layout(local_size_x = 256) in;
 layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
 layout(scalar, binding = 1) readonly buffer Cells { float cells[]; };
 layout(scalar, binding = 2) coherent buffer FluxesBlock { float fluxes[]; };
-layout(scalar, binding = 3) writeonly buffer Fluence { vec4 fluence[]; }; // and net flux, [channel][z][y][x]
+// Net flux and fluence, [channel][z][y][x]; before, those of light from surfaces.
+layout(scalar, binding = 3) buffer Fluence { vec4 fluence[]; };
 
 #include "shaders/lib/flux_grid.glsl"
 
@@ -36,17 +37,20 @@ void passFluxes(uint at, uint parity) {
             entering.up[axis] = from(c, place, axis);
             entering.down[axis] = from(c, place, axis + 3);
         }
-        const float source = extinction > 0 ? cells[numbers + 1 + c] / extinction : 0;
+        const float all = cells[numbers + 1 + 2 * c], sunward = all > 0 ? cells[numbers + 2 + 2 * c] / all : 0;
+        const float source = extinction > 0 ? all / extinction : 0;
         const FluxCell passed = passCell(entering, extinction * tick.multiple.passed[c] * cellSize(),
-                                         tick.multiple.albedo[c], tick.multiple.asymmetry, source, vec3(0, 0, 1));
+                                         tick.multiple.albedo[c], tick.multiple.asymmetry, source, vec3(0, 0, sunward));
         const uint to = fluxesAt(c, cell);
         for (uint axis = 0; axis < 3; ++axis) {
             fluxes[to + axis] = passed.leaving.up[axis];
             fluxes[to + 3 + axis] = passed.leaving.down[axis];
         }
-        if (push.last == 1)
-            fluence[(c * push.side + place.z) * push.side * push.side + place.y * push.side + place.x] =
-                vec4(passed.flux, passed.fluence);
+        if (push.last == 1) {
+            const uint texel = (c * push.side + place.z) * push.side * push.side + place.y * push.side + place.x;
+            const vec4 there = vec4(passed.flux, passed.fluence);
+            fluence[texel] = push.parts > 0 ? fluence[texel] + there : there;
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 #include "server/inputs/multiple_block.h"
 
+#include <algorithm>
+
 #include "common/phase_lobes.h"
 #include "shaders/shared/multiple.h"
 
@@ -17,9 +19,19 @@ glm::dvec3 meanAlbedo(std::span<const gpu::Particle> particles) {
     return weights > 0 ? sum / weights : glm::dvec3(0);
 }
 
+// True: the colours of some object differ by so much that its light is not taken as grey.
+bool hasColours(std::span<const gpu::Opaque> objects) {
+    constexpr float kGrey = 0.1f;
+    return std::ranges::any_of(objects, [](const gpu::Opaque& object) {
+        const glm::vec3 albedo = object.albedo;
+        return std::max({albedo.x, albedo.y, albedo.z}) - std::min({albedo.x, albedo.y, albedo.z}) > kGrey;
+    });
+}
+
 } // namespace
 
-void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles) {
+void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles,
+                 std::span<const gpu::Opaque> objects) {
     if (now.medium.model == kUnionMedium || particles.empty() || tick.sun.irradiance == glm::vec3(0)) return;
     gpu::Multiple& multiple = tick.multiple;
     if (now.render.scattering == "octaves") {
@@ -34,7 +46,8 @@ void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Part
         const double cosine = lobes.meanCosine(), straight = physics::straightPart(cosine, lobes.secondMoment());
         const glm::dvec3 albedo = meanAlbedo(particles);
         multiple.cells = (now.render.propagation.cells + kStep - 1) / kStep * kStep;
-        multiple.channels = albedo.x == albedo.y && albedo.x == albedo.z ? 1 : 3;
+        const bool grey = albedo.x == albedo.y && albedo.x == albedo.z;
+        multiple.channels = grey && !(now.render.propagation.surface_parts > 0 && hasColours(objects)) ? 1 : 3;
         multiple.mean_cosine = float(cosine);
         multiple.asymmetry = float(physics::beamAsymmetry(cosine, straight));
         for (int c = 0; c < 3; ++c) {

@@ -9,9 +9,11 @@
 
 namespace brume {
 
-// Fluxes have the mean albedo of the particles, by extinction and volume. A union medium, none, and
-// one without sunlight have single scattering. Precondition: the tick has the sun.
-void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles);
+// Fluxes have the mean albedo of the particles, by extinction and volume; three channels where it or the albedo of
+// an object is coloured. A union medium, none, and one without sunlight have single
+// scattering. Precondition: the tick has the sun.
+void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles,
+                 std::span<const gpu::Opaque> objects);
 
 // The model, gpu::kScatteringSingle and so on, as a tick has it, and as settings ask for it.
 inline uint32_t scatteringOf(const gpu::Multiple& multiple) {

@@ -24,6 +24,8 @@ struct TickInputs {
     uint64_t objects_version = 0;              // a number that changes whenever an object does
     const gpu::Buffer* objects = nullptr;      // gpu::Opaque[]: planes come first
     const gpu::Buffer* object_nodes = nullptr; // gpu::ObjectNode[]: the tree of the others
+    const gpu::Buffer* reflecting = nullptr;   // uint32_t[]: reflectingObjects()
+    uint32_t reflecting_count = 0;             // how many they are
     const gpu::Buffer* triangles = nullptr;    // gpu::Triangle[]: of meshes
     const gpu::Buffer* mesh_nodes = nullptr;   // gpu::ObjectNode[]: their tree, in gpu::kMeshOrders orders
     uint32_t bodies = 0;                       // number of the others: boxes and spheres

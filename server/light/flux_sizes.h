@@ -10,8 +10,9 @@ namespace brume {
 inline constexpr uint32_t kFluxes = 6; // that pass each cell
 
 struct FluxSizes {
-    uint64_t cells = 0, fluxes = 0, fluence = 0; // bytes of the buffers; the image is as large as `fluence`
-    uint64_t all() const { return cells + fluxes + 2 * fluence; }
+    // Bytes of the buffers; the image is as large as `fluence`.
+    uint64_t cells = 0, fluxes = 0, fluence = 0, surfaces = 0;
+    uint64_t all() const { return cells + fluxes + 2 * fluence + surfaces; }
 };
 
 // `side`: cells along each side of the finest grid.
@@ -19,8 +20,8 @@ inline FluxSizes fluxSizes(uint32_t side, uint32_t channels) {
     const auto cellsOf = [](uint64_t n) { return n * n * n; };
     uint64_t count = 0; // of the cells of all grids
     for (uint32_t level = 0; level < gpu::kFluxLevels; ++level) count += cellsOf(side >> level);
-    return {count * (1 + channels) * sizeof(float), count * channels * kFluxes * sizeof(float),
-            cellsOf(side) * channels * 4 * sizeof(float)};
+    return {count * (1 + 2 * channels) * sizeof(float), count * channels * kFluxes * sizeof(float),
+            cellsOf(side) * channels * 4 * sizeof(float), cellsOf(side / 2) * channels * 5 * sizeof(float)};
 }
 
 } // namespace brume

@@ -6,7 +6,9 @@
 #include "shaders/flux_cells_comp.h"
 #include "shaders/flux_coarser_comp.h"
 #include "shaders/flux_finer_comp.h"
+#include "shaders/flux_lit_comp.h"
 #include "shaders/flux_pass_comp.h"
+#include "shaders/flux_surfaces_comp.h"
 #include "shaders/shared/multiple.h"
 
 namespace brume {
@@ -19,10 +21,19 @@ constexpr uint32_t kLanes = 64, kPassLanes = 256;
 constexpr uint32_t kFewCells = 2048; // of a grid: one workgroup makes all of its steps
 
 struct Push { // as in the shaders
-    uint32_t side, first, all, channels, parity, half_steps, last;
+    uint32_t side, first, all, channels, parity, half_steps, last, surfaces, parts;
 };
 
 uint32_t cellsOf(uint32_t side) { return side * side * side; }
+
+// The tick without what light for an irradiance of 1 does not depend on.
+gpu::Tick unlit(gpu::Tick tick) {
+    tick.sun.irradiance = tick.ambient = tick.sky_zenith = tick.sky_horizon = glm::vec3(0);
+    tick.haze = 0;
+    tick.local_light_count = 0;
+    for (gpu::Fog& fog : tick.fogs) fog.emission = glm::vec3(0);
+    return tick;
+}
 
 } // namespace
 
@@ -34,29 +45,39 @@ void Propagation::fit(gpu::Commands& commands, uint32_t side, uint32_t layers) {
 }
 
 bool Propagation::Key::operator==(const Key& other) const {
-    return std::memcmp(&multiple, &other.multiple, sizeof multiple) == 0 && iterations == other.iterations &&
-           objects == other.objects && casters == other.casters && extinction == other.extinction;
+    return std::memcmp(&tick, &other.tick, sizeof tick) == 0 && propagation == other.propagation &&
+           objects == other.objects && features == other.features && hue_parts == other.hue_parts;
 }
 
-void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all) {
-    const gpu::Multiple& multiple = tick.tick->multiple;
-    const uint32_t iterations = tick.settings->propagation.iterations;
-    const Key key{multiple, iterations, tick.objects_version, tick.features.casters, tick.hue_parts[0]};
-    if (valid_ && key == key_) return;
-    key_ = key, valid_ = true;
+const Propagation::Programs& Propagation::programsFor(const SceneFeatures& features, bool surfaces) {
+    const auto program = [&](std::span<const uint32_t> code, const char* name,
+                             std::initializer_list<gpu::SpecConstant> constants = {}) {
+        return gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, code, name}, constants);
+    };
     if (!pass_) {
-        const auto program = [&](std::span<const uint32_t> code, const char* name) {
-            return gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, code, name});
-        };
         coarser_ = program(flux_coarser_comp, "flux_coarser");
         finer_ = program(flux_finer_comp, "flux_finer");
         pass_ = program(flux_pass_comp, "flux_pass");
     }
-    gpu::ComputeProgram& first = tick.features.casters ? first_past_casters_ : first_;
-    if (!first)
-        first = gpu::ComputeProgram(
-            device_, {VK_SHADER_STAGE_COMPUTE_BIT, flux_cells_comp, "flux_cells"},
-            {{gpu::kIdHasCasters, tick.features.casters}, {gpu::kIdHasMeshes, tick.features.meshes}});
+    Programs& programs = programs_[features.casters][features.fog];
+    const std::initializer_list<gpu::SpecConstant> constants{
+        {gpu::kIdHasCasters, features.casters}, {gpu::kIdHasMeshes, features.meshes}, {gpu::kIdHasFog, features.fog}};
+    if (!programs.first) programs.first = program(flux_cells_comp, "flux_cells", constants);
+    if (surfaces && !programs.surfaces) {
+        programs.surfaces = program(flux_surfaces_comp, "flux_surfaces", constants);
+        lit_ = program(flux_lit_comp, "flux_lit");
+    }
+    return programs;
+}
+
+void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all) {
+    const gpu::Multiple& multiple = tick.tick->multiple;
+    const PropagationSettings& settings = tick.settings->propagation;
+    const Key key{unlit(*tick.tick), settings, tick.objects_version, tick.features, tick.hue_parts};
+    if (valid_ && key == key_) return;
+    key_ = key, valid_ = true;
+    const bool surfaces = settings.surface_parts > 0 && (tick.tick->plane_count > 0 || tick.reflecting_count > 0);
+    const Programs& programs = programsFor(tick.features, surfaces);
     const gpu::Commands::Pass timed(commands, "propagation");
     const VkCommandBuffer cmd = commands.handle();
     const uint32_t channels = multiple.channels, side = multiple.cells;
@@ -70,6 +91,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     make(cells_, sizes.cells, 0, "cells of fluxes");
     make(fluxes_, sizes.fluxes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "fluxes");
     make(fluence_, sizes.fluence, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "fluence of cells");
+    if (surfaces) make(surfaces_, sizes.surfaces, 0, "light of surfaces");
 
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
     vkCmdFillBuffer(cmd, fluxes_.handle(), 0, VK_WHOLE_SIZE, 0);
@@ -81,13 +103,22 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
         gpu::computeToCompute(cmd);
     };
     const gpu::Resource cells = storageBuffer(1, cells_), fluxes = storageBuffer(2, fluxes_);
-    Push push{side, 0, count, channels, 0, 1, 0};
-    run(first,
-        {all.tick, cells, gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
-         gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest),
-         gpu::sampledImage(9, *tick.mesh_heights, *tick.nearest)},
-        push, cellsOf(side));
+    const gpu::Resource depths = gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
+                        casters = gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest),
+                        heights = gpu::sampledImage(9, *tick.mesh_heights, *tick.nearest);
+    Push push{side, 0, count, channels, 0, 1, 0, tick.reflecting_count, surfaces ? settings.surface_parts : 0};
+    run(programs.first, {all.tick, cells, depths, casters, heights}, push, cellsOf(side));
     const auto next = [&] { push.first += cellsOf(push.side), push.side /= 2; };
+    if (surfaces) {
+        next();
+        run(coarser_, {all.tick, cells}, push, cellsOf(push.side));
+        run(programs.surfaces,
+            {all.tick, cells, storageBuffer(2, surfaces_), storageBuffer(3, *tick.objects),
+             storageBuffer(4, *tick.object_nodes), storageBuffer(5, *tick.reflecting), depths, casters, heights},
+            push, cellsOf(push.side));
+        push.side = side, push.first = 0;
+        run(lit_, {all.tick, cells, storageBuffer(2, surfaces_), storageBuffer(3, fluence_)}, push, cellsOf(side));
+    }
     for (uint32_t level = 1; level < gpu::kFluxLevels; ++level) {
         next();
         run(coarser_, {all.tick, cells}, push, cellsOf(push.side));
@@ -97,7 +128,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
             push.side *= 2, push.first -= cellsOf(push.side);
             run(finer_, {all.tick, fluxes}, push, cellsOf(push.side));
         }
-        const uint32_t half_steps = 2 * iterations << level;
+        const uint32_t half_steps = 2 * settings.iterations << level;
         const bool few = level > 0 && cellsOf(push.side) <= kFewCells;
         push.half_steps = few ? half_steps : 1;
         for (uint32_t i = 0; i < half_steps; i += push.half_steps) {

@@ -1,6 +1,7 @@
 // Propagation: light of the sun that scatters more than once, once per tick and hue for all viewers. Six fluxes pass
 // cells of the bounds of the volumetric shadow map (shaders/shared/multiple.h), on three grids: what a coarse one has
 // is where the next finer one begins. Each tick begins with no light, so that a picture depends on nothing before it.
+// What planes, boxes and spheres reflect of the sun's light is light of the cells, too.
 #pragma once
 
 #include "server/gpu/commands.h"
@@ -22,22 +23,29 @@ public:
     void invalidate() { valid_ = false; }
     const gpu::Image& image() const { return image_; } // RGBA32F array: net flux and fluence, [channel][z]
     // Frees its memory. Precondition: nothing of it is on the device.
-    void giveBack() { valid_ = false, cells_ = {}, fluxes_ = {}, fluence_ = {}, image_ = {}; }
+    void giveBack() { valid_ = false, cells_ = {}, fluxes_ = {}, fluence_ = {}, surfaces_ = {}, image_ = {}; }
 
 private:
     void fit(gpu::Commands& commands, uint32_t side, uint32_t layers);
 
     const gpu::Device& device_;
-    gpu::ComputeProgram first_, first_past_casters_, coarser_, finer_, pass_;
-    gpu::Buffer cells_, fluxes_, fluence_;
+    // That depend on whether there are casters, and fog.
+    struct Programs {
+        gpu::ComputeProgram first, surfaces;
+    };
+    const Programs& programsFor(const SceneFeatures& features, bool surfaces);
+
+    gpu::ComputeProgram coarser_, finer_, lit_, pass_;
+    Programs programs_[2][2]; // [casters][fog]
+    gpu::Buffer cells_, fluxes_, fluence_, surfaces_;
     gpu::Image image_;
     // What the image depends on besides the depths.
     struct Key {
-        gpu::Multiple multiple{};
-        uint32_t iterations = 0;
+        gpu::Tick tick{};
+        PropagationSettings propagation;
         uint64_t objects = 0;
-        bool casters = false;
-        float extinction = 0; // part of the medium's, of the hue
+        SceneFeatures features;
+        std::array<float, 1 + gpu::kMostFogs> hue_parts{};
         bool operator==(const Key& other) const;
     };
     Key key_;

@@ -30,6 +30,9 @@ void ObjectBuffers::write() {
     fill(device_, objects_, all_, "objects");
     const std::vector<gpu::ObjectNode> nodes = objectNodes(all_);
     fill(device_, nodes_, nodes, "object nodes");
+    const std::vector<uint32_t> reflecting = reflectingObjects(all_);
+    fill(device_, reflecting_, reflecting, "reflecting objects");
+    reflecting_count_ = uint32_t(reflecting.size());
     bounds_ = nodes.empty() ? Bounds3() : Bounds3{nodes.front().lo, nodes.front().hi};
     ++version_;
 }

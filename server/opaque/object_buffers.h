@@ -38,12 +38,14 @@ public:
     // Takes the objects of the lists. True: they differ from those before. Precondition: nothing is on the device.
     bool follow(const Scene& scene, const SceneLists& lists);
 
-    const std::vector<gpu::Opaque>& all() const { return all_; } // opaqueObjects()
-    const ObjectCounts& counts() const { return counts_; }       // of all()
-    const gpu::Buffer& objects() const { return objects_; }      // gpu::Opaque[]: all()
-    const gpu::Buffer& nodes() const { return nodes_; }          // gpu::ObjectNode[]: objectNodes()
-    const Bounds3& bounds() const { return bounds_; }            // m, of boxes and spheres
-    uint64_t version() const { return version_; }                // changes with the objects
+    const std::vector<gpu::Opaque>& all() const { return all_; }  // opaqueObjects()
+    const ObjectCounts& counts() const { return counts_; }        // of all()
+    const gpu::Buffer& objects() const { return objects_; }       // gpu::Opaque[]: all()
+    const gpu::Buffer& nodes() const { return nodes_; }           // gpu::ObjectNode[]: objectNodes()
+    const gpu::Buffer& reflecting() const { return reflecting_; } // uint32_t[]: reflectingObjects()
+    uint32_t reflectingCount() const { return reflecting_count_; }
+    const Bounds3& bounds() const { return bounds_; } // m, of boxes and spheres
+    uint64_t version() const { return version_; }     // changes with the objects
 
 private:
     void write();
@@ -54,7 +56,8 @@ private:
     std::vector<Sphere> spheres_;
     std::vector<gpu::Opaque> all_;
     ObjectCounts counts_;
-    gpu::Buffer objects_, nodes_;
+    gpu::Buffer objects_, nodes_, reflecting_;
+    uint32_t reflecting_count_ = 0;
     Bounds3 bounds_;
     uint64_t version_ = 0;
 };

@@ -1,7 +1,9 @@
 #include "server/opaque/objects.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace brume {
 namespace {
@@ -35,6 +37,21 @@ gpu::ObjectNode objectNode(const BoundingNode& node) {
 std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists) {
     setObjects(scene, lists);
     return opaqueObjects(scene);
+}
+
+std::vector<uint32_t> reflectingObjects(std::span<const gpu::Opaque> objects) {
+    std::vector<std::pair<float, uint32_t>> found; // less of it first, so that the order is the same everywhere
+    for (uint32_t i = 0; i < objects.size(); ++i) {
+        const gpu::Opaque& o = objects[i];
+        const glm::vec3 h = o.half_size;
+        const float area = o.kind == gpu::kSphere ? 12.566371f * h.x * h.x : 8 * (h.x * h.y + h.y * h.z + h.z * h.x);
+        const float reflected = area * (o.albedo.x + o.albedo.y + o.albedo.z);
+        if (o.kind != gpu::kPlane && reflected > 0) found.emplace_back(-reflected, i);
+    }
+    std::ranges::sort(found);
+    std::vector<uint32_t> indices;
+    for (size_t i = 0; i < std::min<size_t>(found.size(), kMostReflecting); ++i) indices.push_back(found[i].second);
+    return indices;
 }
 
 std::vector<gpu::ObjectNode> objectNodes(std::span<const gpu::Opaque> objects) {

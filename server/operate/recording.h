@@ -29,7 +29,7 @@
 namespace brume {
 
 // Another number: live settings are others, and so are hashes of states.
-inline constexpr int kRecordingVersion = 13;
+inline constexpr int kRecordingVersion = 14;
 
 struct RecordingHead {
     std::string scene;                  // name of the scene

@@ -266,6 +266,8 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
                .objects_version = objects_.version(),
                .objects = &objects_.objects(),
                .object_nodes = &objects_.nodes(),
+               .reflecting = &objects_.reflecting(),
+               .reflecting_count = objects_.reflectingCount(),
                .triangles = &meshes_.triangles,
                .mesh_nodes = &meshes_.nodes,
                .bodies = objects_.counts().bodies(),

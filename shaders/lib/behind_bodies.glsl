@@ -1,4 +1,5 @@
-// Whether planes, boxes and spheres lie between two places. Include after lib/objects.glsl and lib/object_tree.glsl.
+// Whether planes, boxes and spheres lie between two places, or around one. Include after lib/objects.glsl and
+// lib/object_tree.glsl.
 
 // True if the way from x to x + dir meets a box or a sphere, or if x lies in it.
 bool blocks(Opaque o, vec3 x, vec3 dir) {
@@ -29,6 +30,24 @@ bool isBehindBody(vec3 x, vec3 dir, bool own) {
             if (own ? blocks(o, x, dir) : hitObject(o, x, dir, n) < 1) return true;
         }
         i = passed ? i + 1 : node.next;
+    }
+    return false;
+}
+
+// True if x lies inside a box or a sphere.
+bool isInSolid(vec3 x) {
+    const uint count = objectNodes();
+    [[dont_unroll]] for (uint i = 0; i < count;) {
+        const ObjectNode node = object_nodes[i];
+        const bool inside = all(greaterThanEqual(x, node.lo)) && all(lessThanEqual(x, node.hi));
+        if (inside && node.object != kInnerNode) {
+            const Opaque o = objects[node.object];
+            const vec3 from = x - o.centre;
+            if (o.kind == kSphere ? dot(from, from) < o.half_size.x * o.half_size.x
+                                  : all(lessThan(abs(toObject(o, from)), o.half_size)))
+                return true;
+        }
+        i = inside ? i + 1 : node.next;
     }
     return false;
 }

@@ -9,18 +9,41 @@ layout(push_constant, scalar) uniform Push {
     uint channels; // 1, or 3: red, green and blue
     uint parity;   // of x + y + z: cells that the first half step computes
     uint half_steps;
-    uint last; // 1: the fluence is written
+    uint last;     // 1: the fluence is written
+    uint surfaces; // number of boxes and spheres that send light
+    uint parts;    // along each side of a surface; 0: surfaces send no light
 } push;
+
+// Light of surfaces in the middle of a cell of the second grid, for E = 1.
+struct SurfaceLight {
+    float fluence; // as if no medium dimmed it; negative within an object
+    float depth;   // optical depth by which the medium dims all of it
+    vec3 mean_way; // net flux over fluence
+};
 
 vec3 cellSize() { return (tick.map.hi - tick.map.lo) / float(push.side); } // m
 
 uint cellAt(uvec3 place, uint side) { return (place.z * side + place.y) * side + place.x; }
-// Index of a cell's numbers: its extinction, 1/m, and of each channel extinction times firstScattered().
-uint numbersAt(uint cell) { return cell * (1 + push.channels); }
+// A cell's numbers: its extinction, 1/m, and two of each channel: extinction times firstScattered(), and the
+// same times the part by which that light goes on the sun's way, in [-1, 1].
+uint numbersOfCell() { return 1 + 2 * push.channels; }
+uint numbersAt(uint cell) { return cell * numbersOfCell(); }
 // Index of the six fluxes that leave a cell: up and down.
 uint fluxesAt(uint channel, uint cell) { return (channel * push.all + cell) * 6; }
 
 // The cell of a lane, of all that the grid has.
 uvec3 placeOf(uint lane) {
     return uvec3(lane % push.side, lane / push.side % push.side, lane / (push.side * push.side));
+}
+
+// Linear interpolation between coarser cells, of which there are `side` along each side: the weight of neighbour `i` of
+// eight, and its index. Each cell's middle is a quarter of a coarser one away from that of the coarser cell around it.
+float coarseNeighbour(uvec3 place, uint side, uint i, out uint at) {
+    const uvec3 own = place / 2;
+    const ivec3 step = ivec3(place & 1) * 2 - 1;
+    const uvec3 next = uvec3(clamp(ivec3(own) + step, ivec3(0), ivec3(side) - 1));
+    const bvec3 away = bvec3(i & 1, i >> 1 & 1, i >> 2);
+    const vec3 part = mix(vec3(0.75), vec3(0.25), away);
+    at = cellAt(mix(own, next, away), side);
+    return part.x * part.y * part.z;
 }

@@ -2,6 +2,8 @@
 
 vec3 toLightSpace(vec3 x) { return vec3(dot(tick.map.x, x), dot(tick.map.y, x), dot(tick.sun.to_light, x)); }
 
+vec3 fromLightSpace(vec3 at) { return at.x * tick.map.x + at.y * tick.map.y + at.z * tick.sun.to_light; }
+
 // Position of a world point in the volumetric shadow map: texture coordinates, slice plane.
 vec3 toShadowVolume(vec3 x) {
     return vec3(dot(tick.map.u, vec4(x, 1)), dot(tick.map.v, vec4(x, 1)), dot(tick.map.plane, vec4(x, 1)));

@@ -5,7 +5,7 @@
 #include "shaders/shared/transmittance.h"
 #include "shaders/shared/multiple.h"
 #include "shaders/lib/slab_field.glsl"
-#include "shaders/lib/fog.glsl"
+#include "shaders/lib/lone_fog.glsl"
 #include "shaders/lib/field_scale.glsl"
 
 // A run with the node columns of whole rays: the quantities of the field. Arrays have the largest size, since GLSL does

@@ -1,4 +1,4 @@
-// Whether opaque objects lie between two places, or around one: planes, boxes, spheres and triangles. Include after
+// Whether opaque objects lie between two places: planes, boxes, spheres and triangles. Include after
 // lib/objects.glsl, lib/object_tree.glsl and lib/mesh.glsl.
 #include "shaders/lib/behind_bodies.glsl"
 
@@ -10,21 +10,3 @@ bool isOccluded(vec3 x, vec3 dir, bool own) {
     return isShadowedByMesh(x, dir / max(distance, 1e-20), distance, kInnerNode, 0);
 }
 bool isOccluded(vec3 x, vec3 dir) { return isOccluded(x, dir, false); }
-
-// True if x lies inside a box or a sphere.
-bool isInSolid(vec3 x) {
-    const uint count = objectNodes();
-    [[dont_unroll]] for (uint i = 0; i < count;) {
-        const ObjectNode node = object_nodes[i];
-        const bool inside = all(greaterThanEqual(x, node.lo)) && all(lessThanEqual(x, node.hi));
-        if (inside && node.object != kInnerNode) {
-            const Opaque o = objects[node.object];
-            const vec3 from = x - o.centre;
-            if (o.kind == kSphere ? dot(from, from) < o.half_size.x * o.half_size.x
-                                  : all(lessThan(abs(toObject(o, from)), o.half_size)))
-                return true;
-        }
-        i = inside ? i + 1 : node.next;
-    }
-    return false;
-}

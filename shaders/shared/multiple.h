@@ -61,9 +61,9 @@ BRUME_STRUCT FluxCell {
 };
 
 // One cell. entering: what enters it; depth: its optical thickness along each axis; albedo, asymmetry: of the scaled
-// medium; source: firstScattered(); beam: unit, the way that the sun's light goes. The cell's own scattering is solved
-// for exactly, for even sources in it. All is >= 0 if `entering` and `source` are, and |asymmetry| <= 1/3. With albedo
-// 1 and equal fluxes around it a cell changes none.
+// medium; source: firstScattered(); beam: mean way of the light that is scattered first, at most 1 long. The cell's own
+// scattering is solved for exactly, for even sources in it. All is >= 0 if `entering` and `source` are, and
+// |asymmetry| <= 1/3. With albedo 1 and equal fluxes around it a cell changes none.
 BRUME_FN BRUME_OF(FluxCell)
     passCell(BRUME_OF(Fluxes) entering, BRUME_VEC3 depth, real albedo, real asymmetry, real source, BRUME_VEC3 beam) {
     const BRUME_VEC3 mean_part = BRUME_VEC3(phi(depth.x), phi(depth.y), phi(depth.z)); // of what enters, on average

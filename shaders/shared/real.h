@@ -9,13 +9,16 @@
 #include <cmath>
 #include <glm/glm.hpp>
 namespace brume::physics {
+using glm::mix;
 using std::abs;
 using std::clamp;
+using std::cos;
 using std::exp;
 using std::floor;
 using std::log;
 using std::max;
 using std::min;
+using std::sin;
 using std::sqrt;
 using std::tan;
 template <typename real>

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/object_layout.h"
+#include "server/opaque/objects.h"
 #include "tests/gpu/judged.h"
 
 namespace brume::test {
@@ -29,6 +30,19 @@ protected:
         return scene;
     }
 };
+
+// Of the objects that light the medium by what they reflect: the largest and brightest, in the same order everywhere.
+TEST(ReflectingObjects, AreThoseThatReflectMost) {
+    Scene scene;
+    scene.planes = {{0, glm::vec3(1)}};
+    scene.boxes = {{{}, glm::vec3(0.1f), 0, glm::vec3(1)}, {{}, glm::vec3(10), 0, glm::vec3(0)}};
+    for (int i = 0; i < 20; ++i) scene.spheres.push_back({{}, float(1 + i % 10), glm::vec3(0.5f)});
+    const std::vector<uint32_t> most = reflectingObjects(opaqueObjects(scene)); // spheres come third, from index 3 on
+    const std::vector<uint32_t> expected{12, 22, 11, 21, 10, 20, 9, 19, 8, 18, 7, 17, 6, 16, 5, 15};
+    EXPECT_EQ(most, expected);
+    scene.spheres.clear();
+    EXPECT_EQ(reflectingObjects(opaqueObjects(scene)), std::vector<uint32_t>{1}); // black ones reflect nothing
+}
 
 TEST_F(ManyObjectsTest, ShaftsOfTheSun) {
     Scene scene = foggy(kAtrium, 150);

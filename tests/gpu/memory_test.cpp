@@ -139,6 +139,7 @@ TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
         Scene scene = loadScene("server/scenes/cloud.toml");
         scene.render.method = "slabs", scene.render.rate = 4, scene.render.slabs = 16;
         scene.render.scattering = "propagation";
+        scene.planes = {{.height = -20, .albedo = glm::vec3(0.5f)}};
         if (coloured) scene.medium.albedo = {0.9f, 0.8f, 0.7f}, scene.medium.extinction_colour = {1, 0.5f, 0.2f};
         const Simulation simulation(scene);
         std::vector<gpu::Particle> particles(simulation.liveCount());

@@ -3,10 +3,13 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/gpu/closed_form.h"
+#include "tests/gpu/light_passes.h"
 #include "tools/reference/camera.h"
 #include "tools/reference/tracker.h"
 #include "tools/reference/world.h"
@@ -16,6 +19,8 @@ namespace {
 
 constexpr uint32_t kWidth = 48, kHeight = 27;
 const Pose kFrom = lookAt({3, 2, 11}, {0, 0, 0}, 0.7f);
+const Pose kWithin = lookAt({3, 2, 11}, {0, 0, 0}, 0.35f); // sees nothing beside the cloud
+const glm::vec3 kFromTheRight = glm::normalize(glm::vec3(1, 0.7f, 0.4f));
 
 class MultipleTest : public GpuTest {
 protected:
@@ -31,7 +36,9 @@ protected:
         scene.render.scattering = scattering;
         return scene;
     }
-    static Picture seen(const Scene& scene) { return render(device(), scene, kFrom, kWidth, kHeight); }
+    static Picture seen(const Scene& scene, const Pose& from = kFrom) {
+        return render(device(), scene, from, kWidth, kHeight);
+    }
 
     static double sum(const Picture& picture) {
         double all = 0;
@@ -42,11 +49,11 @@ protected:
     struct Error {
         double bias, rmse; // of total radiance, in parts of its mean and its RMS; without the noise of the paths
     };
-    static reference::TrackedPicture truthOf(const Scene& scene) {
+    static reference::TrackedPicture truthOf(const Scene& scene, const Pose& from = kFrom) {
         const Simulation simulation(scene);
         std::vector<gpu::Particle> particles(simulation.liveCount());
         simulation.write(particles);
-        return reference::track(reference::worldOf(scene, particles), reference::perspective(kFrom, kWidth, kHeight),
+        return reference::track(reference::worldOf(scene, particles), reference::perspective(from, kWidth, kHeight),
                                 {.samples = 96});
     }
     static Error beside(const Picture& picture, const reference::TrackedPicture& truth) {
@@ -108,6 +115,103 @@ TEST_F(MultipleTest, ShadowsOfObjectsAreNoHoles) {
     EXPECT_GT(sum(shadowed), 1.3 * sum(seen(scene)));
 }
 
+// What planes, boxes and spheres send back into the medium. These are beside the picture, since paths go through the
+// middles of pixels and see hard edges.
+TEST_F(MultipleTest, LightOfSurfacesIsNearRandomPaths) {
+    struct Case {
+        const char* name;
+        float sigma_t;
+        std::vector<Plane> planes;
+        std::vector<Box> boxes;
+        std::vector<Sphere> spheres;
+        double rmse; // allowed
+        float asymmetry = 0;
+    };
+    constexpr glm::vec3 kWhite(0.9f), kRed(0.9f, 0.4f, 0.1f);
+    const Plane white{.height = -4, .albedo = kWhite}, red{.height = -4, .albedo = kRed};
+    const Box wall{{-7, 0, -1}, {1, 8, 8}, 0.2f, kWhite};
+    const Sphere ball{{-8, 0, 0}, 3.5f, kWhite};
+    const Box slab{{0, -5, 0}, {500, 2, 500}, 0.2f, kWhite}; // as large as the plane, by and large
+    for (const Case& c : {Case{"plane, thin", 0.02f, {white}, {}, {}, 0.02},
+                          {"plane, medium", 0.2f, {white}, {}, {}, 0.03},
+                          {"red plane", 0.2f, {red}, {}, {}, 0.025},
+                          {"sphere", 0.1f, {}, {}, {ball}, 0.03},
+                          {"wall", 0.1f, {}, {wall}, {}, 0.045},
+                          {"all", 0.1f, {red}, {wall}, {ball}, 0.055},
+                          {"slab", 0.2f, {}, {slab}, {}, 0.045},
+                          {"plane, g 0.6", 0.2f, {white}, {}, {}, 0.05, 0.6f},
+                          {"slab, g 0.6", 0.2f, {}, {slab}, {}, 0.055, 0.6f},
+                          {"plane, dense", 3, {white}, {}, {}, 0.25}}) {
+        Scene scene = cloud(c.sigma_t, "propagation");
+        scene.lights[0].to_light = kFromTheRight;
+        scene.planes = c.planes, scene.boxes = c.boxes, scene.spheres = c.spheres;
+        scene.medium.anisotropy = c.asymmetry > 0 ? 1 : 0, scene.medium.asymmetry = c.asymmetry;
+        const Pose from = c.planes.empty() && c.boxes != std::vector{slab} ? kWithin : kFrom;
+        const reference::TrackedPicture truth = truthOf(scene, from);
+        const auto with = [&](uint32_t parts) {
+            scene.render.propagation.surface_parts = parts;
+            return beside(seen(scene, from), truth);
+        };
+        const Error error = with(4), coarse = with(2), fine = with(16), without = with(0);
+        EXPECT_LT(coarse.rmse, 1.5 * c.rmse) << c.name;
+        EXPECT_LT(fine.rmse, c.rmse) << c.name;
+        std::printf("%-14s bias %+.1f %%, RMSE %.1f %%; 2 parts %+.1f %%, %.1f %%; 16 parts %+.1f %%, %.1f %%; "
+                    "without %+.1f %%, %.1f %%\n",
+                    c.name, 100 * error.bias, 100 * error.rmse, 100 * coarse.bias, 100 * coarse.rmse, 100 * fine.bias,
+                    100 * fine.rmse, 100 * without.bias, 100 * without.rmse);
+        EXPECT_LT(error.rmse, c.rmse) << c.name;
+        EXPECT_LT(error.rmse, (c.sigma_t < 1 ? 0.5 : 0.7) * without.rmse) << c.name; // cells of depth 10 keep some
+    }
+}
+
+// An endless plane sends back what it gets: half of all directions have its radiance a cos / pi.
+TEST_F(MultipleTest, APlaneBelowAThinMediumAddsWhatItReflects) {
+    const Pose up = lookAt({3, -1, 11}, {0, 3, 0}, 0.35f); // sees no plane
+    for (const float albedo : {0.3f, 0.9f}) {
+        Scene scene = cloud(1e-4f, "propagation");
+        scene.lights[0].to_light = kFromTheRight;
+        scene.planes = {{.height = -5, .albedo = glm::vec3(albedo)}};
+        const double lit = sum(seen(scene, up));
+        scene.render.scattering = "single";
+        EXPECT_NEAR(lit / sum(seen(scene, up)), 1 + 2 * albedo * kFromTheRight.y, 2e-3) << albedo;
+    }
+}
+
+// No light comes through the ground: not from a plane below another, and not to what lies below it.
+TEST_F(MultipleTest, NoLightComesThroughAPlane) {
+    Scene scene = cloud(0.3f, "propagation");
+    scene.planes = {{.height = -4, .albedo = glm::vec3(0.9f)}, {.height = -1, .albedo = glm::vec3(0)}};
+    const Picture both = seen(scene);
+    scene.planes.erase(scene.planes.begin());
+    EXPECT_EQ(both.pixels, seen(scene).pixels);
+}
+
+TEST_F(MultipleTest, ColouredObjectsHaveThreeChannelsOfLight) {
+    Scene scene = cloud(0.3f, "propagation");
+    const auto channels = [&] {
+        return tickOf(scene, std::vector<gpu::Particle>(1, {.scale = 1, .sigma_t = 1})).multiple.channels;
+    };
+    EXPECT_EQ(channels(), 1u);
+    scene.boxes = {{{-7, 0, -1}, {1, 8, 8}, 0, {0.5f, 0.48f, 0.45f}}};
+    EXPECT_EQ(channels(), 1u);
+    scene.boxes[0].albedo.z = 0.3f;
+    EXPECT_EQ(channels(), 3u);
+    scene.render.propagation.surface_parts = 0;
+    EXPECT_EQ(channels(), 1u);
+}
+
+// A black fog between the sun and all that it lights dims everything alike.
+TEST_F(MultipleTest, FogTowardTheSunDimsAllOrders) {
+    for (const bool surfaces : {false, true}) {
+        Scene scene = cloud(0.3f, "propagation");
+        scene.lights[0].to_light = {0, 1, 0};
+        if (surfaces) scene.planes = {{.height = -4, .albedo = glm::vec3(0.9f)}};
+        const double bright = sum(seen(scene, kWithin));
+        scene.fogs = {{.extinction = 1, .lo = 9, .hi = 10, .albedo = glm::vec3(0)}};
+        EXPECT_NEAR(sum(seen(scene, kWithin)) / bright, std::exp(-1), 1e-4) << surfaces;
+    }
+}
+
 TEST_F(MultipleTest, OneOctaveIsSingleScattering) {
     Scene scene = cloud(0.3f, "octaves");
     scene.render.octaves.count = 1;
@@ -158,23 +262,37 @@ TEST_F(MultipleTest, WhatChangesMeanwhileIsSeen) {
     EXPECT_EQ(see(scene), seen(scene).pixels);
     scene.medium.extinction_colour = glm::vec3(1);
     EXPECT_EQ(see(scene), seen(scene).pixels);
+    scene.planes = {{.height = -4}}, scene.spheres = {{{-4, -2, 0}, 1}};
+    EXPECT_EQ(see(scene), seen(scene).pixels);
+    scene.spheres[0].albedo = {0.9f, 0.2f, 0.1f};
+    EXPECT_EQ(see(scene), seen(scene).pixels);
+    scene.fogs = {{.extinction = 0.1f}};
+    EXPECT_EQ(see(scene), seen(scene).pixels);
     EXPECT_EQ(see(first), seen(first).pixels);
 }
 
-// Neither a camera nor a sun that moves slowly makes pictures pop: a pixel goes on as it did in the frames before.
-// Cells follow the sun and the particles' bounds, so that a sun which turns is the harder case.
+// Neither a camera nor a sun nor a bright object that moves slowly makes pictures pop: a pixel goes on as it did in the
+// frames before. Cells follow the sun and the particles' bounds, so that a sun which turns is the harder case.
 TEST_F(MultipleTest, SlowMotionDoesNotPop) {
     constexpr int kFrames = 12;
+    enum class Moves { camera, sun, sphere };
     Stage stage(device(), cloud(0.5f, "single"), 60);
-    const auto roughest = [&](const char* scattering, bool sun) {
+    const auto roughest = [&](const char* scattering, Moves moves) {
         std::vector<std::vector<glm::vec4>> frames;
         float largest = 0, change = 0;
         for (int i = 0; i < kFrames; ++i) {
             Scene scene = cloud(0.5f, scattering);
             const float angle = glm::radians(0.5f * float(i));
             const glm::vec3 from(std::sin(angle), 0, std::cos(angle));
-            if (sun) scene.lights[0].to_light = glm::normalize(from + glm::vec3(0, 1, 0));
-            const Pose pose = sun ? kFrom : lookAt(11.0f * from + glm::vec3(0, 2, 0), {0, 0, 0}, 0.7f);
+            Pose pose = kFrom;
+            if (moves == Moves::camera) pose = lookAt(11.0f * from + glm::vec3(0, 2, 0), {0, 0, 0}, 0.7f);
+            if (moves == Moves::sun) scene.lights[0].to_light = glm::normalize(from + glm::vec3(0, 1, 0));
+            if (moves == Moves::sphere) {
+                pose = kWithin;
+                scene.lights[0].to_light = kFromTheRight;
+                scene.spheres = {{{-8, 0, 0.05f * float(i)}, 3.5f, glm::vec3(0.9f)}};
+                scene.boxes = {{{-4, -6, 0}, {4, 1, 4}, angle, glm::vec3(0.9f)}};
+            }
             frames.push_back(stage.see(scene, pose, kWidth, kHeight).pixels);
         }
         for (int i = 1; i + 1 < kFrames; ++i)
@@ -184,13 +302,14 @@ TEST_F(MultipleTest, SlowMotionDoesNotPop) {
             }
         return change / largest;
     };
-    for (const bool sun : {false, true}) {
-        const float single = roughest("single", sun);
+    for (const auto& [name, moves] :
+         {std::pair{"camera", Moves::camera}, {"sun", Moves::sun}, {"sphere", Moves::sphere}}) {
+        const float single = roughest("single", moves);
         for (const char* scattering : {"octaves", "propagation"}) {
-            const float rough = roughest(scattering, sun);
-            std::printf("%s turns, %s: second difference %.5f of the brightest pixel, single %.5f\n",
-                        sun ? "sun" : "camera", scattering, double(rough), double(single));
-            EXPECT_LT(rough, 0.002f) << scattering << sun;
+            const float rough = roughest(scattering, moves);
+            std::printf("%s moves, %s: second difference %.5f of the brightest pixel, single %.5f\n", name, scattering,
+                        double(rough), double(single));
+            EXPECT_LT(rough, 0.002f) << scattering << ' ' << name;
         }
     }
 }

@@ -7,6 +7,7 @@
 #include "shaders/shared/phase.h"
 #include "shaders/shared/scatter.h"
 #include "shaders/shared/sky.h"
+#include "shaders/shared/surface_light.h"
 #include "shaders/shared/tetrahedra.h"
 
 layout(local_size_x = 8) in;
@@ -42,6 +43,7 @@ void main() {
     const vec3 a = groundFootprint(vec3(x[i]), vec3(x[i + 1]), x[i + 2]);
     sum += groundAlbedo(vec3(x[i]), x[i + 1], groundStructure(x[i + 2], x[i + 3], a, vec3(x[i + 4]), x[i + 5])).x;
     sum += skyZenithPart(x[i]) + skySeen(x[i]) + skyZenithSeen(x[i]);
+    sum += coneDirection(1, 2, sphereEdge(x[i])).x + rectangleSolidAngle(x[i], x[i + 1], x[i + 2], x[i + 3], x[i + 4]);
     sum += glassAt(a, vec3(x[i]), vec3(x[i + 1]), vec3(x[i + 2]), vec3(x[i + 3])) + glassMirrors(x[i], x[i + 1]);
     sum += linearDepth(x[i], x[i + 1], x[i + 2]) + linearQuantile(x[i], x[i + 1], x[i + 2]);
     x[i] = sum;

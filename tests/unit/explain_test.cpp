@@ -69,9 +69,9 @@ TEST(Explain, SaysWhatPropagationKeeps) {
     PlanInputs inputs = inputsOf();
     EXPECT_EQ(explained(inputs).find("of propagation"), std::string::npos);
     inputs.scene.tick.multiple.cells = 64, inputs.scene.tick.multiple.channels = 3;
-    EXPECT_NE(explained(inputs).find("\nmemory      of propagation 49.1 MiB"), std::string::npos);
+    EXPECT_NE(explained(inputs).find("\nmemory      of propagation 54.4 MiB"), std::string::npos);
     inputs.scene.hues = 3;
-    EXPECT_NE(explained(inputs).find("\nmemory      of propagation 147.3 MiB"), std::string::npos);
+    EXPECT_NE(explained(inputs).find("\nmemory      of propagation 163.2 MiB"), std::string::npos);
 }
 
 TEST(Explain, AMethodWithoutALawSaysSo) {

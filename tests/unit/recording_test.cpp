@@ -279,9 +279,9 @@ TEST_F(RecordingTest, OtherFilesAndVersionsAreNamed) {
     EXPECT_NE(readError().find("no recording"), std::string::npos);
     put("#!/bin/sh\n");
     EXPECT_NE(readError().find("no recording"), std::string::npos);
-    for (const char* other : {"12", "14"}) {
+    for (const char* other : {"13", "15"}) {
         put(std::string("brume-recording ") + other + "\n");
-        EXPECT_NE(readError().find(std::string("version ") + other + "; this server replays version 13"),
+        EXPECT_NE(readError().find(std::string("version ") + other + "; this server replays version 14"),
                   std::string::npos)
             << readError();
     }
