@@ -10,8 +10,8 @@
 namespace brume {
 
 // Fluxes have the mean albedo of the particles, by extinction and volume; three channels where it or the albedo of
-// an object is coloured. A union medium, none, and one without sunlight have single
-// scattering. Precondition: the tick has the sun.
+// an object is coloured. A union medium, none, and one without sunlight have single scattering. Precondition: the tick
+// has the sun.
 void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles,
                  std::span<const gpu::Opaque> objects);
 

@@ -29,7 +29,7 @@ private:
     void fit(gpu::Commands& commands, uint32_t side, uint32_t layers);
 
     const gpu::Device& device_;
-    // That depend on whether there are casters, and fog.
+    // Programs that differ with casters and fog.
     struct Programs {
         gpu::ComputeProgram first, surfaces;
     };

@@ -40,7 +40,7 @@ std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists) {
 }
 
 std::vector<uint32_t> reflectingObjects(std::span<const gpu::Opaque> objects) {
-    std::vector<std::pair<float, uint32_t>> found; // less of it first, so that the order is the same everywhere
+    std::vector<std::pair<float, uint32_t>> found; // minus what each reflects, and its index: the order of equal ones
     for (uint32_t i = 0; i < objects.size(); ++i) {
         const gpu::Opaque& o = objects[i];
         const glm::vec3 h = o.half_size;

@@ -19,8 +19,8 @@ std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists);
 // A node of a tree, with its item as object. Its box is rounded outward.
 gpu::ObjectNode objectNode(const BoundingNode& node);
 
-// Indices of the boxes and spheres that reflect most: by area times albedo, at most kMostReflecting.
 inline constexpr uint32_t kMostReflecting = 16;
+// Indices of the boxes and spheres that reflect most, by area times albedo: at most kMostReflecting, most first.
 std::vector<uint32_t> reflectingObjects(std::span<const gpu::Opaque> objects);
 
 // The tree of all that are no planes. Its boxes are rounded outward.
