@@ -33,7 +33,7 @@ layout(scalar, binding = 2) writeonly buffer Surfaces { SurfaceLight surfaces[];
 
 const float kPi = 3.14159265;
 const float kDeepest = 80; // optical depth, of which more counts as this
-const uint kSteps = 8; // places along a ray where the extinction is looked up
+const uint kSteps = 8;     // places along a ray where the extinction is looked up
 
 // A part of a surface, from the middle of a cell.
 struct Part {
@@ -43,10 +43,10 @@ struct Part {
     float solid_angle;
 };
 
-vec3 x;       // middle of the cell
-vec3 in_grid; // the same in cells
-vec4 sums[3];  // net flux and fluence in each channel,
-float free[3]; // and fluence if no medium dimmed it
+vec3 x;        // middle of the cell, m
+vec3 in_grid;  // the cell's middle, in cells from the grid's corner
+vec4 sums[3];  // net flux and fluence in each channel
+float free[3]; // fluence in each channel if no medium dimmed it
 
 // A direction along the axes of the fluxes.
 vec3 alongFluxes(vec3 v) { return vec3(dot(tick.map.x, v), dot(tick.map.y, v), -dot(tick.sun.to_light, v)); }
@@ -96,7 +96,7 @@ void add(vec3 albedo, Part part) {
     }
 }
 
-float partsOf() { return float(push.parts * push.parts); } // of a plane, a sphere or a face
+float partsOf() { return float(push.parts * push.parts); } // how many parts a plane, a sphere or a face has
 
 // A plane fills the lower half of all directions.
 Part partOfPlane(Opaque plane, uint i) {
@@ -154,9 +154,10 @@ void main() {
     x = fromLightSpace(mix(tick.map.lo, tick.map.hi, vec3(middle.xy, 1 - middle.z)));
     for (uint c = 0; c < 3; ++c) sums[c] = vec4(0), free[c] = 0;
 
-    uint highest = 0; // of the planes
+    uint highest = 0; // index of the highest plane
     for (uint i = 1; i < tick.plane_count; ++i)
         if (objects[i].centre.y > objects[highest].centre.y) highest = i;
+    // True: the cell's middle lies within an object or below the ground.
     const bool solid = (tick.plane_count > 0 && x.y <= objects[highest].centre.y) || isInSolid(x);
     const uint parts = push.parts * push.parts;
     // First the plane, then the others.
@@ -173,7 +174,7 @@ void main() {
     const uint count = push.side * push.side * push.side;
     for (uint c = 0; c < push.channels; ++c) {
         SurfaceLight light = SurfaceLight(solid ? -1 : free[c], kDeepest, vec3(0));
-        if (sums[c].w > 1e-30) { // what is less may count as 0 in a division
+        if (sums[c].w > 1e-30) { // a smaller fluence may count as 0 in a division
             light.depth = min(log(free[c] / sums[c].w), kDeepest);
             light.mean_way = sums[c].xyz / sums[c].w;
         }

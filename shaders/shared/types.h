@@ -114,7 +114,7 @@ struct Multiple {
     float extinction;  // the optical depth that its light passes,
     float phase;       // and its asymmetry
     uint cells;        // of the six fluxes, along each side of LightMap::lo ... hi; a multiple of 4; 0: there are none
-    uint channels;     // of the fluxes: 1 if light of all colours does the same; otherwise 3
+    uint channels;     // how many colours of light have fluxes: 1 if all do the same, otherwise 3
     float mean_cosine; // of the medium's phase function
     float asymmetry;   // of what is scattered out of the scaled beam, in [-1/3, 1/3]
     vec3 passed;       // part of the extinction that dims the scaled beam, in each channel
