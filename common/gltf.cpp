@@ -63,6 +63,12 @@ struct Beside {
         std::error_code error;
         return !file.empty() && std::filesystem::is_regular_file(file, error);
     }
+    static bool size(size_t* bytes, std::string* why, const std::string& path, void* of) {
+        std::error_code error;
+        *bytes = std::filesystem::file_size(static_cast<Beside*>(of)->at(path), error);
+        if (error) *why = "cannot be read";
+        return !error;
+    }
     static std::string same(const std::string& path, void*) { return path; }
     static bool read(std::vector<unsigned char>* out, std::string* why, const std::string& path, void* of) {
         Beside& beside = *static_cast<Beside*>(of);
@@ -73,6 +79,19 @@ struct Beside {
     }
     static bool write(std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }
 };
+
+// As tinygltf's version has them: from 2.9 on it asks for a file's size, too.
+template <class Callbacks>
+Callbacks callbacksOf(Beside& beside) {
+    Callbacks callbacks{};
+    callbacks.FileExists = Beside::exists;
+    callbacks.ExpandFilePath = Beside::same;
+    callbacks.ReadWholeFile = Beside::read;
+    callbacks.WriteWholeFile = Beside::write;
+    if constexpr (requires { callbacks.GetFileSizeInBytes; }) callbacks.GetFileSizeInBytes = Beside::size;
+    callbacks.user_data = &beside;
+    return callbacks;
+}
 
 // The JSON of a .glb's first chunk; of a .gltf all.
 std::string_view jsonOf(std::string_view bytes) {
@@ -107,7 +126,7 @@ tinygltf::Model modelOf(std::string_view bytes, const std::string& name, const s
     checkJson(name, jsonOf(bytes));
     Beside beside{folder};
     tinygltf::TinyGLTF reader;
-    reader.SetFsCallbacks({Beside::exists, Beside::same, Beside::read, Beside::write, &beside});
+    reader.SetFsCallbacks(callbacksOf<tinygltf::FsCallbacks>(beside));
     reader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
                              void*) { return true; },
                           nullptr);
