@@ -39,14 +39,14 @@ freshBase() { # freshBase RELEASE
 }
 
 freshSystem() { # freshSystem RELEASE COLD
-    local codename=$1 cold=$2 root=$PWD/$fresh/$1 changed
-    rm -rf "$root"
-    mkdir -p "$root"
-    tar -C "$root" -xf "$fresh/$codename.tar"
-    freshMirrors "$root"
-    mkdir -p "$root"/root/.cache/ccache "$root"/root/.npm
+    local codename=$1 cold=$2 system=$PWD/$fresh/$1 changed
+    rm -rf "$system"
+    mkdir -p "$system"
+    tar -C "$system" -xf "$fresh/$codename.tar"
+    freshMirrors "$system"
+    mkdir -p "$system"/root/.cache/ccache "$system"/root/.npm
     [[ -n $cold ]] || mkdir -p "$fresh/kept/$codename"/{apt/partial,npm,ccache}
-    git clone -q --no-hardlinks . "$root/root/brume"
+    git clone -q --no-hardlinks . "$system/root/brume"
     changed=$(git status --porcelain --untracked-files=no | wc -l)
     ((changed == 0)) || echo "dev: $changed changed files are not committed: the clone is of HEAD, without them."
 }
@@ -54,7 +54,7 @@ freshSystem() { # freshSystem RELEASE COLD
 # freshCommand RELEASE COLD COMMAND...: in the bare system, with mounts and processes of its own, which end with it. It
 # takes the place of the (sub)shell that calls it.
 freshCommand() {
-    local codename=$1 cold=$2 root=$PWD/$fresh/$1
+    local codename=$1 cold=$2 system=$PWD/$fresh/$1
     shift 2
     # shellcheck disable=SC2016 # expanded by the inner shell
     exec unshare --mount --pid --fork --kill-child bash -euc '
@@ -78,7 +78,7 @@ freshCommand() {
             mount --bind "$kept/npm" "$root/root/.npm"
             mount --bind "$kept/ccache" "$root/root/.cache/ccache"
         fi
-        exec chroot "$root" "$@"' fresh "$root" "$([[ -n $cold ]] || echo "$PWD/$fresh/kept/$codename")" \
+        exec chroot "$root" "$@"' fresh "$system" "$([[ -n $cold ]] || echo "$PWD/$fresh/kept/$codename")" \
         /usr/bin/env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
         ${CI:+CI="$CI"} ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
         NODE_EXTRA_CA_CERTS=/root/certificates.crt bash -c 'cd /root/brume && exec "$@"' fresh "$@"
