@@ -14,6 +14,14 @@ if(BRUME_SANITIZE)
   target_link_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE})
 endif()
 
+# Several sources of a target as one: what they include is read once, and templates are made once. That takes a third of
+# the time. Names in anonymous namespaces must differ. BRUME_TOGETHER=OFF compiles each file by itself, as clang-tidy
+# does.
+option(BRUME_TOGETHER "Compile up to eight sources together" ON)
+function(brume_compiled_together name)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${BRUME_TOGETHER} UNITY_BUILD_BATCH_SIZE 8)
+endfunction()
+
 # brume_library(NAME SOURCES ... LINKS ...)
 function(brume_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
@@ -36,6 +44,8 @@ function(brume_test name)
   get_filename_component(label ${CMAKE_CURRENT_SOURCE_DIR} NAME)
   brume_program(${name} SOURCES ${ARG_SOURCES} LINKS ${ARG_LINKS} GTest::gtest GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  brume_compiled_together(${name})
+  target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>) # compiling takes longer than running
   if(NOT TARGET tests-${label})
     add_custom_target(tests-${label})
   endif()

@@ -4,7 +4,7 @@
 
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::fog_test {
 namespace {
 
 // With rays two pixels apart, where balls' edges are a large part of a small picture: what the plan predicts of edges,
@@ -182,4 +182,4 @@ TEST_F(FogTest, ShadowsBesideSomethingCloseAreThoseOfEveryRate) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::fog_test

@@ -3,7 +3,7 @@
 
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::hard_lamp_test {
 namespace {
 
 constexpr double kInSmoke = 1e-2;
@@ -97,4 +97,4 @@ TEST_F(HardLampTest, OneOf1024) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::hard_lamp_test

@@ -9,7 +9,7 @@
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::isv_printed_test {
 namespace {
 
 constexpr uint32_t kWidth = 96, kHeight = 72;
@@ -257,4 +257,4 @@ TEST_F(GpuTest, TheCutOffBoundsTheSum) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::isv_printed_test

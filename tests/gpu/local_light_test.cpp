@@ -3,7 +3,7 @@
 
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::local_light_test {
 namespace {
 
 constexpr double kAmongParticles = 1e-2;
@@ -130,4 +130,4 @@ TEST_F(LocalLightTest, SmallParticlesFarAway) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::local_light_test

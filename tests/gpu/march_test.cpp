@@ -4,7 +4,7 @@
 #include "shaders/shared/march.h"
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::march_test {
 namespace {
 
 const Pose kOutside = lookAt({2, 3, 14}, {0, 0, 0}, 0.9f), kInside = lookAt({0.5f, 0.3f, 1}, {0, 0, -5}, 1.0f);
@@ -318,4 +318,4 @@ TEST_F(MarchTest, EverySettingIsFollowed) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::march_test

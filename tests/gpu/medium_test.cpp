@@ -8,7 +8,7 @@
 #include "tests/gpu/quadrature.h"
 #include "tools/reference/medium_reference.h"
 
-namespace brume::test {
+namespace brume::test::medium_test {
 namespace {
 
 constexpr uint32_t kWidth = 64, kHeight = 48;
@@ -329,4 +329,4 @@ TEST_F(MediumTest, TheLobeScalesEveryPixel) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::medium_test

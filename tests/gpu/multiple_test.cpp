@@ -14,7 +14,7 @@
 #include "tools/reference/tracker.h"
 #include "tools/reference/world.h"
 
-namespace brume::test {
+namespace brume::test::multiple_test {
 namespace {
 
 constexpr uint32_t kWidth = 48, kHeight = 27;
@@ -344,4 +344,4 @@ TEST_F(MultipleTest, OtherMethodsRefuseInOneLine) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::multiple_test

@@ -6,7 +6,7 @@
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::tiles_test {
 namespace {
 
 constexpr uint32_t kWidth = 70, kHeight = 45; // no multiple of a tile's
@@ -238,4 +238,4 @@ TEST_F(TilesTest, AMillionParticlesInTwoMegapixels) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::tiles_test

@@ -5,7 +5,7 @@
 #include "shaders/shared/phase.h"
 #include "tests/hard/hard.h"
 
-namespace brume::test {
+namespace brume::test::light_test {
 namespace {
 
 constexpr uint32_t kWidth = 65, kHeight = 49; // odd: one pixel looks straight ahead
@@ -227,4 +227,4 @@ TEST_F(HardTest, AParticleInTheShadowOfOneSmallerThanASlice) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::light_test

@@ -5,7 +5,7 @@
 
 #include "tests/hard/hard.h"
 
-namespace brume::test {
+namespace brume::test::near_test {
 namespace {
 
 constexpr uint32_t kWidth = 64, kHeight = 48;
@@ -139,4 +139,4 @@ TEST_F(HardTest, TheNearPlaneCutsOneTwoOrThreeVertices) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::near_test

@@ -5,7 +5,7 @@
 
 #include "tests/hard/hard.h"
 
-namespace brume::test {
+namespace brume::test::place_test {
 namespace {
 
 constexpr uint32_t kWidth = 48, kHeight = 36;
@@ -107,4 +107,4 @@ TEST_F(HardTest, AWorldAMillionMetresAway) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::place_test

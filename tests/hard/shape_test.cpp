@@ -3,7 +3,7 @@
 
 #include "tests/hard/hard.h"
 
-namespace brume::test {
+namespace brume::test::shape_test {
 namespace {
 
 constexpr uint32_t kWidth = 96, kHeight = 72;
@@ -158,4 +158,4 @@ TEST_F(HardTest, CoincidentParticlesOfTwoColours) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::shape_test

@@ -9,7 +9,7 @@
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
 
-namespace brume::test {
+namespace brume::test::lists_test {
 namespace {
 
 const Pose kPose = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
@@ -229,4 +229,4 @@ TEST_F(ListsOfAColdServer, WithoutAChildThatCompilesTheFirstFogIsSeenAllTheSame)
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::lists_test

@@ -10,7 +10,7 @@
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
 
-namespace brume::test {
+namespace brume::test::live_test {
 namespace {
 
 const Pose kPose = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
@@ -134,4 +134,4 @@ TEST_F(Live, OtherScenesRefuseRowsInOneLine) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::live_test

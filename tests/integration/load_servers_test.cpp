@@ -13,7 +13,7 @@
 #include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
 
-namespace brume::test {
+namespace brume::test::load_servers_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ TEST_F(LoadServers, OneThatIsNotThereEndsInOneLine) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::load_servers_test

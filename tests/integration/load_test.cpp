@@ -13,7 +13,7 @@
 #include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
 
-namespace brume::test {
+namespace brume::test::load_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -209,4 +209,4 @@ TEST_F(Load, EveryBadStartEndsInOneLine) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::load_test

@@ -10,7 +10,7 @@
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
 
-namespace brume::test {
+namespace brume::test::scenes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -247,4 +247,4 @@ TEST_F(Scenes, RecordingsGoOnInAFileForEachScene) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::scenes_test

@@ -5,7 +5,7 @@
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
 
-namespace brume::test {
+namespace brume::test::shared_cloud_test {
 namespace {
 
 constexpr float kFovY = 0.8f;
@@ -234,4 +234,4 @@ TEST_F(SharedCloud, AViewerThatDoesNotAcknowledgeIsNotRenderedFor) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::shared_cloud_test

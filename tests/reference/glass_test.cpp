@@ -7,7 +7,7 @@
 #include "tools/reference/pixel.h"
 #include "tools/reference/tracker.h"
 
-namespace brume::reference {
+namespace brume::reference::glass_test {
 namespace {
 
 constexpr double kSigma = 0.25, kHigh = 6, kAlbedo = 0.8, kAmbient = 2;
@@ -114,4 +114,4 @@ TEST(Glass, NotInSequentialComposition) {
 }
 
 } // namespace
-} // namespace brume::reference
+} // namespace brume::reference::glass_test

@@ -35,7 +35,7 @@ World worldWith(TetrahedralMedium medium, std::vector<LightSource> lights = {}) 
     return world;
 }
 
-std::vector<LightSource> allLights() {
+std::vector<LightSource> pointAndSpot() {
     LightSource point, spot;
     point.kind = Kind::point;
     point.position = {2, 5, 3};
@@ -209,7 +209,7 @@ TEST(Tetrahedra, OneAgainstManySamples) {
     const glm::dvec3 middle(0.7, 0.5, 0.45);
     ASSERT_TRUE(inside(middle));
     const TetrahedralMedium medium{corners, {{2, 0, 3, 1}}};
-    for (const LightSource& light : allLights()) {
+    for (const LightSource& light : pointAndSpot()) {
         World world = worldWith(medium, {light});
         world.phase = {0.6, 0.5};
         world.ambient = {0.02, 0.03, 0.04};
@@ -243,7 +243,7 @@ TEST(Tetrahedra, OneAgainstManySamples) {
 TEST(Tetrahedra, CutUpAnotherWayAreTheSame) {
     const TetrahedralMedium few = cube(1, 0, linear), many = cube(6, 0.15, linear);
     const glm::dvec3 eye(-2, 1.5, 4);
-    for (const LightSource& light : allLights())
+    for (const LightSource& light : pointAndSpot())
         for (const glm::dvec3 to : {glm::dvec3(1, 1, 1), glm::dvec3(0.3, 0.4, 0.5), glm::dvec3(1.2, 0.1, 1.9)}) {
             const RayResult a = along(worldWith(few, {light}), through(eye, to)),
                             b = along(worldWith(many, {light}), through(eye, to));
@@ -256,7 +256,7 @@ TEST(Tetrahedra, CutUpAnotherWayAreTheSame) {
 TEST(Tetrahedra, ConvergeWithKinksInside) {
     std::mt19937 random(9);
     const World world = worldWith(
-        cube(5, 0.15, [&](glm::dvec3) { return 3 * (random() / 4294967296.0); }, {0.9, 0.6, 0.3}), allLights());
+        cube(5, 0.15, [&](glm::dvec3) { return 3 * (random() / 4294967296.0); }, {0.9, 0.6, 0.3}), pointAndSpot());
     ASSERT_GT(world.tetrahedra.cells.size(), 500);
     const Camera camera = perspective(brume::lookAt({-2, 1.5, 4}, {1, 1, 1}, 0.6f), 8, 6);
     Settings settings;
@@ -314,7 +314,7 @@ TEST(Tetrahedra, ObjectInside) {
 }
 
 TEST(Tetrahedra, ShadowOtherMediaUnlessTheLightHasNoShadows) {
-    World world = worldWith(cube(2, 0.15, even(0.8)), allLights());
+    World world = worldWith(cube(2, 0.15, even(0.8)), pointAndSpot());
     world.lights = {world.lights[1]};
     world.lights[0].position = {1, 5, 1};
     const Ray ray{{1, -1, -20}, {0, 0, 1}};
@@ -329,7 +329,7 @@ TEST(Tetrahedra, ShadowOtherMediaUnlessTheLightHasNoShadows) {
 }
 
 TEST(Tetrahedra, AreNothingOutside) {
-    const World world = worldWith(cube(2, 0.15, even(0.8)), allLights());
+    const World world = worldWith(cube(2, 0.15, even(0.8)), pointAndSpot());
     for (const Ray& ray :
          {Ray{{-1, 2.1, 1}, {1, 0, 0}}, Ray{{-1, 1, 1}, {-1, 0, 0}}, Ray{{-1, 1, 1}, {1, 0, 0}, 0, 0.9}}) {
         EXPECT_EQ(along(world, ray).transmittance, 1);
@@ -370,7 +370,7 @@ TEST(Tetrahedra, OfAScene) {
 }
 
 TEST(Tetrahedra, FirstOrderOfRandomPathsIsSingleScattering) {
-    World world = worldWith(cube(3, 0.15, linear, {0.9, 0.6, 0.3}), allLights());
+    World world = worldWith(cube(3, 0.15, linear, {0.9, 0.6, 0.3}), pointAndSpot());
     world.fogs = {{0.05, glm::dvec3(0.5)}};
     world.obstacles = {{Obstacle::Kind::box, {1, 1.5, 1}, {0.3, 0.1, 0.3}, 0, glm::dvec3(0)}}; // black: no light back
     const Camera camera = perspective(brume::lookAt({-2, 1.5, 4}, {1, 1, 1}, 0.6f), 4, 3);

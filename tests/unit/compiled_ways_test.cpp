@@ -6,7 +6,7 @@
 
 #include "tests/unit/plan_scenes.h"
 
-namespace brume {
+namespace brume::compiled_ways_test {
 namespace {
 
 using std::chrono::seconds;
@@ -238,4 +238,4 @@ TEST(FarJump, APlanIsMadeAnewForAnEyeThatIsSuddenlyFarAway) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::compiled_ways_test

@@ -10,7 +10,7 @@
 #include "common/random.h"
 #include "tests/unit/plan_scenes.h"
 
-namespace brume {
+namespace brume::corrections_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -153,4 +153,4 @@ TEST(Corrections, ThePlanGetsFinerForWhomTheLawFails) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::corrections_test

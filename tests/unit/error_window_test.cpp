@@ -9,7 +9,7 @@
 #include "server/error/error_meter.h"
 #include "common/random.h"
 
-namespace brume {
+namespace brume::error_window_test {
 namespace {
 
 using std::chrono::seconds;
@@ -105,4 +105,4 @@ TEST(MeterPixels, AreSpreadOverWhatIsSeenOfTheBox) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::error_window_test

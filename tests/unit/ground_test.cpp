@@ -9,7 +9,7 @@
 
 #include "shaders/shared/ground.h"
 
-namespace brume {
+namespace brume::ground_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -164,4 +164,4 @@ TEST(Ground, AlbedoStaysAnAlbedo) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::ground_test

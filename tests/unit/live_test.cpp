@@ -9,7 +9,7 @@
 #include "tests/unit/allocations.h"
 #include "tests/unit/simulation_scenes.h"
 
-namespace brume {
+namespace brume::live_test {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -248,4 +248,4 @@ TEST(Live, OtherLayoutsTakeNoRows) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::live_test

@@ -11,7 +11,7 @@
 #include "common/metrics_flip.h"
 #include "common/metrics_ssim.h"
 
-namespace brume {
+namespace brume::metrics_test {
 namespace {
 
 constexpr DisplaySettings kLinear{.exposure = 1, .filmic = false};
@@ -321,4 +321,4 @@ TEST(Flip, FlickerIsWhatChangesBeyondTheReference) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::metrics_test

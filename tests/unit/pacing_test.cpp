@@ -6,7 +6,7 @@
 #include "server/viewer/pacing.h"
 #include "server/viewer/quality.h"
 
-namespace brume {
+namespace brume::pacing_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -207,4 +207,4 @@ TEST(Quality, EveryStepIsLessThanTheOneBefore) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::pacing_test

@@ -3,7 +3,7 @@
 
 #include "tests/unit/plan_scenes.h"
 
-namespace brume {
+namespace brume::planner_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -100,4 +100,4 @@ TEST(Planner, UnderOverloadItGivesUpAccuracyStepByStepWhateverSizesThereAre) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::planner_test

@@ -10,7 +10,7 @@
 
 #include "common/scene.h"
 
-namespace brume {
+namespace brume::ply_test {
 namespace {
 
 PointCloud load(const std::string& bytes) { return parsePly(bytes, "ply_test.ply"); }
@@ -361,4 +361,4 @@ TEST(Ply, MissingFilesAndFoldersSaySo) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::ply_test

@@ -3,7 +3,7 @@
 
 #include "server/loop/promise_watch.h"
 
-namespace brume {
+namespace brume::promise_watch_test {
 namespace {
 
 using std::chrono::milliseconds, std::chrono::seconds;
@@ -102,4 +102,4 @@ TEST(WorstError, IsOfTheMethodInUseAndKnown) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::promise_watch_test

@@ -5,7 +5,7 @@
 #include "server/viewer/quality.h"
 #include "server/viewer/refinement.h"
 
-namespace brume {
+namespace brume::quality_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -157,4 +157,4 @@ TEST(History, PercentilesOfTheNewestFramesAndTheirRate) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::quality_test

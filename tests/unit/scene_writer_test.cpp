@@ -7,7 +7,7 @@
 #include "common/scene_text.h"
 #include "common/settings.h"
 
-namespace brume {
+namespace brume::scene_writer_test {
 namespace {
 
 const std::filesystem::path kScenes = "server/scenes"; // tests run in the repository's root
@@ -185,4 +185,4 @@ TEST(SceneWriter, MediaFromElsewhereKeepTheirKeys) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::scene_writer_test

@@ -7,7 +7,7 @@
 
 #include "server/viewer/schedule.h"
 
-namespace brume {
+namespace brume::schedule_test {
 namespace {
 
 using Ms = std::chrono::duration<double, std::milli>;
@@ -282,4 +282,4 @@ TEST(Schedule, NoMoreEyesThanABatchHolds) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::schedule_test

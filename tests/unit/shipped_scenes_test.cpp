@@ -14,7 +14,7 @@
 
 #include "server/sim/simulation.h"
 
-namespace brume {
+namespace brume::shipped_scenes_test {
 namespace {
 
 const std::filesystem::path kScenes = "server/scenes"; // tests run in the repository's root
@@ -92,4 +92,4 @@ TEST(Shipped, EverySceneHasARowAndAPictureInTheGallery) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::shipped_scenes_test

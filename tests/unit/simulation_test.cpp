@@ -12,7 +12,7 @@
 #include "tests/unit/allocations.h"
 #include "tests/unit/simulation_scenes.h"
 
-namespace brume {
+namespace brume::simulation_test {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -379,4 +379,4 @@ TEST(Light, OrbitsItsPivotAndStartsAnew) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::simulation_test

@@ -3,7 +3,7 @@
 
 #include "server/loop/tick_source.h"
 
-namespace brume {
+namespace brume::tick_source_test {
 namespace {
 
 const Clock::time_point kStart = Clock::time_point{} + std::chrono::hours(1);
@@ -40,4 +40,4 @@ TEST(LocalTicks, AStoppedProcessDoesNotFastForward) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::tick_source_test
