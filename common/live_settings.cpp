@@ -28,11 +28,10 @@ struct Assign {
 
     void operator()(bool* to, bool value) const { *to = value; }
     void operator()(float* to, float value) const {
-        if (std::isfinite(value)) *to = isAuto(value) ? value : setting.allowed.clamp(value);
+        if (std::isfinite(value)) *to = setting.allowed.clamp(value);
     }
     void operator()(uint32_t* to, uint32_t value) const {
-        const double clamped = std::clamp<double>(value, setting.allowed.lo, setting.allowed.hi);
-        *to = isAuto(value) ? value : static_cast<uint32_t>(clamped);
+        *to = static_cast<uint32_t>(std::clamp<double>(value, setting.allowed.lo, setting.allowed.hi));
     }
     void operator()(glm::vec3* to, glm::vec3 value) const {
         for (int i = 0; i < 3; ++i) {
@@ -50,12 +49,6 @@ struct Assign {
     }
     template <class Member, class Value>
     void operator()(Member, const Value&) const {} // of another type
-
-    // kAuto lies outside of what is allowed.
-    template <class Number>
-    bool isAuto(Number value) const {
-        return setting.form == Form::or_auto && value == Number(kAuto);
-    }
 };
 
 const SceneSetting* checked(const SceneSetting* setting, std::string_view path, const SettingValue& value) {

@@ -43,7 +43,6 @@ struct GridSettings {
 struct FroxelSettings {
     uint32_t pixels = 8;         // between neighbouring rays, 1...32
     uint32_t slices = 128;       // along every ray, 8...512
-    float far = kAuto;           // m of view depth, where slices end; auto: where the medium does
     bool jitter = false;         // froxels. True: each tick's samples lie elsewhere within their slices
     float history = 0;           // froxels: part of a cell's light that is kept from an eye's last picture, up to 0.98
     std::string shadows = "ray"; // froxels: how objects shadow the medium: map | ray | grid | hybrid
@@ -60,21 +59,9 @@ struct ShadowGridSettings {
 
     bool operator==(const ShadowGridSettings&) const = default;
 };
-// With shadows = "hybrid": light past objects in coarse froxels before each eye; behind them the grid is read.
-struct ShadowFrustumSettings {
-    uint32_t pixels = 16; // 1...64
-    float part = 0.333f;  // part of the slices that it covers, from the eye on
 
-    bool operator==(const ShadowFrustumSettings&) const = default;
-};
-// Method lit: extinction and light at nodes of world space.
-struct LitSettings {
-    float spacing = kAuto; // m between nodes; auto: as the medium's particles need, or 1/96 of what they cover
-
-    bool operator==(const LitSettings&) const = default;
-};
-
-// Method gradients: light is computed at few places, and interpolated to the nodes that method lit reads.
+// Method gradients: light is computed at few places, and interpolated to the nodes that method lit reads. Both methods
+// have nodes `spacing` apart.
 struct RadianceSettings {
     // exact: computed at every node. rbf, gradient: at samples in spheres, without and with their gradients (Ren et al.
     // 2008). nested: at every fourth node, and between these where interpolation errs.
@@ -83,8 +70,7 @@ struct RadianceSettings {
     std::string weights = "gaussian"; // printed | gaussian: how samples in spheres are weighted
     float error = 0.02f;              // a sample that errs by more is split: a part of all light, times opacity
     uint32_t levels = 3;              // number of grids that samples are split into, 0...3
-    float spacing = kAuto;            // m between nodes, as LitSettings::spacing
-    float gradient_step = 1;          // spacings between a sample and those for its differences
+    float spacing = kAuto;            // m between nodes; auto: as the particles need, or 1/96 of what they cover
     float step = kAuto;      // spacings between places of a march toward a light; auto: the light's volume is read
     uint32_t samples = 1024; // rbf, gradient: number of first samples, at most: particles, or strata
 
@@ -103,7 +89,6 @@ struct PathSettings {
 struct SpritesSettings {
     std::string light = "path"; // path | none: whether other particles shadow a particle
     std::string maps = "baked"; // baked | even | files: light on a picture from six sides
-    float opacity = kAuto;      // mean over a ball's disc; auto: that of the ball's mean chord
     float size = 1.3f;          // half a picture's side, in radii of its ball
 
     bool operator==(const SpritesSettings&) const = default;
@@ -114,22 +99,10 @@ struct MarchSettings {
     std::string dither = "bayer8"; // none | white | bayer4 | bayer8 | ign | blue
     std::string jitter = "offset"; // offset | stratified | opacity
     std::string blur = "row14";    // none | row14 | printed | box8
-    float depth_falloff = 3;       // m, of view depth: over which the blur's weights fall to 0
 
     bool operator==(const MarchSettings&) const = default;
 };
 
-// Light that scatters more than once, with scattering = "octaves": a sum of single scattering in ever thinner media
-// (Wrenninge, Kulla, Lundqvist 2013). Octave n has extinction^n of the light's optical depth, phase^n of the asymmetry,
-// and scatters scattering^n.
-struct OctaveSettings {
-    uint32_t count = 8;      // 1...12; 1: single scattering
-    float scattering = 0.5f; // in [0, 1]; at most `extinction`, or a medium gives more light than it gets
-    float extinction = 0.5f; // in [0, 1]
-    float phase = 0.5f;      // in [0, 1]
-
-    bool operator==(const OctaveSettings&) const = default;
-};
 // With scattering = "propagation": light that goes along six directions through cells of the medium's bounds, once a
 // tick for all viewers.
 struct PropagationSettings {
@@ -148,13 +121,10 @@ struct MethodSettings {
     GridSettings grid;
     FroxelSettings froxels;
     ShadowGridSettings shadow_grid;
-    ShadowFrustumSettings shadow_frustum;
-    LitSettings lit;
     RadianceSettings radiance;
     PathSettings path;
     SpritesSettings sprites;
     MarchSettings march;
-    OctaveSettings octaves;
     PropagationSettings propagation;
 
     bool operator==(const MethodSettings&) const = default;

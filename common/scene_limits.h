@@ -57,16 +57,15 @@ inline constexpr Limits kFovY{0.05, 3.0}, kEyeSeparation{0, 10}; // m; people ha
 inline constexpr Limits kExposure{1e-4, 1e4}, kSteps{1, 10}, kTransmittanceSteps{1, 3};
 inline constexpr Limits kTetrahedra{1, 2e6}, kTetrahedraNodes{1, 3}; // how many; along a ray in each
 inline constexpr Limits kRayRate{1, 16}, kSlabs{1, 512}, kShading{1, 8}, kGridSpacing{0.01, 1};
-inline constexpr Limits kFroxelPixels{1, 32}, kSlices{8, 512}, kFroxelFar{1, 1e5}, kHistory{0, 0.98}; // ; ; m;
-inline constexpr Limits kFrustumPixels{1, 64}, kFrustumPart{0, 1}, kVoxel{0.005, 100};                // ; ; m
+inline constexpr Limits kFroxelPixels{1, 32}, kSlices{8, 512}, kHistory{0, 0.98};
+inline constexpr Limits kVoxel{0.005, 100}; // m
 inline constexpr Limits kLightError{1e-5, 1}, kLightLevels{0, 3}, kLightSamples{1, 4096};
-inline constexpr Limits kGradientStep{0.05, 8}, kLightStep{0.05, 16}; // spacings of nodes
+inline constexpr Limits kLightStep{0.05, 16};                         // spacings of nodes
 inline constexpr Limits kUnionRadius{1e-3, 10}, kUnionCount{1, 8192}; // per scale; particles
 inline constexpr Limits kPathGroups{1, 64}, kPathCutoff{0, 256};      // ticks; hits
-inline constexpr Limits kSpriteSize{0.1, 4}, kOpacity{0.01, 1};       // radii;
-inline constexpr Limits kMarchSamples{1, 256}, kDepthFalloff{1e-3, 1e4};
-inline constexpr Limits kOctaves{1, 12}, kPart{0, 1}, kPropagationCells{8, 64}, kIterations{1, 256},
-    kSurfaceParts{0, 16};
+inline constexpr Limits kSpriteSize{0.1, 4};                          // radii
+inline constexpr Limits kMarchSamples{1, 256};
+inline constexpr Limits kPart{0, 1}, kPropagationCells{8, 64}, kIterations{1, 256}, kSurfaceParts{0, 16};
 inline constexpr Limits kGlasses{0, 16}, kTilt{-1.6, 1.6}; // how many; rad
 inline constexpr Limits kMerge{0, 8};                      // pixels: beyond, nothing of a picture is left
 inline constexpr Limits kError{1e-5, 1}, kFlip{1e-5, 1};

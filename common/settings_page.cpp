@@ -245,14 +245,11 @@ constexpr Table kTables[]{
     {"render.grid", "`[render.grid]`", "Of method `grid` alone."},
     {"render.froxels", "`[render.froxels]`", "Of methods `froxels`, `lit` and `gradients`."},
     {"render.shadow_grid", "`[render.shadow_grid]`", "Of method `froxels`, with `shadows` of `grid` or `hybrid`."},
-    {"render.shadow_frustum", "`[render.shadow_frustum]`", "Of method `froxels`, with `shadows` of `hybrid`."},
-    {"render.lit", "`[render.lit]`", "Of method `lit` alone."},
-    {"render.radiance", "`[render.radiance]`", "Of method `gradients` alone."},
+    {"render.radiance", "`[render.radiance]`", "Of method `gradients`; `spacing` is also of `lit`."},
     {"render.path", "`[render.path]`",
      "Light behind the union of balls: of method `sprites`, of `tiles` with `light` of `path`, and of surfaces."},
     {"render.sprites", "`[render.sprites]`", "Of method `sprites` alone."},
     {"render.march", "`[render.march]`", "Of method `march` alone."},
-    {"render.octaves", "`[render.octaves]`", "With `scattering` of `octaves`."},
     {"render.propagation", "`[render.propagation]`", "With `scattering` of `propagation`."},
 };
 

@@ -71,12 +71,6 @@ struct AsToml {
     }
 };
 
-std::string tomlOf(const SceneSetting& setting, const SettingValue& value) {
-    if (setting.form == Form::or_auto && (value == SettingValue(float(kAuto)) || value == SettingValue(kAuto)))
-        return "auto";
-    return std::visit(AsToml(), value);
-}
-
 // The way for one viewer once the medium was seen to rest, if it does.
 RenderSettings settled(const Scene& scene, const CostModel& costs, double frame_budget_ms) {
     Simulation simulation(standIn(scene));
@@ -148,7 +142,7 @@ std::vector<std::string> presentOverrides(const SceneFacts& facts, std::span<con
         if (setting.table() == "light")
             apply({setting.path, settings[i]}, {.light = &sun});
         else if (settings[i] != facts.starts[i])
-            all.push_back(fmt::format("{}={}", setting.path, tomlOf(setting, settings[i])));
+            all.push_back(fmt::format("{}={}", setting.path, std::visit(AsToml(), settings[i])));
     }
     const SceneLists own = listsOf(facts.scene);
     if (!lists.bodies) all.insert(all.end(), {"box=[]", "sphere=[]"});

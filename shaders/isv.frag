@@ -22,7 +22,7 @@ layout(constant_id = kIdSteps) const int kSteps = 2;
 layout(constant_id = kIdFading) const bool kFading = true;
 layout(constant_id = kIdLegacyTerm) const bool kLegacyTerm = false;
 
-layout(push_constant, scalar) uniform Push { vec3 multiple; } push; // x: m of eq. 11; y, z: nothing
+layout(push_constant, scalar) uniform Push { vec2 multiple; } push; // x: m of eq. 11; y: nothing
 
 #include "shaders/lib/medium_shading.glsl"
 

@@ -89,7 +89,7 @@ void main() {
     if (kHasOpaque && isInSolid(x)) return; // it is dark there, and says nothing of what is around
     LightSample made;
     made.value = lightAt(x);
-    const float apart = push.gradient_step;
+    const float apart = push.lit.spacing; // a step of differences: nearer places are not resolved by nodes
     [[dont_unroll]] for (uint axis = 0; axis < 3; ++axis) {
         vec3 along = vec3(0);
         along[axis] = apart;

@@ -27,7 +27,7 @@ void main() {
     const float radius = tick.balls.radius * p.scale, reach = push.size * radius;
     at = 2 * vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) - 1;
     albedo_light = vec4(p.albedo, push.lit != 0 ? lights[particle].transmittance : 1);
-    const float depth = push.depth < 0 ? tick.balls.sigma_t * radius * (4.0 / 3) : push.depth;
+    const float depth = tick.balls.sigma_t * radius * (4.0 / 3); // of the mean chord, spread evenly over the disc
     // The part that is before the eye: a ball that comes near fades, it does not vanish at once.
     const float before = clamp((v.z - eye.near_depth) / radius, 0, 1);
     // Pi / 4: a disc over the square around it. Maps have depths over their mean.

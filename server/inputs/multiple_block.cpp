@@ -35,11 +35,7 @@ void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Part
     if (now.medium.model == kUnionMedium || particles.empty() || tick.sun.irradiance == glm::vec3(0)) return;
     gpu::Multiple& multiple = tick.multiple;
     if (now.render.scattering == "octaves") {
-        const OctaveSettings& octaves = now.render.octaves;
-        multiple.octaves = octaves.count;
-        multiple.scattering = octaves.scattering;
-        multiple.extinction = octaves.extinction;
-        multiple.phase = octaves.phase;
+        multiple.octaves = 1;
     } else if (now.render.scattering == "propagation") {
         constexpr uint32_t kStep = 1 << (gpu::kFluxLevels - 1);
         const PhaseLobes lobes = lobesOf(now.medium);

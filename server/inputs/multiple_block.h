@@ -18,7 +18,7 @@ void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Part
 // The model, gpu::kScatteringSingle and so on, as a tick has it, and as settings ask for it.
 inline uint32_t scatteringOf(const gpu::Multiple& multiple) {
     return multiple.cells > 0     ? gpu::kScatteringPropagation
-           : multiple.octaves > 1 ? gpu::kScatteringOctaves
+           : multiple.octaves > 0 ? gpu::kScatteringOctaves
                                   : gpu::kScatteringSingle;
 }
 inline uint32_t scatteringOf(const RenderSettings& settings) {

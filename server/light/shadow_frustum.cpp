@@ -19,16 +19,15 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     if (eyes.empty()) return;
     count_ = 0;
     const gpu::Commands::Pass pass(commands, "shadow frusta");
-    const uint32_t pixels = shared.settings->shadow_frustum.pixels;
     wanted_.clear();
     uint32_t words = 0, most = 0; // words of all eyes, and of the eye that has most
     for (size_t i = 0; i < eyes.size(); ++i) {
         const ShadowSlices& own = slices[slices.size() > 1 ? i : 0];
-        const uint32_t columns = gpu::groups(eyes[i].size.x, pixels), rows = gpu::groups(eyes[i].size.y, pixels),
+        const uint32_t columns = gpu::groups(eyes[i].size.x, kPixels), rows = gpu::groups(eyes[i].size.y, kPixels),
                        padded = 4 * gpu::groups(columns, 4), slice_words = std::max(padded / 4 * rows, 1u),
                        count = std::min({own.count, kMostOfEye / slice_words, (kMostOfAll - words) / slice_words}),
                        own_words = slice_words * count;
-        wanted_.push_back({eyes[i], words, padded, rows, count, pixels, own.near, own.unit, own.growth});
+        wanted_.push_back({eyes[i], words, padded, rows, count, kPixels, own.near, own.unit, own.growth});
         count_ += uint64_t(columns) * rows * count;
         words += own_words;
         most = std::max(most, own_words);

@@ -3,7 +3,7 @@
 #include "shaders/shared/multiple.h"
 #include "shaders/shared/phase.h"
 
-float octave_phases[kMostOctaves]; // of the ray, 1/sr
+float octave_phases[kOctaves]; // of the ray, 1/sr
 float sun_phase;                   // of single scattering, 1/sr, > 0
 vec3 toward_eye;                   // unit, along the axes of the fluxes
 
@@ -12,8 +12,8 @@ void startMultiple(vec3 w) {
     if (kScatteringModel != kScatteringSingle) sun_phase = mediumPhase(-tick.sun.to_light, -w);
     if (kScatteringModel == kScatteringOctaves) {
         float part = 1;
-        for (uint n = 1; n < min(tick.multiple.octaves, kMostOctaves); ++n) {
-            part *= tick.multiple.phase;
+        for (uint n = 1; n < kOctaves; ++n) {
+            part *= kOctavePhase;
             octave_phases[n] = phaseOfLobes(-tick.sun.to_light, -w, tick.phase.part, part * tick.phase.asymmetry,
                                             part * tick.phase.draine, part * tick.phase.second);
         }
@@ -39,9 +39,9 @@ vec3 multipleOfSlab(uint channels, vec3 place, float depth, float light_in, floa
     straight = vec3(0);
     if (kScatteringModel == kScatteringOctaves) {
         float scattering = 1, extinction = 1, sum = 0;
-        for (uint n = 1; n < min(tick.multiple.octaves, kMostOctaves); ++n) {
-            scattering *= tick.multiple.scattering;
-            extinction *= tick.multiple.extinction;
+        for (uint n = 1; n < kOctaves; ++n) {
+            scattering *= kOctaveScattering;
+            extinction *= kOctaveExtinction;
             sum += scattering * octave_phases[n] *
                    scatterAnalytic(depth, extinction * light_in, extinction * light_out);
         }

@@ -19,7 +19,9 @@ namespace brume::gpu {
 using uint = uint32_t;
 #endif
 const uint kScatteringSingle = 0u, kScatteringOctaves = 1u, kScatteringPropagation = 2u;
-const uint kMostOctaves = 12u;
+// Numbers of octaves: the eighth adds 1/128 of the first one's light; a = b is the most light that is physical.
+const uint kOctaves = 8u;
+const float kOctaveScattering = 0.5f, kOctaveExtinction = 0.5f, kOctavePhase = 0.5f; // a, b, c
 const uint kFluxLevels = 3u; // grids of cells: each has half as many along a side as the one before
 #ifdef __cplusplus
 } // namespace brume::gpu

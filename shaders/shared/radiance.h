@@ -39,20 +39,19 @@ const uint kParticles = 32u; // the first samples are the particles
 struct LightSampling {
     LitGridShape lit;
     MediumGrid medium;
-    uvec3 cells;         // of the first grid that samples are split into, along each axis
-    float cell;          // m, their width
-    uint firsts;         // number of samples before those of the grids
-    int level;           // the samples that are computed: -1: the first ones; else the grid. Nested nodes: their stride
-    uint levels;         // of grids
-    float error;         // beyond which a sample is split
-    float gradient_step; // m
-    float step;          // m between samples on the way to a light; 0: its volume is read
-    float scale;         // W/m^2, fluence that errors are measured by
+    uvec3 cells; // of the first grid that samples are split into, along each axis
+    float cell;  // m, their width
+    uint firsts; // number of samples before those of the grids
+    int level;   // the samples that are computed: -1: the first ones; else the grid. Nested nodes: their stride
+    uint levels; // of grids
+    float error; // beyond which a sample is split
+    float step;  // m between samples on the way to a light; 0: its volume is read
+    float scale; // W/m^2, fluence that errors are measured by
     uint how;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LightSampling) == 120);
+static_assert(sizeof(LightSampling) == 116);
 static_assert(sizeof(LightSample) == 64);
 } // namespace brume::gpu
 #endif

@@ -109,10 +109,7 @@ const uint kUnionExact = 0u, kUnionNearest = 1u, kUnionBinary = 2u, kUnionNone =
 
 // Light that scatters more than once (shared/multiple.h).
 struct Multiple {
-    uint octaves;      // how many; 0: there are none
-    float scattering;  // of an octave, in parts of the one before: what it scatters,
-    float extinction;  // the optical depth that its light passes,
-    float phase;       // and its asymmetry
+    uint octaves;      // 1: it scatters as octaves of single scattering; 0: it does not
     uint cells;        // of the six fluxes, along each side of LightMap::lo ... hi; a multiple of 4; 0: there are none
     uint channels;     // how many colours of light have fluxes: 1 if all do the same, otherwise 3
     float mean_cosine; // of the medium's phase function
@@ -302,7 +299,7 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 108 && sizeof(Tick) == 668 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 108 && sizeof(Tick) == 656 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
 static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 116 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);

@@ -56,7 +56,7 @@ TEST_F(FroxelsTest, ShaftsBetweenObjects) {
     scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}}; // the sun comes through
     scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}, {{-4, -3, 3}, {2, 2, 2}, 0, glm::vec3(0.3f)}};
     scene.spheres = {{{-1, 1, 1}, 0.8f, glm::vec3(0.5f)}};
-    scene.render.lit.spacing = scene.render.radiance.spacing = 0.1f;
+    scene.render.radiance.spacing = 0.1f;
     judgeAll(scene, {kOutside, kInside}, 0.02, 0.02);
 }
 
@@ -67,7 +67,7 @@ TEST_F(FroxelsTest, PointsAndSpotsPastObjects) {
     scene.lights = {point({0.5f, 2.5f, 2}), point({-5, 4, -1})};
     scene.lights[1].type = kSpot;
     scene.lights[1].axis = glm::normalize(glm::vec3(1, -0.7f, 0.3f));
-    scene.render.lit.spacing = scene.render.radiance.spacing = 0.15f;
+    scene.render.radiance.spacing = 0.15f;
     scene.render.froxels.pixels = 1;
     judgeAll(scene, {kOutside}, 0.03, 0.03);
 }
@@ -96,7 +96,7 @@ TEST_F(FroxelsTest, APointInFogHasItsClosedForm) {
     light.shadows = false;
     scene.lights = {light};
     scene.boxes = {{{0, 0, -59}, {200, 200, 100}, 0, glm::vec3(0)}};
-    scene.render.froxels = {.pixels = 1, .slices = 512, .far = 9};
+    scene.render.froxels = {.pixels = 1, .slices = 512};
     const double h = 4 * std::sin(0.5), foot = 4 * std::cos(0.5), sigma = 0.3;
     double expected = 0;
     constexpr int kSteps = 200000;
@@ -120,7 +120,7 @@ TEST_F(FroxelsTest, AFurnaceHasNoColour) {
     scene.fogs = {{.extinction = 0.4f, .falloff = 0.1f, .albedo = glm::vec3(1)}};
     scene.sky = {.zenith = glm::vec3(1), .horizon = glm::vec3(1), .ambient = glm::vec3(1)};
     for (const uint32_t slices : {8u, 128u}) {
-        scene.render.froxels = {.pixels = 1, .slices = slices, .far = 30};
+        scene.render.froxels = {.pixels = 1, .slices = slices};
         for (const char* method : {"froxels", "lit", "gradients"}) {
             scene.render.method = method;
             const Picture picture = render(device(), scene, kInside, 64, 36);
@@ -166,7 +166,6 @@ TEST_F(FroxelsTest, EveryKindOfShadowIsThatOfRays) {
     scene.render.method = "froxels";
     scene.render.froxels = {.pixels = 4, .slices = 128};
     scene.render.shadow_grid.voxel = 0.08f;
-    scene.render.shadow_frustum = {.pixels = 4, .part = 0.9f};
     const auto seen = [&](const char* shadows) {
         scene.render.froxels.shadows = shadows;
         return render(device(), scene, kOutside, kWidth, kHeight);
@@ -192,7 +191,7 @@ TEST_F(FroxelsTest, WhatIsKeptFollowsTheScene) {
     scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}};
     scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}, point({0.5f, 2.5f, 2})};
     scene.render.shadow_grid.voxel = 0.2f;
-    scene.render.lit.spacing = scene.render.radiance.spacing = 0.2f;
+    scene.render.radiance.spacing = 0.2f;
     scene.render.froxels = {.pixels = 4, .slices = 64, .shadows = "grid"};
     Scene moved = scene, turned = scene, thicker = scene, darker = scene;
     moved.lights[1].position = {-2, 1, 1};
@@ -241,7 +240,7 @@ TEST_F(FroxelsTest, HistoryIsThatOfTheEyeAlone) {
     scene.fogs = {{.extinction = 0.05f, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}};
     scene.lights = {point({0.5f, 2.5f, 2})};
     scene.render.method = "froxels";
-    scene.render.froxels = {.pixels = 4, .slices = 64, .far = 40};
+    scene.render.froxels = {.pixels = 4, .slices = 64};
     Scene kept = scene, moved = scene, moved_plain = scene;
     kept.render.froxels.history = moved.render.froxels.history = 0.9f;
     moved.lights[0].position = moved_plain.lights[0].position = {-2, 1, 2};

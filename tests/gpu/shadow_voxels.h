@@ -124,7 +124,7 @@ public:
     // The lights' bits of all froxels of eye `view`, [slice][row][column].
     std::vector<uint32_t> frustum(ShadowFrusta& frusta, std::span<const gpu::Eye> eyes, const ShadowSlices& slices,
                                   uint32_t view) {
-        const uint32_t pixels = scene_.render.shadow_frustum.pixels, columns = gpu::groups(eyes[view].size.x, pixels),
+        const uint32_t pixels = ShadowFrusta::kPixels, columns = gpu::groups(eyes[view].size.x, pixels),
                        count = columns * gpu::groups(eyes[view].size.y, pixels) * slices.count;
         const gpu::Buffer to(device_, count * sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                              gpu::Memory::readback, "lit");

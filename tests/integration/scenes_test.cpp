@@ -178,7 +178,7 @@ TEST_F(Scenes, WhatWasTunedIsSavedAndLoadsAsTheSame) {
     EXPECT_EQ(scene.medium.extinction, 7.25f);
     EXPECT_EQ(scene.camera.position, glm::vec3(1, 2, 30));
     EXPECT_EQ(scene.medium.count, loadScene("server/scenes/cloud.toml").medium.count);
-    EXPECT_EQ(scene.render.sprites.opacity, kAuto);
+    EXPECT_EQ(scene.render.grid.spacing, kAuto);
 }
 
 TEST_F(Scenes, LightsOfEveryTypeAreSaved) {

@@ -91,15 +91,12 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
     const wire::Vec3 up(0, 5, 0), zero(0, 0, 0);
     const auto all = answer([&](auto& b) {
         return Changes{
-            wire::CreateChangeDirect(b, "medium.falloff", 1.5),
-            wire::CreateChangeDirect(b, "render.isv.steps", 3),
-            wire::CreateChangeDirect(b, "simulation.paused", 1),
-            wire::CreateChangeDirect(b, "light.to_light", {}, &up),
-            wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv"),
-            wire::CreateChangeDirect(b, "render.sprites.opacity", 0)}; // which is less than any number of it: auto
+            wire::CreateChangeDirect(b, "medium.falloff", 1.5), wire::CreateChangeDirect(b, "render.isv.steps", 3),
+            wire::CreateChangeDirect(b, "simulation.paused", 1), wire::CreateChangeDirect(b, "light.to_light", {}, &up),
+            wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
     });
     const std::vector<Change> changes = std::get<Set>(only<EnqueueCommand>(all).body).changes;
-    const std::vector<SettingValue> values{1.5f, 3u, true, glm::vec3(0, 1, 0), "isv", 0.f};
+    const std::vector<SettingValue> values{1.5f, 3u, true, glm::vec3(0, 1, 0), "isv"};
     ASSERT_EQ(changes.size(), values.size());
     EXPECT_EQ(changes[0].setting->path, "medium.falloff");
     for (size_t i = 0; i < values.size(); ++i) EXPECT_EQ(changes[i].value, values[i]) << changes[i].setting->path;

@@ -63,12 +63,10 @@ gpu::FroxelGrid froxelSlices(const EyeInputs& in) {
     froxels.particles = in.medium->count > 0;
     const DepthRange range = mediumRange(in);
     froxels.near = range.near;
-    float far = range.far;
-    if (settings.far != kAuto) far = settings.far;
     while (froxels.slices > limits::kSlices.lo &&
            bytesOf(raysFor(in.size.width, froxels.pixels), 2, froxels.slices) > kMostBytes)
-        froxels.slices /= 2;                   // of a picture so wide that two rows do not fit
-    far = std::max(far, froxels.near + 1e-2f); // all of it behind the eye: slices without medium
+        froxels.slices /= 2;                                     // of a picture so wide that two rows do not fit
+    const float far = std::max(range.far, froxels.near + 1e-2f); // all of it behind the eye: slices without medium
     const float growth = std::clamp(far / froxels.near, 1.01f, kMostGrowth);
     froxels.growth = std::log2(growth) / float(froxels.slices);
     froxels.unit = (far - froxels.near) / (growth - 1);

@@ -53,7 +53,6 @@ gpu::LightSampling samplingOf(const TickInputs& tick, const MediumView& medium, 
     sampling.cells = glm::max(glm::uvec3(glm::ceil(size / sampling.cell - 1e-3f)), 1u);
     sampling.levels = settings.levels;
     sampling.error = settings.error;
-    sampling.gradient_step = settings.gradient_step * shape.spacing;
     sampling.step = settings.step * nodes.spacing;
     sampling.scale = fluenceOf(tick, shape);
     sampling.how = howOf(settings);

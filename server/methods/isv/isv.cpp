@@ -9,7 +9,7 @@ namespace brume::methods::isv {
 namespace {
 
 // Push of shaders/isv.frag.
-glm::vec3 pushOf(const TickInputs& tick) { return {tick.settings->isv.multiple, 0, 0}; }
+glm::vec2 pushOf(const TickInputs& tick) { return {tick.settings->isv.multiple, 0}; }
 
 } // namespace
 

@@ -77,7 +77,7 @@ void LitNodes::atLeast(const gpu::Device& device, const gpu::LitGridShape& shape
 }
 
 void LitGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes) {
-    shape_ = litShape(tick, medium, nodes.grid(), tick.settings->lit.spacing);
+    shape_ = litShape(tick, medium, nodes.grid(), tick.settings->radiance.spacing);
     if (key_.isSame(tick, medium, shape_)) return;
     light_.atLeast(device_, shape_, tick.features.local_lights);
     if (shape_.bricks.x == 0) return;

@@ -19,7 +19,9 @@ namespace {
 
 constexpr VkDeviceSize kMostBytes = 96 << 20;     // most bytes of a buffer: every device binds 128 MiB
 constexpr uint32_t kAround = gpu::kBlurReach + 1; // marched rows beside a band that its pixels read
-constexpr uint32_t kBlurRun = 8;                  // pixels of a lane of bilateral.comp
+// Depths that differ by more are of different objects: the blur mixes nothing across 3 m.
+constexpr float kDepthFalloff = 3; // m
+constexpr uint32_t kBlurRun = 8;   // pixels of a lane of bilateral.comp
 constexpr const char *kNoBlur = "none", *kFormula = "ign";
 static_assert(kDitherSide == gpu::kPatternSide);
 
@@ -90,7 +92,7 @@ public:
                             .rate = apartOf(settings),
                             .near = range.near,
                             .far = std::max(range.far, range.near),
-                            .falloff = settings.march.depth_falloff,
+                            .falloff = kDepthFalloff,
                             .particles = in.medium->count > 0};
         const uint32_t most = bandRows(size);
         for (uint32_t row = 0; row < size.y; row += most) {

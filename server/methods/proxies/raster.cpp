@@ -55,7 +55,7 @@ public:
                                            gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
                                            gpu::storageBuffer(3, info_.maps ? *in.medium->light : any),
                                            gpu::storageBuffer(9, info_.maps ? info_.maps : any)};
-        const glm::vec3 push = info_.push ? info_.push(*in.shared) : glm::vec3(0);
+        const glm::vec2 push = info_.push ? info_.push(*in.shared) : glm::vec2(0);
         programs_[furthest_ || in.near_plane_cuts].bind(commands, resources,
                                                         std::as_bytes(std::span(&push, info_.push ? 1 : 0)));
         if (mesh_)

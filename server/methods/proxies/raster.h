@@ -17,7 +17,7 @@ struct RasterInfo {
     std::vector<gpu::SpecConstant> constants; // beside those of the scene's features
     MethodNeeds needs;
     gpu::Buffer maps;                                    // binding 9; with it binding 3 is MediumView::light
-    glm::vec3 (*push)(const TickInputs& tick) = nullptr; // push constants of its shaders; null: they have none
+    glm::vec2 (*push)(const TickInputs& tick) = nullptr; // push constants of its shaders; null: they have none
 };
 
 std::unique_ptr<Method> makeRaster(const MethodContext& context, RasterInfo info);

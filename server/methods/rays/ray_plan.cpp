@@ -5,8 +5,6 @@
 #include <iterator>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include "server/medium/band_limit.h"
 
 namespace brume {
@@ -95,15 +93,6 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
                size.cut * square(cutError(h, light));
     }
     return std::hypot(std::sqrt(sum), displaced);
-}
-
-std::string RayPlan::refusal(const RenderSettings& settings) const {
-    const OctaveSettings& octaves = settings.octaves;
-    if (settings.scattering != "octaves" || octaves.scattering <= octaves.extinction) return {};
-    return fmt::format(
-        "render.octaves.scattering {:.3g} is above render.octaves.extinction {:.3g}: a medium would give "
-        "more light than it gets; lower it, or raise the other first",
-        octaves.scattering, octaves.extinction);
 }
 
 std::optional<double> RayPlan::error(const RenderSettings& settings, const ViewWork& view) const {

@@ -37,10 +37,9 @@ LightMaps mapsFor(const MethodContext& context) try {
 }
 
 // SpritePush of shaders/lib/sprite.glsl.
-glm::vec3 pushOf(const TickInputs& tick) {
+glm::vec2 pushOf(const TickInputs& tick) {
     const SpritesSettings& settings = tick.settings->sprites;
-    const float depth = settings.opacity == kAuto ? -1 : -std::log1p(-std::min(settings.opacity, 0.9999f));
-    return {settings.size, depth, settings.light == "path" ? 1 : 0};
+    return {settings.size, settings.light == "path" ? 1 : 0};
 }
 
 } // namespace
