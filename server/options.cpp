@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/nearest.h"
+#include "common/settings.h"
 #include "common/settings_page.h"
 #include "common/text.h"
 #include "server/operate/config_file.h"
@@ -74,6 +75,11 @@ std::optional<std::string> strangerIn(const CLI::App& app) {
     const auto found = std::find_if(left.begin(), left.end(), [](const auto& word) { return word.starts_with("-"); });
     if (found == left.end()) return {};
     const std::string name = found->substr(0, found->find('='));
+    std::string key = name.substr(std::min(name.find_first_not_of('-'), name.size()));
+    std::ranges::replace(key, '-', '_');
+    const auto settings = sceneSettings();
+    if (const auto one = std::ranges::find(settings, key, &SceneSetting::key); one != settings.end())
+        return fmt::format("{}: no such option; did you mean --set {}=VALUE?", oneLine(name), one->path);
     std::vector<std::string> names;
     for (const CLI::Option* option : app.get_options({})) names.push_back("--" + option->get_single_name());
     return oneLine(name) + ": no such option" + didYouMean(name, names);
@@ -159,13 +165,6 @@ std::vector<std::string> rendererOverrides(const ServerOptions& o) {
         if (value) all.push_back(fmt::format("{}={}", key, *value));
     };
     add("render.method", o.method);
-    add("render.isv.quadrature", o.quadrature);
-    add("render.isv.steps", o.steps);
-    add("render.exposure", o.exposure);
-    add("render.cutoff", o.cutoff);
-    add("render.shadow_size", o.shadow_size);
-    add("render.shadow_slices", o.shadow_slices);
-    add("render.shadow_error", o.shadow_error);
     add("simulation.paused", o.paused);
     return all;
 }

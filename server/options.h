@@ -28,9 +28,7 @@ struct ServerOptions {
     gpu::DeviceOptions device;
     FrameOptions frame;
     // Replace the scene's values if set.
-    std::optional<std::string> method, quadrature, shadow_size, shadow_slices;
-    std::optional<uint32_t> steps;
-    std::optional<float> exposure, cutoff, shadow_error;
+    std::optional<std::string> method;
     std::optional<bool> paused;
     cluster::ClusterOptions cluster;
     std::filesystem::path costs;      // folder of cost files, written by brume-bench calibrate

@@ -24,11 +24,6 @@ NewOption& NewOption::range(double least, double most) {
     return *this;
 }
 
-NewOption& NewOption::rangeOrAuto(const Limits& limits) {
-    option_->check(CLI::Range(limits.lo, limits.hi) | CLI::IsMember({"auto"}));
-    return *this;
-}
-
 NewOption& NewOption::oneOf(const std::vector<std::string>& words) {
     option_->check(CLI::IsMember(words));
     return *this;
@@ -118,10 +113,7 @@ template NewOption OptionGroup::option(const char*, std::filesystem::path&, cons
 template NewOption OptionGroup::option(const char*, uint8_t&, const char*);
 template NewOption OptionGroup::option(const char*, uint16_t&, const char*);
 template NewOption OptionGroup::option(const char*, uint32_t&, const char*);
-template NewOption OptionGroup::option(const char*, float&, const char*);
 template NewOption OptionGroup::option(const char*, double&, const char*);
 template NewOption OptionGroup::option(const char*, std::optional<std::string>&, const char*);
-template NewOption OptionGroup::option(const char*, std::optional<uint32_t>&, const char*);
-template NewOption OptionGroup::option(const char*, std::optional<float>&, const char*);
 
 } // namespace brume

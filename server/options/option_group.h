@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "common/scene_limits.h"
-
 namespace CLI {
 class App;
 class Option;
@@ -33,8 +31,6 @@ public:
     NewOption& range(int least, int most);
     NewOption& range(uint32_t least, uint32_t most);
     NewOption& range(double least, double most);
-    NewOption& range(const Limits& limits) { return range(limits.lo, limits.hi); }
-    NewOption& rangeOrAuto(const Limits& limits); // of a text: a number in the range, or the word auto
     NewOption& oneOf(const std::vector<std::string>& words);
     // `complaint` returns what is allowed, or nothing for a value that is good.
     NewOption& check(const std::function<std::string(const std::string&)>& complaint);

@@ -12,17 +12,6 @@ void addSceneOptions(OptionTable& table, ServerOptions& o) {
         .standing("")
         .live();
     g.option("--method", o.method, "medium method instead of the scene's; auto: the cheapest within render.error");
-    g.option("--quadrature", o.quadrature, "simpson | transmittance | analytic | taylor, for method isv");
-    g.option("--steps", o.steps, "of the quadrature").range(limits::kSteps);
-    g.option("--exposure", o.exposure, "factor before the tone map").range(limits::kExposure);
-    g.option("--cutoff", o.cutoff, "bound on the optical depth that proxies leave out of any ray")
-        .range(limits::kCutoff);
-    g.option("--shadow-size", o.shadow_size, "texels a side of the volumetric shadow map; auto: as the medium needs")
-        .rangeOrAuto(limits::kShadowSize);
-    g.option("--shadow-slices", o.shadow_slices, "its planes; auto: as the medium needs")
-        .rangeOrAuto(limits::kShadowSlices);
-    g.option("--shadow-error", o.shadow_error, "relative error of the light that a map of such a size may make")
-        .range(limits::kShadowError);
     g.flag(
          "--paused", [&o](bool paused) { o.paused = paused; },
          "start with the simulation paused, or not: instead of the scene's")

@@ -6,7 +6,10 @@ import { startServer } from './server.mjs';
 
 const folder = process.argv[2] ?? 'docs/pictures';
 // Nothing is given up, however busy the machine.
-const FINE = ['--shadow-size', '256', '--shadow-slices', '32', '--frame-budget', '10000', '--most-frame-time', '60000'];
+const FINE = [
+  ...['--set', 'render.shadow_size=256', '--set', 'render.shadow_slices=32'],
+  ...['--frame-budget', '10000', '--most-frame-time', '60000'],
+];
 const PLUME_TICKS = 900; // 15 s: the column has risen
 
 const leave = [];

@@ -84,7 +84,7 @@ TEST_F(Configuration, WhatIsPrintedIsReadBackAsTheSame) {
     const std::string first =
         printed({"--max-viewers", "7", "--set", "light.irradiance=[1,2,3]", "--set", "name='a # \"b\"'",
                  "--allow-origin", "*", "--scene", "1e5", "--drain-to", "https://next.example/?a=b#c", "--log-file",
-                 "a \"b\\c", "--exposure", "1.5", "--no-mesh-shaders"});
+                 "a \"b\\c", "--refine-moving", "0.25", "--no-mesh-shaders"});
     put(first);
     EXPECT_EQ(printed({"--config", file.string()}), first);
     EXPECT_NE(first.find("max-viewers = 7"), first.npos);

@@ -111,6 +111,8 @@ void expectOneLine(const std::vector<std::string>& arguments, const std::string&
 TEST(Lifecycle, EveryBadStartEndsInOneClearLine) {
     expectOneLine({"--no-such-flag"}, "--no-such-flag: no such option (see brume-server --help)");
     expectOneLine({"--prot", "8080"}, "--prot: no such option; did you mean --port?");
+    expectOneLine({"--shadow-size", "64"},
+                  "--shadow-size: no such option; did you mean --set render.shadow_size=VALUE?");
     expectOneLine({"--port", "70000"}, "--port");
     expectOneLine({"--max-viewers", "-1"}, "--max-viewers");
     expectOneLine({"--port", "0", "--scene", "no-such-scene"}, "no-such-scene");

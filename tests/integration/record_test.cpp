@@ -86,7 +86,7 @@ TEST_F(Record, TheScenesOwnSettingsAreRecordedAsTheyWere) {
     const std::filesystem::path scene = file.string() + ".toml";
     std::ofstream(scene) << "[medium]\ncount = 20\n[simulation]\npaused = true\n";
     {
-        RunningServer server({"--scene", scene.string(), "--record", file.string(), "--exposure", "0.1"});
+        RunningServer server({"--scene", scene.string(), "--record", file.string(), "--set", "render.exposure=0.1"});
         Watcher watcher(server.endpoint());
         ASSERT_TRUE(watch({&watcher}, [&] { return watcher.paused.has_value(); }));
         EXPECT_EQ(watcher.paused, true);

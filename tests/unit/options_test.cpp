@@ -40,8 +40,8 @@ TEST_F(ServerOptionsTest, AMistakeInTheEnvironmentIsRefusedWithItsName) {
              {"BRUME_PORT", "70000", "--port: "},
              {"BRUME_PORT", "http", "--port: "},
              {"BRUME_MAX_VIEWERS", "0", "--max-viewers: "},
-             {"BRUME_STEPS", "99", "--steps: "},
-             {"BRUME_EXPOSURE", "bright", "--exposure: "},
+             {"BRUME_REFINE_MOVING", "2", "--refine-moving: "},
+             {"BRUME_MEASURE_ERROR", "much", "--measure-error: "},
              {"BRUME_IDLE", "0", "--idle: "},
              {"BRUME_LOG_LEVEL", "loud", "--log-level: "},
              {"BRUME_PAUSED", "maybe", "--paused"},
@@ -78,7 +78,7 @@ TEST_F(ServerOptionsTest, AFlagGoesBeforeTheEnvironmentAndThatBeforeTheFile) {
 TEST_F(ServerOptionsTest, EveryKindOfValueIsTakenFromTheEnvironment) {
     const ParsedOptions options = parsed({}, {{"BRUME_ALLOW_ORIGIN", "https://a.example,https://b.example"},
                                               {"BRUME_DRAIN_TIME", "7"},
-                                              {"BRUME_EXPOSURE", "1.5"},
+                                              {"BRUME_REFINE_MOVING", "0.25"},
                                               {"BRUME_MEMORY", "2"},
                                               {"BRUME_METHOD", "slabs"},
                                               {"BRUME_NO_MESH_SHADERS", "true"},
@@ -88,7 +88,7 @@ TEST_F(ServerOptionsTest, EveryKindOfValueIsTakenFromTheEnvironment) {
     EXPECT_EQ(options.options->net.allowed_origins,
               (std::vector<std::string>{"https://a.example", "https://b.example"}));
     EXPECT_EQ(options.options->drain, std::chrono::milliseconds(7));
-    EXPECT_EQ(options.options->exposure, 1.5f);
+    EXPECT_EQ(options.options->frame.refine_moving, 0.25);
     EXPECT_EQ(options.options->frame.memory, uint64_t{2} << 20);
     EXPECT_EQ(options.options->method, "slabs");
     EXPECT_FALSE(options.options->device.mesh_shaders);
