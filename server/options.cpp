@@ -9,7 +9,7 @@
 
 #include "common/nearest.h"
 #include "common/settings.h"
-#include "common/settings_page.h"
+#include "common/settings_tables.h"
 #include "common/text.h"
 #include "server/operate/config_file.h"
 #include "server/options/groups.h"
@@ -111,7 +111,8 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         .flagOnly();
     bool print_settings = false;
     OptionGroup(table, nullptr)
-        .flag("--print-settings", print_settings, "print all settings of a scene as a page, docs/scenes.md, and end")
+        .flag("--print-settings", print_settings,
+              "print all settings of a scene as tables, those of docs/scenes.md, and end")
         .flagOnly();
     TokenRequest token;
     addTokenOptions(table, token);
@@ -141,7 +142,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
     }
     for (const auto& act : table.afterwards) act();
     if (const char* mistake = mistakeIn(o); *mistake) return {std::nullopt, 2, mistake, {}};
-    if (print_settings) return printed(settingsPage());
+    if (print_settings) return printed(settingsTables());
     if (print_config) return printed(writeConfig(app));
     try {
         if ((o.replay.empty() || o.look) && !o.explain) readTrust(o);

@@ -1,13 +1,16 @@
-// The table of settings: every key once, and the page made from it.
+// The table of settings: every key once, and the tables of the page made from it.
 #include "common/settings.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
-#include "common/settings_page.h"
+#include "common/settings_tables.h"
 #include "server/sim/command.h"
 
 namespace brume {
@@ -27,13 +30,25 @@ TEST(Settings, StandInTheTableOnceWithTheirTablesTogether) {
     }
 }
 
+// The tables of a page by their names: what stands below "<!-- settings: NAME -->", up to an empty line.
+std::map<std::string, std::string> tablesOf(const std::string& page) {
+    constexpr std::string_view kMark = "<!-- settings: ", kEnd = " -->\n\n";
+    std::map<std::string, std::string> tables;
+    for (size_t at = 0; (at = page.find(kMark, at)) != page.npos;) {
+        const size_t name = at + kMark.size(), end = page.find(kEnd, name), table = end + kEnd.size();
+        at = std::min(page.find("\n\n", table), page.size() - 1) + 1;
+        EXPECT_TRUE(tables.emplace(page.substr(name, end - name), page.substr(table, at - table)).second) << name;
+    }
+    return tables;
+}
+
 TEST(Settings, TheDocumentationHasThemAll) {
     std::ifstream in("docs/scenes.md"); // tests run in the source folder
-    const std::string documented{std::istreambuf_iterator<char>(in), {}}, page = settingsPage();
-    EXPECT_EQ(documented, page) << "brume-server --print-settings > docs/scenes.md";
-    size_t rows = 0, at = page.find("\n## At the top"); // before it: the properties of point clouds
-    for (; (at = page.find("\n| `", at)) != page.npos; ++at) ++rows;
-    EXPECT_EQ(rows, sceneSettings().size()) << "a table without a heading in common/settings_page.cpp";
+    const std::string documented{std::istreambuf_iterator<char>(in), {}}, made = settingsTables();
+    EXPECT_EQ(tablesOf(documented), tablesOf(made)) << "tools/settings_page.py renews the page";
+    size_t rows = 0;
+    for (size_t at = 0; (at = made.find("\n| `", at)) != made.npos; ++at) ++rows;
+    EXPECT_EQ(rows, sceneSettings().size());
 }
 
 TEST(Settings, ALiveOneHasAValueThatACommandCanHave) {
