@@ -3,12 +3,11 @@
 #include <atomic>
 #include <stdexcept>
 
-#define XXH_INLINE_ALL
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include "tools/bench/error.h"
 #include "tools/reference/medium_reference.h"
+#include "tools/reference/numbers.h"
 #include "tools/reference/pixel.h"
 #include "tools/reference/progress.h"
 #include "tools/reference/rows.h"
@@ -18,92 +17,6 @@ namespace {
 
 constexpr double kNearDepth = 0.05; // m, as the renderer has it
 constexpr double kTolerance = 1e-6; // of the reference: a hundredth of the smallest error that a report prints
-
-// All numbers of a world, in order. The structures are taken apart member by member: one that gets another member does
-// not compile until it is counted here.
-class Numbers {
-public:
-    std::vector<double> all;
-
-    void add(double number) { all.push_back(number); }
-    void add(glm::dvec3 v) { all.insert(all.end(), {v.x, v.y, v.z}); }
-    void add(const reference::Blob& blob) {
-        const auto& [centre, scale, k, sigma_t, half_line, albedo] = blob;
-        add(centre), add(scale), add(k), add(sigma_t), add(half_line), add(albedo);
-    }
-    void add(const reference::UnionMedium::Ball& ball) {
-        const auto& [centre, radius] = ball;
-        add(centre), add(radius);
-    }
-    void add(const reference::UnionMedium& medium) {
-        const auto& [balls, sigma_t, albedo] = medium;
-        add(balls), add(sigma_t), add(albedo);
-    }
-    void add(const reference::TetrahedralMedium::Corner& corner) {
-        const auto& [place, sigma_t, albedo] = corner;
-        add(place), add(sigma_t), add(albedo);
-    }
-    void add(const glm::uvec4& cell) {
-        for (int i = 0; i < 4; ++i) add(double(cell[i]));
-    }
-    void add(const reference::TetrahedralMedium& medium) {
-        const auto& [corners, cells] = medium;
-        add(corners), add(cells);
-    }
-    void add(const reference::Fog& fog) {
-        const auto& [sigma_t, albedo, falloff, lo, hi, centre, radius, base, phase, emission, colour] = fog;
-        add(sigma_t), add(albedo), add(falloff), add(lo), add(hi), add(centre), add(radius), add(base);
-        add(phase), add(emission);
-        if (colour != glm::dvec3(1)) add(colour);
-    }
-    void add(const reference::LightSource& light) {
-        const auto& [kind, colour, to_light, position, axis, cos_outer, cos_inner, radius, range, shadows] = light;
-        add(double(kind)), add(colour), add(to_light), add(position), add(axis), add(cos_outer), add(cos_inner);
-        add(radius), add(range), add(double(shadows));
-    }
-    void add(const reference::Obstacle& obstacle) {
-        const auto& [kind, centre, half_size, yaw, albedo, corners, beyond, structure,
-                     structure_size] = obstacle; // `beyond` follows from corners
-        add(double(kind)), add(centre), add(half_size), add(yaw), add(albedo);
-        if (kind == reference::Obstacle::Kind::triangle)
-            for (const glm::dvec3& corner : corners) add(corner);
-        if (structure > 0) add(structure), add(structure_size);
-    }
-    void add(const reference::Sheet& sheet) {
-        const auto& [centre, across, along, normal, transmittance, reflectance] = sheet;
-        add(centre), add(across), add(along), add(normal), add(transmittance), add(reflectance);
-    }
-    template <class Element>
-    void add(const std::vector<Element>& list) {
-        add(double(list.size()));
-        for (const Element& element : list) add(element);
-    }
-    void add(const reference::World& world) {
-        const auto& [blobs, support, cut_light, composition, balls, tetrahedra, fogs, lights, obstacles, sheets, zenith,
-                     horizon, haze, ambient, phase, colour] = world;
-        add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs),
-            add(lights);
-        add(obstacles), add(zenith), add(horizon), add(haze), add(ambient);
-        add(phase);
-        if (colour != glm::dvec3(1)) add(colour);
-        if (!sheets.empty()) add(sheets);
-        if (!tetrahedra.cells.empty()) add(tetrahedra);
-    }
-    void add(const PhaseLobes& phase) {
-        const auto& [part, asymmetry, draine, second] = phase;
-        add(part), add(asymmetry), add(draine), add(second);
-    }
-    void add(const Frustum& frustum) {
-        const auto& [left, right, up, down] = frustum;
-        add(left), add(right), add(up), add(down);
-    }
-    void add(const Pose& pose) {
-        const auto& [position, orientation, fov_y, eye_separation, frustum, right_frustum] = pose;
-        add(glm::dvec3(position));
-        for (int i = 0; i < 4; ++i) add(double(orientation[i]));
-        add(fov_y), add(eye_separation), add(frustum), add(right_frustum);
-    }
-};
 
 reference::World worldOf(const Stage& stage) {
     const std::vector<gpu::Particle> particles = stage.particles();
@@ -123,26 +36,19 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
     reference::Settings settings;
     settings.tolerance = kTolerance;
     const reference::Stage stage(world, settings);
-    const bool structure = reference::hasStructure(world);
     RadianceImage image{int(pixels.size()), 1, {}, {}};
     image.radiance.resize(pixels.size());
     image.transmittance.resize(pixels.size());
     image.edges.resize(pixels.size());
     std::atomic<size_t> end{pixels.size()}; // the first that was too late
     reference::forRows(int(pixels.size()), settings.threads, [&] {
-        return [&, tracer = reference::RayTracer(stage)](int i) mutable {
+        return [&, tracer = reference::PixelTracer(stage, camera)](int i) mutable {
             if (size_t(i) >= limit.least && progress.seconds() > limit.seconds) {
                 for (size_t seen = end; size_t(i) < seen && !end.compare_exchange_weak(seen, size_t(i));) {
                 }
                 return;
             }
-            const glm::dvec2 corner(pixels[i]);
-            const auto at = [&](double x, double y, bool even) {
-                reference::Ray ray = rayThrough(camera, corner.x + x, corner.y + y);
-                ray.even = even;
-                return tracer.trace(ray);
-            };
-            const reference::PixelResult pixel = reference::pixelOf(at, reference::hasEdges(world), structure);
+            const reference::PixelResult pixel = tracer.at(pixels[i]);
             image.radiance[i] = pixel.total;
             image.transmittance[i] = float(pixel.transmittance);
             image.edges[i] = pixel.edge;
@@ -158,12 +64,12 @@ RadianceImage traced(const reference::World& world, const reference::Camera& cam
 
 std::string truthFile(const reference::World& world, const Pose& pose, glm::uvec2 size, uint32_t every) {
     constexpr double kVersion = 6; // goes up when the reference itself changes
-    Numbers numbers;
+    reference::Numbers numbers;
     for (const double number : {kVersion, double(size.x), double(size.y), kTolerance, double(every)})
         numbers.add(number);
     numbers.add(world);
     numbers.add(pose);
-    return fmt::format("{:016x}.exr", XXH3_64bits(numbers.all.data(), numbers.all.size() * sizeof(double)));
+    return fmt::format("{:016x}.exr", numbers.hash());
 }
 
 Truth::Truth(std::filesystem::path folder) : folder_(std::move(folder)) {

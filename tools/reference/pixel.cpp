@@ -20,4 +20,16 @@ bool isEdge(glm::vec3 centre, glm::vec3 mean, glm::vec3 corners) {
     return differs(mean, kSame) || differs(corners, 4 * kSame);
 }
 
+PixelTracer::PixelTracer(const Stage& stage, const Camera& camera)
+    : tracer_(stage), camera_(camera), objects_(hasEdges(stage.world)), structure_(hasStructure(stage.world)) {}
+
+PixelResult PixelTracer::at(glm::uvec2 pixel) {
+    const auto at = [&](double x, double y, bool even) {
+        Ray ray = rayThrough(camera_, pixel.x + x, pixel.y + y);
+        ray.even = even;
+        return tracer_.trace(ray);
+    };
+    return pixelOf(at, objects_, structure_);
+}
+
 } // namespace brume::reference

@@ -1,6 +1,7 @@
 // One pixel of the reference: the ray through its centre, and whether an edge of an object or of its shadow crosses it.
 #pragma once
 
+#include "tools/reference/camera.h"
 #include "tools/reference/ray_tracer.h"
 
 namespace brume::reference {
@@ -54,5 +55,18 @@ PixelResult pixelOf(const At& at, bool objects, bool structure, double most = 2)
     pixel.total = mean.total, pixel.transmittance = mean.transmittance;
     return pixel;
 }
+
+// Pixels of a camera's picture. Each thread has its own.
+class PixelTracer {
+public:
+    // Both must outlive it.
+    PixelTracer(const Stage& stage, const Camera& camera);
+    PixelResult at(glm::uvec2 pixel);
+
+private:
+    RayTracer tracer_;
+    const Camera& camera_;
+    bool objects_, structure_; // of the world
+};
 
 } // namespace brume::reference
