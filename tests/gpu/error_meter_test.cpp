@@ -7,7 +7,7 @@
 #include "server/inputs/eye_request.h"
 #include "server/render/renderer.h"
 #include "tests/gpu/fixture.h"
-#include "tools/reference/medium_reference.h"
+#include "tests/gpu/truth.h"
 
 namespace brume::test {
 namespace {
@@ -77,8 +77,8 @@ protected:
         const SceneNow& now = simulation.now();
         const reference::World world = reference::worldOf(scene, particlesOf(simulation),
                                                           {now.medium, now.light, now.lists.lights, now.lists.fogs});
-        const reference::Picture truth = reference::render(
-            world, reference::perspective(eye.pose, int(kSize.x), int(kSize.y), kNearDepth), {.tolerance = 1e-5});
+        const reference::Picture truth =
+            truePicture(world, reference::perspective(eye.pose, int(kSize.x), int(kSize.y), kNearDepth), 1e-5);
         std::vector<glm::dvec3> values, references;
         for (size_t i = 0; i < drawn.size(); ++i)
             if (truth.transmittance[i] < 0.999) {

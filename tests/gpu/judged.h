@@ -6,9 +6,8 @@
 #include <cstdio>
 
 #include "tests/gpu/closed_form.h"
+#include "tests/gpu/truth.h"
 #include "tools/reference/camera.h"
-#include "tools/reference/pixel.h"
-#include "tools/reference/ray_tracer.h"
 
 namespace brume::test {
 
@@ -23,34 +22,31 @@ protected:
         double rmse, worst; // of total radiance; relative to its RMS
     };
     static Error errorOf(const Scene& scene, const Pose& pose) {
-        const Picture picture = render(device(), scene, pose, kWidth, kHeight);
+        Stage stage(device(), scene, Simulation(scene).capacity());
+        return errorOf(stage, scene, pose);
+    }
+    static Error errorOf(Stage& stage, const Scene& scene, const Pose& pose) {
+        const Picture picture = stage.see(scene, pose, kWidth, kHeight);
         const Simulation simulation(scene);
         std::vector<gpu::Particle> particles(simulation.liveCount());
         simulation.write(particles);
         const SceneNow& now = simulation.now();
-        const reference::World world =
-            reference::worldOf(scene, particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
-        const reference::Stage stage(world, {.tolerance = 1e-5});
-        reference::RayTracer tracer(stage);
-        const bool structure = reference::hasStructure(world);
-        const reference::Camera camera = reference::perspective(pose, kWidth, kHeight, kNear);
+        std::vector<glm::uvec2> pixels;
+        for (uint32_t y = kEvery / 2; y < kHeight; y += kEvery)
+            for (uint32_t x = kEvery / 2; x < kWidth; x += kEvery) pixels.emplace_back(x, y);
+        const std::vector<TruePixel> truth =
+            truthOf(reference::worldOf(scene, particles, {now.medium, now.light, now.lists.lights, now.lists.fogs}),
+                    reference::perspective(pose, kWidth, kHeight, kNear), pixels, 1e-5);
         double errors = 0, values = 0, worst = 0;
         int count = 0;
-        for (uint32_t y = kEvery / 2; y < kHeight; y += kEvery)
-            for (uint32_t x = kEvery / 2; x < kWidth; x += kEvery) {
-                const auto at = [&](double dx, double dy, bool even) {
-                    reference::Ray ray = reference::rayThrough(camera, x + dx, y + dy);
-                    ray.even = even;
-                    return tracer.trace(ray);
-                };
-                const reference::PixelResult truth = reference::pixelOf(at, reference::hasEdges(world), structure);
-                if (truth.edge) continue;
-                const glm::dvec4 got(picture.at(x, y));
-                const glm::dvec3 off = glm::dvec3(got) - truth.total;
-                EXPECT_TRUE(std::isfinite(got.x + got.y + got.z + got.w)) << x << ' ' << y;
-                errors += glm::dot(off, off), values += glm::dot(truth.total, truth.total), ++count;
-                worst = std::max(worst, glm::length(off));
-            }
+        for (size_t i = 0; i < pixels.size(); ++i) {
+            if (truth[i].edge) continue;
+            const glm::dvec4 got(picture.at(pixels[i].x, pixels[i].y));
+            const glm::dvec3 off = glm::dvec3(got) - truth[i].total;
+            EXPECT_TRUE(std::isfinite(got.x + got.y + got.z + got.w)) << pixels[i].x << ' ' << pixels[i].y;
+            errors += glm::dot(off, off), values += glm::dot(truth[i].total, truth[i].total), ++count;
+            worst = std::max(worst, glm::length(off));
+        }
         EXPECT_GT(count, 300);
         return {std::sqrt(errors / values), worst / std::sqrt(values / count)};
     }
@@ -61,9 +57,10 @@ protected:
         for (const char* method : {"slabs", "grid"}) {
             scene.render.method = method;
             if (scene.render.grid.spacing == kAuto) scene.render.grid.spacing = 0.5f;
+            Stage stage(device(), scene, Simulation(scene).capacity());
             int number = 0;
             for (const Pose& pose : poses) {
-                const Error error = errorOf(scene, pose);
+                const Error error = errorOf(stage, scene, pose);
                 std::printf("%-6s view %d: %.4f %%, worst pixel %.3f %%\n", method, number, 100 * error.rmse,
                             100 * error.worst);
                 EXPECT_LE(error.rmse, allowed) << method << ", view " << number;

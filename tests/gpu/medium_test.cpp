@@ -6,7 +6,7 @@
 #include "shaders/shared/phase.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/quadrature.h"
-#include "tools/reference/medium_reference.h"
+#include "tests/gpu/truth.h"
 
 namespace brume::test::medium_test {
 namespace {
@@ -199,8 +199,9 @@ TEST_F(MediumTest, CloudAgreesWithTheDoublePrecisionReference) {
                  {{"isv", "transmittance", 2}, 0.018}};
     for (const Pose& pose : {lookAt({0, 2, 26}, {0, 0, 0}, 0.8f), lookAt({-9, 4, 12}, {1, 0, 0}, 0.9f)}) {
         const auto exactly = [&](reference::Model model) {
-            return reference::render({particles, double(scene.medium.falloff), 0, 0}, scene.lights[0], pose,
-                                     kSmallWidth, kSmallHeight, model);
+            return truePicture(
+                reference::worldOf({particles, double(scene.medium.falloff), 0, 0}, scene.lights[0], model),
+                reference::perspective(pose, kSmallWidth, kSmallHeight), 1e-8);
         };
         const reference::Picture whole = exactly(reference::Model::sequential),
                                  cut = exactly(reference::Model::sequential_tetrahedron);

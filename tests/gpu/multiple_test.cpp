@@ -10,8 +10,8 @@
 
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
+#include "tests/gpu/truth.h"
 #include "tools/reference/camera.h"
-#include "tools/reference/tracker.h"
 #include "tools/reference/world.h"
 
 namespace brume::test::multiple_test {
@@ -53,8 +53,7 @@ protected:
         const Simulation simulation(scene);
         std::vector<gpu::Particle> particles(simulation.liveCount());
         simulation.write(particles);
-        return reference::track(reference::worldOf(scene, particles), reference::perspective(from, kWidth, kHeight),
-                                {.samples = 96});
+        return truePaths(reference::worldOf(scene, particles), reference::perspective(from, kWidth, kHeight), 96);
     }
     static Error beside(const Picture& picture, const reference::TrackedPicture& truth) {
         double errors = 0, noise = 0, squares = 0, got = 0, exact = 0;

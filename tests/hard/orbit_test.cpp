@@ -1,7 +1,7 @@
 // What moves: a slow orbit through overlapping particles, whose order changes from frame to frame.
 #include "common/metrics.h"
+#include "tests/gpu/truth.h"
 #include "tests/hard/hard.h"
-#include "tools/reference/medium_reference.h"
 
 namespace brume::test {
 namespace {
@@ -29,9 +29,9 @@ TEST_F(HardTest, SlowOrbitThroughOverlaps) {
 
     std::vector<RadianceImage> exact;
     for (int i = 0; i < kFrames; ++i) {
-        const reference::Picture seen =
-            reference::render({particles, double(scene.medium.falloff), 0, 0}, scene.lights[0], poseOf(i), int(kWidth),
-                              int(kHeight), reference::Model::overlapping, {.tolerance = 1e-5});
+        const reference::Picture seen = truePicture(reference::worldOf({particles, double(scene.medium.falloff), 0, 0},
+                                                                       scene.lights[0], reference::Model::overlapping),
+                                                    reference::perspective(poseOf(i), int(kWidth), int(kHeight)), 1e-5);
         exact.push_back({seen.width,
                          seen.height,
                          {seen.radiance.begin(), seen.radiance.end()},
