@@ -70,7 +70,7 @@ TEST_F(ExtinctionColourTest, Lamps) {
 
 // Each channel of a coloured medium is that of a grey medium with its extinction, with all methods.
 TEST_F(ExtinctionColourTest, ChannelsAreThoseOfGreyMedia) {
-    for (const char* method : {"slabs", "grid", "tiles", "sphere", "isv"})
+    for (const char* method : some({"slabs", "grid", "tiles", "sphere", "isv"}))
         for (const uint32_t step : {1u, 4u}) {
             Scene scene = cloudScene();
             addObjects(scene);
@@ -105,7 +105,7 @@ TEST_F(ExtinctionColourTest, ChannelsAreThoseOfGreyMedia) {
 
 // What a channel's extinction of 0 leaves is the background, without a trace of the medium.
 TEST_F(ExtinctionColourTest, AChannelWithoutExtinction) {
-    for (const char* method : {"slabs", "grid", "tiles", "sphere", "isv"}) {
+    for (const char* method : some({"slabs", "grid", "tiles", "sphere", "isv"})) {
         Scene scene = cloudScene(), bare = cloudScene();
         scene.render.method = bare.render.method = method;
         scene.render.grid.spacing = bare.render.grid.spacing = 0.5f;

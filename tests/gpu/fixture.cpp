@@ -4,11 +4,13 @@
 #include <cmath>
 #include <fstream>
 #include <optional>
+#include <string_view>
 
 #include <unistd.h>
 
 #include "common/ply.h"
 #include "common/tetrahedra.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -43,6 +45,7 @@ class Shared : public testing::Environment {
 public:
     std::optional<gpu::Device> device, without_mesh;
     std::optional<Stage> plain, plain_without_mesh;
+    size_t next_case = 0;
     void TearDown() override {
         plain.reset();
         plain_without_mesh.reset();
@@ -63,6 +66,25 @@ Stage& made(std::optional<Stage>& stage, const gpu::Device& device, uint32_t cap
 }
 
 } // namespace
+
+GpuTest::GpuTest() {
+    const auto* unit = testing::UnitTest::GetInstance();
+    const testing::TestSuite& suite = *unit->current_test_suite();
+    shared->next_case = 0; // the test's place in its suite
+    while (suite.GetTestInfo(int(shared->next_case)) != unit->current_test_info()) ++shared->next_case;
+}
+
+size_t GpuTest::nextCase() { return shared->next_case++; }
+
+std::vector<const char*> GpuTest::some(std::vector<const char*> methods) {
+    if (whole()) return methods;
+    const auto others =
+        std::ranges::stable_partition(methods, [](std::string_view name) { return name == "slabs" || name == "grid"; });
+    if (others.empty()) return methods;
+    std::swap(others.front(), others[nextCase() % others.size()]);
+    methods.erase(others.begin() + 1, others.end());
+    return methods;
+}
 
 const gpu::Device& GpuTest::device() { return made(shared->device, true); }
 const gpu::Device& GpuTest::deviceWithoutMesh() { return made(shared->without_mesh, false); }

@@ -36,6 +36,14 @@ class GpuTest : public testing::Test {
 protected:
     static constexpr uint32_t kPlainCapacity = 600;
 
+    GpuTest();
+
+    // The methods that a test draws a case with: all in the whole layer. In the quick one slabs, grid and one of the
+    // others, another one for each case.
+    static std::vector<const char*> some(std::vector<const char*> methods);
+    // The number of a case, by which the quick layer chooses: they differ among tests, and follow each other in a test.
+    static size_t nextCase();
+
     static const gpu::Device& device(); // with mesh shaders if the device has them
     static const gpu::Device& deviceWithoutMesh();
     // Stages for scenes of at most kPlainCapacity particles without objects, sky and ambient light.

@@ -19,7 +19,7 @@ protected:
     static Light point(glm::vec3 position) { return {.type = kPoint, .position = position, .intensity = {90, 80, 60}}; }
     // Relative RMSE of total radiance by all methods that march froxels. `lit`: of those that keep light at nodes.
     static void judgeAll(Scene scene, std::initializer_list<Pose> poses, double froxels, double lit) {
-        for (const char* method : {"froxels", "lit", "gradients"}) {
+        for (const char* method : some({"froxels", "lit", "gradients"})) {
             scene.render.method = method;
             double most = 0;
             for (const Pose& pose : poses) {
@@ -105,7 +105,7 @@ TEST_F(FroxelsTest, APointInFogHasItsClosedForm) {
         expected += std::exp(-sigma * (t - kNear + d)) / (d * d) * (9 - kNear) / kSteps;
     }
     expected *= sigma * 2 / (4 * kPi);
-    for (const char* method : {"froxels", "lit", "gradients"}) {
+    for (const char* method : some({"froxels", "lit", "gradients"})) {
         scene.render.method = method;
         const Picture picture = render(device(), scene, lookAt({0, 0, 0}, {0, 0, -1}, 0.02f), 33, 33);
         std::printf("%s: %.2e\n", method, double(picture.at(16, 16).r) / expected - 1);
@@ -121,7 +121,7 @@ TEST_F(FroxelsTest, AFurnaceHasNoColour) {
     scene.sky = {.zenith = glm::vec3(1), .horizon = glm::vec3(1), .ambient = glm::vec3(1)};
     for (const uint32_t slices : {8u, 128u}) {
         scene.render.froxels = {.pixels = 1, .slices = slices};
-        for (const char* method : {"froxels", "lit", "gradients"}) {
+        for (const char* method : some({"froxels", "lit", "gradients"})) {
             scene.render.method = method;
             const Picture picture = render(device(), scene, kInside, 64, 36);
             float off = 0;
@@ -139,7 +139,7 @@ TEST_F(FroxelsTest, AViewerSeesTheSameAloneAndAmongOthers) {
     scene.fogs = {{.extinction = 0.05f, .albedo = {0.9f, 0.8f, 0.7f}}};
     scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}};
     scene.lights = {point({0.5f, 2.5f, 2})};
-    for (const char* method : {"froxels", "lit", "gradients"}) {
+    for (const char* method : some({"froxels", "lit", "gradients"})) {
         scene.render.method = method;
         const Simulation simulation(scene);
         std::vector<EyeRequest> eyes;
@@ -198,7 +198,7 @@ TEST_F(FroxelsTest, WhatIsKeptFollowsTheScene) {
     turned.lights[0].to_light = glm::normalize(glm::vec3(-0.5f, 0.3f, 0.2f));
     thicker.fogs[0].extinction = 0.2f;
     darker.lights.pop_back();
-    for (const char* method : {"froxels", "lit", "gradients"}) {
+    for (const char* method : some({"froxels", "lit", "gradients"})) {
         Stage stage(device(), scene, 1);
         for (Scene now : {scene, moved, turned, thicker, darker, scene}) {
             now.render.method = method;

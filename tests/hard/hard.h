@@ -17,7 +17,7 @@ struct Way {
 };
 
 // Every method of the renderer with each of its quadratures.
-std::vector<Way> ways();
+std::vector<Way> allWays();
 void choose(Scene& scene, const Way& way);
 
 // The part of a ray on which a way integrates a particle: for isv inside its tetrahedron, for others the whole ray.
@@ -41,6 +41,10 @@ double ruleError(const Way& way);
 
 class HardTest : public GpuTest {
 protected:
+    // The ways that a case is drawn by: all in the whole layer, and for the table. In the quick layer slabs, grid and
+    // one of the others, another one for each case.
+    static std::vector<Way> ways();
+
     // Expects error <= tolerance and adds a row to the table. Of several rows with the same name, the one with the
     // largest error / tolerance is kept.
     static void judge(const std::string& hard_case, const std::string& way, double error, double tolerance);
