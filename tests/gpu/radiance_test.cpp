@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -69,13 +70,14 @@ TEST_F(RadianceTest, InterpolationErrs) {
     Scene scene = smoke();
     Seen seen(scene);
     Picture exact;
-    const auto errorBy = [&](const char* interpolation) {
+    const auto errorBy = [&](const char* interpolation, double allowed) {
         scene.render.radiance.interpolation = interpolation;
         const double error = difference(seen.see(scene), exact);
         std::printf("%-8s of %-8s %.3f %%, %llu places, %llu samples, %llu nodes\n", interpolation,
                     scene.render.radiance.quantity.c_str(), 100 * error, (unsigned long long)seen.work.places,
                     (unsigned long long)seen.work.samples, (unsigned long long)seen.work.nodes);
-        EXPECT_GT(error, 0);
+        EXPECT_LE(error, allowed) << interpolation << " of " << scene.render.radiance.quantity;
+        EXPECT_GE(error, allowed / 2) << "nothing is interpolated";
         EXPECT_GT(seen.work.samples, 0u);
         return error;
     };
@@ -84,8 +86,11 @@ TEST_F(RadianceTest, InterpolationErrs) {
         scene.render.radiance.interpolation = "exact";
         exact = seen.see(scene);
         const uint64_t all = seen.work.places;
-        const double rbf = errorBy("rbf"), gradient = errorBy("gradient"), nested = errorBy("nested");
-        if (scene.render.radiance.quantity == "factor") {
+        // A quarter more than measured.
+        const bool factor = scene.render.radiance.quantity == "factor";
+        const double rbf = errorBy("rbf", factor ? 0.018 : 0.081),
+                     gradient = errorBy("gradient", factor ? 0.0085 : 0.12), nested = errorBy("nested", 0.002);
+        if (factor) {
             EXPECT_LT(gradient, rbf);
         }
         EXPECT_LT(nested, std::min(rbf, gradient) / 4) << quantity;
@@ -126,12 +131,23 @@ TEST_F(RadianceTest, OneLevelOfNestedGridsIsExact) {
     }
 }
 
-// Samples that are dropped leave no node in the medium without light; as printed they do.
+// Samples that are dropped leave no place in the medium without light; as printed they do, and pixels are dark there.
 TEST_F(RadianceTest, ThereAreNoHoles) {
+    // Of pixels that show light, the least part that a picture has of the light of another.
+    const auto least = [](const Picture& picture, const Picture& exact) {
+        float brightest = 0;
+        for (const glm::vec4& pixel : exact.pixels) brightest = std::max(brightest, pixel.r);
+        float part = 1;
+        for (size_t i = 0; i < exact.pixels.size(); ++i)
+            if (exact.pixels[i].r > 0.01f * brightest) part = std::min(part, picture.pixels[i].r / exact.pixels[i].r);
+        return part;
+    };
     Random random(3);
     std::optional<Seen> seen;
     uint64_t printed_holes = 0, nodes = 0;
-    for (uint32_t i = 0; i < 100; ++i) {
+    float darkest = 1, darkest_printed = 1;
+    const uint32_t scenes = whole() ? 100 : 16;
+    for (uint32_t i = 0; i < scenes; ++i) {
         Scene scene =
             sceneOf(randomPoints(40, random.uniform(1, 6), random.uniform(0.5f, 4), random.uniform(0.2f, 4), i));
         scene.lights = {{.type = kPoint, .position = random.inCube(4), .intensity = glm::vec3(9)},
@@ -139,25 +155,31 @@ TEST_F(RadianceTest, ThereAreNoHoles) {
         scene.lights[1].axis = glm::normalize(-scene.lights[1].position);
         scene.render.method = "gradients";
         scene.render.froxels = {.pixels = 16, .slices = 8};
-        scene.render.radiance.interpolation = "gradient";
         scene.render.radiance.quantity = i % 2 == 0 ? "radiance" : "factor";
         scene.render.radiance.error = random.uniform(0.001f, 0.05f);
         if (!seen) seen.emplace(scene);
-        for (const glm::vec4& pixel : seen->see(scene).pixels) ASSERT_TRUE(std::isfinite(pixel.x + pixel.a)) << i;
+        scene.render.radiance.interpolation = "exact";
+        const Picture exact = seen->see(scene);
+        scene.render.radiance.interpolation = "gradient";
+        const Picture interpolated = seen->see(scene);
         EXPECT_EQ(seen->work.holes, 0u) << i;
         nodes += seen->work.nodes;
+        for (const glm::vec4& pixel : interpolated.pixels) ASSERT_TRUE(std::isfinite(pixel.x + pixel.a)) << i;
+        darkest = std::min(darkest, least(interpolated, exact));
         if (scene.render.radiance.quantity == "factor") {
-            const Picture interpolated = seen->see(scene);
-            scene.render.radiance.interpolation = "exact";
-            EXPECT_LE(difference(interpolated, seen->see(scene)), 0.25) << i;
-            scene.render.radiance.interpolation = "gradient";
+            EXPECT_LE(difference(interpolated, exact), 0.25) << i;
         }
         scene.render.radiance.weights = "printed";
-        seen->see(scene);
+        const Picture printed = seen->see(scene);
         printed_holes += seen->work.holes;
+        darkest_printed = std::min(darkest_printed, least(printed, exact));
     }
-    std::printf("%llu nodes computed alone, %llu holes as printed\n", (unsigned long long)nodes,
-                (unsigned long long)printed_holes);
+    std::printf("%llu nodes computed alone, %llu holes as printed; least part of the light %.3f, as printed %.3f\n",
+                (unsigned long long)nodes, (unsigned long long)printed_holes, double(darkest), double(darkest_printed));
+    // Interpolated light errs, down to a seventh of what there is. A hole has none.
+    EXPECT_GT(darkest, 0.1f);
+    EXPECT_LT(darkest_printed, 0.01f) << "this test sees no holes";
+    EXPECT_GT(nodes, 0u);
     EXPECT_GT(printed_holes, 0u);
 }
 
