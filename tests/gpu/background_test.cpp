@@ -14,7 +14,7 @@
 #include "tools/reference/medium_reference.h"
 #include "tools/reference/obstacle_tree.h"
 
-namespace brume::test {
+namespace brume::test::background_test {
 namespace {
 
 constexpr VkImageUsageFlags kTarget = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
@@ -318,4 +318,4 @@ TEST_F(BackgroundTest, EdgesAreFourSamples) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::background_test

@@ -5,7 +5,7 @@
 
 #include "tests/gpu/fixture.h"
 
-namespace brume::test {
+namespace brume::test::coarse_test {
 namespace {
 
 class CoarseTest : public GpuTest {};
@@ -218,4 +218,4 @@ TEST_F(CoarseTest, TwoEyesDrawSomePixelsInOneOrder) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::coarse_test

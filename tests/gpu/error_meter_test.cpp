@@ -9,7 +9,7 @@
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/truth.h"
 
-namespace brume::test {
+namespace brume::test::error_meter_test {
 namespace {
 
 using std::chrono::seconds;
@@ -194,4 +194,4 @@ TEST_F(ErrorMeterTest, WithoutAShareItMeasuresNothing) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::error_meter_test

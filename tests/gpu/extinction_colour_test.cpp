@@ -3,7 +3,7 @@
 
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::extinction_colour_test {
 namespace {
 
 const Pose kOutside = lookAt({2, 3, 14}, {0, 0, 0}, 0.9f), kInside = lookAt({0.5f, 0.3f, 1}, {0, 0, -5}, 1.0f);
@@ -204,4 +204,4 @@ TEST_F(ExtinctionColourTest, ProbedPixelsAreThoseOfThePicture) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::extinction_colour_test

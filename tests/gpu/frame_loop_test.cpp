@@ -6,7 +6,7 @@
 #include "tests/gpu/quadrature.h"
 #include "tools/bench/looker.h"
 
-namespace brume::test {
+namespace brume::test::frame_loop_test {
 namespace {
 
 // A viewer who looks on, past the same point.
@@ -346,4 +346,4 @@ TEST_F(FrameLoopTest, ALawThatIsWrongIsMendedByMeasuring) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::frame_loop_test

@@ -3,7 +3,7 @@
 
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::froxels_test {
 namespace {
 
 class FroxelsTest : public JudgedTest {
@@ -338,4 +338,4 @@ TEST_F(FroxelsTest, BandsAreNotSeen) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::froxels_test

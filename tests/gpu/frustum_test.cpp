@@ -5,7 +5,7 @@
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::frustum_test {
 namespace {
 
 constexpr uint32_t kWhole = 192, kTall = 160; // pixels of the symmetric picture
@@ -127,4 +127,4 @@ TEST_F(FrustumTest, ObjectsAndSkyStandWhereTheyStood) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::frustum_test

@@ -9,7 +9,7 @@
 #include "server/encode/png.h"
 #include "tests/gpu/fixture.h"
 
-namespace brume::test {
+namespace brume::test::full_colour_test {
 namespace {
 
 class FullColourTest : public GpuTest {
@@ -133,4 +133,4 @@ TEST_F(FullColourTest, PngKeepsEveryBitAndJpegAllOfTheColour) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::full_colour_test

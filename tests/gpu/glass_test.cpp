@@ -8,7 +8,7 @@
 #include "server/inputs/glass_block.h"
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::glass_test {
 namespace {
 
 const std::vector kOfParticles{"slabs", "grid", "isv", "sphere", "tiles", "froxels", "lit", "gradients", "march"};
@@ -383,4 +383,4 @@ TEST_F(GlassTest, LayersOfAnEye) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::glass_test

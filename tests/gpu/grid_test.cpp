@@ -6,7 +6,7 @@
 #include "server/methods/grid/medium_grid.h"
 #include "tests/gpu/closed_form.h"
 
-namespace brume::test {
+namespace brume::test::grid_test {
 namespace {
 
 constexpr uint32_t kWidth = 70, kHeight = 45; // no multiple of a tile's
@@ -257,4 +257,4 @@ TEST_F(GridTest, ARefusedGridIsCoarse) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::grid_test

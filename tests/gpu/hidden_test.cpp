@@ -11,7 +11,7 @@
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::hidden_test {
 namespace {
 
 constexpr uint32_t kWide = 101, kHigh = 67; // no multiple of a tile's
@@ -304,4 +304,4 @@ TEST_F(HiddenTest, AWallBeforeMostOfTheMediumErrsNoMore) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::hidden_test

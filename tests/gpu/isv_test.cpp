@@ -6,7 +6,7 @@
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::isv_test {
 namespace {
 
 constexpr uint32_t kWidth = 96, kHeight = 72;
@@ -224,4 +224,4 @@ TEST_F(GpuTest, NothingComesFromNothing) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::isv_test

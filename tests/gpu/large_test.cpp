@@ -4,7 +4,7 @@
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::large_test {
 namespace {
 
 constexpr uint32_t kCount = 30'000; // above kLargeMedium
@@ -158,4 +158,4 @@ TEST_F(LargeTest, PagesLoseNobody) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::large_test

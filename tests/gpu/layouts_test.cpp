@@ -14,7 +14,7 @@
 #include "test_shaders/layouts_comp.h"
 #include "test_shaders/tiny_numbers_comp.h"
 
-namespace brume::test {
+namespace brume::test::layouts_test {
 namespace {
 
 using namespace gpu;
@@ -243,4 +243,4 @@ TEST_F(GpuTest, AProgramRefusesWrongBindings) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::layouts_test

@@ -7,7 +7,7 @@
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::light_test {
 namespace {
 
 // Height along to_light at which a light ray through a point of light space first meets a box, below -1e29 when it
@@ -238,4 +238,4 @@ TEST_F(GpuTest, NoLightBehindABoxAndAllOfItBesideIt) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::light_test

@@ -1,7 +1,7 @@
 // Lists of a scene that commands change while a renderer draws it.
 #include "tests/gpu/fixture.h"
 
-namespace brume::test {
+namespace brume::test::lists_test {
 namespace {
 
 constexpr uint32_t kWidth = 96, kHeight = 54;
@@ -170,4 +170,4 @@ TEST_F(MovedObjectsTest, TheFirstOneIsLeftOutWhereShadersKnowNone) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::lists_test

@@ -5,7 +5,7 @@
 #include "server/opaque/objects.h"
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::many_objects_test {
 namespace {
 
 constexpr double kJoined = 2.5e-2;
@@ -71,4 +71,4 @@ TEST_F(ManyObjectsTest, MoreShadowsOnARayThanAreKeptApart) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::many_objects_test

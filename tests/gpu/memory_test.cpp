@@ -11,7 +11,7 @@
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::memory_test {
 namespace {
 
 uint64_t residentBytes() {
@@ -226,4 +226,4 @@ TEST(PipelineCache, WhatNoProgramUsesIsBoundedAndTheOldestGoesFirst) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::memory_test

@@ -3,7 +3,7 @@
 
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::mesh_test {
 namespace {
 
 constexpr double kMesh = 1e-2; // relative RMSE
@@ -115,4 +115,4 @@ TEST_F(MeshTest, TinyAndHuge) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::mesh_test

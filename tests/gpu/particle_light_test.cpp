@@ -10,7 +10,7 @@
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 
-namespace brume::test {
+namespace brume::test::particle_light_test {
 namespace {
 
 std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& scene,
@@ -161,4 +161,4 @@ TEST_F(GpuTest, ParticlesOnTheEdgeOfAShadowAreFound) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::particle_light_test

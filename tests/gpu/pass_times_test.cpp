@@ -9,7 +9,7 @@
 #include "server/gpu/commands.h"
 #include "tests/gpu/fixture.h"
 
-namespace brume::test {
+namespace brume::test::pass_times_test {
 namespace {
 
 using namespace gpu;
@@ -79,4 +79,4 @@ TEST_F(GpuTest, TheCpuDriverHasSeveralThreadsACore) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::pass_times_test

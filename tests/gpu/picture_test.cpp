@@ -10,7 +10,7 @@
 #include "server/encode/jpeg.h"
 #include "tests/gpu/closed_form.h"
 
-namespace brume::test {
+namespace brume::test::picture_test {
 namespace {
 
 // 0 ... 255, before rounding.
@@ -376,4 +376,4 @@ TEST(Device, EverythingIsGivenBack) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::picture_test

@@ -4,7 +4,7 @@
 #include "server/render/renderer.h"
 #include "tests/gpu/fixture.h"
 
-namespace brume::test {
+namespace brume::test::probe_test {
 namespace {
 
 class ProbeTest : public GpuTest {
@@ -101,4 +101,4 @@ TEST_F(ProbeTest, TooManyAreRefused) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::probe_test

@@ -4,7 +4,7 @@
 #include "tests/gpu/judged.h"
 #include "tests/layer.h"
 
-namespace brume::test {
+namespace brume::test::radiance_test {
 namespace {
 
 const Pose kPose = lookAt({2, 1.5f, 7}, {0, 0, 0}, 0.9f);
@@ -217,4 +217,4 @@ TEST_F(RadianceTest, AtRestNothingIsComputed) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::radiance_test

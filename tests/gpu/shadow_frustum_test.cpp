@@ -1,7 +1,7 @@
 // Shadow frusta against rays in double.
 #include "tests/gpu/shadow_voxels.h"
 
-namespace brume::test {
+namespace brume::test::shadow_frustum_test {
 namespace {
 
 // Froxels of eyes with pictures of different sizes, none a multiple of a froxel.
@@ -48,4 +48,4 @@ TEST_F(GpuTest, ShadowFrustaHaveWhatRaysFind) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::shadow_frustum_test

@@ -1,7 +1,7 @@
 // The shared shadow grid against rays in double: its voxels, where it puts a shadow's edge, and what is made when.
 #include "tests/gpu/shadow_voxels.h"
 
-namespace brume::test {
+namespace brume::test::shadow_grid_test {
 namespace {
 
 // Every voxel against rays in double, for the lights by slot.
@@ -292,4 +292,4 @@ TEST_F(GpuTest, ShadowSlotsStay) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::shadow_grid_test

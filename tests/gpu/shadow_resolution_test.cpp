@@ -4,7 +4,7 @@
 #include "server/light/shadow_resolution.h"
 #include "tests/gpu/fixture.h"
 
-namespace brume::test {
+namespace brume::test::shadow_resolution_test {
 namespace {
 
 constexpr glm::mat3 kAxes(1);
@@ -126,4 +126,4 @@ TEST(ShadowResolutionTest, SamplesStandForAll) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::shadow_resolution_test

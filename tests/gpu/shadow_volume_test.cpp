@@ -5,7 +5,7 @@
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 
-namespace brume::test {
+namespace brume::test::shadow_volume_test {
 namespace {
 
 // A particle in the map's cells (columns, rows, planes).
@@ -288,4 +288,4 @@ TEST_F(ShadowVolumeTest, IsRecordedOnceForWhatRests) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::shadow_volume_test

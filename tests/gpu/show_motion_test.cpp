@@ -7,7 +7,7 @@
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/shown.h"
 
-namespace brume::test {
+namespace brume::test::show_motion_test {
 namespace {
 
 class ShowMotionTest : public ShowTest {
@@ -131,4 +131,4 @@ TEST_F(ShowMotionTest, TheShadowMapOfASlowSunGoesOn) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::show_motion_test

@@ -8,7 +8,7 @@
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/shown.h"
 
-namespace brume::test {
+namespace brume::test::show_test {
 namespace {
 
 // A particle's tetrahedron on a ray, m along it; .y < .x: it is beside it. In double, by its four faces' planes, each
@@ -326,4 +326,4 @@ TEST_F(ShowTest, TetrahedraAreNotShownAsGaussians) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::show_test

@@ -6,7 +6,7 @@
 
 #include "tests/gpu/closed_form.h"
 
-namespace brume::test {
+namespace brume::test::slabs_test {
 namespace {
 
 constexpr uint32_t kWidth = 101, kHeight = 67; // no multiple of anything
@@ -244,4 +244,4 @@ TEST_F(SlabsTest, BlocksOfEveryWidthShowTheSamePicture) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::slabs_test

@@ -9,7 +9,7 @@
 #include "shaders/shared/sort_key.h"
 #include "tests/gpu/fixture.h"
 
-namespace brume::test {
+namespace brume::test::sort_test {
 namespace {
 
 struct Pairs {
@@ -104,4 +104,4 @@ TEST_F(SortTest, RefusesWhatDoesNotFit) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::sort_test

@@ -7,7 +7,7 @@
 #include "common/image.h"
 #include "tests/gpu/judged.h"
 
-namespace brume::test {
+namespace brume::test::sprites_test {
 namespace {
 
 class SpritesTest : public JudgedTest {
@@ -192,4 +192,4 @@ TEST_F(SpritesTest, LightMapsOfFilesAreDrawn) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::sprites_test

@@ -5,7 +5,7 @@
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/quadrature.h"
 
-namespace brume::test {
+namespace brume::test::stereo_test {
 namespace {
 
 constexpr uint32_t kWidth = 160, kHeight = 90;
@@ -96,4 +96,4 @@ TEST_F(StereoTest, NothingThatEitherEyeSeesIsLost) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::stereo_test

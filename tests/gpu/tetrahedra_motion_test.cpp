@@ -1,7 +1,7 @@
 // Media of tetrahedra that move, or are seen by who moves.
 #include "tests/gpu/tetrahedra_mesh.h"
 
-namespace brume::test {
+namespace brume::test::tetrahedra_motion_test {
 namespace {
 
 // A push moves corners, and the mesh follows. One that is strong enough folds it: what is drawn then is finite.
@@ -76,4 +76,4 @@ TEST_F(TetrahedraTest, SlowMotionDoesNotPop) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::tetrahedra_motion_test

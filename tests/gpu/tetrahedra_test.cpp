@@ -3,7 +3,7 @@
 #include "server/plan/memory.h"
 #include "tests/gpu/tetrahedra_mesh.h"
 
-namespace brume::test {
+namespace brume::test::tetrahedra_test {
 namespace {
 
 TEST_F(TetrahedraTest, TransmittanceIsThatOfAllIntervals) {
@@ -185,4 +185,4 @@ TEST_F(TetrahedraTest, ScatteringIsThatOfSlabs) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::tetrahedra_test

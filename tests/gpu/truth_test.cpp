@@ -11,7 +11,7 @@
 
 #include "tools/reference/pixel.h"
 
-namespace brume::test {
+namespace brume::test::truth_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ TEST_F(TruthTest, DependsOnWorldCameraPixelsAndTolerance) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::truth_test

@@ -12,7 +12,7 @@
 #include "tools/reference/geometry.h"
 #include "tools/reference/world.h"
 
-namespace brume::test {
+namespace brume::test::union_path_test {
 namespace {
 
 const glm::vec3 kFromAbove(0, 1, 0), kFromTheRight(1, 0, 0);
@@ -205,4 +205,4 @@ TEST_F(GpuTest, UnionPathsAreRefusedForTooManyParticles) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::union_path_test

@@ -6,7 +6,7 @@
 #include "server/sim/layout.h"
 #include "tests/hard/hard.h"
 
-namespace brume::test {
+namespace brume::test::count_test {
 namespace {
 
 // Naive: one NaN poisons the bounds of the shadow volume, the sort, and through them every pixel.
@@ -161,4 +161,4 @@ TEST_F(CountTest, AroundSixteenBits) {
 TEST_F(CountTest, AMillion) { check(1'000'000); }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::count_test

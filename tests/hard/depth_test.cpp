@@ -4,7 +4,7 @@
 
 #include "tests/hard/hard.h"
 
-namespace brume::test {
+namespace brume::test::depth_test {
 namespace {
 
 constexpr uint32_t kWidth = 33, kHeight = 25; // odd: one pixel looks straight ahead
@@ -203,4 +203,4 @@ TEST_F(HardTest, RadianceOfAMillion) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::depth_test

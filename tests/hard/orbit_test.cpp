@@ -3,7 +3,7 @@
 #include "tests/gpu/truth.h"
 #include "tests/hard/hard.h"
 
-namespace brume::test {
+namespace brume::test::orbit_test {
 namespace {
 
 constexpr int kFrames = 6;
@@ -58,4 +58,4 @@ TEST_F(HardTest, SlowOrbitThroughOverlaps) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::orbit_test

@@ -4,7 +4,7 @@
 #include "server/net/picture_size.h"
 #include "tests/hard/hard.h"
 
-namespace brume::test {
+namespace brume::test::picture_test {
 namespace {
 
 Scene someParticles() {
@@ -83,4 +83,4 @@ TEST_F(HardTest, SixteenIdenticalViewers) {
 }
 
 } // namespace
-} // namespace brume::test
+} // namespace brume::test::picture_test
