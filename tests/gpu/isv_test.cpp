@@ -43,7 +43,7 @@ protected:
             const glm::dvec3 here = pixelDirection(pose, kWidth, kHeight, x, y),
                              there = here + off.x * right + off.y * down;
             const double scale = glm::length(here) / glm::length(there); // of distances, where view depths are the same
-            const Interval inside = insideTetrahedron(blob, {ray.eye, glm::normalize(there), ray.begin / scale});
+            const Interval inside = test::insideTetrahedron(blob, {ray.eye, glm::normalize(there), ray.begin / scale});
             return std::exp(-depthOn(blob, ray, {inside.begin * scale, inside.end * scale}));
         };
         const double most = subpixel(device()); // vertices are rounded where they are drawn
