@@ -36,11 +36,11 @@ function(brume_program name)
   target_link_libraries(${name} PRIVATE brume_flags ${ARG_LINKS})
 endfunction()
 
-# brume_test(NAME [BY_FILE] SOURCES ... LINKS ... [TIMEOUT seconds]). Its label is the folder's name; the target
-# tests-LABEL builds all programs of one label. ctest runs the program once, or BY_FILE: once for each of its sources,
-# see tests_by_file.cmake.
+# brume_test(NAME [BY_FILE] SOURCES ... LINKS ... [TIMEOUT seconds] [ALONE FILE...]). Its label is the folder's name;
+# the target tests-LABEL builds all programs of one label. ctest runs the program once, or BY_FILE: once for each of its
+# sources, see tests_by_file.cmake. ALONE: files, without .cpp, that measure time: no other test runs beside them.
 function(brume_test name)
-  cmake_parse_arguments(ARG "BY_FILE" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "BY_FILE" "TIMEOUT" "SOURCES;LINKS;ALONE" ${ARGN})
   get_filename_component(label ${CMAKE_CURRENT_SOURCE_DIR} NAME)
   brume_program(${name} SOURCES ${ARG_SOURCES} LINKS ${ARG_LINKS} GTest::gtest GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
@@ -53,6 +53,9 @@ function(brume_test name)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
+  if(BRUME_SANITIZE)
+    math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")
+  endif()
   if(ARG_BY_FILE)
     set(tests ${CMAKE_CURRENT_BINARY_DIR}/${name}_by_file.cmake)
     file(GENERATE OUTPUT ${tests} CONTENT "set(program \"$<TARGET_FILE:${name}>\")
@@ -60,6 +63,7 @@ set(name ${name})
 set(label ${label})
 set(folder \"${PROJECT_SOURCE_DIR}\")
 set(timeout ${ARG_TIMEOUT})
+set(alone ${ARG_ALONE})
 include(\"${PROJECT_SOURCE_DIR}/cmake/tests_by_file.cmake\")
 ")
     set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${tests})

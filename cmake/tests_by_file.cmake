@@ -1,6 +1,6 @@
-# Read by ctest when it starts, after `program`, `name`, `label`, `folder` and `timeout` were set: one entry for each
-# source file of a test program, called NAME/FILE. An abort then loses the tests of one file, and every file has its
-# time. The program itself says which tests it has, so none is left out.
+# Read by ctest when it starts, after `program`, `name`, `label`, `folder`, `timeout` and `alone` were set: one entry
+# for each source file of a test program, called NAME/FILE. An abort then loses the tests of one file, and every file has
+# its time. The program itself says which tests it has, so none is left out.
 cmake_policy(VERSION 3.25)
 if(NOT EXISTS ${program})
   add_test(${name} ${program}) # fails: it was not built
@@ -35,4 +35,7 @@ endforeach()
 foreach(file ${files})
   add_test(${name}/${file} ${program} --gtest_filter=${filter_${file}})
   set_tests_properties(${name}/${file} PROPERTIES LABELS ${label} TIMEOUT ${timeout} WORKING_DIRECTORY ${folder})
+  if(file IN_LIST alone)
+    set_tests_properties(${name}/${file} PROPERTIES RUN_SERIAL TRUE)
+  endif()
 endforeach()

@@ -69,20 +69,23 @@ pageTest() {
     page
     (cd $web && npm run --silent test)
 }
-# What tests start must not keep the lock when it outlives them: {lock_fd}>&-
+# Several tests run side by side; those that measure time run alone (ALONE in CMakeLists.txt).
+# Compiled shaders are kept for all of them. What tests start must not keep the lock when it outlives them: {lock_fd}>&-
 runCtest() { # runCtest PRESET [CTEST ARGUMENT...]
     local preset=$1
     shift
     lock test
     mkdir -p "$ctest_times"
-    ctest --test-dir "build/$preset" --output-on-failure --no-tests=error \
-        --output-junit "$(mktemp "$PWD/$ctest_times/XXXXXX.xml")" "$@" {lock_fd}>&-
+    MESA_SHADER_CACHE_DIR=$PWD/build/shaders ctest --test-dir "build/$preset" -j "$(($(nproc) + 1))" \
+        --output-on-failure --no-tests=error --output-junit "$(mktemp "$PWD/$ctest_times/XXXXXX.xml")" "$@" \
+        {lock_fd}>&-
     unlock
 }
 browserTest() {
     lock test
     npmInstall tests/browser
-    BRUME_SERVER=$PWD/$release/bin/brume-server node tests/browser/run.mjs {lock_fd}>&-
+    MESA_SHADER_CACHE_DIR=$PWD/build/shaders BRUME_SERVER=$PWD/$release/bin/brume-server \
+        node tests/browser/run.mjs {lock_fd}>&-
     unlock
 }
 
@@ -153,6 +156,7 @@ underLoad() { # underLoad PRESET
     unlock
 }
 
+# testPart PART: one of those that `./dev test` takes; see ./dev help.
 testPart() {
     case "$1" in
     all)
@@ -160,8 +164,7 @@ testPart() {
         passed || return 0
         step "Build the page" page
         step "Tests: page" pageTest
-        step "Tests: unit, fuzz, reference" runCtest release -j "$(jobs)" -L "$without_device"
-        step "Tests: gpu, hard, bench, net, integration" runCtest release -LE "$without_device"
+        step "Tests: unit, fuzz, reference, net, gpu, hard, bench, integration" runCtest release
         step "Tests: browser" browserTest
         step "Package" package
         step "Tests: deploy" deployTest
@@ -174,7 +177,7 @@ testPart() {
     unit)
         step "Build the unit tests" build release tests-unit tests-fuzz tests-reference
         passed || return 0
-        step "Tests: unit, fuzz, reference" runCtest release -j "$(jobs)" -L "$without_device"
+        step "Tests: unit, fuzz, reference" runCtest release -L "$without_device"
         step "Tests: page" pageTest
         ;;
     gpu | hard | bench | net)
@@ -205,8 +208,7 @@ testPart() {
     asan | tsan) # of what needs Vulkan only the whole server under load: a software driver is slow under sanitizers
         step "Build ($1)" build "$1" tests-unit tests-fuzz tests-reference tests-net brume-server brume-load
         passed || return 0
-        step "Tests: unit, fuzz, reference ($1)" runCtest "$1" -L "$without_device"
-        step "Tests: net ($1)" runCtest "$1" -L '^net$'
+        step "Tests: unit, fuzz, reference, net ($1)" runCtest "$1" -L '^(unit|fuzz|reference|net)$'
         step "The server under load ($1)" underLoad "$1"
         ;;
     esac

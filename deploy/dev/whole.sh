@@ -1,0 +1,111 @@
+# shellcheck shell=bash
+# Part of ./dev: `./dev test whole`, everything that `./dev test` has no time for.
+
+readonly whole_page=docs/results/data/whole.md
+# In this order; those at the end take longest.
+readonly whole_parts=(page unit net gpu hard bench integration swiftshader browser deploy fuzz lint netem fairness
+    nodes soak asan tsan bookworm trixie)
+
+wholeHelp() {
+    cat <<END
+./dev test whole [PART...]
+
+Every case by every method, on both drivers; statistics; overload and load; several servers; bad links; sanitizers with
+the device; clang-tidy; fuzzing, 60 s each; both Debians from bare. It takes about three hours and root.
+Parts: ${whole_parts[*]}
+A part that passed for the same sources is not run again: a run that was interrupted goes on where it was.
+Verdicts and times go to $whole_page, outputs to build/whole.
+END
+}
+
+# A hash of all sources but the measured results, which a run itself changes.
+sourcesHash() { git ls-files -s | grep -v $'\tdocs/' | sha256sum | cut -c1-12; }
+
+wholePart() { # wholePart PART
+    local out=$PWD/build/whole
+    export BRUME_TESTS=whole
+    case "$1" in
+    page)
+        page
+        (cd $web && npm run --silent test)
+        ;;
+    unit) runCtest release -L "$without_device" ;;
+    net | gpu | hard | bench | integration) runCtest release -L "^$1\$" ;;
+    swiftshader) # every test of pictures, with a second implementation of Vulkan
+        tests/gpu/with_swiftshader.sh "$release/tests/gpu_tests"
+        tests/gpu/with_swiftshader.sh "$release/tests/hard_tests"
+        ;;
+    browser) browserTest ;;
+    deploy)
+        package
+        deployTest
+        ;;
+    fuzz) fuzz 60 "${fuzz_targets[@]}" ;;
+    lint) commandLint ;;
+    netem) asRoot python3 tests/network/links.py --programs "$release/bin" --out "$out/links.md" ;;
+    fairness) /usr/bin/python3 tests/network/fairness.py --programs "$release/bin" --out "$out/fairness.md" ;;
+    nodes) python3 tests/network/nodes.py --programs "$release/bin" --out "$out/cluster.md" ;;
+    soak) python3 tests/network/soak.py --programs "$release/bin" --minutes 10 --out "$out/soak.md" ;;
+    asan | tsan)
+        build "$1"
+        runCtest "$1" -LE '^bench$' # which measures, and draws what the others draw
+        underLoad "$1"
+        ;;
+    bookworm | trixie) BRUME_TESTS='' ./dev fresh "$1" test ;;
+    esac
+}
+
+# The table of all parts' verdicts for these sources.
+wholeTable() { # wholeTable SOURCES
+    local part verdict seconds day
+    printf '# Everything, once\n\n`./dev test whole`, commit %s, sources %s, %s.\n\n' \
+        "$(git rev-parse --short HEAD)" "$1" \
+        "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores, $(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release)"
+    printf '| part | verdict | time | day |\n|---|---|---|---|\n'
+    for part in "${whole_parts[@]}"; do
+        verdict='not run' seconds='' day=''
+        [[ ! -f build/whole/$1/$part ]] || IFS='|' read -r verdict seconds day <"build/whole/$1/$part"
+        printf '| %s | %s | %s | %s |\n' "$part" "$verdict" "${seconds:+$seconds s}" "$day"
+    done
+}
+
+commandWhole() { # [PART...]
+    local part sources begin parts=("$@")
+    [[ "${1:-}" != --help ]] || {
+        wholeHelp
+        return
+    }
+    for part in "$@"; do
+        [[ " ${whole_parts[*]} " == *" $part "* ]] ||
+            die "the whole has no part '$part'. There are: ${whole_parts[*]}"
+    done
+    ((${#parts[@]} > 0)) || parts=("${whole_parts[@]}")
+    sources=$(sourcesHash)
+    test_parts="whole $*"
+    trap summary EXIT
+    step "Set-up" setUp "${build_packages[@]}" "${lint_packages[@]}" "${fuzz_packages[@]}" "${network_packages[@]}" \
+        "${deploy_packages[@]}" "${python_packages[@]}" vulkan-validationlayers chromium openssl faketime qemu-user \
+        debootstrap
+    passed || exit 1
+    step "Build" build release
+    passed || exit 1
+    step "Build the page" page
+    mkdir -p "build/whole/$sources"
+    for part in "${parts[@]}"; do
+        if grep -qs '^passed' "build/whole/$sources/$part"; then
+            say "$part passed before"
+            continue
+        fi
+        begin=$SECONDS
+        step "$part (output: build/whole/$part.log)" wholeLogged "$part"
+        passed || tail -n 25 "build/whole/$part.log"
+        if passed; then last=passed; else last=FAILED; fi
+        echo "$last|$((SECONDS - begin))|$(date +%F)" >"build/whole/$sources/$part"
+        wholeTable "$sources" >$whole_page
+    done
+}
+
+wholeLogged() { # wholeLogged PART
+    exec >"build/whole/$1.log" 2>&1
+    wholePart "$1"
+}
