@@ -18,11 +18,11 @@
 namespace brume {
 namespace {
 
-constexpr size_t kMostBytes = 64 << 20;    // of a file and the buffers beside it, together
-constexpr size_t kMostValues = 200'000;    // of its JSON
-constexpr int kMostDepth = 64;             // of JSON in JSON: tinygltf calls itself for each
-constexpr size_t kLongestReason = 300;     // bytes, of what tinygltf says
-constexpr std::string_view kBeside = "//"; // what tinygltf is told is the folder of the file
+constexpr size_t kMostGltfBytes = 64 << 20; // of a file and the buffers beside it, together
+constexpr size_t kMostValues = 200'000;     // of its JSON
+constexpr int kMostDepth = 64;              // of JSON in JSON: tinygltf calls itself for each
+constexpr size_t kLongestReason = 300;      // bytes, of what tinygltf says
+constexpr std::string_view kBeside = "//";  // what tinygltf is told is the folder of the file
 
 [[noreturn]] void fail(const std::string& name, std::string what) {
     while (!what.empty() && (what.back() == '\n' || what.back() == ' ')) what.pop_back();
@@ -47,7 +47,7 @@ bool readBytes(const std::filesystem::path& file, size_t most, Bytes& out) {
 // The files that tinygltf may read: those in the folder of the glTF file.
 struct Beside {
     std::filesystem::path folder;
-    size_t left = kMostBytes; // bytes
+    size_t left = kMostGltfBytes; // bytes
 
     // Empty: the file may not be read.
     std::filesystem::path at(std::string_view path) const {
@@ -122,7 +122,7 @@ void checkJson(const std::string& name, std::string_view json) {
 }
 
 tinygltf::Model modelOf(std::string_view bytes, const std::string& name, const std::filesystem::path& folder) {
-    if (bytes.size() > kMostBytes) fail(name, "larger than 64 MiB");
+    if (bytes.size() > kMostGltfBytes) fail(name, "larger than 64 MiB");
     checkJson(name, jsonOf(bytes));
     Beside beside{folder};
     tinygltf::TinyGLTF reader;
@@ -151,9 +151,9 @@ tinygltf::Model modelOf(std::string_view bytes, const std::string& name, const s
     return model;
 }
 
-class Reader {
+class ModelReader {
 public:
-    Reader(const tinygltf::Model& model, const std::string& name, size_t most)
+    ModelReader(const tinygltf::Model& model, const std::string& name, size_t most)
         : model_(model), name_(name), most_(most) {}
 
     Gltf read() {
@@ -313,13 +313,13 @@ Gltf loadGltf(const std::filesystem::path& file, size_t most) {
     if (!std::filesystem::exists(file, error) && !error)
         fail(file.string(), "no such file; a relative mesh.file counts from the scene's folder");
     std::string bytes;
-    if (!readBytes(file, kMostBytes, bytes)) fail(file.string(), "cannot be read, or larger than 64 MiB");
+    if (!readBytes(file, kMostGltfBytes, bytes)) fail(file.string(), "cannot be read, or larger than 64 MiB");
     return parseGltf(bytes, file.string(), file.parent_path(), most);
 }
 
 Gltf parseGltf(std::string_view bytes, const std::string& name, const std::filesystem::path& folder, size_t most) {
     const tinygltf::Model model = modelOf(bytes, name, folder);
-    return Reader(model, name, most).read();
+    return ModelReader(model, name, most).read();
 }
 
 } // namespace brume

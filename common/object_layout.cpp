@@ -11,9 +11,9 @@ namespace {
 constexpr glm::vec3 kStone{0.42f, 0.38f, 0.33f}, kPlaster{0.62f, 0.55f, 0.45f}, kWood{0.24f, 0.15f, 0.09f},
     kLeaves{0.09f, 0.17f, 0.06f}, kDark{0.07f, 0.08f, 0.1f}, kGrass{0.13f, 0.2f, 0.07f};
 
-class Builder {
+class LayoutBuilder {
 public:
-    explicit Builder(const ObjectLayout& layout) : layout_(layout), random_(layout.seed) {}
+    explicit LayoutBuilder(const ObjectLayout& layout) : layout_(layout), random_(layout.seed) {}
 
     LaidOut build() {
         if (layout_.layout == kCourtyard) courtyard();
@@ -200,6 +200,6 @@ private:
 
 } // namespace
 
-LaidOut layOut(const ObjectLayout& layout) { return Builder(layout).build(); }
+LaidOut layOut(const ObjectLayout& layout) { return LayoutBuilder(layout).build(); }
 
 } // namespace brume

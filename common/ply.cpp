@@ -18,7 +18,7 @@ namespace {
 
 using ply::Element, ply::Property, ply::Reader, ply::Type;
 
-constexpr uint64_t kMostBytes = 512ull << 20; // a million points of 64 doubles
+constexpr uint64_t kMostPlyBytes = 512ull << 20; // a million points of 64 doubles
 
 // What is taken of a point.
 enum Slot : size_t { kX, kY, kZ, kScale, kRadius, kSigmaT, kOpacity, kRed, kGreen, kBlue, kId, kSlots };
@@ -240,7 +240,7 @@ std::string readBytes(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!regular || error || !in)
         throw SceneError(file.string() + ": PLY: cannot be read; expected a point cloud file");
-    if (size > kMostBytes) throw SceneError(file.string() + ": PLY: larger than 512 MiB");
+    if (size > kMostPlyBytes) throw SceneError(file.string() + ": PLY: larger than 512 MiB");
     std::string bytes(size, '\0');
     in.read(bytes.data(), static_cast<std::streamsize>(size));
     bytes.resize(static_cast<size_t>(in.gcount()));

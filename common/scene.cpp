@@ -18,7 +18,7 @@ namespace brume {
 
 namespace {
 
-constexpr size_t kMostBytes = 1 << 20; // of a scene file
+constexpr size_t kMostTextBytes = 1 << 20; // of a scene file
 
 // Reads the settings of one table into the scene.
 class SettingReader {
@@ -294,10 +294,11 @@ std::string sceneText(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!std::filesystem::is_regular_file(file) || !in)
         throw SceneError(file.string() + ": cannot be read; give a scene's name or the path of a TOML file");
-    std::string text(kMostBytes + 1, '\0');
+    std::string text(kMostTextBytes + 1, '\0');
     in.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<size_t>(in.gcount()));
-    if (text.size() > kMostBytes) throw SceneError(file.string() + ": larger than 1 MiB; a scene is a short TOML file");
+    if (text.size() > kMostTextBytes)
+        throw SceneError(file.string() + ": larger than 1 MiB; a scene is a short TOML file");
     return text;
 }
 

@@ -69,14 +69,21 @@ pageTest() {
     page
     (cd $web && npm run --silent test)
 }
+# What tests start neither reads the user's learnt costs nor learns them beside other tests: plans are of the built-in
+# costs. Compiled shaders are kept for all of them.
+testEnvironment() {
+    rm -rf build/test-cache
+    export XDG_CACHE_HOME=$PWD/build/test-cache MESA_SHADER_CACHE_DIR=$PWD/build/shaders BRUME_FIXED_COSTS=true
+}
 # Several tests run side by side; those that measure time run alone (ALONE in CMakeLists.txt).
-# Compiled shaders are kept for all of them. What tests start must not keep the lock when it outlives them: {lock_fd}>&-
+# What tests start must not keep the lock when it outlives them: {lock_fd}>&-
 runCtest() { # runCtest PRESET [CTEST ARGUMENT...]
     local preset=$1
     shift
     lock test
     mkdir -p "$ctest_times"
-    MESA_SHADER_CACHE_DIR=$PWD/build/shaders ctest --test-dir "build/$preset" -j "$(($(nproc) + 1))" \
+    testEnvironment
+    ctest --test-dir "build/$preset" -j "$(($(nproc) + 1))" \
         --output-on-failure --no-tests=error --output-junit "$(mktemp "$PWD/$ctest_times/XXXXXX.xml")" "$@" \
         {lock_fd}>&-
     unlock
@@ -84,8 +91,8 @@ runCtest() { # runCtest PRESET [CTEST ARGUMENT...]
 browserTest() {
     lock test
     npmInstall tests/browser
-    MESA_SHADER_CACHE_DIR=$PWD/build/shaders BRUME_SERVER=$PWD/$release/bin/brume-server \
-        node tests/browser/run.mjs {lock_fd}>&-
+    testEnvironment
+    BRUME_SERVER=$PWD/$release/bin/brume-server node tests/browser/run.mjs {lock_fd}>&-
     unlock
 }
 
@@ -98,6 +105,7 @@ package() {
 deployTest() {
     lock test
     npmInstall tests/deploy
+    testEnvironment
     /usr/bin/python3 -m unittest discover -s tests/deploy -p '*_test.py' {lock_fd}>&-
     unlock
 }

@@ -12,7 +12,7 @@ namespace brume::net {
 
 namespace ssl = boost::asio::ssl;
 
-constexpr size_t kMostKeyBytes = 64 << 10; // of the file
+constexpr size_t kMostTlsKeyBytes = 64 << 10; // of the file
 
 Tls::Tls(const std::filesystem::path& certificate, const std::filesystem::path& key)
     : context(ssl::context::tls_server) {
@@ -31,7 +31,7 @@ Tls::Tls(const std::filesystem::path& certificate, const std::filesystem::path& 
     check("--tls-certificate", certificate);
     // A key with a password is refused; without this OpenSSL would ask for the password on the terminal.
     context.set_password_callback([](size_t, ssl::context::password_purpose) { return std::string(); }, error);
-    std::string secret = readSecret("--tls-key", key, kMostKeyBytes);
+    std::string secret = readSecret("--tls-key", key, kMostTlsKeyBytes);
     context.use_private_key(boost::asio::buffer(secret), ssl::context::pem, error);
     OPENSSL_cleanse(secret.data(), secret.size());
     check("--tls-key", key);

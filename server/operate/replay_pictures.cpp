@@ -14,7 +14,7 @@ namespace brume {
 namespace {
 
 constexpr int kQuality = 95;
-constexpr uint64_t kTellEvery = 100; // pictures
+constexpr uint64_t kTellEveryPictures = 100; // pictures
 
 } // namespace
 
@@ -41,7 +41,7 @@ void ReplayPictures::ticked(const Simulation& simulation) {
     out.close();
     if (!out) throw RecordingError(file.string() + ": cannot be written; is the disk full?");
     ++written_;
-    if (written_ % kTellEvery == 0 || written_ == all_)
+    if (written_ % kTellEveryPictures == 0 || written_ == all_)
         spdlog::info("{} of {} pictures, tick {}", written_, all_, simulation.tick());
 }
 

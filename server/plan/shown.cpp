@@ -11,7 +11,6 @@ namespace brume {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kNear = double(kNearDepth);
 
 double square(double x) { return x * x; }
 
@@ -39,8 +38,8 @@ ShownMedium::ShownMedium(const PlanScene& scene, const PlanView& view) {
         const glm::dvec3 to = centre - eye;
         const glm::dvec3 c(glm::dot(to, axes[0]), -glm::dot(to, axes[1]), -glm::dot(to, axes[2]));
         Seen s{};
-        if (c.z + 2 * deviation <= kNear) return s;
-        const double z = std::max({c.z, deviation, kNear});
+        if (c.z + 2 * deviation <= double(kNearDepth)) return s;
+        const double z = std::max({c.z, deviation, double(kNearDepth)});
         s.projected = deviation / (pixel * z);
         s.cut = c.z < 3.5 * deviation;
         s.at = glm::dvec2(c) / (pixel * z) + glm::dvec2(frustum.left, frustum.up) / pixel;
@@ -59,7 +58,7 @@ ShownMedium::ShownMedium(const PlanScene& scene, const PlanView& view) {
         Seen& s = seen[i] = project(p.centre, p.deviation);
         if (s.share <= 0) continue;
         const glm::dvec3 to = p.centre - eye;
-        const double distance = std::max(glm::length(to), kNear);
+        const double distance = std::max(glm::length(to), double(kNearDepth));
         double before = 0;
         for (const SampledParticle& other : all)
             before += depthBetween(other, p.centre, -to / distance, distance, &other == &p);

@@ -13,7 +13,6 @@
 namespace brume {
 namespace {
 
-constexpr double kNear = double(kNearDepth);
 constexpr double kComputed = 0.25;        // of the pixels, where their neighbours tell most of them
 constexpr double kPiecesWithoutSlabs = 6; // of a ray in a light's range
 
@@ -24,7 +23,7 @@ struct Depths {
 Depths depthsOf(const MediumExtent& e, const Pose& pose) {
     const DepthRange all = depthRange(e, pose.position, pose.orientation * glm::vec3(0, 0, -1));
     Depths depths{all.near, all.far};
-    depths.near = std::max(depths.near, kNear);
+    depths.near = std::max(depths.near, double(kNearDepth));
     depths.far = std::max(depths.far, depths.near);
     return depths;
 }
@@ -134,7 +133,7 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
     const glm::dvec2 axis = glm::dvec2(frustum.left, frustum.up) / pixel_; // where the view axis meets the picture
     const auto boxOf = [&](glm::vec3 centre, double radius) {
         const glm::dvec3 c = inView(centre);
-        const double near = std::max(c.z - radius, kNear), far = c.z + radius;
+        const double near = std::max(c.z - radius, double(kNearDepth)), far = c.z + radius;
         if (radius <= 0 || far <= near) return Seen{};
         const glm::dvec2 lo = glm::dvec2(c) - radius, hi = glm::dvec2(c) + radius;
         const glm::dvec2 first = glm::min(lo / near, lo / far) / pixel_ + axis;
@@ -182,7 +181,7 @@ void ViewWork::addLayers(bool has_rays, Work& work) const {
     if (layers_ > 0) work[costs::kGlass] += pixels() * (1 + layers_) * (1 + double(scene_.glasses.size()));
 }
 
-bool ViewWork::inside() const { return near_ <= kNear; }
+bool ViewWork::inside() const { return near_ <= double(kNearDepth); }
 
 double ViewWork::raySpacing(uint32_t rate) const {
     return rate * pixel_ * 0.5 * (near_ + far_) / double(scene_.extent.deviation);

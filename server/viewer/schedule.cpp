@@ -9,11 +9,11 @@ namespace {
 
 using Millis = std::chrono::duration<double, std::milli>;
 
-constexpr double kSmoothing = 0.2; // weight of the newest sample
-constexpr double kWorthIt = 1.5;   // one batch of all viewers may take so many budgets before it is split into two
+constexpr double kNewestPart = 0.2; // weight of the newest sample
+constexpr double kWorthIt = 1.5;    // one batch of all viewers may take so many budgets before it is split into two
 constexpr std::chrono::seconds kActive{1}, kForget{10};
 
-void smooth(double& value, double sample) { value = value == 0 ? sample : value + kSmoothing * (sample - value); }
+void smooth(double& value, double sample) { value = value == 0 ? sample : value + kNewestPart * (sample - value); }
 
 } // namespace
 

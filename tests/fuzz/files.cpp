@@ -17,7 +17,6 @@ namespace brume::fuzz {
 namespace {
 
 constexpr size_t kLongestRefusal = 2000; // an unknown key is answered with every key that there is
-bool within(glm::vec3 v, Limits allowed) { return allowed.holds(v.x) && allowed.holds(v.y) && allowed.holds(v.z); }
 
 void tetrahedra(const std::string& bytes) {
     try {

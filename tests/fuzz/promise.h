@@ -8,6 +8,9 @@
 #include <string_view>
 #include <type_traits>
 
+#include <glm/glm.hpp>
+
+#include "common/scene_limits.h"
 #include "tests/fuzz/targets.h"
 
 namespace brume::fuzz {
@@ -17,6 +20,11 @@ inline void promise(bool holds, const char* what, std::string_view shown = {}) {
     if (holds) return;
     std::cerr << "broken promise: " << what << (shown.empty() ? "" : ": ") << shown << std::endl;
     std::abort();
+}
+
+// True: each component is allowed.
+inline bool within(glm::vec3 v, Limits allowed) {
+    return allowed.holds(v.x) && allowed.holds(v.y) && allowed.holds(v.z);
 }
 
 // A message for people must be one line without control characters.

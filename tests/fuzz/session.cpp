@@ -17,7 +17,6 @@ using std::chrono::microseconds;
 
 enum Kind : uint8_t { kBytes, kHello, kPose, kInput, kAck, kText, kTick, kUnknownFrame, kPing, kPong, kKinds };
 
-bool within(glm::vec3 v, Limits allowed) { return allowed.holds(v.x) && allowed.holds(v.y) && allowed.holds(v.z); }
 bool isDrawable(const Frustum& f) { // all zero: the symmetric one of fov_y
     if (f == Frustum{}) return true;
     for (const float tangent : {f.left, f.right, f.up, f.down})

@@ -5,7 +5,7 @@ namespace {
 
 constexpr uint64_t kKept = 120; // submissions without a picture of an eye, after which it is forgotten
 constexpr uint64_t kHues = 4;   // numbers for each eye: each hue has a history of its own
-constexpr uint64_t kMostBytesOfEye = 96 << 20, kMostBytes = 512 << 20; // every device can bind 128 MiB
+constexpr uint64_t kMostBytesOfEye = 96 << 20, kMostBytesOfAll = 512 << 20; // every device can bind 128 MiB
 constexpr VkBufferUsageFlags kBlock = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 } // namespace
@@ -28,7 +28,7 @@ FroxelHistory::Bound FroxelHistory::record(gpu::Commands& commands, const EyeInp
     uint64_t others = 0;
     for (const auto& [other, eye] : eyes_)
         if (other != number) others += eye.cells.size();
-    if (others + bytes > kMostBytes) {
+    if (others + bytes > kMostBytesOfAll) {
         if (known != eyes_.end()) eyes_.erase(known);
         return none;
     }

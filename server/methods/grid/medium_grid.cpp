@@ -16,7 +16,7 @@ uint32_t markBytes(const gpu::MediumGrid& grid) { // as in shaders/lib/grid_mark
 
 uint32_t linesOf(glm::uvec3 bricks) { return bricks.x + bricks.y + bricks.z; }
 
-constexpr VkBufferUsageFlags kScratch = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+constexpr VkBufferUsageFlags kGridBuffer = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 bool same(const gpu::MediumGrid& a, const gpu::MediumGrid& b) {
     return a.origin == b.origin && a.spacing == b.spacing && a.bricks == b.bricks && a.variance == b.variance;
@@ -42,14 +42,15 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
     const uint32_t words = gpu::groups(in.count, 32), quantities = gpu::mediumQuantities(one_albedo_);
     const glm::uvec3 bricks = grid.bricks, coarse = coarseBricks(grid);
     const VkDeviceSize member_bytes = std::max<VkDeviceSize>(in.count * sizeof(gpu::SlabMember), 256);
-    members_.atLeast(device_, member_bytes, kScratch, gpu::Memory::device, "grid members");
+    members_.atLeast(device_, member_bytes, kGridBuffer, gpu::Memory::device, "grid members");
     const VkDeviceSize bin_bytes =
         std::max<VkDeviceSize>(lineBinBytes(linesOf(bricks) + linesOf(coarse), in.count), 256);
-    bins_.atLeast(device_, bin_bytes, kScratch, gpu::Memory::device, "grid bins");
-    nodes_.atLeast(device_, gridBytes(grid, one_albedo_), kScratch, gpu::Memory::device, "grid nodes");
+    bins_.atLeast(device_, bin_bytes, kGridBuffer, gpu::Memory::device, "grid bins");
+    nodes_.atLeast(device_, gridBytes(grid, one_albedo_), kGridBuffer, gpu::Memory::device, "grid nodes");
     if (hasCoarse(grid))
-        coarse_nodes_.atLeast(device_, coarseBytes(grid, one_albedo_), kScratch, gpu::Memory::device, "coarse nodes");
-    marks_.atLeast(device_, markBytes(grid), kScratch, gpu::Memory::device, "grid marks");
+        coarse_nodes_.atLeast(device_, coarseBytes(grid, one_albedo_), kGridBuffer, gpu::Memory::device,
+                              "coarse nodes");
+    marks_.atLeast(device_, markBytes(grid), kGridBuffer, gpu::Memory::device, "grid marks");
 
     const VkCommandBuffer cmd = commands.handle();
     {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNodesAcross = 96; // along the longest side of a box without particles
 constexpr double kCoarser = 1.26;
-constexpr uint64_t kLeastBytes = 256; // of a buffer that is bound, but not read
+constexpr uint64_t kLeastNodeBytes = 256; // of a buffer that is bound, but not read
 
 // Of a node in the larger buffer of LitNodes.
 uint64_t bytesOfNode(bool local_lights) { return local_lights ? 3 * sizeof(glm::vec4) : sizeof(float); }
@@ -70,10 +70,10 @@ bool LitKey::isSame(const TickInputs& tick, const MediumView& medium, const gpu:
 
 void LitNodes::atLeast(const gpu::Device& device, const gpu::LitGridShape& shape, bool local_lights) {
     const uint64_t count = nodesOf(shape), bytes = local_lights ? count * bytesOfNode(true) : 0;
-    nodes.atLeast(device, std::max<uint64_t>(bytes, kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    nodes.atLeast(device, std::max<uint64_t>(bytes, kLeastNodeBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                   gpu::Memory::device, "lit nodes");
-    sun.atLeast(device, std::max<uint64_t>(count * bytesOfNode(false), kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                gpu::Memory::device, "sunlit nodes");
+    sun.atLeast(device, std::max<uint64_t>(count * bytesOfNode(false), kLeastNodeBytes),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "sunlit nodes");
 }
 
 void LitGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes) {
