@@ -43,6 +43,7 @@ freshSystem() { # freshSystem RELEASE COLD
     rm -rf "$system"
     mkdir -p "$system"
     tar -C "$system" -xf "$fresh/$codename.tar"
+    echo force-unsafe-io >"$system/etc/dpkg/dpkg.cfg.d/unsafe-io" # as images of containers have it
     freshMirrors "$system"
     mkdir -p "$system"/root/.cache/ccache "$system"/root/.npm
     [[ -n $cold ]] || mkdir -p "$fresh/kept/$codename"/{apt/partial,npm,ccache}

@@ -11,10 +11,26 @@ asRoot() {
     fi
 }
 
+# A line that says how far apt is, each second; on a terminal only.
+aptProgress() {
+    [[ -t 1 ]] || return 0
+    while sleep 1; do
+        awk '/ newly installed/ { all = $3 } /^Unpacking / { ++unpacked } /^Setting up / { ++ready }
+            END { if (all) printf "\r   apt: of %d packages %d are unpacked, %d are ready ", all, unpacked, ready }' $apt_log
+    done
+}
+
 # What apt says is long: it goes to a file, and its end is shown when it fails.
 aptGet() {
+    local progress status=0
+    aptProgress &
+    progress=$!
     asRoot env DEBIAN_FRONTEND=noninteractive \
-        apt-get -q -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 "$@" >>$apt_log 2>&1 && return
+        apt-get -q -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 "$@" >>$apt_log 2>&1 || status=$?
+    kill $progress
+    wait $progress 2>/dev/null || true
+    [[ ! -t 1 ]] || echo
+    ((status != 0)) || return 0
     tail -n 20 $apt_log >&2
     die "apt-get $1 failed, see above and $apt_log." \
         "Once the reason is gone (network? mirror? password?), run this again."
