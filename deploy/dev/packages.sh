@@ -27,7 +27,7 @@ aptGet() {
     progress=$!
     asRoot env DEBIAN_FRONTEND=noninteractive \
         apt-get -q -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 "$@" >>$apt_log 2>&1 || status=$?
-    kill $progress
+    kill $progress 2>/dev/null || true
     wait $progress 2>/dev/null || true
     [[ ! -t 1 ]] || echo
     ((status != 0)) || return 0
