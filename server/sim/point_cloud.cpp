@@ -8,6 +8,7 @@
 #include "common/ply.h"
 #include "common/random.h"
 #include "common/scene_limits.h"
+#include "server/sim/elementary.h"
 #include "server/sim/spacing.h"
 
 namespace brume {
@@ -34,7 +35,7 @@ std::vector<float> cornerScales(const PointCloud& cloud, std::span<const glm::ve
     }
     std::vector<float> scales;
     scales.reserve(places.size());
-    for (const double volume : volumes) scales.push_back(scaleOf(float(std::cbrt(volume)) / kSqrt2Pi, medium));
+    for (const double volume : volumes) scales.push_back(scaleOf(float(cubeRoot(volume)) / kSqrt2Pi, medium));
     return scales;
 }
 
@@ -90,7 +91,7 @@ std::string placeExtinctions(const PointCloud& cloud, const Medium& medium, Plac
         return cloud.sigma_t.empty() ? "medium.extinction, medium.multiplier" : "the file's sigma_t";
     // On a ray through the centre the optical depth is peak * deviation * sqrt(2 pi), and 1 - opacity is left.
     for (size_t i = 0; i < cloud.opacity.size(); ++i) {
-        const float depth = -std::log1p(-std::min(cloud.opacity[i], kMostOpacity));
+        const auto depth = float(depthOf(double(std::min(cloud.opacity[i], kMostOpacity))));
         out.sigma_t.push_back(limits::kSigmaT.clamp(depth / (deviationOf(out.scale[i], medium) * kSqrt2Pi)));
     }
     return "from the file's opacity";

@@ -190,15 +190,6 @@ TEST_F(Sequences, EqualFilesGiveEqualHashesAndAnyDifferenceAnother) {
     EXPECT_NE(Simulation(with(second, "rate = 10\nloop = false\n")).stateHash(), start);
 }
 
-// As IsTheSameWithEveryCompiler.
-TEST_F(Sequences, FrozenHash) {
-    put("smoke-000.ply", kIds, "0.1 0.2 0.3 1\n5 0 0 2\n");
-    put("smoke-001.ply", kIds, "6 0.7 0 1\n1 1 1 3\n");
-    Simulation simulation(scene("rate = 7\nscale = [1, 2]\nseed = 3\n"));
-    run(simulation, 20);
-    EXPECT_EQ(simulation.stateHash(), 0xe867589cfff7cec8u);
-}
-
 // A particle's own numbers of the scene's ranges go with its id, not with its row.
 TEST_F(Sequences, SizesAndFactorsOfTheSceneBelongToThePoint) {
     put("smoke-000.ply", kIds, "0 0 0 7\n1 0 0 8\n");

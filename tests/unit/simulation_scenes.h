@@ -11,7 +11,7 @@ namespace brume {
 inline Scene cubeScene(uint32_t count = 1000, uint64_t seed = 1) {
     Scene scene;
     scene.lights.push_back({.to_light = {0.6f, 0.8f, 0}});
-    scene.render.method = "sphere"; // part of the frozen hashes
+    scene.render.method = "sphere";
     scene.medium.count = count;
     scene.medium.seed = seed;
     return scene;
