@@ -37,10 +37,12 @@ private:
     }
 
     void tree(glm::vec3 base, float height) {
-        box(base, {0.07f * height, 0.5f * height, 0.07f * height}, about(kWood), between(0, 1));
+        const float yaw = between(0, 1);
+        box(base, {0.07f * height, 0.5f * height, 0.07f * height}, about(kWood), yaw);
         for (int i = 0; i < 12; ++i) {
             const glm::vec3 at = 0.26f * height * random_.inBall();
-            ball(base + glm::vec3(0, 0.7f * height, 0) + at, height * between(0.09f, 0.17f), about(kLeaves));
+            const glm::vec3 albedo = about(kLeaves);
+            ball(base + glm::vec3(0, 0.7f * height, 0) + at, height * between(0.09f, 0.17f), albedo);
         }
     }
 
@@ -60,6 +62,13 @@ private:
             }
     }
 
+    // A call's arguments are computed in an order that is the compiler's: at most one of them draws a random number.
+    void stone(glm::vec3 base, float size, float lowest, float highest) {
+        const float yaw = between(0, 3);
+        const glm::vec3 albedo = about(kStone);
+        box(base, {size, between(lowest, highest), size}, albedo, yaw);
+    }
+
     // Small things on the ground of a rectangle, until all are there.
     void scatter(glm::vec2 half) {
         while (!full()) {
@@ -68,7 +77,7 @@ private:
             if (random_.uniform() < 0.4f)
                 ball(at + glm::vec3(0, size / 2, 0), size / 2, about(kStone));
             else
-                box(at, {size, between(0.1f, 0.6f), size}, about(kStone), between(0, 3));
+                stone(at, size, 0.1f, 0.6f);
         }
     }
 
@@ -83,8 +92,10 @@ private:
         }
         box({0, 0, 0}, {5, 0.8f, 5}, kStone, 0.78f);
         ball({0, 1.7f, 0}, 0.9f, kStone);
-        for (int i = 0; i < 6; ++i)
-            tree({(float(i) - 2.5f) * 9 + between(-1, 1), 0, (i % 2 ? 4.5f : -4.5f)}, between(5, 8));
+        for (int i = 0; i < 6; ++i) {
+            const float height = between(5, 8);
+            tree({(float(i) - 2.5f) * 9 + between(-1, 1), 0, (i % 2 ? 4.5f : -4.5f)}, height);
+        }
         for (const float side : {-1.0f, 1.0f}) {
             for (int i = 0; i < 19; ++i) box({(float(i) - 9) * 3, 0, side * 8}, {0.5f, 3.6f, 0.5f}, about(kStone));
             for (int i = 0; i < 5; ++i) box({side * 28.6f, 0, (float(i) - 2) * 3}, {0.5f, 3.6f, 0.5f}, about(kStone));
@@ -140,14 +151,17 @@ private:
             const glm::vec2 at = 40.0f * random_.inDisc();
             islands.push_back({{at.x, between(10, 56), at.y}, between(3, 8)});
         }
-        for (const Island& i : islands)
-            box(i.top - glm::vec3(0, 0.8f, 0), {1.7f * i.radius, 0.8f, 1.5f * i.radius}, about(kGrass), between(0, 3));
+        for (const Island& i : islands) {
+            const float yaw = between(0, 3);
+            box(i.top - glm::vec3(0, 0.8f, 0), {1.7f * i.radius, 0.8f, 1.5f * i.radius}, about(kGrass), yaw);
+        }
         for (int layer = 0; layer < 4; ++layer) // rock: smaller and smaller downward
             for (const Island& i : islands) {
                 const float part = 1.5f - 0.33f * float(layer), high = 0.35f * i.radius;
-                const glm::vec3 off = 0.12f * i.radius * glm::vec3(between(-1, 1), 0, between(-1, 1));
+                const float z = between(-1, 1), x = between(-1, 1), yaw = between(0, 3);
+                const glm::vec3 off = 0.12f * i.radius * glm::vec3(x, 0, z), albedo = about(kStone);
                 box(i.top + off - glm::vec3(0, 0.8f + high * float(layer + 1), 0),
-                    {part * i.radius, high, part * i.radius * between(0.8f, 1)}, about(kStone), between(0, 3));
+                    {part * i.radius, high, part * i.radius * between(0.8f, 1)}, albedo, yaw);
             }
         for (int round = 0; round < 3; ++round)
             for (const Island& i : islands) {
@@ -158,7 +172,7 @@ private:
             const Island& i = islands[size_t(random_.uniform() * float(islands.size()))];
             const glm::vec2 at = 0.6f * i.radius * random_.inDisc();
             const float size = between(0.2f, 0.7f);
-            box(i.top + glm::vec3(at.x, 0, at.y), {size, between(0.2f, 0.8f), size}, about(kStone), between(0, 3));
+            stone(i.top + glm::vec3(at.x, 0, at.y), size, 0.2f, 0.8f);
         }
     }
 
