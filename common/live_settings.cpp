@@ -114,26 +114,29 @@ SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts) {
     return std::visit(Read{}, setting.member(parts));
 }
 
-SettingValue defaultOf(const SceneSetting& setting) {
-    Medium medium;
-    SimulationSettings simulation;
-    Light light;
-    Fog fog;
-    Plane plane;
-    Box box;
-    Sphere sphere;
-    Sky sky;
-    RenderSettings render;
-    return valueOf(setting, {.medium = &medium,
-                             .simulation = &simulation,
-                             .light = &light,
-                             .fog = &fog,
-                             .plane = &plane,
-                             .box = &box,
-                             .sphere = &sphere,
-                             .sky = &sky,
-                             .render = &render});
+const SceneParts& defaultParts() {
+    static Medium medium;
+    static SimulationSettings simulation;
+    static Light light;
+    static Fog fog;
+    static Plane plane;
+    static Box box;
+    static Sphere sphere;
+    static Sky sky;
+    static RenderSettings render;
+    static const SceneParts parts{.medium = &medium,
+                                  .simulation = &simulation,
+                                  .light = &light,
+                                  .fog = &fog,
+                                  .plane = &plane,
+                                  .box = &box,
+                                  .sphere = &sphere,
+                                  .sky = &sky,
+                                  .render = &render};
+    return parts;
 }
+
+SettingValue defaultOf(const SceneSetting& setting) { return valueOf(setting, defaultParts()); }
 
 std::vector<SettingValue> defaultValues() {
     std::vector<SettingValue> values;

@@ -71,7 +71,7 @@ struct SceneSetting {
 
 inline constexpr size_t kLongestName = 64; // bytes
 
-// The settings of one table stand together. The order of live settings is part of the state's hash.
+// The settings of one table stand together.
 std::span<const SceneSetting> sceneSettings();
 
 // The range of render.isv.steps depends on its quadrature; the table has the widest one.
@@ -120,7 +120,8 @@ const SceneSetting* liveSetting(std::string_view path);
 const SceneSetting* elementSetting(SceneList list, std::string_view path);
 // Of a live setting. Precondition: its struct is among `parts`.
 SettingValue valueOf(const SceneSetting& setting, const SceneParts& parts);
-// That of a default-constructed struct.
+// Structs with the defaults of all live settings. Nobody changes them.
+const SceneParts& defaultParts();
 SettingValue defaultOf(const SceneSetting& setting);
 // The defaults of all live settings, in the order of liveSettings().
 std::vector<SettingValue> defaultValues();

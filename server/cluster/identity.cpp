@@ -11,6 +11,13 @@ namespace {
 
 constexpr int kRules = 1; // of Log and of a state's bytes: another number is another version
 
+// The bytes of a state have settings in the order of the table.
+uint64_t hashOfTable() {
+    StateHash hash;
+    for (const SceneSetting& setting : sceneSettings()) hash.add(setting.path);
+    return hash.value();
+}
+
 std::string versionAndScene(const Identity& identity) {
     return fmt::format("brume {} scene {} ", identity.version, identity.scene);
 }
@@ -23,7 +30,8 @@ Identity identityOf(const Simulation& simulation, const std::string& scene, cons
     hash.add(std::string_view(text));
     for (const std::string& one : overrides) hash.add(std::string_view(one));
     hash.add(simulation.origin());
-    return {fmt::format("{}/{}.{}", BRUME_VERSION, kRecordingVersion, kRules), scene, hash.value()};
+    return {fmt::format("{}/{}.{}.{:08x}", BRUME_VERSION, kRecordingVersion, kRules, uint32_t(hashOfTable())), scene,
+            hash.value()};
 }
 
 std::string textOf(const Identity& identity) { return versionAndScene(identity) + hexOf(identity.hash); }

@@ -28,7 +28,7 @@
 
 namespace brume {
 
-// Another number: live settings are others, and so are hashes of states.
+// Another number: the file's format is another. Settings that are new, or gone without use, change no hash of a state.
 inline constexpr int kRecordingVersion = 14;
 
 struct RecordingHead {

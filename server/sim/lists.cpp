@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "common/scene_limits.h"
+#include "server/sim/settings_hash.h"
+#include "server/sim/state_hash.h"
 
 namespace brume {
 namespace {
@@ -44,16 +46,6 @@ decltype(auto) visit(Lists& lists, SceneList list, F&& f) {
     }
     return f(lists.spheres);
 }
-
-struct AddTo {
-    StateHash& hash;
-    void operator()(const std::string* text) const { hash.add(std::string_view(*text)); }
-    void operator()(const glm::vec3* vector) const { hash.add(std::span(&vector->x, 3)); }
-    void operator()(const float* number) const { hash.add(std::span(number, 1)); }
-    void operator()(const bool* flag) const { hash.add(uint64_t{*flag}); }
-    template <class Other>
-    void operator()(const Other*) const {} // no element has one
-};
 
 struct Exchange {
     StateBytes& bytes;
@@ -178,14 +170,14 @@ std::string problemOf(const SceneLists& lists, bool particles) {
 }
 
 uint64_t hashOf(SceneLists& lists) {
-    StateHash hash;
+    uint64_t sum = 0;
     for (const SceneList list : kSceneLists) {
-        hash.add(uint64_t{lists.size(list)});
+        if (lists.size(list) == 0) continue;
+        sum += hashOf(nameOf(list), lists.size(list));
         for (uint32_t element = 0; element < lists.size(list); ++element)
-            for (const SceneSetting* setting : liveSettings(list))
-                std::visit(AddTo{hash}, setting->member(partsOf(lists, list, element)));
+            sum += hashOf(liveSettings(list), partsOf(lists, list, element), element);
     }
-    return hash.value();
+    return sum;
 }
 
 } // namespace brume

@@ -6,7 +6,6 @@
 
 #include "common/settings.h"
 #include "server/sim/state_bytes.h"
-#include "server/sim/state_hash.h"
 
 namespace brume {
 
@@ -43,7 +42,7 @@ std::string problemOf(const SceneLists& lists, bool particles);
 // Writes or reads all elements with all settings that a scene file gives them. Throws StateError.
 void exchange(StateBytes& bytes, SceneLists& lists);
 
-// Of all live settings of all elements. Changes nothing.
+// Of all live settings of all elements, and how many there are. Changes nothing.
 uint64_t hashOf(SceneLists& lists);
 
 } // namespace brume

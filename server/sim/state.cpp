@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
+#include "server/sim/settings_hash.h"
 #include "server/sim/state_hash.h"
 
 namespace brume {
 
-// What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for. Live
-// settings come type after type.
+// What can differ between two runs of one scene; the rest follows from the scene, which `origin` stands for.
 uint64_t Simulation::State::hashed() {
     StateHash out;
     out.add(origin);
@@ -16,17 +16,12 @@ uint64_t Simulation::State::hashed() {
         for (const Column c : {Column::x, Column::y, Column::z, Column::vx, Column::vy, Column::vz})
             out.add(std::span((*columns)[c] + run.begin, run.end - run.begin));
     out.add(std::span(&moved.x, 3));
-    const SceneParts parts = partsOf(now);
-    eachLive<glm::vec3>(parts, [&](const glm::vec3& value) { out.add(std::span(&value.x, 3)); });
-    eachLive<float>(parts, [&](const float& value) { out.add(std::span(&value, 1)); });
-    eachLive<std::string>(parts, [&](const std::string& value) { out.add(std::string_view(value)); });
+    out.add(hashOf(liveSettings(), partsOf(now)));
     out.add(lists_hash);
     for (const Light& light : now.lists.lights)
         if (light.orbit != 0) out.add(std::span(&light.position.x, 3));
     out.add(steps);
     out.add(motion->history());
-    eachLive<uint32_t>(parts, [&](uint32_t value) { out.add(uint64_t{value}); });
-    eachLive<bool>(parts, [&](bool value) { out.add(uint64_t{value}); });
     return out.value();
 }
 

@@ -26,4 +26,9 @@ private:
     XXH3_state_t state_;
 };
 
+// Of a short text or a value's bytes, in one go.
+inline uint64_t hashOf(std::string_view bytes, uint64_t seed) {
+    return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+}
+
 } // namespace brume
