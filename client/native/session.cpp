@@ -129,7 +129,10 @@ uint32_t Session::sendImpulse(const Impulse& impulse) {
 }
 
 uint32_t Session::sendPaused(bool paused) {
-    return sendCommand<wire::SetSimulation>([&](auto& b) { return wire::CreateSetSimulation(b, paused); });
+    return sendCommand<wire::Set>([&](auto& b) {
+        const std::vector changes{wire::CreateChangeDirect(b, "simulation.paused", paused)};
+        return wire::CreateSetDirect(b, &changes);
+    });
 }
 
 void Session::acknowledge(uint32_t frame) {

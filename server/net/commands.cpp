@@ -86,20 +86,6 @@ public:
         refuse(wire::ErrorCode::unknown_name, "no such element: fog[0] is the first fog");
         return {};
     }
-    // Adds a change where there is a value.
-    void change(Set& set, std::string_view path, const wire::Vec3* value) {
-        if (value) add(set.changes, {path, toGlm(*value)});
-    }
-    void change(Set& set, std::string_view path, const flatbuffers::String* value) {
-        if (value) add(set.changes, {path, value->str()});
-    }
-    // A quadrature without its method's name, as SetRender has it.
-    void quadrature(Set& set, const flatbuffers::String* value) {
-        if (!value) return;
-        const SceneSetting* setting = quadratureSetting(value->string_view());
-        if (!setting) return refuse(wire::ErrorCode::unknown_name, "no such quadrature; docs/scenes.md has them");
-        add(set.changes, {setting->path, value->str()});
-    }
     SetParticles particles(const wire::SetParticles& c) {
         ParticleRows rows;
         SetParticles set{c.first(), c.live(), c.seconds(), nullptr};
@@ -120,10 +106,6 @@ public:
     void push() {
         if (medium_.layout == Layout::live || medium_.layout == Layout::sequence)
             refuse(wire::ErrorCode::unexpected, "pushes move nothing here: the particles come from elsewhere");
-    }
-    template <class T>
-    void change(Set& set, std::string_view path, flatbuffers::Optional<T> value) {
-        if (value) add(set.changes, {path, *value});
     }
 
 private:
@@ -206,39 +188,6 @@ CommandBody readBody(const wire::Input& input, Reader& in) {
     }
     case wire::Command::MoveVolume:
         return MoveVolume{in.vector("offset", *input.command_as_MoveVolume()->offset(), limits::kPlace)};
-    // The commands of settings before Set: one for each table, each field under its setting's name.
-    case wire::Command::SetLight: {
-        const auto& c = *input.command_as_SetLight();
-        Set set;
-        in.change(set, "light.to_light", c.to_light());
-        in.change(set, "light.irradiance", c.irradiance());
-        in.change(set, "light.rotate", c.rotate());
-        return set;
-    }
-    case wire::Command::SetMedium: {
-        const auto& c = *input.command_as_SetMedium();
-        Set set;
-        in.change(set, "medium.extinction", c.extinction());
-        in.change(set, "medium.falloff", c.falloff());
-        in.change(set, "medium.anisotropy", c.anisotropy());
-        in.change(set, "medium.asymmetry", c.asymmetry());
-        in.change(set, "medium.albedo", c.albedo());
-        return set;
-    }
-    case wire::Command::SetRender: {
-        const auto& c = *input.command_as_SetRender();
-        Set set;
-        in.change(set, "render.method", c.method());
-        in.quadrature(set, c.quadrature());
-        in.change(set, "render.isv.steps", c.steps());
-        in.change(set, "render.exposure", c.exposure());
-        return set;
-    }
-    case wire::Command::SetSimulation: {
-        Set set;
-        in.change(set, "simulation.paused", input.command_as_SetSimulation()->paused());
-        return set;
-    }
     case wire::Command::Set: {
         Set set;
         for (const wire::Change* change : *input.command_as_Set()->changes()) in.change(set, *change);

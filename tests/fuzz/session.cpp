@@ -185,12 +185,22 @@ wire::Packed input(Numbers& in, const ServerFacts& facts) {
                                                      which % 2 ? &positions : nullptr, live, e));
         }
         if (which % 5 == 0) return as(wire::CreateImpulse(b, &one, &two, which < 128 ? &three : nullptr, a));
-        if (which % 5 == 1) return as(wire::CreateSetLight(b, &one, &two, a));
-        if (which % 5 == 2) return as(wire::CreateSetMedium(b, a, c, d, e, &one));
         if (which % 5 == 3) return as(wire::CreateMoveVolume(b, &one));
-        const auto method = b.CreateString(name(in, facts.methods[0])),
-                   quadrature = b.CreateString(name(in, "simpson"));
-        return as(wire::CreateSetRender(b, method, quadrature, in.take<uint16_t>(), a));
+        std::vector<flatbuffers::Offset<wire::Change>> changes;
+        if (which % 5 == 1)
+            changes = {wire::CreateChangeDirect(b, "light.to_light", {}, &one),
+                       wire::CreateChangeDirect(b, "light.irradiance", {}, &two),
+                       wire::CreateChangeDirect(b, "light.rotate", a)};
+        else if (which % 5 == 2)
+            changes = {wire::CreateChangeDirect(b, "medium.extinction", a),
+                       wire::CreateChangeDirect(b, "medium.falloff", c),
+                       wire::CreateChangeDirect(b, "medium.anisotropy", d),
+                       wire::CreateChangeDirect(b, "medium.albedo", {}, &one)};
+        else
+            changes = {wire::CreateChangeDirect(b, "render.method", {}, nullptr, name(in, facts.methods[0]).c_str()),
+                       wire::CreateChangeDirect(b, "render.isv.quadrature", {}, nullptr, name(in, "simpson").c_str()),
+                       wire::CreateChangeDirect(b, "render.isv.steps", in.take<uint16_t>())};
+        return as(wire::CreateSetDirect(b, &changes));
     });
 }
 

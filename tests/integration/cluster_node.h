@@ -10,6 +10,7 @@
 #include "tests/integration/nats_server.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/net/set_message.h"
 
 namespace brume::test {
 
@@ -35,11 +36,7 @@ inline bool waitFor(RunningServer& server, const std::string& what, double least
 }
 
 inline void setExposure(Watcher& watcher, float exposure) {
-    watcher.session.sendCommand<wire::SetRender>([&](auto& builder) {
-        wire::SetRenderBuilder set(builder);
-        set.add_exposure(exposure);
-        return set.Finish();
-    });
+    watcher.session.sendCommand<wire::Set>(test::set("render.exposure", exposure));
 }
 
 // Ticks from `from` on that both know.

@@ -5,6 +5,7 @@
 
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/net/set_message.h"
 
 namespace brume::test {
 namespace {
@@ -243,8 +244,7 @@ TEST_F(HostileViewer, NumbersBeyondTheirLimitsAreRefused) {
     impulse(here, forward, inf);
     expectError(viewer, ErrorCode::out_of_range, 3);
     viewer.say([&](auto& b) {
-        const auto name = b.CreateString("no such method");
-        return wire::CreateInput(b, 4, 1, wire::Command::SetRender, wire::CreateSetRender(b, name).Union());
+        return wire::CreateInput(b, 4, 1, wire::Command::Set, test::set("render.method", "no such method")(b).Union());
     });
     expectError(viewer, ErrorCode::unknown_name, 4);
 }

@@ -10,6 +10,7 @@
 #include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/net/set_message.h"
 
 namespace brume::test {
 namespace {
@@ -44,11 +45,7 @@ TEST_F(Record, AKilledSessionOfTwoViewersReplaysToTheSameStatesAndPictures) {
     ASSERT_TRUE(watch({&a, &b}, [&] { return a.frames.size() >= 3 && b.frames.size() >= 3; }));
     for (int i = 0; i < 5; ++i) {
         a.session.sendImpulse({{0, 0, 26}, {0.01f * float(i), 0, -1}, {0, 0, 0}, 3});
-        b.session.sendCommand<wire::SetMedium>([&](auto& builder) {
-            wire::SetMediumBuilder set(builder);
-            set.add_extinction(10.1f + float(i));
-            return set.Finish();
-        });
+        b.session.sendCommand<wire::Set>(test::set("medium.extinction", 10.1f + float(i)));
         const size_t frames = a.frames.size();
         ASSERT_TRUE(watch({&a, &b}, [&] { return a.frames.size() >= frames + 2; }));
     }

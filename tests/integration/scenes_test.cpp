@@ -9,6 +9,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/net/set_message.h"
 
 namespace brume::test::scenes_test {
 namespace {
@@ -163,11 +164,7 @@ TEST_F(Scenes, AnUploadThatIsRefusedReplacesNothing) {
 TEST_F(Scenes, WhatWasTunedIsSavedAndLoadsAsTheSame) {
     RunningServer server({"--ahead", "off"});
     Watcher a(server.endpoint());
-    a.session.sendCommand<wire::SetMedium>([&](auto& builder) {
-        wire::SetMediumBuilder set(builder);
-        set.add_extinction(7.25f);
-        return set.Finish();
-    });
+    a.session.sendCommand<wire::Set>(test::set("medium.extinction", 7.25));
     HttpReply saved;
     ASSERT_TRUE(watch({&a}, [&] {
         saved = get(server.port(), "/scene.toml?position=1,2,30&target=0,1,0");
@@ -189,10 +186,7 @@ TEST_F(Scenes, LightsOfEveryTypeAreSaved) {
     EXPECT_EQ(dark.lights[0].type, kSpot);
     EXPECT_EQ(dark.lights[0].range, 7);
     Watcher a(server.endpoint());
-    a.session.sendCommand<wire::SetLight>([&](auto& builder) {
-        const wire::Vec3 irradiance(1, 2, 3);
-        return wire::CreateSetLight(builder, nullptr, &irradiance);
-    });
+    a.session.sendCommand<wire::Set>(test::set("light.irradiance", wire::Vec3(1, 2, 3)));
     Scene lit;
     ASSERT_TRUE(watch({&a}, [&] {
         lit = sceneOf(get(server.port(), "/scene.toml").body, "spots.toml");

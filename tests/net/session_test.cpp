@@ -1,5 +1,6 @@
 // A viewer's life over a real socket.
 #include "tests/net/session_fixture.h"
+#include "tests/net/set_message.h"
 
 namespace brume::test {
 namespace {
@@ -199,8 +200,7 @@ TEST_F(SessionTest, CommandsReachTheSceneInOrderAndEveryoneSeesThem) {
     const auto one = watch(), other = watch();
     const auto input = [](WsClient& client, uint32_t seq, bool paused) {
         client.say([&](auto& b) {
-            return wire::CreateInput(b, seq, 0, wire::Command::SetSimulation,
-                                     wire::CreateSetSimulation(b, paused).Union());
+            return wire::CreateInput(b, seq, 0, wire::Command::Set, test::set("simulation.paused", paused)(b).Union());
         });
     };
     for (uint32_t seq = 1; seq <= 99; ++seq) input(*one, seq, seq % 2 != 0);
@@ -224,7 +224,7 @@ TEST_F(SessionTest, WrongNamesAndAFullQueueAreAnsweredByNumber) {
     serve();
     const auto client = watch();
     client->say([](auto& b) {
-        return wire::CreateInput(b, 1, 0, wire::Command::SetRender, wire::CreateSetRenderDirect(b, "tetra").Union());
+        return wire::CreateInput(b, 1, 0, wire::Command::Set, test::set("render.method", "tetra")(b).Union());
     });
     const auto unknown = client->next<wire::Error>();
     ASSERT_TRUE(unknown);

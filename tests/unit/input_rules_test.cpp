@@ -1,10 +1,11 @@
 // What a viewer may do to the scene: the order, rate and limits of inputs, by the rules alone.
+#include "tests/net/set_message.h"
 #include "tests/unit/session_rules_fixture.h"
 
 namespace brume::net {
 namespace {
 
-using wire::ErrorCode;
+using test::set, wire::ErrorCode;
 
 TEST_F(SessionRulesTest, InputsComeOneAfterAnother) {
     watch();
@@ -46,34 +47,8 @@ TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
     EXPECT_EQ(impulse.push, glm::vec3(0, 5, 0));
     EXPECT_EQ(impulse.strength, 2);
 
-    const auto set = [&](uint32_t seq, auto&& build) {
-        return std::get<Set>(only<EnqueueCommand>(input(seq, build)).body).changes;
-    };
-    const auto light = set(2, [&](auto& b) { return wire::CreateSetLight(b, &push); });
-    ASSERT_EQ(light.size(), 1u) << "what is left out is not set";
-    EXPECT_EQ(light[0].setting->path, "light.to_light");
-    EXPECT_EQ(light[0].value, SettingValue(glm::vec3(0, 1, 0))) << "made a unit vector";
-
-    const auto medium = set(3, [](auto& b) { return wire::CreateSetMedium(b, 20.f); });
-    ASSERT_EQ(medium.size(), 1u);
-    EXPECT_EQ(medium[0].setting->path, "medium.extinction");
-    EXPECT_EQ(medium[0].value, SettingValue(20.f));
-
-    const auto render = set(4, [](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "analytic", 3); });
-    ASSERT_EQ(render.size(), 3u);
-    EXPECT_EQ(render[0].setting->path, "render.method");
-    EXPECT_EQ(render[0].value, SettingValue("isv"));
-    EXPECT_EQ(render[1].setting->path, "render.isv.quadrature");
-    EXPECT_EQ(render[1].value, SettingValue("analytic"));
-    EXPECT_EQ(render[2].setting->path, "render.isv.steps");
-    EXPECT_EQ(render[2].value, SettingValue(3u));
-
-    const auto paused = set(5, [](auto& b) { return wire::CreateSetSimulation(b, true); });
-    ASSERT_EQ(paused.size(), 1u);
-    EXPECT_EQ(paused[0].setting->path, "simulation.paused");
-    EXPECT_EQ(paused[0].value, SettingValue(true));
     const auto moved = std::get<MoveVolume>(
-        only<EnqueueCommand>(input(6, [&](auto& b) { return wire::CreateMoveVolume(b, &origin); })).body);
+        only<EnqueueCommand>(input(2, [&](auto& b) { return wire::CreateMoveVolume(b, &origin); })).body);
     EXPECT_EQ(moved.offset, glm::vec3(1, 2, 3));
 }
 
@@ -153,26 +128,20 @@ TEST_F(SessionRulesTest, CommandsBeyondTheirLimitsAreRefused) {
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &one, nullptr, kNan); }),
               ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateMoveVolume(b, &far); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, &zero); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, nullptr, &negative); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetLight(b, nullptr, nullptr, kInf); }),
-              ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, -1.f); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, 0.f); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, 1.5f); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, {}, 1.f); }), ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetMedium(b, {}, {}, {}, {}, &two); }),
-              ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, 0u); }),
-              ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, 11u); }),
-              ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, nullptr, nullptr, {}, 0.f); }),
-              ErrorCode::out_of_range);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "tetra"); }), ErrorCode::unknown_name);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "", nullptr); }), ErrorCode::unknown_name);
-    EXPECT_EQ(refused([&](auto& b) { return wire::CreateSetRenderDirect(b, "isv", "euler"); }),
-              ErrorCode::unknown_name);
+    EXPECT_EQ(refused(set("light.to_light", zero)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("light.irradiance", negative)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("light.rotate", kInf)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("medium.extinction", -1)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("medium.falloff", 0.0)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("medium.anisotropy", 1.5)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("medium.asymmetry", 1)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("medium.albedo", two)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("render.isv.steps", 0.0)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("render.isv.steps", 11)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("render.exposure", 0.0)), ErrorCode::out_of_range);
+    EXPECT_EQ(refused(set("render.method", "tetra")), ErrorCode::unknown_name);
+    EXPECT_EQ(refused(set("render.method", "")), ErrorCode::unknown_name);
+    EXPECT_EQ(refused(set("render.isv.quadrature", "euler")), ErrorCode::unknown_name);
 }
 
 TEST_F(SessionRulesTest, ElementsOfListsAreChangedAddedAndRemoved) {
@@ -320,7 +289,7 @@ TEST(ParticleRows, FitAMessage) {
 
 TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
     watch();
-    const auto effects = input(1, [&](auto& b) { return wire::CreateSetRenderDirect(b, "tetra"); });
+    const auto effects = input(1, set("render.method", "tetra"));
     EXPECT_NE(only<SendError>(effects).text.find("sphere, isv"), std::string::npos);
 }
 
@@ -352,18 +321,17 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
     static const wire::Vec3 ahead(0, 0, -1);
     EXPECT_EQ(least([](auto& b) { return wire::CreateImpulse(b, &ahead, &ahead); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateMoveVolume(b, &ahead); }), "controller");
-    EXPECT_EQ(least([](auto& b) { return wire::CreateSetLight(b, &ahead); }), "controller");
-    EXPECT_EQ(least([](auto& b) { return wire::CreateSetMedium(b, 1.0f); }), "controller");
-    EXPECT_EQ(least([](auto& b) { return wire::CreateSetSimulation(b, true); }), "controller");
-    EXPECT_EQ(least([](auto& b) { return wire::CreateSetRenderDirect(b, "isv"); }), "operator");
-    const auto set = [](auto& b, std::initializer_list<const char*> paths) {
+    EXPECT_EQ(least(set("light.to_light", ahead)), "controller");
+    EXPECT_EQ(least(set("simulation.paused", true)), "controller");
+    EXPECT_EQ(least(set("render.method", "isv")), "operator");
+    const auto setAll = [](auto& b, std::initializer_list<const char*> paths) {
         std::vector<flatbuffers::Offset<wire::Change>> changes;
         for (const char* path : paths) changes.push_back(wire::CreateChangeDirect(b, path, 1));
         return wire::CreateSetDirect(b, &changes);
     };
-    EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "light.rotate"}); }), "controller");
-    EXPECT_EQ(least([&](auto& b) { return set(b, {"medium.falloff", "render.exposure"}); }), "operator");
-    EXPECT_EQ(least([&](auto& b) { return set(b, {"fog[0].extinction"}); }), "controller");
+    EXPECT_EQ(least([&](auto& b) { return setAll(b, {"medium.falloff", "light.rotate"}); }), "controller");
+    EXPECT_EQ(least([&](auto& b) { return setAll(b, {"medium.falloff", "render.exposure"}); }), "operator");
+    EXPECT_EQ(least([&](auto& b) { return setAll(b, {"fog[0].extinction"}); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateAddDirect(b, "light"); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateRemoveDirect(b, "light[0]"); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateRestart(b); }), "operator");

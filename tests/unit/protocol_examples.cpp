@@ -61,13 +61,6 @@ std::vector<Example> makeExamples() {
         return CreateImpulse(b, &v, &direction, &push, -2.5f);
     }));
     all.push_back(input("input_move_volume", 2, [&](Builder& b) { return CreateMoveVolume(b, &v); }));
-    all.push_back(
-        input("input_set_light", 3, [&](Builder& b) { return CreateSetLight(b, &to_light, nullptr, 0.25f); }));
-    all.push_back(
-        input("input_set_medium", 4, [&](Builder& b) { return CreateSetMedium(b, 15, {}, 0.5f, {}, &albedo); }));
-    all.push_back(
-        input("input_set_render", 5, [](Builder& b) { return CreateSetRenderDirect(b, "isv", "analytic", 3, {}); }));
-    all.push_back(input("input_set_simulation", 6, [](Builder& b) { return CreateSetSimulation(b, true); }));
     all.push_back(input("input_restart", 7, [](Builder& b) { return CreateRestart(b); }));
     all.push_back(input("input_set", 8, [&](Builder& b) {
         const std::vector<flatbuffers::Offset<Change>> changes{

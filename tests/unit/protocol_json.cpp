@@ -73,24 +73,6 @@ Json of(const Impulse& c) {
                          {"strength", c.strength()}});
 }
 Json of(const MoveVolume& c) { return Json::object({{"offset", vec(c.offset())}}); }
-Json of(const SetLight& c) {
-    return Json::object(
-        {{"to_light", vec(c.to_light())}, {"irradiance", vec(c.irradiance())}, {"rotate", maybe(c.rotate())}});
-}
-Json of(const SetMedium& c) {
-    return Json::object({{"extinction", maybe(c.extinction())},
-                         {"falloff", maybe(c.falloff())},
-                         {"anisotropy", maybe(c.anisotropy())},
-                         {"asymmetry", maybe(c.asymmetry())},
-                         {"albedo", vec(c.albedo())}});
-}
-Json of(const SetRender& c) {
-    return Json::object({{"method", text(c.method())},
-                         {"quadrature", text(c.quadrature())},
-                         {"steps", maybe(c.steps())},
-                         {"exposure", maybe(c.exposure())}});
-}
-Json of(const SetSimulation& c) { return Json::object({{"paused", maybe(c.paused())}}); }
 Json of(const Restart&) { return Json::object(); }
 Json changesOf(const flatbuffers::Vector<flatbuffers::Offset<Change>>* all) {
     if (!all) return nullptr;
@@ -127,18 +109,6 @@ Json of(const Input& m) {
         break;
     case Command::MoveVolume:
         command = of(*m.command_as_MoveVolume());
-        break;
-    case Command::SetLight:
-        command = of(*m.command_as_SetLight());
-        break;
-    case Command::SetMedium:
-        command = of(*m.command_as_SetMedium());
-        break;
-    case Command::SetRender:
-        command = of(*m.command_as_SetRender());
-        break;
-    case Command::SetSimulation:
-        command = of(*m.command_as_SetSimulation());
         break;
     case Command::Restart:
         command = of(*m.command_as_Restart());

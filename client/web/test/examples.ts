@@ -24,11 +24,7 @@ import { Role } from '../src/wire/brume/wire/role';
 import { SettingKind } from '../src/wire/brume/wire/setting-kind';
 import { SceneState } from '../src/wire/brume/wire/scene-state';
 import { Set as WireSet } from '../src/wire/brume/wire/set';
-import { SetLight } from '../src/wire/brume/wire/set-light';
-import { SetMedium } from '../src/wire/brume/wire/set-medium';
 import { SetParticles } from '../src/wire/brume/wire/set-particles';
-import { SetRender } from '../src/wire/brume/wire/set-render';
-import { SetSimulation } from '../src/wire/brume/wire/set-simulation';
 import { Welcome } from '../src/wire/brume/wire/welcome';
 
 // The frozen messages that the C++ tests read too.
@@ -63,7 +59,7 @@ const tables: { [type: string]: new () => object } = {
     Restart,
     SceneState,
   },
-  ...{ Set: WireSet, SetLight, SetMedium, SetParticles, SetRender, SetSimulation, Welcome },
+  ...{ Set: WireSet, SetParticles, Welcome },
 };
 
 const LISTS = [
