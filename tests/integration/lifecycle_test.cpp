@@ -12,6 +12,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -196,6 +197,7 @@ uintmax_t bytesIn(const std::filesystem::path& folder) {
 
 // What a driver's cache on disk does not get any more was there already: nobody waits for it to be compiled.
 TEST(Lifecycle, WhatOverloadAndOtherViewersNeedIsCompiledAhead) {
+    if (!test::whole()) GTEST_SKIP() << "it compiles every way anew, which takes minutes";
     const auto cache = std::filesystem::temp_directory_path() / ("brume-shaders-" + std::to_string(getpid()));
     std::filesystem::create_directory(cache);
     const std::vector<std::string> environment{"MESA_SHADER_CACHE_DIR=" + cache.string()};
