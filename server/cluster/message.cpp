@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/operate/command_json.h"
+#include "server/net/command_message.h"
 
 namespace brume::cluster {
 namespace {
@@ -13,7 +13,7 @@ using nlohmann::json;
 
 constexpr size_t kLongestNode = 32, kLongestUrl = 1024;
 
-json fieldsOf(const NodeCommand& m) { return {{"number", m.number}, {"command", toJson(m.command)}}; }
+json fieldsOf(const NodeCommand& m) { return {{"number", m.number}, {"input", net::textOf(m.command)}}; }
 json fieldsOf(const Advance& m) { return {{"tick", m.tick}}; }
 json fieldsOf(const Here& m) {
     return {{"tick", m.tick}, {"hash", m.hash}, {"url", m.url}, {"load", m.load}, {"takes", m.takes}};
@@ -28,7 +28,8 @@ LogMessage messageOf(const std::string& kind, const json& in) {
     auto node = in.at("node").get<std::string>();
     if (node.empty() || node.size() > kLongestNode) throw std::runtime_error("no name of a server");
     if (kind == "command")
-        return NodeCommand{std::move(node), wholeNumber(in.at("number")), commandOf(in.at("command"))};
+        return NodeCommand{std::move(node), wholeNumber(in.at("number")),
+                           net::commandOf(in.at("input").get<std::string>())};
     if (kind == "advance") return Advance{std::move(node), wholeNumber(in.at("tick"))};
     if (kind != "here") throw std::runtime_error("no such message");
     Here here{std::move(node),

@@ -15,7 +15,7 @@ namespace brume::cluster {
 struct NodeCommand {
     std::string node; // who published it
     uint64_t number = 0;
-    Command command;
+    Command command; // its viewer stays with that server
 };
 // Ticks go on to this one.
 struct Advance {

@@ -1,21 +1,14 @@
-// Turns a viewer's input into a command for the simulation and checks every number.
+// Which commands of a viewer this server takes.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <variant>
 
-#include "protocol/message.h"
-#include "server/sim/command.h"
+#include "server/net/command_message.h"
 #include "server/viewer/audience.h"
 
 namespace brume::net {
-
-// Why an input is refused, for the viewer: one line.
-struct Refusal {
-    wire::ErrorCode code;
-    std::string text;
-};
 
 // The least role that may give a command: of settings, the highest that theirs take (common/settings.h).
 wire::Role roleFor(const CommandBody& body);
@@ -26,7 +19,7 @@ struct ShownMedium {
     uint32_t rows = 0; // medium.count
 };
 
-// Precondition: `input` comes from wire::parse. In the result directions have unit length and names are among `facts`.
+// Precondition: `input` comes from wire::parse. In the result names are among `facts`.
 // A viewer whose role is too low is told that before anything else.
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
                                                const ShownMedium& medium, wire::Role role);

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "server/operate/command_json.h"
+#include "server/net/command_message.h"
 #include "server/sim/state_hash.h"
 
 namespace brume {
@@ -23,8 +23,8 @@ constexpr char kMagic[] = "brume-recording ";
 constexpr size_t kDigits = 16;
 constexpr uint64_t kEndReserve = 256; // bytes, for the last line
 // A scene's text has 1 MiB at most, and up to six characters for each in JSON. Rows of particles have kMostRowBytes in
-// a tick, and two digits for each.
-constexpr size_t kLongestLine = 80 << 20;
+// a tick, and four characters for three.
+constexpr size_t kLongestLine = 64 << 20;
 
 std::string magicLine() { return kMagic + std::to_string(kRecordingVersion); }
 
@@ -41,6 +41,15 @@ uint64_t fromHex(const std::string& digits) {
     const auto [at, error] = std::from_chars(digits.data(), end, value, 16);
     if (error != std::errc{} || at != end || digits.size() != kDigits) throw std::runtime_error("a hash has 16 digits");
     return value;
+}
+
+json toJson(const Command& command) { return {{"viewer", command.viewer}, {"input", net::textOf(command)}}; }
+Command commandOf(const json& from) {
+    if (from.size() != 2 || !from.at("viewer").is_number_unsigned())
+        throw std::runtime_error("a command has viewer and input");
+    Command command = net::commandOf(from.at("input").get<std::string>());
+    command.viewer = from.at("viewer").get<uint32_t>();
+    return command;
 }
 
 // Four digits are enough for an estimate.

@@ -2,7 +2,7 @@
 //
 // A text file, one line a record, each written whole by one write() as soon as it is known:
 //
-//   brume-recording 8
+//   brume-recording 15
 //   0123456789abcdef {"scene":"plume",...}                        the scene and its overrides: RecordingHead
 //   0123456789abcdef {"tick":0,"state":"fedcba9876543210"}        the state before the first tick
 //   0123456789abcdef {"tick":17,"state":"...","commands":[...]}   every tick with commands, and one each second
@@ -10,9 +10,10 @@
 //   0123456789abcdef {"tick":60,"state":"...","errors":[...]}     measured errors of viewers' pictures
 //   0123456789abcdef {"tick":99,"state":"...","end":"stopped"}    the last line of a server that ended by itself
 //
-// The 16 digits are an XXH3 hash of the previous line's digits (for the first: of "brume-recording 8") and of the
+// The 16 digits are an XXH3 hash of the previous line's digits (for the first: of "brume-recording 15") and of the
 // JSON. A line that was changed, left out or moved is detected by it. "state" is Simulation::stateHash() after the
-// tick, "frame" a hash of the picture.
+// tick, "frame" a hash of the picture. A command is {"viewer":1,"input":"..."}: who asked, and the message Input of
+// brume.v1 in base64 (server/net/command_message.h).
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,7 @@
 namespace brume {
 
 // Another number: the file's format is another. Settings that are new, or gone without use, change no hash of a state.
-inline constexpr int kRecordingVersion = 14;
+inline constexpr int kRecordingVersion = 15;
 
 struct RecordingHead {
     std::string scene;                  // name of the scene

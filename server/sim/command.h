@@ -18,7 +18,7 @@
 namespace brume {
 
 struct Impulse {                              // pushes particles near the ray away from it and along it
-    glm::vec3 origin{0}, direction{0, 0, -1}; // direction is unit
+    glm::vec3 origin{0}, direction{0, 0, -1}; // direction has any length but 0
     glm::vec3 push{0};                        // m/s per unit of strength; zero means: away from the ray
     float strength = 1;                       // times the scene's impulse_strength, in [-10, 10]
 };

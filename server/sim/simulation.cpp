@@ -120,7 +120,7 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
 
 std::string Simulation::State::apply(const Impulse& c) {
     const float length = glm::length(c.direction);
-    if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-3f && length < 1e3f))
+    if (!finite(c.origin) || !finite(c.push) || !std::isfinite(c.strength) || !(length > 1e-6f && length < 1e5f))
         return {};
     if (impulses++ >= kMostImpulses) return "too many pushes in one tick"; // CommandQueue refuses them before
     const float strength = limits::kStrength.clamp(c.strength);

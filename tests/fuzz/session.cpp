@@ -23,7 +23,7 @@ bool isDrawable(const Frustum& f) { // all zero: the symmetric one of fov_y
         if (!(std::abs(tangent) <= 50)) return false;
     return f.left + f.right >= 0.01f && f.up + f.down >= 0.01f;
 }
-bool isUnit(glm::vec3 v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
+bool isDirection(glm::vec3 v) { return within(v, limits::kPlace) && glm::length(v) > 1e-6f; }
 
 // Holds every effect against what the rest of the server counts on.
 class Judge {
@@ -76,7 +76,7 @@ public:
     }
 
     void operator()(const Impulse& c) {
-        promise(within(c.origin, limits::kPlace) && isUnit(c.direction) && within(c.push, limits::kSpeed) &&
+        promise(within(c.origin, limits::kPlace) && isDirection(c.direction) && within(c.push, limits::kSpeed) &&
                     limits::kStrength.holds(c.strength),
                 "an impulse within limits");
     }
@@ -113,7 +113,7 @@ private:
         promise(setting.allowed.holds(value), "a number within limits");
     }
     void allowed(const SceneSetting& setting, const glm::vec3& value) const {
-        promise(setting.form == Form::direction ? isUnit(value) : within(value, setting.allowed),
+        promise(setting.form == Form::direction ? isDirection(value) : within(value, setting.allowed),
                 "a vector within limits");
     }
     void allowed(const SceneSetting& setting, const std::string& value) const {

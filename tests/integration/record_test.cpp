@@ -161,8 +161,8 @@ TEST_F(Record, WhatIsNoRecordingIsRefusedInOneLine) {
     };
     EXPECT_EQ(replayOf(bytes)->exitCode(), 0);
     test::expectOneLine(*replayOf(bytes.substr(0, 40)), "cut within its head");
-    test::expectOneLine(*replayOf("brume-recording 15" + bytes.substr(bytes.find('\n'))),
-                        "version 15; this server replays version 14");
+    test::expectOneLine(*replayOf("brume-recording 16" + bytes.substr(bytes.find('\n'))),
+                        "version 16; this server replays version 15");
     test::expectOneLine(*replayOf("not one\n"), "no recording");
     bytes[bytes.size() - 20] ^= 4;
     test::expectOneLine(*replayOf(bytes), "damaged");

@@ -43,7 +43,7 @@ TEST_F(SessionRulesTest, CommandsArriveAsTheyWereSent) {
                                                return wire::CreateImpulse(b, &origin, &along, &push, 2);
                                            })).body);
     EXPECT_EQ(impulse.origin, glm::vec3(1, 2, 3));
-    EXPECT_EQ(impulse.direction, glm::vec3(0, 0, -1)) << "made a unit vector";
+    EXPECT_EQ(impulse.direction, glm::vec3(0, 0, -4)) << "the simulation makes it a unit vector";
     EXPECT_EQ(impulse.push, glm::vec3(0, 5, 0));
     EXPECT_EQ(impulse.strength, 2);
 
@@ -71,7 +71,7 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
             wire::CreateChangeDirect(b, "render.method", {}, nullptr, "isv")};
     });
     const std::vector<Change> changes = std::get<Set>(only<EnqueueCommand>(all).body).changes;
-    const std::vector<SettingValue> values{1.5f, 3u, true, glm::vec3(0, 1, 0), "isv"};
+    const std::vector<SettingValue> values{1.5f, 3u, true, glm::vec3(0, 5, 0), "isv", 0.f};
     ASSERT_EQ(changes.size(), values.size());
     EXPECT_EQ(changes[0].setting->path, "medium.falloff");
     for (size_t i = 0; i < values.size(); ++i) EXPECT_EQ(changes[i].value, values[i]) << changes[i].setting->path;

@@ -1,8 +1,6 @@
 // Points, spots, fogs and objects that commands change, add and remove.
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include "server/operate/command_json.h"
 #include "tests/unit/simulation_scenes.h"
 
 namespace brume {
@@ -222,28 +220,6 @@ TEST(Lists, TheHashFollowsALightThatOrbits) {
     give(moved, {command(Set{{"light[0].position", glm::vec3(1, 2, 3)}})});
     give(orbits, {});
     EXPECT_NE(moved.stateHash(), orbits.stateHash());
-}
-
-TEST(Lists, TheirCommandsComeBackFromARecording) {
-    const std::vector<CommandBody> bodies{
-        Set{{"fog[1].centre", glm::vec3(0.1f, 2, -3)}, {"light[3].type", "spot"}, {"light[3].shadows", true}},
-        Add{SceneList::lights, {{SceneList::lights, "light.type", "spot"}, {SceneList::lights, "light.range", 0.1f}}},
-        Add{SceneList::fogs, {}},
-        Remove{SceneList::fogs, 3},
-        Remove{SceneList::lights, 1023},
-        Set{{"box[4095].size", glm::vec3(0.1f, 2, 3)}, {"plane[0].height", 0.1f}},
-        Add{SceneList::spheres, {{SceneList::spheres, "sphere.radius", 0.1f}}}};
-    for (const CommandBody& body : bodies) {
-        const std::string text = toJson(Command{1, 2, body}).dump();
-        const Command back = commandOf(nlohmann::json::parse(text));
-        ASSERT_EQ(back.body.index(), body.index()) << text;
-        EXPECT_EQ(toJson(back).dump(), text);
-    }
-    for (const char* wrong :
-         {R"({"list":"boxes","changes":[]})", R"({"list":"fog"})", R"({"list":"fog","changes":[["fog[0].lo",1]]})"})
-        EXPECT_THROW(commandOf(nlohmann::json::parse(R"({"viewer":1,"seq":2,"add":)" + std::string(wrong) + "}")),
-                     std::exception)
-            << wrong;
 }
 
 } // namespace

@@ -71,6 +71,14 @@ TEST_P(AnyLayout, AnotherSeedIsAnotherState) {
     EXPECT_NE(a.stateHash(), Simulation(scene).stateHash());
 }
 
+TEST(Hash, DirectionsCountAndNotTheirLengths) {
+    Simulation a(cubeScene()), b(cubeScene());
+    give(a, {command(Impulse{.origin = {0, 0, 20}}), command(Set{{"light.to_light", glm::vec3(0, 1, 0)}})});
+    give(b, {command(Impulse{.origin = {0, 0, 20}, .direction = {0, 0, -40'000}}),
+             command(Set{{"light.to_light", glm::vec3(0, 1e-5f, 0)}})});
+    EXPECT_EQ(a.stateHash(), b.stateHash());
+}
+
 TEST(Hash, OrderOfCommandsMatters) {
     const Command thin = command(Set{{"medium.extinction", 5.0f}});
     const Command thick = command(Set{{"medium.extinction", 50.0f}});
