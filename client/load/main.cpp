@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 #include "client/load/server.h"
 #include "client/load/servers_report.h"
 #include "client/load/usage.h"
+#include "common/cores.h"
 
 namespace {
 
@@ -21,8 +21,7 @@ using brume::client::Interrupt;
 std::string machine() {
     double average = NAN;
     getloadavg(&average, 1);
-    return fmt::format("{} cores, load average {:.2f} before the first run", std::thread::hardware_concurrency(),
-                       average);
+    return fmt::format("{} cores, load average {:.2f} before the first run", brume::usableCores(), average);
 }
 
 // One number of viewers, from hello to goodbye.

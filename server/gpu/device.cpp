@@ -6,7 +6,6 @@
 #include <cstring>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #if defined(__SSE2__)
@@ -15,6 +14,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/cores.h"
 #include "server/gpu/pipeline_cache.h"
 
 namespace brume::gpu {
@@ -27,7 +27,7 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 // Who sets LP_NUM_THREADS is obeyed; other drivers do not look at it.
 void setDriverThreads() {
     constexpr unsigned kOfCore = 3, kMost = 16; // kMost: that older versions have
-    const unsigned cores = std::max(std::thread::hardware_concurrency(), 1u);
+    const unsigned cores = usableCores();
     setenv("LP_NUM_THREADS", std::to_string(std::max(cores, std::min(kOfCore * cores, kMost))).c_str(), 0);
 }
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <thread>
 
+#include "common/cores.h"
 #include "server/gpu/commands.h"
 #include "tests/gpu/fixture.h"
 
@@ -67,7 +67,7 @@ TEST_F(GpuTest, PassesAfterADrawHaveTheirOwnTimes) {
 // Each thread gets one run of a dispatch's workgroups, so more threads than cores even out how hard these are.
 TEST_F(GpuTest, TheCpuDriverHasSeveralThreadsACore) {
     if (device().name().find("llvmpipe") == std::string::npos) GTEST_SKIP() << "only Mesa's CPU driver takes a number";
-    const unsigned cores = std::thread::hardware_concurrency();
+    const unsigned cores = usableCores();
     if (cores >= 16) GTEST_SKIP() << "as many as older versions of the driver have";
     unsigned threads = 0;
     for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {

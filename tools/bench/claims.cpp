@@ -8,12 +8,12 @@
 #include <iostream>
 #include <map>
 #include <regex>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "common/cores.h"
 #include "common/process.h"
 #include "server/encode/jpeg.h"
 #include "server/inputs/tick_block.h"
@@ -303,8 +303,7 @@ int main(int argc, char** argv) {
             gpu::DeviceOptions options;
             options.name = device_name;
             const gpu::Device device(options);
-            std::printf("# Measured claims\n\nDevice: %s. CPU threads: %u.\n\n", device.name().c_str(),
-                        std::thread::hardware_concurrency());
+            std::printf("# Measured claims\n\nDevice: %s. CPU threads: %u.\n\n", device.name().c_str(), usableCores());
             methodTable(device, scene, rounds, size);
             ownTime(device, scene, rounds);
             jpeg(device, scene, jpeg_seconds);

@@ -7,11 +7,11 @@
 #include <ctime>
 #include <fstream>
 #include <iostream>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/cores.h"
 #include "common/metrics.h"
 #include "common/metrics_flip.h"
 #include "common/view_names.h"
@@ -49,8 +49,7 @@ std::string said(const char* command) {
 }
 
 std::string cpu() {
-    return said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(std::thread::hardware_concurrency()) +
-           " threads";
+    return said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(usableCores()) + " threads";
 }
 
 // Where the costs are from, without the folder of their file: pages are read on other machines.

@@ -6,9 +6,11 @@
 #include <thread>
 #include <vector>
 
+#include "common/cores.h"
+
 namespace brume::reference {
 
-// Calls make() once per thread, and the function that it returns for each row. 0 threads: as many as the machine has.
+// Calls make() once per thread, and the function that it returns for each row. 0 threads: usableCores().
 template <typename Make>
 void forRows(int height, unsigned threads, const Make& make) {
     std::atomic<int> next_row{0};
@@ -17,8 +19,7 @@ void forRows(int height, unsigned threads, const Make& make) {
         for (int y = next_row++; y < height; y = next_row++) row(y);
     };
     const unsigned most = static_cast<unsigned>(std::max(height, 1));
-    std::vector<std::jthread> workers(
-        std::min(most, threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency())));
+    std::vector<std::jthread> workers(std::min(most, threads != 0 ? threads : usableCores()));
     for (std::jthread& worker : workers) worker = std::jthread(work);
 }
 
