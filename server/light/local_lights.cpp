@@ -24,7 +24,7 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
 LocalLights::LocalLights(const gpu::Device& device) : device_(device) { prepare({}, 0, 0); }
 
 void LocalLights::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
-    buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, kLeastBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, gpu::kLeastBinding), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                    gpu::Memory::device, name);
 }
 

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "server/gpu/binding_sizes.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 
@@ -32,7 +33,9 @@ public:
     static constexpr uint64_t kMostBytesOfBins = 1; // bytes for each pixel: 256 share a bin of at most 32 words
     // Bytes that pictures take.
     uint64_t pictureBytes() const {
-        const auto taken = [](const gpu::Buffer& buffer) { return buffer.size() > kLeastBytes ? buffer.size() : 0; };
+        const auto taken = [](const gpu::Buffer& buffer) {
+            return buffer.size() > gpu::kLeastBinding ? buffer.size() : 0;
+        };
         return taken(bits_) + taken(lit_);
     }
     const gpu::Buffer& bits() const { return bits_; }     // uint[bins][words], a bit for each light
@@ -41,8 +44,6 @@ public:
     void giveBack();
 
 private:
-    static constexpr uint64_t kLeastBytes = 256; // size of a buffer that is bound without pictures
-
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
 
     const gpu::Device& device_;

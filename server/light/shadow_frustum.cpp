@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cstring>
 
+#include "server/gpu/binding_sizes.h"
 #include "shaders/shadow_frustum_comp.h"
 
 namespace brume {
 namespace {
 
 // Words of one eye's froxels, and of all. Eyes that would have more get fewer slices: behind them the grid is read.
-constexpr uint32_t kMostOfEye = (2 << 20) / sizeof(uint32_t), kMostOfAll = (96 << 20) / sizeof(uint32_t);
+constexpr uint32_t kMostOfEye = (2 << 20) / sizeof(uint32_t), kMostOfAll = gpu::kLargestBinding / sizeof(uint32_t);
 
 } // namespace
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/gpu/binding_sizes.h"
 #include "shaders/shadow_grid_comp.h"
 
 namespace brume {
@@ -92,7 +93,7 @@ gpu::ShadowGridBlock shadowGridShape(const ShadowGridSettings& settings, glm::ve
         voxel = std::exp2(std::round(3 * std::log2(wanted)) / 3);
     }
     place(shape, voxel, lo, hi);
-    while (bytesOf(shape) > kMostShadowGridBytes) place(shape, voxel *= kWider, lo, hi);
+    while (bytesOf(shape) > gpu::kLargestBinding) place(shape, voxel *= kWider, lo, hi);
     return shape;
 }
 

@@ -29,10 +29,8 @@ struct ShadowSlots {
 ShadowSlots shadowSlots(const gpu::Tick& tick, std::span<const gpu::LocalLight> lights, const ShadowSlots& before);
 
 // Where voxels lie, without lights. Bounds and voxels that are automatic snap to coarse steps, so that bounds that move
-// a little leave the grid as it is.
+// a little leave the grid as it is. A grid above gpu::kLargestBinding gets wider voxels.
 gpu::ShadowGridBlock shadowGridShape(const ShadowGridSettings& settings, glm::vec3 lo, glm::vec3 hi, uint32_t slots);
-
-inline constexpr uint64_t kMostShadowGridBytes = 96 << 20; // larger grids get wider voxels
 
 struct ShadowGridInputs {
     const gpu::Resource& tick_block;         // uniform block, binding 0

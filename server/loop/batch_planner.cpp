@@ -9,7 +9,6 @@ namespace brume {
 namespace {
 
 constexpr uint32_t kMostEyes = 64; // of a submission; viewers beyond that are first in the next one
-constexpr auto kRestsFor = std::chrono::milliseconds(150);
 constexpr size_t kMostSeats = 256;
 constexpr auto kRecent = std::chrono::seconds(1);
 

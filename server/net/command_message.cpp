@@ -146,17 +146,12 @@ private:
     void add(std::vector<Change>& changes, Change change) {
         const SceneSetting& setting = *change.setting;
         const std::string key(setting.key());
-        if (auto* value = std::get_if<float>(&change.value)) number(setting, *value);
-        if (auto* value = std::get_if<uint32_t>(&change.value)) number(setting, float(*value));
+        if (auto* value = std::get_if<float>(&change.value)) number(key.c_str(), *value, setting.allowed);
+        if (auto* value = std::get_if<uint32_t>(&change.value)) number(key.c_str(), float(*value), setting.allowed);
         if (auto* value = std::get_if<glm::vec3>(&change.value))
             setting.form == Form::direction ? direction(key.c_str(), toWire(*value))
                                             : vector(key.c_str(), toWire(*value), setting.allowed);
         changes.push_back(std::move(change));
-    }
-    // Where a setting may be automatic, kAuto stands for that outside of its limits.
-    void number(const SceneSetting& setting, float value) {
-        if (setting.form == Form::or_auto && value == float(kAuto)) return;
-        number(std::string(setting.key()).c_str(), value, setting.allowed);
     }
     void refuse(wire::ErrorCode code, std::string text) {
         if (!refusal) refusal = Refusal{code, std::move(text)};

@@ -16,7 +16,7 @@ static_assert(limits::kObjects.hi == gpu::kMostBodies);
 void Shafts::prepare(std::span<const EyeRequest> eyes) {
     VkDeviceSize pixels = 0;
     for (const EyeRequest& eye : eyes) pixels = std::max<VkDeviceSize>(pixels, VkDeviceSize(eye.width) * eye.height);
-    sunlit_.atLeast(device_, std::max<VkDeviceSize>(pixels * kBytesOfPixel, kLeastBytes),
+    sunlit_.atLeast(device_, std::max<VkDeviceSize>(pixels * kBytesOfPixel, gpu::kLeastBinding),
                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "shafts");
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <tuple>
 
+#include "server/gpu/binding_sizes.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 
@@ -22,13 +23,11 @@ public:
 
     static constexpr uint64_t kBytesOfPixel = 3 * sizeof(float);
     // Bytes that pictures take.
-    uint64_t pictureBytes() const { return sunlit_.size() > kLeastBytes ? sunlit_.size() : 0; }
+    uint64_t pictureBytes() const { return sunlit_.size() > gpu::kLeastBinding ? sunlit_.size() : 0; }
     const gpu::Buffer& sunlit() const { return sunlit_; } // vec3[rows][columns] of the last eye's pixels, 0 ... 1
     void giveBack();
 
 private:
-    static constexpr uint64_t kLeastBytes = 256; // size of a buffer that is bound without pictures
-
     const gpu::Device& device_;
     std::map<std::tuple<uint32_t, uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram>
         programs_; // rate, step

@@ -8,7 +8,6 @@
 namespace brume {
 namespace {
 
-constexpr std::chrono::milliseconds kRestsFor{150};
 // A picture at rest is drawn again for who looks at its error: more of its pixels are measured.
 constexpr std::chrono::milliseconds kMeasuresEvery{250};
 constexpr uint8_t kShowsErrors = *viewNamed("error");

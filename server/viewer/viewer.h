@@ -15,6 +15,9 @@
 
 namespace brume {
 
+// A camera that has stood still for so long rests.
+inline constexpr std::chrono::milliseconds kRestsFor{150};
+
 // Thread-safe: one connection and the frame loop hold the same object.
 class Viewer {
 public:

@@ -1,4 +1,5 @@
 // The shared shadow grid against rays in double: its voxels, where it puts a shadow's edge, and what is made when.
+#include "server/gpu/binding_sizes.h"
 #include "tests/gpu/shadow_voxels.h"
 
 namespace brume::test::shadow_grid_test {
@@ -267,7 +268,7 @@ TEST_F(GpuTest, ShadowGridFitsItsMemory) {
     const ShadowGridSettings settings{.voxel = 0.01f};
     const gpu::ShadowGridBlock shape = shadowGridShape(settings, glm::vec3(-5), glm::vec3(5), 8);
     EXPECT_LE(double(shape.bricks.x) * shape.bricks.y * shape.bricks.z * 512 * shape.stride,
-              double(kMostShadowGridBytes));
+              double(gpu::kLargestBinding));
     EXPECT_GT(shape.voxel, 0.01f);
     EXPECT_EQ(shape.stride, 8u);
     const glm::vec3 end = shape.origin + shape.voxel * glm::vec3(shape.bricks * 8u);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "server/inputs/eye_request.h"
 #include "tools/bench/error.h"
 #include "tools/reference/medium_reference.h"
 #include "tools/reference/numbers.h"
@@ -15,7 +16,6 @@
 namespace brume::bench {
 namespace {
 
-constexpr double kNearDepth = 0.05; // m, as the renderer has it
 constexpr double kTolerance = 1e-6; // of the reference: a hundredth of the smallest error that a report prints
 
 reference::World worldOf(const Stage& stage) {

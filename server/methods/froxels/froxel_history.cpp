@@ -1,11 +1,13 @@
 #include "server/methods/froxels/froxel_history.h"
 
+#include "server/gpu/binding_sizes.h"
+
 namespace brume {
 namespace {
 
-constexpr uint64_t kKept = 120; // submissions without a picture of an eye, after which it is forgotten
-constexpr uint64_t kHues = 4;   // numbers for each eye: each hue has a history of its own
-constexpr uint64_t kMostBytesOfEye = 96 << 20, kMostBytesOfAll = 512 << 20; // every device can bind 128 MiB
+constexpr uint64_t kKept = 120;            // submissions without a picture of an eye, after which it is forgotten
+constexpr uint64_t kHues = 4;              // numbers for each eye: each hue has a history of its own
+constexpr uint64_t kMostBytes = 512 << 20; // of all eyes
 constexpr VkBufferUsageFlags kBlock = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 } // namespace
@@ -22,7 +24,7 @@ FroxelHistory::Bound FroxelHistory::record(gpu::Commands& commands, const EyeInp
     if (part == 0) eyes_.clear(); // what was long ago is not blended in when it is switched on again
     const uint32_t cells = froxels.rays.x * froxels.rays.y * froxels.slices;
     const uint64_t bytes = 2 * uint64_t(cells) * sizeof(glm::vec4);
-    if (part == 0 || in.history == 0 || !whole || bytes > kMostBytesOfEye) return none;
+    if (part == 0 || in.history == 0 || !whole || bytes > gpu::kLargestBinding) return none;
     const uint64_t number = kHues * in.history + in.shared->hue;
     const auto known = eyes_.find(number);
     uint64_t others = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/scene_limits.h"
+#include "server/gpu/binding_sizes.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/world_box.h"
 #include "shaders/froxel_apply_comp.h"
@@ -11,10 +12,9 @@
 namespace brume {
 namespace {
 
-constexpr VkDeviceSize kMostBytes = 96 << 20; // of the volume: every device can bind 128 MiB
-constexpr float kMostGrowth = 16;             // thickness of the last slice over that of the first
-constexpr double kSeenDepth = 6;              // optical depth of fog behind which slices end
-constexpr double kFarthest = 1e4;             // m
+constexpr float kMostGrowth = 16; // thickness of the last slice over that of the first
+constexpr double kSeenDepth = 6;  // optical depth of fog behind which slices end
+constexpr double kFarthest = 1e4; // m
 
 // Columns of rays, or rows, for so many pixels: one more than cells.
 uint32_t raysFor(uint32_t pixels, uint32_t apart) { return gpu::groups(pixels, apart) + 1; }
@@ -26,7 +26,7 @@ VkDeviceSize bytesOf(uint32_t columns, uint32_t rows, uint32_t slices) {
 // Rows of rays in a band.
 uint32_t bandRows(VkExtent2D size, const gpu::FroxelGrid& froxels) {
     const uint32_t all = raysFor(size.height, froxels.pixels), columns = raysFor(size.width, froxels.pixels);
-    const VkDeviceSize fit = kMostBytes / bytesOf(columns, 1, froxels.slices);
+    const VkDeviceSize fit = gpu::kLargestBinding / bytesOf(columns, 1, froxels.slices);
     return std::min(all, uint32_t(std::max<VkDeviceSize>(fit, 2)));
 }
 
@@ -64,8 +64,8 @@ gpu::FroxelGrid froxelSlices(const EyeInputs& in) {
     const DepthRange range = mediumRange(in);
     froxels.near = range.near;
     while (froxels.slices > limits::kSlices.lo &&
-           bytesOf(raysFor(in.size.width, froxels.pixels), 2, froxels.slices) > kMostBytes)
-        froxels.slices /= 2;                                     // of a picture so wide that two rows do not fit
+           bytesOf(raysFor(in.size.width, froxels.pixels), 2, froxels.slices) > gpu::kLargestBinding)
+        froxels.slices /= 2;                   // of a picture so wide that two rows do not fit
     const float far = std::max(range.far, froxels.near + 1e-2f); // all of it behind the eye: slices without medium
     const float growth = std::clamp(far / froxels.near, 1.01f, kMostGrowth);
     froxels.growth = std::log2(growth) / float(froxels.slices);

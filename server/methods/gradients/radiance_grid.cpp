@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/gpu/binding_sizes.h"
 #include "shaders/radiance_nested_comp.h"
 #include "shaders/radiance_nodes_comp.h"
 #include "shaders/radiance_samples_comp.h"
@@ -12,7 +13,6 @@ namespace {
 constexpr uint32_t kFirstCells = 16;    // of the first grid that samples are split into, along the longest side
 constexpr uint32_t kLanes = 64;         // of a workgroup
 constexpr uint32_t kMostGroups = 32768; // of a line of workgroups: every device can dispatch 65,535
-constexpr VkDeviceSize kLeastBytes = 256;
 constexpr VkBufferUsageFlags kScratch = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 float luminance(glm::vec3 colour) { return glm::dot(colour, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
@@ -97,7 +97,8 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
     uint64_t samples = push.firsts;
     for (uint32_t level = 0; level < push.levels; ++level) samples += samplesOf(push, level);
     const auto grow = [&](gpu::Buffer& buffer, uint64_t count, size_t each, const char* name) {
-        buffer.atLeast(device_, std::max<VkDeviceSize>(count * each, kLeastBytes), kScratch, gpu::Memory::device, name);
+        buffer.atLeast(device_, std::max<VkDeviceSize>(count * each, gpu::kLeastBinding), kScratch, gpu::Memory::device,
+                       name);
     };
     grow(samples_, spheres ? samples : 0, sizeof(gpu::LightSample), "light samples");
     grow(states_, spheres ? samples : nested ? nodesOf(shape_) : 0, sizeof(uint32_t), "states of light samples");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "server/gpu/binding_sizes.h"
 #include "shaders/shared/field.h"
 
 namespace brume {
@@ -36,7 +37,7 @@ gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& set
 
 gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings, bool linear) {
     gpu::MediumGrid grid = mediumGrid(extent, settings, linear);
-    while (gridBytes(grid, extent.one_albedo) > kMostGridBytes)
+    while (gridBytes(grid, extent.one_albedo) > gpu::kLargestBinding)
         grid = gridOf(extent, 1.25f * grid.spacing, isCubic(settings) && !linear);
     return grid;
 }
@@ -48,11 +49,11 @@ uint64_t coarseBytes(const gpu::MediumGrid& grid, bool one_albedo) { return byte
 std::string gridRefusal(const MediumExtent& extent, const RenderSettings& settings) {
     const gpu::MediumGrid grid = mediumGrid(extent, settings);
     const uint64_t bytes = gridBytes(grid, extent.one_albedo);
-    if (bytes <= kMostGridBytes) return {};
+    if (bytes <= gpu::kLargestBinding) return {};
     const glm::vec3 size = extent.hi - extent.lo;
     return fmt::format(
         "nodes {:.3g} m apart over {:.3g} x {:.3g} x {:.3g} m would take {:.3g} MiB, at most {} are allowed",
-        grid.spacing, size.x, size.y, size.z, double(bytes) / (1 << 20), kMostGridBytes >> 20);
+        grid.spacing, size.x, size.y, size.z, double(bytes) / (1 << 20), gpu::kLargestBinding >> 20);
 }
 
 } // namespace brume

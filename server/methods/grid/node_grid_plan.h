@@ -22,7 +22,6 @@ inline constexpr float kCubicBelow = 0.25f;
 // With linear sampling, particles of at least so many spacings are on coarse nodes, twice as far apart: there are an
 // eighth as many to add them to. These nodes are coefficients of a cubic B-spline, which the others are taken from.
 inline constexpr float kLeastCoarse = 2.3f, kNeverCoarse = 1e30f;
-inline constexpr uint64_t kMostGridBytes = 96ull << 20; // of the nodes' buffer: every device can bind 128 MiB
 
 // True: 64 nodes are read for a sample instead of 8.
 inline bool isCubic(const RenderSettings& settings) {
@@ -33,7 +32,7 @@ inline bool isCubic(const RenderSettings& settings) {
 // medium grows.
 // linear: true if samples are, however fine the nodes.
 gpu::MediumGrid mediumGrid(const MediumExtent& extent, const RenderSettings& settings, bool linear = false);
-// The finest grid of at most kMostGridBytes, by steps of a quarter in the spacing.
+// The finest grid of at most gpu::kLargestBinding, by steps of a quarter in the spacing.
 gpu::MediumGrid gridThatFits(const MediumExtent& extent, const RenderSettings& settings, bool linear = false);
 // True: particles that are large enough are on coarse nodes.
 inline bool hasCoarse(const gpu::MediumGrid& grid) { return grid.least_coarse < kNeverCoarse; }

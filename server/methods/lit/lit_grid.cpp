@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "server/gpu/binding_sizes.h"
 #include "server/inputs/world_box.h"
 #include "shaders/lit_grid_comp.h"
 
@@ -11,7 +12,6 @@ namespace {
 
 constexpr double kNodesAcross = 96; // along the longest side of a box without particles
 constexpr double kCoarser = 1.26;
-constexpr uint64_t kLeastNodeBytes = 256; // of a buffer that is bound, but not read
 
 // Of a node in the larger buffer of LitNodes.
 uint64_t bytesOfNode(bool local_lights) { return local_lights ? 3 * sizeof(glm::vec4) : sizeof(float); }
@@ -24,7 +24,7 @@ gpu::LitGridShape shapeOver(const Bounds3& box, double spacing, uint64_t node_by
         shape.origin = first * spacing;
         shape.spacing = float(spacing);
         shape.bricks = glm::uvec3(glm::ceil(glm::min(last - first + 1.0, glm::dvec3(1e5)) / double(gpu::kSlabTile)));
-        if (node_bytes * nodesOf(shape) <= kMostLitBytes) return shape;
+        if (node_bytes * nodesOf(shape) <= gpu::kLargestBinding) return shape;
     }
 }
 
@@ -46,7 +46,7 @@ gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, con
     node_bytes = std::max(node_bytes, bytesOfNode(tick.features.local_lights));
     if (!tick.features.fog && spacing == kAuto) {
         const gpu::LitGridShape shape{nodes.origin, nodes.spacing, nodes.bricks, 1, gpu::kNearNodes};
-        if (node_bytes * nodesOf(shape) <= kMostLitBytes) return shape;
+        if (node_bytes * nodesOf(shape) <= gpu::kLargestBinding) return shape;
     }
     // Without fog there is nothing to light beside the particles.
     const Bounds3 box = tick.features.fog ? worldBox(tick, medium) : particlesOf(medium);
@@ -70,9 +70,9 @@ bool LitKey::isSame(const TickInputs& tick, const MediumView& medium, const gpu:
 
 void LitNodes::atLeast(const gpu::Device& device, const gpu::LitGridShape& shape, bool local_lights) {
     const uint64_t count = nodesOf(shape), bytes = local_lights ? count * bytesOfNode(true) : 0;
-    nodes.atLeast(device, std::max<uint64_t>(bytes, kLeastNodeBytes), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    nodes.atLeast(device, std::max<uint64_t>(bytes, gpu::kLeastBinding), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                   gpu::Memory::device, "lit nodes");
-    sun.atLeast(device, std::max<uint64_t>(count * bytesOfNode(false), kLeastNodeBytes),
+    sun.atLeast(device, std::max<uint64_t>(count * bytesOfNode(false), gpu::kLeastBinding),
                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "sunlit nodes");
 }
 

@@ -14,11 +14,9 @@
 
 namespace brume {
 
-inline constexpr uint64_t kMostLitBytes = 96ull << 20; // of the nodes: every device can bind 128 MiB
-
 // Where the nodes lie: `spacing` m apart; kAuto: those of the medium where there are only particles; else in the box of
-// the particles, or with fog of worldBox(). They are as much farther apart as they must be to fit kMostLitBytes with
-// `node_bytes` each, or LitNodes. No bricks where that box holds nothing.
+// the particles, or with fog of worldBox(). They are as much farther apart as they must be to fit gpu::kLargestBinding
+// with `node_bytes` each, or LitNodes. No bricks where that box holds nothing.
 gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes,
                            float spacing, uint64_t node_bytes = 0);
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 
+#include "server/gpu/binding_sizes.h"
 #include "server/methods/froxels/froxel_volume.h"
 #include "server/methods/grid/medium_grid.h"
 #include "server/methods/march/dither.h"
@@ -17,7 +18,6 @@
 namespace brume::methods::march {
 namespace {
 
-constexpr VkDeviceSize kMostBytes = 96 << 20;     // most bytes of a buffer: every device binds 128 MiB
 constexpr uint32_t kAround = gpu::kBlurReach + 1; // marched rows beside a band that its pixels read
 // Depths that differ by more are of different objects: the blur mixes nothing across 3 m.
 constexpr float kDepthFalloff = 3; // m
@@ -46,7 +46,8 @@ glm::uvec2 marchedSize(const EyeInputs& in) {
 
 // Marched rows whose pixels are drawn together.
 uint32_t bandRows(glm::uvec2 size) {
-    const auto fit = uint32_t(std::max<VkDeviceSize>(kMostBytes / (size.x * sizeof(glm::vec4)), 2 * kAround + 1));
+    const auto fit =
+        uint32_t(std::max<VkDeviceSize>(gpu::kLargestBinding / (size.x * sizeof(glm::vec4)), 2 * kAround + 1));
     return fit >= size.y ? size.y : fit - 2 * kAround;
 }
 

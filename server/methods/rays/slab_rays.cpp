@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "server/gpu/binding_sizes.h"
 #include "server/inputs/eye_request.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/rays/ray_plan.h"
@@ -18,7 +19,6 @@ constexpr float kFogLength = 1; // m, of slabs before the eye where there are no
 constexpr double kFogFar = 1e7; // m, view depth behind which fog is one piece
 // Standard deviations of the medium in which the light that it lets through to fog is taken as linear.
 constexpr float kFogStep = 1;
-constexpr VkDeviceSize kMostBytes = 96 << 20; // of a buffer: every device can bind 128 MiB
 
 void coarsen(gpu::SlabGrid& grid) {
     grid.thickness *= 2;
@@ -79,7 +79,7 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
     // A row of tiles has bits for all particles.
     const VkDeviceSize bits = in.medium->count / 8; // bytes, of a tile
     while (grid.rate < std::end(kRates)[-1] &&
-           gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * bits > kMostBytes)
+           gpu::groups(in.size.width, grid.rate * gpu::kSlabTile) * bits > gpu::kLargestBinding)
         grid.rate *= 2;
     const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
     const uint32_t asked = in.shared->settings->slabs;
@@ -155,7 +155,7 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
             gpu::View view = viewOf(*in, bands, row, step, with);
             const auto fits = [&](const ViewGroup& last) {
                 return last.any->medium == in->medium && last.rate == bands.grid.rate && last.colours == colours &&
-                       last.step == step && bytesOfLargest(with) <= kMostBytes;
+                       last.step == step && bytesOfLargest(with) <= gpu::kLargestBinding;
             };
             if (!(open && whole && fits(groups_.back()))) {
                 with = {};
@@ -280,7 +280,7 @@ SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
     bands.cells = gpu::groups(in.size.height, grid.rate);
     const auto tooLarge = [&] {
         const Room room{.added = roomOf(in, grid).added, .field = fieldWords(in, grid)};
-        return bytesOfLargest(room) > kMostBytes;
+        return bytesOfLargest(room) > gpu::kLargestBinding;
     };
     const auto rowsOfTiles = [&](uint32_t rows) {
         grid.lines.y = rows;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "server/inputs/eye_request.h"
 #include "server/inputs/tick_block.h"
 #include "server/opaque/objects.h"
 #include "shaders/shared/erf.h"
@@ -28,7 +29,6 @@ using native::kRays;
 using native::kTile;
 using Clock = std::chrono::steady_clock;
 
-constexpr float kNearDepth = 0.05f;                      // m, as the renderer has it
 constexpr uint32_t kMargin = 3;                          // nodes before the first pixel's
 constexpr float kLeastAcross = 0.7f, kLeastAlong = 0.7f; // as shaders/slab_bins.comp
 constexpr float kMostSpread = 60;                        // log2 of a Gaussian along a run: a float32 has 126
