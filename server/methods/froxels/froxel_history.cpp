@@ -30,7 +30,7 @@ FroxelHistory::Bound FroxelHistory::record(gpu::Commands& commands, const EyeInp
     uint64_t others = 0;
     for (const auto& [other, eye] : eyes_)
         if (other != number) others += eye.cells.size();
-    if (others + bytes > kMostBytesOfAll) {
+    if (others + bytes > kMostBytes) {
         if (known != eyes_.end()) eyes_.erase(known);
         return none;
     }

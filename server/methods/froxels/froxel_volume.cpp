@@ -65,7 +65,7 @@ gpu::FroxelGrid froxelSlices(const EyeInputs& in) {
     froxels.near = range.near;
     while (froxels.slices > limits::kSlices.lo &&
            bytesOf(raysFor(in.size.width, froxels.pixels), 2, froxels.slices) > gpu::kLargestBinding)
-        froxels.slices /= 2;                   // of a picture so wide that two rows do not fit
+        froxels.slices /= 2;                                     // of a picture so wide that two rows do not fit
     const float far = std::max(range.far, froxels.near + 1e-2f); // all of it behind the eye: slices without medium
     const float growth = std::clamp(far / froxels.near, 1.01f, kMostGrowth);
     froxels.growth = std::log2(growth) / float(froxels.slices);
