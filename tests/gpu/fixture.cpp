@@ -78,11 +78,11 @@ size_t GpuTest::nextCase() { return shared->next_case++; }
 
 std::vector<const char*> GpuTest::some(std::vector<const char*> methods) {
     if (whole()) return methods;
-    const auto others =
-        std::ranges::stable_partition(methods, [](std::string_view name) { return name == "slabs" || name == "grid"; });
-    if (others.empty()) return methods;
-    std::swap(others.front(), others[nextCase() % others.size()]);
-    methods.erase(others.begin() + 1, others.end());
+    const auto others = std::stable_partition(methods.begin(), methods.end(),
+                                              [](std::string_view name) { return name == "slabs" || name == "grid"; });
+    if (others == methods.end()) return methods;
+    *others = others[std::ptrdiff_t(nextCase() % size_t(methods.end() - others))];
+    methods.erase(others + 1, methods.end());
     return methods;
 }
 
