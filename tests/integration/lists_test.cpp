@@ -1,6 +1,7 @@
 // Fogs, points, spots and objects that viewers change, add and remove while the server runs.
 #include <filesystem>
 #include <fstream>
+#include <future>
 
 #include <gtest/gtest.h>
 
@@ -34,8 +35,8 @@ void set(Watcher& watcher, const char* path, double value) {
 // A small cloud that stands still, watched by two.
 class ListsOfAServer : public testing::Test {
 protected:
-    RunningServer server{{"--ahead", "off", "--most-frame-time", "60000", "--set", "simulation.paused=true", "--set",
-                          "medium.count=50", "--set", "render.method=slabs", "--set", "render.rate=8"}};
+    RunningServer server{{"--ahead", "off", "--set", "simulation.paused=true", "--set", "medium.count=50", "--set",
+                          "render.method=slabs", "--set", "render.rate=8"}};
     Watcher a{server.endpoint()}, b{server.endpoint()};
     const std::vector<Watcher*> both{&a, &b};
 
@@ -49,8 +50,13 @@ protected:
         EXPECT_TRUE(
             watch(both, [&] { return a.lists.at(kLights).empty() != lights && a.lists.at(kFogs).empty() != fogs; }));
         HttpReply reply; // 503 while shaders are compiled, which may take longer than a reply
-        for (int tries = 0; reply.status != 200 && tries < 6; ++tries)
-            reply = get(server.port(), "/snapshot.jpg?w=160&h=90");
+        for (int tries = 0; reply.status != 200 && tries < 6; ++tries) {
+            const auto ask = [&] { return get(server.port(), "/snapshot.jpg?w=160&h=90"); };
+            auto snapshot = std::async(std::launch::async, ask);
+            const auto came = [&] { return snapshot.wait_for(std::chrono::seconds(0)) == std::future_status::ready; };
+            EXPECT_TRUE(watch(both, came)); // who answers no pings is taken for gone
+            reply = snapshot.get();
+        }
         EXPECT_EQ(reply.status, 200) << reply.body;
         return decoded({reply.body.begin(), reply.body.end()}, 160, 90);
     }
@@ -151,7 +157,7 @@ protected:
         std::ofstream(scene) << "[medium]\ncount = 50\n[render]\nmethod = \"slabs\"\nrate = 8\n";
         server = std::make_unique<RunningServer>(
             std::vector<std::string>{"--ahead", "background", "--scene", scene.string(), "--record", recording.string(),
-                                     "--measure-error", "0", "--most-frame-time", "60000"},
+                                     "--measure-error", "0"},
             std::vector<std::string>{"MESA_SHADER_CACHE_DIR=" + (folder / "cache").string()});
         watcher = std::make_unique<Watcher>(server->endpoint());
         watcher->look(kPose);

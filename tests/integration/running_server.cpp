@@ -18,6 +18,7 @@ RunningServer::RunningServer(const std::vector<std::string>& arguments, const st
     if (!given("--port")) all.insert(all.end(), {"--port", "0"});
     if (!given("--scene")) all.insert(all.end(), {"--scene", "cloud"});
     if (!given("--ahead")) all.insert(all.end(), {"--ahead", "off"}); // what would be compiled is compiled by the tests
+    if (!given("--most-frame-time")) all.insert(all.end(), {"--most-frame-time", "60000"}); // whatever runs beside
     process_ = startServer(all, environment);
     const auto port = process_->lineStarting("listening on http://127.0.0.1:");
     if (!port) throw std::runtime_error("the server does not get ready: " + process_->out() + process_->err());

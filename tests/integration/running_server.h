@@ -13,6 +13,7 @@ namespace brume::test {
 class RunningServer {
 public:
     // Starts scene `cloud` on a free port, unless the arguments say otherwise, and waits until the server is ready.
+    // Lack of time refuses nobody, unless they say otherwise.
     // Throws std::runtime_error with its output if it does not become ready.
     // `environment`: as of Process.
     explicit RunningServer(const std::vector<std::string>& arguments = {},
