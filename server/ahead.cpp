@@ -7,10 +7,10 @@
 #include <system_error>
 #include <utility>
 
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include "server/gpu/pipeline_cache.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
 #include "server/sim/sequence_files.h"
@@ -30,7 +30,8 @@ constexpr double kSoon = 1.5;
 class Compiling {
 public:
     Compiling(const Scene& scene, const gpu::Device& device, const Simulation& simulation, std::ostream& out)
-        : renderer_(device, scene, simulation.capacity()), submission_(device, "ahead"),
+        : listener_(device.pipelines(), [this](const std::string& text) { made_.push_back(text); }),
+          renderer_(device, scene, simulation.capacity()), submission_(device, "ahead"),
           pictures_(renderer_, submission_, scene, simulation, true), out_(out) {}
     ~Compiling() { tell(); }
 
@@ -41,10 +42,13 @@ public:
         pictures_.drawForEveryCamera(settings, still);
         tell(); // the driver has had time to write what it compiled before
         drawn_ = way;
+        pipelines_ = std::exchange(made_, {});
     }
     // Views of how pictures are made, whatever the way.
     void compileViews(const RenderSettings& settings) {
         for (const bool still : {false, true}) pictures_.drawViews(settings, still);
+        tell();
+        pipelines_ = std::exchange(made_, {});
     }
     const PlanView& inside() const { return pictures_.inside(); }
 
@@ -52,23 +56,20 @@ private:
     // Lowers the priority for good.
     static void stepBehind() { [[maybe_unused]] const int niceness = ::setpriority(PRIO_PROCESS, 0, 19); }
     void tell() {
-        if (const auto way = std::exchange(drawn_, std::nullopt)) out_ << kCompiled << text(*way) << std::endl;
+        for (const std::string& pipeline : std::exchange(pipelines_, {})) out_ << kPipeline << pipeline << '\n';
+        if (const auto way = std::exchange(drawn_, std::nullopt)) out_ << kCompiled << text(*way) << '\n';
+        out_ << std::flush;
     }
 
+    std::vector<std::string> made_; // pipelines, of what is drawn
+    gpu::PipelineListener listener_;
     Renderer renderer_;
     Submission submission_;
     WarmUp pictures_;
     std::ostream& out_;
     std::set<WayShaders> done_;
-    std::optional<WayShaders> drawn_; // not told yet
-};
-
-struct AsToml {
-    std::string operator()(glm::vec3 v) const { return fmt::format("[{},{},{}]", v.x, v.y, v.z); }
-    template <class Value>
-    std::string operator()(const Value& value) const {
-        return fmt::format("{}", value);
-    }
+    std::optional<WayShaders> drawn_;    // not told yet
+    std::vector<std::string> pipelines_; // not told yet
 };
 
 // The way for one viewer once the medium was seen to rest, if it does.
@@ -131,42 +132,6 @@ std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<
         spdlog::debug("shaders are not compiled ahead: {}", error.what());
         return nullptr;
     }
-}
-
-std::vector<std::string> presentOverrides(const SceneFacts& facts, std::span<const SettingValue> settings,
-                                          const SceneFeatures& lists) {
-    std::vector<std::string> all;
-    Light sun = sunOf(facts.scene);
-    for (size_t i = 0; i < settings.size(); ++i) {
-        const SceneSetting& setting = *liveSettings()[i];
-        if (setting.table() == "light")
-            apply({setting.path, settings[i]}, {.light = &sun});
-        else if (settings[i] != facts.starts[i])
-            all.push_back(fmt::format("{}={}", setting.path, std::visit(AsToml(), settings[i])));
-    }
-    const SceneLists own = listsOf(facts.scene);
-    if (!lists.bodies) all.insert(all.end(), {"box=[]", "sphere=[]"});
-    if (lists.bodies && !featuresOf(own).bodies) all.emplace_back("box=[{}]");
-    if (!lists.opaque) all.emplace_back("plane=[]");
-    if (lists.opaque && !lists.bodies && !lists.local_lights && own.planes.empty()) all.emplace_back("plane=[{}]");
-    all.push_back(fmt::format("fog=[{}]", lists.glow ? "{emission=[1,1,1]}" : lists.fog ? "{}" : ""));
-    all.push_back(fmt::format("light=[{{to_light={},irradiance={}}}{}]", AsToml()(sun.to_light),
-                              AsToml()(sun.irradiance), lists.local_lights ? ",{type='point'}" : ""));
-    return all;
-}
-
-std::vector<std::string> wayOverrides(const RenderSettings& way) {
-    std::vector<std::string> all{"render.method=" + way.method,
-                                 "render.isv.quadrature=" + way.isv.quadrature,
-                                 fmt::format("render.isv.steps={}", way.isv.steps),
-                                 fmt::format("render.isv.fading={}", way.isv.fading),
-                                 fmt::format("render.isv.soft_shadows={}", way.isv.soft_shadows),
-                                 fmt::format("render.isv.multiple={}", way.isv.multiple),
-                                 "render.tiles.quadrature=" + way.tiles.quadrature};
-    if (way.rate != kAuto) all.push_back(fmt::format("render.rate={}", way.rate));
-    if (way.slabs != kAuto) all.push_back(fmt::format("render.slabs={}", way.slabs));
-    if (way.grid.spacing != kAuto) all.push_back(fmt::format("render.grid.spacing={}", way.grid.spacing));
-    return all;
 }
 
 } // namespace brume

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iosfwd>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,12 +13,12 @@
 #include "common/process.h"
 #include "server/gpu/device.h"
 #include "server/plan/planner.h"
-#include "server/viewer/audience.h"
 
 namespace brume {
 
-// A line on a way that is compiled begins so; then comes text(WayShaders).
-inline constexpr std::string_view kCompiled = "compiled ";
+// A line on a way that is compiled begins so; then comes text(WayShaders). Before it come those
+// with the texts of its pipelines.
+inline constexpr std::string_view kCompiled = "compiled ", kPipeline = "pipeline ";
 
 // Draws pictures with the settings that other cameras, more viewers or overload would lead to; nobody sees them. The
 // driver caches the compiled shaders on disk for all processes of this user. Writes a line on each way to `out`.
@@ -32,10 +33,5 @@ bool isWorthCompiling(const Scene& scene);
 // with the returned object. Null if no process can be started.
 std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<const std::string> overrides,
                                     std::function<void()> on_line);
-// Overrides that give the scene these values of liveSettings(), and lists with these features.
-std::vector<std::string> presentOverrides(const SceneFacts& facts, std::span<const SettingValue> settings,
-                                          const SceneFeatures& lists);
-// The scene's settings for which compileAhead() compiles this way and little else.
-std::vector<std::string> wayOverrides(const RenderSettings& way);
 
 } // namespace brume

@@ -179,6 +179,10 @@ bool FrameLoop::render(Batch& batch) {
     batch.finer = batch.still_pictures ||
                   (refinement_.next({rests, batch_planner_.fullBatchMs(), dearer, frame_ms_}, batch.taken) &&
                    planner_->drawable(finer(planned), false));
+    if (batch.still_pictures && !planner_->drawable(finer(planned), true)) { // the way is a new one
+        for (const BatchJob& job : batch.jobs) job.viewer->abandon(job.due.frame_id);
+        return false;
+    }
     const RenderSettings settings = batch.finer ? finer(planned) : planned;
     batch.error = float(plan.chosen.error);
     for (EyeRequest& eye : batch.eyes)
@@ -193,12 +197,13 @@ bool FrameLoop::render(Batch& batch) {
 }
 
 // Neither the plan of the viewers nor their times take part in it, nor are they changed by it. It waits for its
-// shaders, since another way would give another picture; nobody else waits.
+// shaders, since another way would give another picture. After kLongestHold any way that is compiled does; without one
+// it waits on. Nobody else waits.
 bool FrameLoop::renderOneShot(Batch& batch) {
     const bool late = batch.taken - batch.jobs.front().due.request.received > kLongestHold;
     const Candidate way = planner_->once(simulation_, batch.views.front(), late);
-    const bool shown = drawn_ == featuresOf(simulation_.now().lists); // True: all that is in the scene can be drawn
-    if (!late && (!shown || !planner_->drawable(way.settings, true))) {
+    const bool shown = drawn_ == featuresOf(simulation_.now()); // True: all that is in the scene can be drawn
+    if ((!late && !shown) || !planner_->drawable(way.settings, true)) {
         for (const BatchJob& job : batch.jobs) {
             job.viewer->abandon(job.due.frame_id);
             held_.push_back(job.viewer->id());

@@ -14,6 +14,7 @@
 #include "server/encode/workers.h"
 #include "server/error/error_meter.h"
 #include "server/frame_options.h"
+#include "server/gpu/pipeline_cache.h"
 #include "server/loop/batch_planner.h"
 #include "server/loop/device_ledger.h"
 #include "server/loop/promise_watch.h"
@@ -80,6 +81,7 @@ private:
     };
 
     void warmUp();
+    void pipelineMade(const std::string& text);
     void run();
     void tick();
     void tellRefused();
@@ -119,6 +121,8 @@ private:
     std::atomic<double> frame_ms_, law_factor_;
     const double most_frame_ms_;
     CompiledWays ways_;
+    bool shows_ = false; // True: pictures may be waited for
+    gpu::PipelineListener pipelines_;
     SceneFeatures drawn_; // of the scene's lists, in pictures
     Simulation simulation_;
     std::optional<Renderer> renderer_; // made anew after a submission failed

@@ -44,7 +44,7 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     job->law = planner_->predictedError(job->with.settings, {eye.pose, eye.width, eye.height});
     job->scene = shown_scene_;
     job->now = simulation_.now();
-    leaveOut(job->now.lists, drawn_);
+    leaveOut(job->now, drawn_);
     job->pose = eye.pose;
     job->keeps = eye.show == gpu::kShowError;
     job->size = {eye.width, eye.height};

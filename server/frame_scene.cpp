@@ -40,6 +40,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
     : device_(device), audience_(audience), metrics_(metrics), scene_(scene), ticked_(options.ticked),
       costs_(options.costs), memory_(options.memory), picture_memory_(options.picture_memory),
       frame_ms_(options.frame_ms), law_factor_(options.law_factor), most_frame_ms_(options.most_frame_ms),
+      pipelines_(device.pipelines(), [this](const std::string& text) { pipelineMade(text); }),
       simulation_(scene, options.memory),
       renderer_(std::in_place, device, scene, boundedCapacity(scene, simulation_, options.memory)),
       planner_(std::in_place, scene_, options.costs, options.frame_ms, &ways_), refinement_(options.refine_moving),
@@ -47,13 +48,21 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       on_errors_(options.on_errors), shown_scene_(std::make_shared<const Scene>(scene)),
       workers_(options.encode_threads) {
     ways_.setAll(!options.compiled_behind);
-    drawn_ = featuresOf(simulation_.now().lists);
+    drawn_ = featuresOf(simulation_.now());
     ways_.clear(drawn_);
     simulation_.countFrom(options.first_tick);
     tellOfPointCloud(scene_, simulation_);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
     warmUp();
+    shows_ = true;
     report(Clock::now()); // viewers who come before the first tick are told the scene's own settings
+}
+
+// Those that were compiled before, here or in a process ahead, the driver has in its cache.
+void FrameLoop::pipelineMade(const std::string& text) {
+    if (!ways_.addPipeline(text) || !shows_) return;
+    metrics_.waitedForPipeline();
+    spdlog::debug("pictures wait for a pipeline that no process has compiled ahead: {}", text);
 }
 
 // Drivers compile shaders when they are first used. Where they are compiled behind, only those of the first pictures
@@ -82,7 +91,7 @@ void FrameLoop::warmUp() {
 // Pictures show what commands made of the scene's lists once shaders for it are compiled, and what there was until
 // then. The simulation waits for nothing.
 void FrameLoop::followLists() {
-    const SceneFeatures now = featuresOf(simulation_.now().lists);
+    const SceneFeatures now = featuresOf(simulation_.now());
     if (!ways_.follow(now) || now == drawn_) return;
     drawn_ = now;
     planner_->draws(now);
@@ -137,7 +146,7 @@ void FrameLoop::takeScene() {
     errors_.clear();
     promise_ = {};
     simulation_ = std::move(next->simulation);
-    drawn_ = featuresOf(simulation_.now().lists);
+    drawn_ = featuresOf(simulation_.now());
     ways_.clear(drawn_);
     planner_.emplace(scene_, costs_, frame_ms_, &ways_);
     ++scene_version_;

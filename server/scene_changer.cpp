@@ -12,6 +12,7 @@
 #include "common/scene_text.h"
 #include "common/text.h"
 #include "server/ahead.h"
+#include "server/loop/present_overrides.h"
 #include "server/plan/memory.h"
 #include "server/sim/point_cloud.h"
 #include "server/sim/sequence_files.h"
@@ -255,9 +256,8 @@ void SceneChanger::compileBehind() {
 // For the scene as it is now. `wanted`: only this way; null: all that may be needed.
 SceneChanger::Compiler SceneChanger::startCompiler(const SceneFeatures& lists,
                                                    const CompiledWays::Wanted* wanted) const {
-    std::vector<std::string> overrides =
-        presentOverrides(*server_.audience.scene(), server_.audience.report()->settings, lists);
-    if (wanted) std::ranges::copy(wayOverrides(wanted->settings), std::back_inserter(overrides));
+    const std::vector<std::string> overrides = presentOverrides(
+        *server_.audience.scene(), server_.audience.report()->settings, lists, wanted ? &wanted->settings : nullptr);
     return {startAhead(command_, overrides, wakeMain), 0, wanted ? std::optional(wanted->shaders) : std::nullopt,
             lists};
 }
@@ -270,6 +270,7 @@ bool SceneChanger::hear(Compiler& compiler) {
     const std::string out = compiler.process->out();
     for (size_t end; (end = out.find('\n', compiler.heard)) != out.npos; compiler.heard = end + 1) {
         const std::string line = out.substr(compiler.heard, end - compiler.heard);
+        if (line.starts_with(kPipeline)) server_.frames.compiledWays().addPipeline(line.substr(kPipeline.size()));
         if (const auto way = line.starts_with(kCompiled) ? wayShaders(line.substr(kCompiled.size())) : std::nullopt)
             server_.frames.compiledWays().add(compiler.lists, *way);
     }

@@ -9,6 +9,7 @@ namespace {
 
 // Shaders depend neither on a picture's size nor on a shadow map's. Small ones are drawn in a fraction of the time.
 constexpr uint32_t kWidth = 64, kHeight = 36;
+constexpr uint64_t kHistory = uint64_t(1) << 48; // EyeRequest::history of no viewer
 constexpr uint32_t kShadowSize = 32, kShadowSlices = 17;
 
 RenderSettings smallShadows(RenderSettings settings) {
@@ -28,7 +29,7 @@ WarmUp::WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, c
 }
 
 void WarmUp::drawForEveryCamera(const RenderSettings& settings, bool still) {
-    draw(own_, settings, still);
+    draw(own_, settings, still, gpu::kShowPicture, kHistory);
     draw(inside_, settings, still);
     if (!coarse_ || settings.shading != kAuto || !planOf(settings.method)->hasRays()) return;
     RenderSettings shaded = settings;
@@ -40,10 +41,11 @@ void WarmUp::drawViews(const RenderSettings& settings, bool still) {
     for (uint32_t show = gpu::kShowPicture + 1; show < gpu::kShows; ++show) draw(own_, settings, still, show);
 }
 
-void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still, uint32_t show) {
+void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still, uint32_t show, uint64_t history) {
     const EyeRequest eye{.pose = view.pose,
                          .width = std::min(view.width, kWidth),
                          .height = std::min(view.height, kHeight),
+                         .history = history,
                          .show = show};
     const RenderSettings shown = smallShadows(settings);
     submission_.probe.pixels.clear();

@@ -14,7 +14,8 @@ public:
 
     // One picture of the scene's own camera. Waits for the device, as all do here.
     void draw(const RenderSettings& settings, bool still) { draw(own_, settings, still); }
-    // With all shaders that cameras choose from: far and near ones, outside and in the medium.
+    // With all shaders that cameras choose from: far and near ones, outside and in the medium, with a picture before
+    // and without.
     void drawForEveryCamera(const RenderSettings& settings, bool still);
 
     // One picture of every view of how pictures are made.
@@ -24,7 +25,8 @@ public:
     const PlanView& inside() const { return inside_; } // in the middle of the medium
 
 private:
-    void draw(const PlanView& view, const RenderSettings& settings, bool still, uint32_t show = gpu::kShowPicture);
+    void draw(const PlanView& view, const RenderSettings& settings, bool still, uint32_t show = gpu::kShowPicture,
+              uint64_t history = 0);
 
     Renderer& renderer_;
     Submission& submission_;

@@ -13,6 +13,7 @@ std::shared_ptr<const Pipeline> PipelineCache::find(const Key& key) {
 }
 
 void PipelineCache::keep(Key key, std::shared_ptr<const Pipeline> pipeline) {
+    if (made_) made_(pipeline->text);
     const std::scoped_lock lock(mutex_);
     kept_.push_front({std::move(key), std::move(pipeline)});
     for (auto last = kept_.end(); kept_.size() > kMost && last != kept_.begin();) {

@@ -2,6 +2,7 @@
 // up to seconds to compile one.
 #pragma once
 
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -28,7 +29,7 @@ struct Pipeline {
     Pipeline& operator=(const Pipeline&) = delete;
 
     const Device& device;
-    const std::string name;
+    const std::string name, text; // of its first shader; the same with its constants' values
     VkPipelineBindPoint bind_point = VK_PIPELINE_BIND_POINT_COMPUTE;
     VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
@@ -61,7 +62,24 @@ private:
         std::shared_ptr<const Pipeline> pipeline;
     };
     mutable std::mutex mutex_;
+    friend class PipelineListener;
+    std::function<void(const std::string&)> made_;
     std::list<Kept> kept_; // the one that was asked for last is first
+};
+
+// Is told of every pipeline that is compiled while it lives, by Pipeline::text, in the thread that compiled it. Equal
+// pipelines have equal texts in all processes. One at a time; none is compiled when it begins and ends.
+class PipelineListener {
+public:
+    PipelineListener(PipelineCache& pipelines, std::function<void(const std::string&)> made) : pipelines_(pipelines) {
+        pipelines_.made_ = std::move(made);
+    }
+    ~PipelineListener() { pipelines_.made_ = nullptr; }
+    PipelineListener(const PipelineListener&) = delete;
+    PipelineListener& operator=(const PipelineListener&) = delete;
+
+private:
+    PipelineCache& pipelines_;
 };
 
 } // namespace brume::gpu

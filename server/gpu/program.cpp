@@ -41,6 +41,11 @@ struct Specialization {
     }
 };
 
+std::string textOf(std::string text, std::span<const SpecConstant> constants) {
+    for (const SpecConstant& c : constants) text += ' ' + std::to_string(c.id) + '=' + std::to_string(c.value);
+    return text;
+}
+
 const char* typeName(VkDescriptorType type) {
     switch (type) {
     case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
@@ -74,7 +79,7 @@ Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampl
 }
 
 Pipeline::Pipeline(const Device& owner, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants)
-    : device(owner), name(shaders.front().name) {
+    : device(owner), name(shaders.front().name), text(textOf(name, constants)) {
     std::vector<uint32_t> known;
     for (const ShaderCode& shader : shaders) reflect(shader, known);
     for (const SpecConstant& c : constants)

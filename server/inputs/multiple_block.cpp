@@ -32,7 +32,7 @@ bool hasColours(std::span<const gpu::Opaque> objects) {
 
 void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles,
                  std::span<const gpu::Opaque> objects) {
-    if (now.medium.model == kUnionMedium || particles.empty() || tick.sun.irradiance == glm::vec3(0)) return;
+    if (now.medium.model == kUnionMedium || particles.empty()) return;
     gpu::Multiple& multiple = tick.multiple;
     if (now.render.scattering == "octaves") {
         multiple.octaves = 1;
@@ -43,7 +43,7 @@ void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Part
         const glm::dvec3 albedo = meanAlbedo(particles);
         multiple.cells = (now.render.propagation.cells + kStep - 1) / kStep * kStep;
         const bool grey = albedo.x == albedo.y && albedo.x == albedo.z;
-        multiple.channels = grey && !(now.render.propagation.surface_parts > 0 && hasColours(objects)) ? 1 : 3;
+        multiple.channels = grey && !(reflects(now.render.propagation) && hasColours(objects)) ? 1 : 3;
         multiple.mean_cosine = float(cosine);
         multiple.asymmetry = float(physics::beamAsymmetry(cosine, straight));
         for (int c = 0; c < 3; ++c) {

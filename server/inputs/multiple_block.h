@@ -10,8 +10,7 @@
 namespace brume {
 
 // Fluxes have the mean albedo of the particles, by extinction and volume; three channels where it or the albedo of
-// an object is coloured. A union medium, none, and one without sunlight have single scattering. Precondition: the tick
-// has the sun.
+// an object is coloured. A union medium and none have single scattering.
 void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles,
                  std::span<const gpu::Opaque> objects);
 
@@ -21,10 +20,19 @@ inline uint32_t scatteringOf(const gpu::Multiple& multiple) {
            : multiple.octaves > 0 ? gpu::kScatteringOctaves
                                   : gpu::kScatteringSingle;
 }
+// True: with scattering = "propagation" the medium gets light of surfaces.
+inline bool reflects(const PropagationSettings& settings) { return settings.surface_parts > 0; }
 inline uint32_t scatteringOf(const RenderSettings& settings) {
     return settings.scattering == "octaves"       ? gpu::kScatteringOctaves
            : settings.scattering == "propagation" ? gpu::kScatteringPropagation
                                                   : gpu::kScatteringSingle;
+}
+// A number that differs between settings for which shaders of light that scatters more than once differ, below
+// kScatteringShaders.
+inline constexpr uint32_t kScatteringShaders = 4;
+inline uint32_t scatteringShaders(const RenderSettings& settings) {
+    const uint32_t model = scatteringOf(settings);
+    return model == gpu::kScatteringPropagation && reflects(settings.propagation) ? kScatteringShaders - 1 : model;
 }
 
 } // namespace brume

@@ -21,13 +21,15 @@ struct SceneFeatures {
     bool balls = false;        // True: the medium is the union of balls
     bool glass = false;        // True: there are sheets of glass
     bool tetrahedra = false;   // True: the medium is of tetrahedra
+    bool sun = false;          // True: the directional light has an irradiance
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
         return {opaque || o.opaque,   meshes || o.meshes,   bodies || o.bodies,
                 casters || o.casters, ambient || o.ambient, lobe || o.lobe,
                 fog || o.fog,         glow || o.glow,       local_lights || o.local_lights,
-                balls || o.balls,     glass || o.glass,     tetrahedra || o.tetrahedra};
+                balls || o.balls,     glass || o.glass,     tetrahedra || o.tetrahedra,
+                sun || o.sun};
     }
 };
 
@@ -35,40 +37,44 @@ inline constexpr float kNoBall = 1e15f; // m, gpu::Fog::radius of a fog that fil
 
 inline bool isThere(const Fog& fog) { return fog.extinction > 0; }
 
-// Those that follow from the lists alone. With local lights pictures always pass through surfaces' targets, as with
-// objects.
-inline SceneFeatures featuresOf(const SceneLists& lists) {
+// Those that commands change. With local lights pictures always pass through surfaces' targets, as with objects.
+inline SceneFeatures featuresOf(const SceneNow& now) {
+    const SceneLists& lists = now.lists;
     const auto glows = [](const Fog& fog) { return isThere(fog) && fog.emission != glm::vec3(0); };
     const bool bodies = !lists.boxes.empty() || !lists.spheres.empty() || lists.laid_out > 0,
                local_lights = !lists.lights.empty();
     return {.opaque = bodies || !lists.planes.empty() || local_lights,
             .bodies = bodies,
+            .lobe = hasLobe(now.medium),
             .fog = std::ranges::any_of(lists.fogs, isThere),
             .glow = std::ranges::any_of(lists.fogs, glows),
-            .local_lights = local_lights};
+            .local_lights = local_lights,
+            .sun = now.light.irradiance != glm::vec3(0)};
 }
-// All of them. `now`: what commands change. `drawn`: those of lists that are drawn with, whatever there is. A sun
-// without irradiance has no shadows.
+// All of them. `drawn`: those that commands change and that are drawn with, whatever there is. A sun without irradiance
+// has no shadows.
 inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now, const SceneFeatures& drawn = {}) {
-    SceneFeatures all = featuresOf(now.lists) | drawn;
+    SceneFeatures all = featuresOf(now) | drawn;
     all.meshes |= !scene.triangles.empty();
     all.glass |= !scene.glasses.empty();
     all.opaque |= all.meshes || all.glass;
-    all.casters |= (all.bodies || all.meshes) && now.light.irradiance != glm::vec3(0);
+    all.casters |= (all.bodies || all.meshes) && all.sun;
     all.ambient |= scene.sky.ambient != glm::vec3(0);
-    all.lobe |= hasLobe(now.medium);
     all.balls |= now.medium.model == kUnionMedium;
     all.tetrahedra |= now.medium.model == kTetrahedraMedium;
     return all;
 }
-// Takes out of the lists what shaders that are compiled for `features` do not draw.
-inline void leaveOut(SceneLists& lists, const SceneFeatures& features) {
+// Takes out what shaders that are compiled for `features` do not draw.
+inline void leaveOut(SceneNow& now, const SceneFeatures& features) {
+    SceneLists& lists = now.lists;
     if (!features.local_lights) lists.lights.clear();
     if (!features.fog) lists.fogs.clear();
     if (!features.glow)
         for (Fog& fog : lists.fogs) fog.emission = glm::vec3(0);
     if (!features.opaque) lists.planes.clear();
     if (!features.bodies) lists.boxes.clear(), lists.spheres.clear();
+    if (!features.lobe) now.medium.phase = kMixturePhase, now.medium.anisotropy = 0;
+    if (!features.sun) now.light.irradiance = glm::vec3(0);
 }
 
 // True: only methods that draw fog, local lights and meshes can draw the scene.

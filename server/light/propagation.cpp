@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "server/inputs/multiple_block.h"
 #include "server/light/flux_sizes.h"
 #include "shaders/flux_cells_comp.h"
 #include "shaders/flux_coarser_comp.h"
@@ -76,7 +77,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     const Key key{unlit(*tick.tick), settings, tick.objects_version, tick.features, tick.hue_parts};
     if (valid_ && key == key_) return;
     key_ = key, valid_ = true;
-    const bool surfaces = settings.surface_parts > 0 && (tick.tick->plane_count > 0 || tick.reflecting_count > 0);
+    const bool surfaces = reflects(settings) && (tick.tick->plane_count > 0 || tick.reflecting_count > 0);
     const Programs& programs = programsFor(tick.features, surfaces);
     const gpu::Commands::Pass timed(commands, "propagation");
     const VkCommandBuffer cmd = commands.handle();

@@ -162,12 +162,12 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
     if (!seen_by_.empty())
         vkCmdUpdateBuffer(cmd, eyes_.handle(), 0, seen_by_.size() * sizeof(gpu::ShadowEye), seen_by_.data());
     gpu::everythingBefore(cmd);
+    const bool meshes = in.shared.features.meshes;
+    gpu::ComputeProgram& program = programs_[meshes];
+    if (!program)
+        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_grid_comp, "shadow_grid"},
+                                      {{gpu::kIdHasMeshes, meshes}});
     if (!slots.lights.empty() && !in.eyes.empty()) {
-        const bool meshes = in.shared.features.meshes;
-        gpu::ComputeProgram& program = programs_[meshes];
-        if (!program)
-            program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_grid_comp, "shadow_grid"},
-                                          {{gpu::kIdHasMeshes, meshes}});
         gpu::Resource tick = in.tick_block;
         tick.binding = 0;
         program.bind(commands,

@@ -239,6 +239,11 @@ struct Metrics::Families {
                                    .Add({});
     pm::Gauge& pipelines =
         pm::BuildGauge().Name("brume_pipelines").Help("Compiled pipelines that are kept.").Register(registry).Add({});
+    pm::Counter& waited_pipelines = pm::BuildCounter()
+                                        .Name("brume_pipelines_waited_total")
+                                        .Help("Pipelines that pictures waited for, since nothing had compiled them.")
+                                        .Register(registry)
+                                        .Add({});
     pm::Counter& bytes = pm::BuildCounter()
                              .Name("brume_frame_bytes_total")
                              .Help("Bytes of frames handed to sockets.")
@@ -289,6 +294,8 @@ void Metrics::kept(uint64_t picture_bytes, size_t pipelines) {
     families_->pictures_kept.Set(double(picture_bytes));
     families_->pipelines.Set(double(pipelines));
 }
+
+void Metrics::waitedForPipeline() { families_->waited_pipelines.Increment(); }
 
 void Metrics::drawn(double shared_ms, double views_ms, bool finer) {
     if (finer) families_->finer.Increment();

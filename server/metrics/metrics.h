@@ -25,6 +25,7 @@ public:
     void commandTaken(float ms);
     void budget(double used);                            // time of a frame of all viewers over the frame budget
     void kept(uint64_t picture_bytes, size_t pipelines); // on the device: picture buffers, compiled pipelines
+    void waitedForPipeline();                            // pictures waited until one was compiled
     void encoded(uint32_t pictures);                     // viewers with the same camera share one
     void rendered(const EncodedFrame& frame); // a frame is encoded; times its wait, render, encode and gpu stages
     void failed();                            // a due frame was abandoned

@@ -120,6 +120,11 @@ std::optional<CompiledWays::Wanted> CompiledWays::nextWanted() {
     return wanted_.front();
 }
 
+bool CompiledWays::addPipeline(const std::string& text) {
+    const std::scoped_lock lock(mutex_);
+    return pipelines_.insert(text).second;
+}
+
 uint64_t CompiledWays::version() const {
     const std::scoped_lock lock(mutex_);
     return version_;

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -41,7 +42,7 @@ public:
     // True, as it is at first: every way may be used at once; nothing is compiled behind.
     void setAll(bool all);
     bool hasAll() const;
-    // Forgets all ways, for another scene with these features of its lists: brume::featuresOf().
+    // Forgets all ways, for another scene with these features that commands change: brume::featuresOf().
     void clear(const SceneFeatures& lists = {});
     // Of the lists that are drawn. `probed`: true if the shader that reads its pixels back is compiled, too.
     void add(const WayShaders& way, bool probed = true);
@@ -64,6 +65,8 @@ public:
     void serve(std::function<void()> on_want);
     // The way that was wanted first and is not compiled yet.
     std::optional<Wanted> nextWanted();
+    // A process has compiled this pipeline: gpu::PipelineListener. False: that is known already.
+    bool addPipeline(const std::string& text);
     // Grows with every way that has() becomes true for.
     uint64_t version() const;
 
@@ -74,6 +77,7 @@ private:
 
     mutable std::mutex mutex_;
     std::map<SceneFeatures, std::map<WayShaders, bool>> compiled_;
+    std::set<std::string> pipelines_; // of all scenes: the driver keeps them
     SceneFeatures features_;
     std::optional<SceneFeatures> next_; // that are wanted
     std::deque<Wanted> wanted_;

@@ -28,8 +28,9 @@ public:
     virtual std::string refusal(const RenderSettings& /*settings*/) const { return {}; }
     // A number that differs between settings for which its shaders are compiled differently.
     virtual uint32_t variant(const RenderSettings& /*settings*/) const { return 0; }
-    // The same, with the shaders that one made method chooses from. Those that differ by settings.rate have one number.
-    virtual uint32_t shaders(const RenderSettings& settings) const { return variant(settings); }
+    // The same, with the shaders that one made method chooses from, and those of passes that it alone asks for. Those
+    // that differ by settings.rate have one number. It is taken from what the method's programs are found by.
+    virtual uint32_t shaders(const RenderSettings& settings) const = 0;
     // The settings in a few words, for people.
     virtual std::string text(const RenderSettings& /*settings*/) const { return name(); }
     // Bytes of device memory per particle, in addition to what all methods share.

@@ -46,7 +46,7 @@ PlanView ownView(const Scene& scene) {
 
 PlanScene planScene(const Scene& scene, const Simulation& simulation, const std::optional<SceneFeatures>& lists) {
     SceneNow now = simulation.now();
-    if (lists) leaveOut(now.lists, *lists);
+    if (lists) leaveOut(now, *lists);
     std::vector<gpu::Particle> particles(simulation.liveCount());
     simulation.write(particles);
     const std::vector<gpu::Opaque> objects = opaqueObjects(scene, now.lists);
@@ -138,6 +138,7 @@ void Planner::make() {
     inputs_.relaxed = overload_.level();
     inputs_.relaxed_before = plan_.relaxed;
     plan_ = makePlan(inputs_, costs_.model());
+    if (inputs_.compiled) waitForShaders();
     inputs_.before = plan_.base;
     inputs_.before_deviation_px = plan_.reference_deviation_px;
     for (const RenderSettings& way : plan_.wanted) {
@@ -149,15 +150,47 @@ void Planner::make() {
     if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
         spdlog::debug("plan: {}", summary(plan_));
     const std::string& wanted = inputs_.scene.wanted.method;
-    if (wanted != kAutoMethod && now.method != wanted && (first || now.method != then.method))
+    if (!plan_.refused.empty() && wanted != kAutoMethod && now.method != wanted && (first || now.method != then.method))
         spdlog::warn("refused: {}; instead: {}", plan_.refused, summary(plan_));
+}
+
+// The settings that there was last a compiled way for, but what no shader depends on. Precondition: there was one.
+RenderSettings Planner::asDrawn(const RenderSettings& asked) const {
+    RenderSettings drawn = *drawn_for_;
+    drawn.exposure = asked.exposure;
+    return drawn;
+}
+
+// Pictures are made as they were until something is compiled for what is asked for now.
+void Planner::waitForShaders() {
+    const auto drawable = [&](const Plan& plan) {
+        RenderSettings way = plan.chosen.settings;
+        if (plan.reference_deviation_px > 0) way.rate = nearestCompiledRate(way, inputs_.compiled);
+        return inputs_.compiled(way);
+    };
+    const RenderSettings asked = inputs_.scene.wanted;
+    if (!drawn_for_ || drawable(plan_)) {
+        drawn_for_ = asked; // the first is compiled where it is drawn
+    } else {
+        inputs_.scene.wanted = asDrawn(asked);
+        Plan old = makePlan(inputs_, costs_.model());
+        inputs_.scene.wanted = asked;
+        if (!drawable(old)) return;
+        old.wanted = std::move(plan_.wanted);
+        old.refused = std::move(plan_.refused);
+        plan_ = std::move(old);
+    }
 }
 
 Candidate Planner::once(const Simulation& simulation, const PlanView& view, bool compiled) const {
     PlanInputs alone{.scene = planScene(scene_, simulation, lists_), .views = {view}, .methods = inputs_.methods};
     alone.law_factor = inputs_.law_factor;
     if (compiled && ways_) alone.compiled = [this](const RenderSettings& way) { return ways_->has(way, true); };
-    return makePlan(alone, costs_.first()).chosen;
+    Candidate way = makePlan(alone, costs_.first()).chosen;
+    if (!alone.compiled || alone.compiled(way.settings) || !drawn_for_) return way;
+    alone.scene.wanted = asDrawn(alone.scene.wanted);
+    Candidate old = makePlan(alone, costs_.first()).chosen;
+    return alone.compiled(old.settings) ? old : way;
 }
 
 uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings, bool still) const {

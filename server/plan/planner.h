@@ -68,7 +68,7 @@ public:
     // A frame with these settings took so long. Logs when accuracy begins to be given up, when none is left to give
     // up, and when it is back.
     void took(double ms, Time now);
-    // From the next plan on: pictures show of the scene's lists only what shaders with these features draw.
+    // From the next plan on: pictures show only what shaders with these features draw.
     void draws(const SceneFeatures& lists) { lists_ = lists; }
     void setFrameBudget(double ms) { overload_.setBudget(ms); }
 
@@ -82,6 +82,8 @@ private:
     // `look`: true if the scene is measured, too. `hold`: PlanInputs::hold, for two seconds at most.
     void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at);
     void make();
+    void waitForShaders();
+    RenderSettings asDrawn(const RenderSettings& asked) const;
     bool someoneJumped(std::span<const PlanView> views) const;
 
     const Scene& scene_;
@@ -92,6 +94,7 @@ private:
     Corrections corrections_;
     PlanInputs inputs_;
     Plan plan_;
+    std::optional<RenderSettings> drawn_for_; // what was asked for first, or last when there was a compiled way for it
     bool exhausted_ = false;
     uint32_t worst_ = 0; // highest overload level since accuracy was last full
     Time overloaded_since_{};

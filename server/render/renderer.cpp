@@ -39,7 +39,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     now_ = simulation.now();
     tick_number_ = simulation.tick();
     if (settings) now_.render = *settings;
-    if (lists_) leaveOut(now_.lists, *lists_);
+    if (lists_) leaveOut(now_, *lists_);
     features_ = besides_ | featuresOf(scene_, now_, lists_.value_or(SceneFeatures()));
     hues_ = huesOf(now_, simulation.liveCount());
     if (objects_.follow(scene_, now_.lists)) {

@@ -243,6 +243,49 @@ TEST_F(FrameLoopTest, NoCameraMakesOthersWaitForAShader) {
     EXPECT_FALSE(failed_);
 }
 
+// What needs other shaders is drawn once they are compiled: light that scatters more often, another method, other
+// shadows, a lobe, the first sunlight.
+TEST_F(FrameLoopTest, NoSettingMakesOthersWaitForAShader) {
+    using Text = std::string;
+    scene_.medium.phase = kMixturePhase, scene_.medium.anisotropy = 0;
+    for (Light& light : scene_.lights) light.irradiance = glm::vec3(0);
+    scene_.boxes = {{}};
+    FrameLoop::Options options;
+    options.compiled_behind = true;
+    options.most_frame_ms = 6e4;
+    for (const auto& [method, change] : {std::pair("slabs", Change("render.scattering", Text("octaves"))),
+                                         {"slabs", {"render.method", Text("froxels")}},
+                                         {"froxels", {"render.froxels.shadows", Text("grid")}},
+                                         {"slabs", {"medium.anisotropy", 0.5f}},
+                                         {"slabs", {"light.irradiance", glm::vec3(3)}}}) {
+        scene_.render.method = method;
+        const gpu::Device fresh{gpu::DeviceOptions{}};
+        FrameLoop loop(scene_, fresh, audience_, metrics_, options);
+        CompiledWays& ways = loop.compiledWays();
+        loop.start([&] { failed_ = true; });
+        Looker steady(audience_, 64, 36);
+        uint32_t seq = 0;
+        const auto look = [&] {
+            ++seq;
+            steady.look(seq, float(seq % 8));
+            return frameOf(steady, seq) != nullptr;
+        };
+        const size_t pipelines = fresh.pipelines().size();
+        const uint64_t version = audience_.report()->settings_version;
+        ASSERT_TRUE(audience_.commands().push({1, 1, Set{change}}));
+        while (audience_.report()->settings_version == version) ASSERT_TRUE(look());
+        for (int i = 0; i < 6; ++i) ASSERT_TRUE(look());
+        EXPECT_EQ(fresh.pipelines().size(), pipelines) << change.path();
+        if (const auto features = ways.wantedFeatures()) ways.add(*features, {});
+        while (const auto next = ways.nextWanted()) ways.add(next->shaders);
+        const auto deadline = Clock::now() + std::chrono::seconds(30);
+        while (fresh.pipelines().size() == pipelines && Clock::now() < deadline) ASSERT_TRUE(look());
+        EXPECT_GT(fresh.pipelines().size(), pipelines) << change.path() << ": or it shows nothing";
+        loop.stop();
+    }
+    EXPECT_FALSE(failed_);
+}
+
 // A viewer may be welcomed before the first tick.
 TEST_F(FrameLoopTest, TheScenesOwnSettingsAreToldBeforeTheFirstTick) {
     scene_.simulation.paused = true;

@@ -49,6 +49,7 @@ void Watcher::poll(milliseconds timeout) {
             state_tick = state->tick();
             exposure = state->exposure();
             viewers = state->viewers();
+            if (state->plan() && state->plan()->method()) method = state->plan()->method()->str();
             if (!state->lists()) continue;
             lists.clear();
             for (const wire::Elements* list : *state->lists())

@@ -51,6 +51,7 @@ public:
     std::optional<bool> paused;            // of the newest state
     uint64_t state_tick = 0;               // of the newest state
     float exposure = 0;                    // of the newest state
+    std::string method;                    // that pictures are made with, of the newest state
     std::optional<uint32_t> viewers;       // of the newest state
     std::vector<std::vector<float>> lists; // Elements::values of the newest state that had them
     uint64_t lists_tick = 0;               // of that state

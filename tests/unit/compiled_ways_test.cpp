@@ -217,6 +217,56 @@ TEST(CompiledWays, ARunningServerDrawsWithWhatIsCompiledAndTakesTheRestWhenItIsT
     EXPECT_EQ(shadersOf(planner.plan().chosen.settings, false), wanted);
 }
 
+// Pictures stay as they were until something is compiled for what is asked for. Nobody waits for a driver.
+TEST(CompiledWays, WhatIsAskedForIsDrawnOnceItIsCompiled) {
+    Scene scene = cube();
+    scene.render.method = "slabs";
+    Simulation simulation(scene);
+    NothingCompiled ways;
+    Planner planner(scene, builtInCosts(), 50, &ways);
+    int now = 1000;
+    const auto plan = [&] {
+        const RenderSettings settings =
+            planner.settings(simulation, {&kOutside, 1}, true, Planner::Time(seconds(++now)));
+        RenderSettings drawn = settings;
+        if (const uint32_t rate = planner.rateOf(kOutside, settings)) drawn.rate = rate;
+        return drawn;
+    };
+    const auto compile = [&] {
+        while (const auto next = ways.nextWanted()) ways.add(next->shaders);
+    };
+    plan();
+    compile();
+    const auto set = [&](Set changes) {
+        const Command command{1, 1, std::move(changes)};
+        simulation.step({&command, 1});
+        ASSERT_TRUE(simulation.refused().empty());
+    };
+    using Text = std::string;
+    for (const Set& changes : {Set{{"render.scattering", Text("octaves")}},
+                               {{"render.scattering", Text("single")}, {"render.method", Text("froxels")}},
+                               {{"render.froxels.shadows", Text("hybrid")}},
+                               {{"render.froxels.history", 0.5f}},
+                               {{"render.method", Text("march")}},
+                               {{"render.march.blur", Text("none")}},
+                               {{"render.march.jitter", Text("opacity")}},
+                               {{"render.method", Text("gradients")}},
+                               {{"render.radiance.interpolation", Text("rbf")}}}) {
+        const WayShaders before = shadersOf(plan(), false);
+        set(changes);
+        set({{"render.exposure", float(now)}});
+        const RenderSettings meanwhile = plan();
+        EXPECT_EQ(text(shadersOf(meanwhile, false)), text(before)) << changes.changes.back().path();
+        EXPECT_EQ(meanwhile.exposure, simulation.now().render.exposure) << "no shader depends on it";
+        ASSERT_TRUE(ways.nextWanted()) << changes.changes.back().path();
+        compile();
+        const RenderSettings after = plan();
+        EXPECT_NE(text(shadersOf(after, false)), text(before)) << changes.changes.back().path();
+        EXPECT_TRUE(ways.has(after, false));
+        EXPECT_EQ(after.method, simulation.now().render.method);
+    }
+}
+
 TEST(FarJump, APlanIsMadeAnewForAnEyeThatIsSuddenlyFarAway) {
     const Scene scene = cube();
     const Simulation simulation(scene);

@@ -152,6 +152,7 @@ TEST(Plan, AMethodThatSaysNothingOfItsCostsIsNeverChosen) {
     struct Bare final : MethodPlan {
         const char* name() const override { return "bare"; }
         const char* about() const override { return "says nothing of itself"; }
+        uint32_t shaders(const RenderSettings&) const override { return 0; }
     } bare;
     PlanInputs inputs = inputsOf(cube());
     inputs.scene.wanted.error = inputs.scene.wanted.flip = 1;

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "server/inputs/world_box.h"
 #include "server/light/shadow_frustum.h"
 #include "server/light/shadow_grid.h"
 #include "server/methods/froxels/froxel_history.h"
+#include "server/methods/froxels/froxel_shaders.h"
 #include "server/methods/froxels/froxel_volume.h"
 #include "server/methods/grid/medium_grid.h"
 #include "shaders/froxels_comp.h"
@@ -19,14 +20,6 @@ namespace {
 
 // Part of the slices, from the eye on, that the shadow frustum covers. docs/results/seed-002.md measures this one.
 constexpr float kFrustumPart = 0.333f;
-
-uint32_t shadowsOf(const RenderSettings& settings) {
-    const std::string& name = settings.froxels.shadows;
-    return name == "map"    ? gpu::kShadowsByMap
-           : name == "ray"  ? gpu::kShadowsByRay
-           : name == "grid" ? gpu::kShadowsByGrid
-                            : gpu::kShadowsHybrid;
-}
 
 class Froxels : public FroxelVolume {
 public:
@@ -51,7 +44,7 @@ public:
 
     void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {
         nodes_.record(commands, medium, *tick.settings, true);
-        const uint32_t shadows = shadowsOf(*tick.settings);
+        const uint32_t shadows = shadersFor(tick.settings->froxels).shadows;
         if (shadows != gpu::kShadowsByGrid && shadows != gpu::kShadowsHybrid) return;
         Bounds3 box = worldBox(tick, medium);
         if (!(box.lo.x <= box.hi.x)) box = {glm::dvec3(-1), glm::dvec3(1)}; // nothing throws shadows
@@ -86,7 +79,9 @@ private:
         const bool whole = froxels.first_row == 0 && (froxels.rays.y - 1) * froxels.pixels >= in.size.height;
         const FroxelHistory::Bound history = history_.record(commands, in, froxels, whole);
         const gpu::Buffer& any = *shared.objects; // bound, but not read
-        program(shadowsOf(*shared.settings), in.medium->extent->one_albedo, history.has)
+        FroxelShaders shaders = shadersFor(shared.settings->froxels);
+        shaders.history = shaders.history && history.has;
+        program(shaders, in.medium->extent->one_albedo)
             .bind(commands,
                   {in.medium->tick,
                    in.eye,
@@ -115,8 +110,8 @@ private:
         gpu::computeToCompute(commands.handle());
     }
 
-    const gpu::ComputeProgram& program(uint32_t shadows, bool one_albedo, bool history) {
-        gpu::ComputeProgram& made = programs_[{shadows, one_albedo, history}];
+    const gpu::ComputeProgram& program(const FroxelShaders& shaders, bool one_albedo) {
+        gpu::ComputeProgram& made = programs_[{shaders, one_albedo}];
         if (!made)
             made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, froxels_comp, "froxels"},
                                        {{gpu::kIdHasOpaque, features_.opaque},
@@ -127,8 +122,8 @@ private:
                                         {gpu::kIdHasGlow, features_.glow},
                                         {gpu::kIdHasLocalLights, features_.local_lights},
                                         {gpu::kIdOneAlbedo, one_albedo},
-                                        {gpu::kIdShadows, shadows},
-                                        {gpu::kIdHistory, history}});
+                                        {gpu::kIdShadows, shaders.shadows},
+                                        {gpu::kIdHistory, shaders.history}});
         return made;
     }
 
@@ -140,7 +135,7 @@ private:
     std::vector<ShadowSlices> slices_; // that the frusta cover
     float far_ = 0;                    // m of view depth, where the slices of all eyes end
     FroxelHistory history_;
-    std::map<std::tuple<uint32_t, bool, bool>, gpu::ComputeProgram> programs_;
+    std::map<std::pair<FroxelShaders, bool>, gpu::ComputeProgram> programs_; // by: one albedo
 };
 
 } // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/gpu/binding_sizes.h"
+#include "server/methods/gradients/light_shaders.h"
 #include "shaders/radiance_nested_comp.h"
 #include "shaders/radiance_nodes_comp.h"
 #include "shaders/radiance_samples_comp.h"
@@ -38,8 +39,8 @@ uint32_t howOf(const RadianceSettings& settings) {
     return (settings.quantity == "radiance" ? gpu::kRadiance : 0) |
            (settings.weights == "printed" ? gpu::kPrinted : 0) |
            (settings.interpolation == "rbf" ? gpu::kNoPlanes : 0) |
-           (settings.interpolation == "exact" ? gpu::kExactly : 0) |
-           (settings.interpolation == "nested" ? gpu::kNested : 0);
+           (lightShaders(settings) == LightShaders::exact ? gpu::kExactly : 0) |
+           (lightShaders(settings) == LightShaders::nested ? gpu::kNested : 0);
 }
 
 gpu::LightSampling samplingOf(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape,
@@ -93,7 +94,8 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
 
     const gpu::Commands::Pass pass(commands, "radiance");
     gpu::LightSampling push = samplingOf(tick, medium, shape_, nodes.grid());
-    const bool nested = (push.how & gpu::kNested) != 0, spheres = (push.how & (gpu::kExactly | gpu::kNested)) == 0;
+    const LightShaders shaders = lightShaders(settings);
+    const bool nested = shaders == LightShaders::nested, spheres = shaders == LightShaders::spheres;
     uint64_t samples = push.firsts;
     for (uint32_t level = 0; level < push.levels; ++level) samples += samplesOf(push, level);
     const auto grow = [&](gpu::Buffer& buffer, uint64_t count, size_t each, const char* name) {

@@ -23,6 +23,7 @@ public:
         return uint32_t(s.isv.multiple > 0) << 12 | uint32_t(s.isv.soft_shadows) << 11 | uint32_t(!s.isv.fading) << 10 |
                quadratureId(s.isv) << 8 | s.isv.steps;
     }
+    uint32_t shaders(const RenderSettings& s) const override { return variant(s); }
     std::string text(const RenderSettings& s) const override {
         std::string text = "isv, " + s.isv.quadrature;
         if (hasSteps(s.isv)) text += " " + std::to_string(s.isv.steps);

@@ -12,6 +12,7 @@ public:
     const char* about() const override {
         return "froxels that read the light at nodes of world space, which all viewers share";
     }
+    uint32_t shaders(const RenderSettings&) const override { return 0; }
     std::string text(const RenderSettings& s) const override {
         return fmt::format("lit grid, froxels of {}x{} pixels, {} slices", s.froxels.pixels, s.froxels.pixels,
                            s.froxels.slices);

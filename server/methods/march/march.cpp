@@ -10,6 +10,7 @@
 #include "server/methods/froxels/froxel_volume.h"
 #include "server/methods/grid/medium_grid.h"
 #include "server/methods/march/dither.h"
+#include "server/methods/march/march_shaders.h"
 #include "shaders/bilateral_comp.h"
 #include "shaders/march_comp.h"
 #include "shaders/march_resolve_comp.h"
@@ -22,21 +23,11 @@ constexpr uint32_t kAround = gpu::kBlurReach + 1; // marched rows beside a band 
 // Depths that differ by more are of different objects: the blur mixes nothing across 3 m.
 constexpr float kDepthFalloff = 3; // m
 constexpr uint32_t kBlurRun = 8;   // pixels of a lane of bilateral.comp
-constexpr const char *kNoBlur = "none", *kFormula = "ign";
+constexpr const char* kFormula = "ign";
 static_assert(kDitherSide == gpu::kPatternSide);
 
 // Pixels between marched ones.
 uint32_t apartOf(const RenderSettings& settings) { return settings.rate >= 4 ? 4 : settings.rate >= 2 ? 2 : 1; }
-
-uint32_t jitterOf(const MarchSettings& settings) {
-    return settings.jitter == "offset"       ? gpu::kJitterOffset
-           : settings.jitter == "stratified" ? gpu::kJitterStratified
-                                             : gpu::kJitterOpacity;
-}
-
-uint32_t blurOf(const MarchSettings& settings) {
-    return settings.blur == "row14" ? gpu::kBlurRow14 : settings.blur == "printed" ? gpu::kBlurPrinted : gpu::kBlurBox8;
-}
 
 // Marched columns and rows of a picture.
 glm::uvec2 marchedSize(const EyeInputs& in) {
@@ -67,7 +58,7 @@ public:
             const uint32_t rows = std::min(bandRows(size) + 2 * kAround, size.y);
             pixels = std::max(pixels, VkDeviceSize(size.x) * rows);
         }
-        const bool blurs = eyes.front().shared->settings->march.blur != kNoBlur;
+        const bool blurs = blurOf(eyes.front().shared->settings->march).has_value();
         const auto fit = [&](gpu::Buffer& buffer, VkDeviceSize of_pixel, const char* name) {
             buffer.atLeast(device_, pixels * of_pixel, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, name);
         };
@@ -102,7 +93,7 @@ public:
             band.size.y = std::min(end + kAround, size.y) - band.first_row;
             if (row > 0) gpu::computeToCompute(commands.handle()); // the band before is drawn
             recordMarch(commands, in, band);
-            if (settings.march.blur != kNoBlur) recordBlur(commands, in, band, blurOf(settings.march));
+            if (const auto blur = blurOf(settings.march)) recordBlur(commands, in, band, *blur);
             recordResolve(commands, in, band, {row * band.rate, end == size.y ? in.size.height : end * band.rate});
         }
     }

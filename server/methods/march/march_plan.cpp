@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "server/methods/froxels/froxel_plan.h"
+#include "server/methods/march/march_shaders.h"
 
 namespace brume::methods::march {
 namespace {
@@ -11,6 +12,10 @@ public:
     const char* name() const override { return "march"; }
     const char* about() const override {
         return "a few samples along every pixel's ray, dithered and blurred (KTH 2018)";
+    }
+    uint32_t shaders(const RenderSettings& s) const override {
+        const auto blur = blurOf(s.march);
+        return jitterOf(s.march) << 8 | (blur ? *blur + 1 : 0);
     }
     std::string text(const RenderSettings& s) const override {
         return fmt::format("{} samples a ray, dither {} by {}, blur {}", s.march.samples, s.march.dither,

@@ -52,7 +52,7 @@ public:
     bool hasRays() const override { return true; }
     bool drawsFogAndLocalLights() const override { return true; }
     bool drawsMultiple() const override { return true; }
-    uint32_t shaders(const RenderSettings& settings) const override { return scatteringOf(settings); }
+    uint32_t shaders(const RenderSettings& settings) const override { return scatteringShaders(settings); }
     std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.

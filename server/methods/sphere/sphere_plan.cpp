@@ -11,6 +11,7 @@ class Plan final : public MethodPlan {
 public:
     const char* name() const override { return "sphere"; }
     const char* about() const override { return "sphere proxies, the full Gaussian, 2-point Gauss-Hermite"; }
+    uint32_t shaders(const RenderSettings&) const override { return 0; }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
     void addWays(const PlanScene&, const RenderSettings& way, bool, std::vector<RenderSettings>& ways,
                  std::string&) const override {

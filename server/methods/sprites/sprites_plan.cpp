@@ -18,6 +18,7 @@ public:
     uint32_t variant(const RenderSettings& s) const override {
         return s.sprites.maps == "baked" ? 0 : s.sprites.maps == "even" ? 1 : 2;
     }
+    uint32_t shaders(const RenderSettings&) const override { return 0; } // maps are no shaders
     std::string text(const RenderSettings& s) const override { return fmt::format("sprites, {} maps", s.sprites.maps); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
     bool draws(std::string_view model) const override { return model == kUnionMedium; }

@@ -17,7 +17,9 @@ public:
         return "rays that walk through a mesh of tetrahedra from neighbour to neighbour (seed 000)";
     }
     uint32_t variant(const RenderSettings& s) const override { return s.tetrahedra.nodes; }
-    uint32_t shaders(const RenderSettings& s) const override { return variant(s) << 2 | scatteringOf(s); }
+    uint32_t shaders(const RenderSettings& s) const override {
+        return kScatteringShaders * variant(s) + scatteringShaders(s);
+    }
     std::string text(const RenderSettings& s) const override {
         return fmt::format("tetrahedra, light at {} places in each", s.tetrahedra.nodes);
     }

@@ -19,7 +19,7 @@ public:
         return "compute tiles, the full Gaussian, light cached on particles or 2-point Gauss-Hermite";
     }
     uint32_t variant(const RenderSettings& s) const override { return isCached(s) + 2 * behindBalls(s); }
-    uint32_t shaders(const RenderSettings& s) const override { return isCached(s); }
+    uint32_t shaders(const RenderSettings& s) const override { return variant(s); } // also of the union's path
     std::string text(const RenderSettings& s) const override {
         return "tiles, " + s.tiles.quadrature + (behindBalls(s) ? " behind the union of balls" : "");
     }
