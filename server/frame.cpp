@@ -24,7 +24,7 @@ using Millis = std::chrono::duration<float, std::milli>;
 
 double pixelsOf(std::span<const PlanView> views) {
     double pixels = 0;
-    for (const PlanView& view : views) pixels += double(view.width) * view.height;
+    for (const PlanView& view : views) pixels += view.weight * view.width * view.height;
     return std::max(pixels, 1.0);
 }
 

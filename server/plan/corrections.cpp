@@ -62,6 +62,13 @@ void Corrections::fade(Time now) {
     std::erase_if(of_, [](const auto& one) { return one.second.empty(); });
 }
 
+double Corrections::largest(uint32_t viewer) const {
+    double most = 0;
+    for (auto of = of_.lower_bound({viewer, {}}); of != of_.end() && of->first.first == viewer; ++of)
+        for (const auto& [accuracy, learnt] : of->second) most = std::max(most, learnt.factor);
+    return most > 0 ? most : 1;
+}
+
 bool Corrections::knows(uint32_t viewer, std::string_view method) const {
     return of_.contains({viewer, std::string(method)});
 }

@@ -37,6 +37,9 @@ public:
     // the same medium.
     double factor(uint32_t viewer, std::string_view method, double law) const;
 
+    // Of what was measured of that viewer's pictures, by any method. 1 if nothing was.
+    double largest(uint32_t viewer) const;
+
     // True: that viewer's pictures by that method were measured.
     bool knows(uint32_t viewer, std::string_view method) const;
 

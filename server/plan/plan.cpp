@@ -184,7 +184,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     const auto rank = [](const Candidate& c) -> Rank {
         return c.excess <= 1 ? Rank{0, c.ms(), c.error} : Rank{1, c.excess, c.ms()};
     };
-    plan.views = inputs.views.size();
+    plan.views = std::max(inputs.pictures, inputs.views.size());
     const auto less = [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); };
     plan.chosen = *std::ranges::min_element(all, less);
     prices.addMissing(plan.chosen.settings, plan.wanted);

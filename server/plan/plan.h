@@ -24,6 +24,7 @@ std::string checkWanted(const RenderSettings& wanted, const std::string& file, s
 struct PlanInputs {
     PlanScene scene;
     std::vector<PlanView> views;            // the views to plan for; empty: the scene's own camera
+    size_t pictures = 0;                    // that they stand for; 0: themselves alone
     std::vector<const MethodPlan*> methods; // methods to choose from, usually allMethods()
     uint32_t relaxed = 0;                   // overload level: how often relaxed() is applied
     uint32_t relaxed_before = 0;            // Plan::relaxed of the last plan
@@ -68,9 +69,9 @@ struct PassCost {
 
 struct Plan {
     Candidate chosen;
-    std::vector<PassCost> passes;  // of the frame
-    std::vector<Candidate> others; // the best way of each method and rate that was not chosen
-    size_t views = 1;
+    std::vector<PassCost> passes;       // of the frame
+    std::vector<Candidate> others;      // the best way of each method and rate that was not chosen
+    size_t views = 1;                   // that are drawn
     std::vector<RenderSettings> wanted; // ways that would have been taken if they were compiled, with the views' rates
     std::string refused;                // "METHOD: reason" for a method that the scene does not allow; empty: none
     bool within = true;        // True: the error budget holds; false: the cheapest of the most accurate ways was taken

@@ -12,6 +12,7 @@
 #include "server/inputs/tick_block.h"
 #include "server/medium/band_limit.h"
 #include "server/opaque/objects.h"
+#include "server/plan/alike_views.h"
 #include "server/sim/state_hash.h"
 
 namespace brume {
@@ -23,10 +24,6 @@ constexpr double kFar = 2;
 // A medium that rests is counted as one that moves once a second: what is done once is cheap, not free.
 constexpr double kRenewedAtRest = 1.0 / 60;
 constexpr size_t kSample = 256; // particles: an estimate of the work to about a tenth
-
-bool isInside(const MediumExtent& extent, glm::vec3 eye) {
-    return glm::all(glm::lessThanEqual(extent.lo, eye)) && glm::all(glm::lessThanEqual(eye, extent.hi));
-}
 
 // Of what the passes read that run once per tick.
 uint64_t stateOf(std::span<const gpu::Particle> particles, const gpu::Tick& tick) {
@@ -110,7 +107,7 @@ bool Planner::someoneJumped(std::span<const PlanView> views) const {
         return now <= kFar * then && then <= kFar * now;
     };
     return std::ranges::any_of(views, [&](const PlanView& view) {
-        return std::ranges::none_of(inputs_.views, [&](const PlanView& old) { return sameDistance(view, old); });
+        return std::ranges::none_of(views_, [&](const PlanView& old) { return sameDistance(view, old); });
     });
 }
 
@@ -125,7 +122,9 @@ void Planner::renew(const Simulation& simulation, std::span<const PlanView> view
         looked_ = at;
         looked_tick_ = simulation.tick();
     }
-    inputs_.views.assign(views.begin(), views.end());
+    views_.assign(views.begin(), views.end());
+    inputs_.views = alikeViews(views, inputs_.scene.extent, corrections_);
+    inputs_.pictures = views.size();
     planned_ = at;
     if (!plan_.held) held_since_ = at;
     inputs_.hold = hold && at - held_since_ < kHold;

@@ -92,7 +92,8 @@ private:
     std::optional<SceneFeatures> lists_; // nothing: all that there are
     Overload overload_;
     Corrections corrections_;
-    PlanInputs inputs_;
+    std::vector<PlanView> views_; // that the plan was made for
+    PlanInputs inputs_;           // of some of them
     Plan plan_;
     std::optional<RenderSettings> drawn_for_; // what was asked for first, or last when there was a compiled way for it
     bool exhausted_ = false;

@@ -100,7 +100,10 @@ std::optional<Candidate> Prices::before(const std::vector<Candidate>& all) {
 std::vector<PassCost> Prices::passes(const RenderSettings& settings) const {
     Work shared = sharedWork(scene_, settings), each;
     shared += shadowWork(scene_, scene_.shadows[shadowOf(settings)]);
-    for (const ViewWork& view : views_) each += view.of(in(view, settings));
+    for (size_t i = 0; i < views_.size(); ++i) {
+        Work of_view = views_[i].of(in(views_[i], settings));
+        each += of_view *= inputs_.views[i].weight;
+    }
     std::vector<PassCost> all;
     for (const CostInfo* cost : allCosts()) {
         const double ms_per_unit = model_[*cost] * 1e-6;
@@ -148,8 +151,9 @@ double Prices::budgetOf(size_t i, const RenderSettings& way) const {
 Candidate Prices::withoutShadow(const RenderSettings& way) {
     Candidate c{.settings = way, .shared_ms = scene_.renewed * sharedWork(scene_, way).ms(model_)};
     errors_.clear();
-    for (const ViewWork& view : views_) {
-        c.views_ms += view.of(in(view, way)).ms(model_);
+    for (size_t i = 0; i < views_.size(); ++i) {
+        const ViewWork& view = views_[i];
+        c.views_ms += inputs_.views[i].weight * view.of(in(view, way)).ms(model_);
         const std::optional<double> error = errorIn(view, way);
         c.predicted = c.predicted && error;
         errors_.push_back(error.value_or(HUGE_VAL));

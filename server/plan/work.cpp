@@ -111,6 +111,10 @@ Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow) {
     return work;
 }
 
+bool isInside(const MediumExtent& extent, glm::vec3 eye) {
+    return glm::all(glm::lessThanEqual(extent.lo, eye)) && glm::all(glm::lessThanEqual(eye, extent.hi));
+}
+
 double projectedDeviation(const MediumExtent& extent, const PlanView& view) {
     const Depths depths = depthsOf(extent, view.pose);
     const double pixel = pixelOf(frustumOf(view.pose, view.width, view.height), view.height);

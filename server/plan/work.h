@@ -25,6 +25,7 @@ struct PlanView {
     Pose pose;
     uint32_t width = 0, height = 0; // pixels
     uint32_t viewer = 0;            // whose picture, for Corrections; 0: nobody's
+    double weight = 1;              // pictures like it that cost as much, itself too
 };
 
 // Objects beyond these are thought to lie elsewhere than a pixel's ray: bins leave them out.
@@ -82,6 +83,9 @@ private:
 // Work once per tick for all viewers: of the volumetric shadow map, and of all other shared passes.
 Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow);
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings);
+
+// True: the eye is in the medium's bounds.
+bool isInside(const MediumExtent& extent, glm::vec3 eye);
 
 // The medium's standard deviation in pixels of a picture, at the middle of the view depths that the medium covers.
 double projectedDeviation(const MediumExtent& extent, const PlanView& view);
