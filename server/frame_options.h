@@ -15,7 +15,6 @@ class Simulation;
 struct Plan;
 
 struct FrameOptions {
-    unsigned encode_threads = 2;
     unsigned batches = 3;            // batches in flight: one on the device, the others with the encoders
     double frame_ms = 50;            // budget for a frame of all viewers; above it accuracy is given up
     double most_frame_ms = 500;      // that a frame of all viewers may take: larger pictures are made smaller

@@ -7,6 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/cores.h"
 #include "server/frame.h"
 #include "server/plan/memory.h"
 #include "server/sim/point_cloud.h"
@@ -15,6 +16,8 @@
 namespace brume {
 namespace {
 
+// Threads that encode: one for each core, in these bounds.
+constexpr unsigned kLeastEncoders = 2, kMostEncoders = 16;
 constexpr auto kLongStart = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kKnown{700}; // within which shaders are drawn with that are compiled already
 
@@ -46,7 +49,7 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       planner_(std::in_place, scene_, options.costs, options.frame_ms, &ways_), refinement_(options.refine_moving),
       meter_(options.measure_error), learns_costs_(options.learn_costs), on_costs_(options.on_costs),
       on_errors_(options.on_errors), shown_scene_(std::make_shared<const Scene>(scene)),
-      workers_(options.encode_threads) {
+      workers_(std::clamp(usableCores(), kLeastEncoders, kMostEncoders)) {
     ways_.setAll(!options.compiled_behind);
     drawn_ = featuresOf(simulation_.now());
     ways_.clear(drawn_);

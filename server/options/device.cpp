@@ -32,7 +32,6 @@ void addDeviceOptions(OptionTable& table, ServerOptions& o) {
         .unit("HOW")
         .oneOf({"background", "off", "only"});
     g.flag("--explain", o.explain, "print what is rendered with, and why, for the scene's own camera, and end");
-    g.option("--encode-threads", o.frame.encode_threads, "JPEG encoders").range(1, 64);
 }
 
 } // namespace brume
