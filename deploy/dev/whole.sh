@@ -13,7 +13,8 @@ wholeHelp() {
 Every case by every method, on both drivers; statistics; overload and load; several servers; bad links; sanitizers with
 the device; clang-tidy; fuzzing, 60 s each; both Debians from bare. It takes about three hours and root.
 Parts: ${whole_parts[*]}
-A part that passed for the same sources is not run again: a run that was interrupted goes on where it was.
+A part that passed for the same sources is not run again: a run that was interrupted goes on where it was. Any part may
+be run by itself; the page keeps what it says of the others.
 Verdicts and times go to $whole_page, outputs to build/whole.
 END
 }
@@ -55,17 +56,19 @@ wholePart() { # wholePart PART
     esac
 }
 
-# The table of all parts' verdicts for these sources.
-wholeTable() { # wholeTable SOURCES
-    local part verdict seconds day
-    printf '# Everything, once\n\n`./dev test whole`, commit %s, sources %s, %s.\n\n' \
-        "$(git rev-parse --short HEAD)" "$1" \
+# The table of all parts: verdicts for these sources, and where there is none what the page has said so far.
+wholeTable() { # wholeTable SOURCES BEFORE
+    local part verdict seconds day commit row
+    printf '# Everything, once\n\n`./dev test whole` on %s. Each part has the commit that it was run for.\n\n' \
         "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores, $(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release)"
-    printf '| part | verdict | time | day |\n|---|---|---|---|\n'
+    printf '| part | verdict | time | day | commit |\n|---|---|---|---|---|\n'
     for part in "${whole_parts[@]}"; do
-        verdict='not run' seconds='' day=''
-        [[ ! -f build/whole/$1/$part ]] || IFS='|' read -r verdict seconds day <"build/whole/$1/$part"
-        printf '| %s | %s | %s | %s |\n' "$part" "$verdict" "${seconds:+$seconds s}" "$day"
+        row=$(grep "^| $part |" <<<"$2" || true)
+        if [[ -f build/whole/$1/$part ]]; then
+            IFS='|' read -r verdict seconds day commit <"build/whole/$1/$part"
+            row="| $part | $verdict | $seconds s | $day | $commit |"
+        fi
+        printf '%s\n' "${row:-| $part | not run | | | |}"
     done
 }
 
@@ -100,8 +103,9 @@ commandWhole() { # [PART...]
         step "$part (output: build/whole/$part.log)" wholeLogged "$part"
         passed || tail -n 25 "build/whole/$part.log"
         if passed; then last=passed; else last=FAILED; fi
-        echo "$last|$((SECONDS - begin))|$(date +%F)" >"build/whole/$sources/$part"
-        wholeTable "$sources" >$whole_page
+        echo "$last|$((SECONDS - begin))|$(date +%F)|$(git rev-parse --short HEAD)" >"build/whole/$sources/$part"
+        wholeTable "$sources" "$(cat $whole_page 2>/dev/null || true)" >$whole_page.new
+        mv $whole_page.new $whole_page
     done
 }
 
