@@ -108,7 +108,8 @@ TEST(MemoryTest, AServerWithLittleAddressSpaceLivesOrEndsInOneLine) {
     int ended = 0, lived = 0, served = 0;
     for (const unsigned mebibytes : {500u, 800u, 1000u, 1200u, 1500u, 4000u}) {
         SCOPED_TRACE(std::to_string(mebibytes) + " MiB");
-        const auto server = limited(mebibytes, {"--max-pixels", "4147200", "--frame-budget", "10000"});
+        const auto server =
+            limited(mebibytes, {"--max-pixels", "4147200", "--most-frame-time", "60000", "--frame-budget", "10000"});
         if (const auto port = server->lineStarting("listening on http://127.0.0.1:")) {
             const auto number = uint16_t(std::stoi(*port));
             served += besiege(number, *server);
