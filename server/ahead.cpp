@@ -119,6 +119,13 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     compiling.compileViews(planned); // last: few ask for them
 }
 
+void makePipelines(const Scene& scene, const gpu::Device& device, bool still) {
+    const Simulation simulation(standIn(scene));
+    Renderer renderer(device, scene, simulation.capacity());
+    Submission submission(device, "behind");
+    WarmUp(renderer, submission, scene, simulation, true).drawForEveryCamera(scene.render, still);
+}
+
 bool isWorthCompiling(const Scene& scene) { return Simulation(standIn(scene)).capacity() <= kMostParticles; }
 
 std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<const std::string> overrides,

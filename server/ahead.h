@@ -26,6 +26,10 @@ inline constexpr std::string_view kCompiled = "compiled ", kPipeline = "pipeline
 void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms,
                   std::ostream& out);
 
+// Draws small pictures by the way of scene.render, so that its pipelines are in this process. May be called beside the
+// frame loop of the same device. `still`: of still pictures. Throws SceneError, gpu::Error.
+void makePipelines(const Scene& scene, const gpu::Device& device, bool still);
+
 // False: a second process with the scene may need more memory than it is worth.
 bool isWorthCompiling(const Scene& scene);
 // Starts compileAhead() in a child process, soon of lowest priority. `command`: the server's, for this scene.

@@ -77,6 +77,7 @@ void FrameLoop::stop() {
 // batch   due viewers -> BatchPlanner -> Planner -> Renderer::submit         once for all viewers in it
 // frame   planes -> encodePictures -> Viewer::deliver                        per viewer, on the encoders' threads
 void FrameLoop::run() {
+    drawing_ = std::this_thread::get_id();
     if (const auto beginning = ticks_->beginning())
         begin(*beginning);
     else if (ticked_)

@@ -121,7 +121,8 @@ private:
     std::atomic<double> frame_ms_, law_factor_;
     const double most_frame_ms_;
     CompiledWays ways_;
-    bool shows_ = false; // True: pictures may be waited for
+    bool shows_ = false;                   // True: pictures may be waited for
+    std::atomic<std::thread::id> drawing_; // the thread that run() is in
     gpu::PipelineListener pipelines_;
     SceneFeatures drawn_; // of the scene's lists, in pictures
     Simulation simulation_;

@@ -61,9 +61,10 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
     report(Clock::now()); // viewers who come before the first tick are told the scene's own settings
 }
 
-// Those that were compiled before, here or in a process ahead, the driver has in its cache.
+// Those that were compiled before, here or in a process ahead, the driver has in its cache. What other threads make
+// keeps no picture waiting.
 void FrameLoop::pipelineMade(const std::string& text) {
-    if (!ways_.addPipeline(text) || !shows_) return;
+    if (!ways_.addPipeline(text) || !shows_ || std::this_thread::get_id() != drawing_.load()) return;
     metrics_.waitedForPipeline();
     spdlog::debug("pictures wait for a pipeline that no process has compiled ahead: {}", text);
 }

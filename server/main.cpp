@@ -183,7 +183,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     if (!replayed)
         scenes.emplace(
             options, scene,
-            SceneChanger::Server{argc, argv, frames, audience, recorder.get(), node ? kOneOfSeveral : nullptr, failed});
+            SceneChanger::Server{argc, argv, frames, audience, device, costs, recorder.get(), node ? kOneOfSeveral : nullptr, failed});
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;

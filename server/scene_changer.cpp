@@ -11,8 +11,6 @@
 #include "common/ply.h"
 #include "common/scene_text.h"
 #include "common/text.h"
-#include "server/ahead.h"
-#include "server/loop/present_overrides.h"
 #include "server/plan/memory.h"
 #include "server/sim/point_cloud.h"
 #include "server/sim/sequence_files.h"
@@ -21,8 +19,6 @@ namespace brume {
 namespace {
 
 namespace fs = std::filesystem;
-
-void wakeMain() { ::kill(::getpid(), SIGUSR1); }
 
 constexpr size_t kMostClouds = 16;            // uploaded ones that are kept
 constexpr const char* kIncoming = "incoming"; // folder of those that are not known to be good
@@ -90,16 +86,13 @@ std::vector<std::string> otherScenes(const ServerOptions& options) {
 SceneChanger::SceneChanger(const ServerOptions& options, const Scene& scene, const Server& server)
     : options_(options), server_(server),
       shown_(std::make_unique<Files>(filesOf(findScene(options.scene, options.scene_dir), sceneOverrides(options)))),
-      asked_(askedFor(options)) {
-    server.frames.compiledWays().serve(wakeMain);
-    compileAhead(scene, *shown_);
+      asked_(askedFor(options)),
+      compilers_(options, {server.argc, server.argv, server.frames, server.audience, server.device, server.costs}) {
+    compile(scene);
     server.audience.sceneRequests().serve(wakeMain);
 }
 
-SceneChanger::~SceneChanger() {
-    server_.frames.compiledWays().serve(nullptr);
-    server_.audience.sceneRequests().serve(nullptr);
-}
+SceneChanger::~SceneChanger() { server_.audience.sceneRequests().serve(nullptr); }
 
 void SceneChanger::serveRequests() {
     while (const auto request = server_.audience.sceneRequests().take()) request->answer(change(*request));
@@ -200,7 +193,17 @@ void SceneChanger::show(Scene scene, const Files& files) {
     shown.get();
     *shown_ = files;
     spdlog::info("scene '{}' is shown", scene.name);
-    compileAhead(scene, files);
+    compile(scene);
+}
+
+void SceneChanger::compile(const Scene& scene) {
+    compilers_.begin(scene, shown_->scene, [files = *shown_](std::span<const std::string> overrides) {
+        std::vector<std::string> all = files.overrides;
+        all.insert(all.end(), overrides.begin(), overrides.end());
+        Scene present = sceneOf(files.text, files.scene, all);
+        placeCamera(present);
+        return present;
+    });
 }
 
 SceneChanger::Files SceneChanger::filesOf(fs::path file, std::vector<std::string> overrides) const {
@@ -221,66 +224,6 @@ SceneChanger::Files SceneChanger::filesOf(fs::path file, std::vector<std::string
         files.beside.second = std::max(files.beside.second, fs::last_write_time(file_beside, error));
     }
     return files;
-}
-
-// Only the options' own scene is known to a second process by its arguments; others are given in addition.
-void SceneChanger::compileAhead(const Scene& scene, const Files& files) {
-    ahead_ = {}, behind_ = {};
-    command_.clear();
-    if (options_.ahead == "background" && isWorthCompiling(scene)) {
-        command_.assign(server_.argv, server_.argv + server_.argc);
-        command_.insert(command_.end(), {"--scene", files.scene.string()});
-        ahead_ = {startAhead(command_, {}, wakeMain), 0, {}, server_.frames.compiledWays().features()};
-        if (!ahead_.process) command_.clear();
-    }
-    server_.frames.compiledWays().setAll(command_.empty());
-}
-
-// Lists that pictures do not show yet come first: everybody waits to see them. Ways for those before wait meanwhile.
-void SceneChanger::compileBehind() {
-    CompiledWays& ways = server_.frames.compiledWays();
-    const bool goes_on = hear(ahead_);
-    if (const auto lists = ways.wantedFeatures(); lists && !command_.empty() && !(goes_on && ahead_.lists == *lists)) {
-        ahead_ = startCompiler(*lists, nullptr);
-        if (!ahead_.process) ways.add(*lists, {}); // compiled where it is drawn
-    }
-    if (!command_.empty() && ways.wantedFeatures()) return void(behind_ = {});
-    if (hear(behind_)) return;
-    while (const auto wanted = command_.empty() ? std::nullopt : ways.nextWanted()) {
-        behind_ = startCompiler(ways.features(), &*wanted);
-        if (behind_.process) return;
-        ways.add(wanted->shaders); // compiled where it is drawn
-    }
-}
-
-// For the scene as it is now. `wanted`: only this way; null: all that may be needed.
-SceneChanger::Compiler SceneChanger::startCompiler(const SceneFeatures& lists,
-                                                   const CompiledWays::Wanted* wanted) const {
-    const std::vector<std::string> overrides = presentOverrides(
-        *server_.audience.scene(), server_.audience.report()->settings, lists, wanted ? &wanted->settings : nullptr);
-    return {startAhead(command_, overrides, wakeMain), 0, wanted ? std::optional(wanted->shaders) : std::nullopt,
-            lists};
-}
-
-// Notes what it has compiled. True: it goes on. What it was started for counts as compiled at its end, however that
-// came: nobody waits for ever.
-bool SceneChanger::hear(Compiler& compiler) {
-    if (!compiler.process) return false;
-    const bool ended = compiler.process->exitCode(std::chrono::milliseconds(0)).has_value();
-    const std::string out = compiler.process->out();
-    for (size_t end; (end = out.find('\n', compiler.heard)) != out.npos; compiler.heard = end + 1) {
-        const std::string line = out.substr(compiler.heard, end - compiler.heard);
-        if (line.starts_with(kPipeline)) server_.frames.compiledWays().addPipeline(line.substr(kPipeline.size()));
-        if (const auto way = line.starts_with(kCompiled) ? wayShaders(line.substr(kCompiled.size())) : std::nullopt)
-            server_.frames.compiledWays().add(compiler.lists, *way);
-    }
-    if (!ended) return true;
-    if (const int code = *compiler.process->exitCode(); code != 0)
-        spdlog::warn("compiling shaders ahead ended with {}, so pictures may wait for them: {}", code,
-                     oneLine(compiler.process->err()));
-    server_.frames.compiledWays().add(compiler.lists, compiler.wanted.value_or(WayShaders()));
-    compiler = {};
-    return false;
 }
 
 } // namespace brume

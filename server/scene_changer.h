@@ -5,9 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "common/process.h"
 #include "common/scene.h"
-#include "server/frame.h"
+#include "server/compilers.h"
 #include "server/operate/recorder.h"
 #include "server/options.h"
 
@@ -26,6 +25,8 @@ public:
         const char* const* argv;
         FrameLoop& frames;
         Audience& audience;
+        const gpu::Device& device;
+        const CostModel& costs;
         Recorder* recorder;             // null: nothing is recorded
         const char* fixed;              // why no other scene can be shown, one line; null: others can
         const std::atomic<bool>& ended; // True: the frame loop ended, and shows no scene any more
@@ -40,34 +41,24 @@ public:
     // Shows the options' scene again where it was changed: another name or overrides, or else another text or other
     // points in the files that are shown. Otherwise nothing happens. Logs what it did, in one line.
     void reload();
-    // Hears what child processes have compiled, and starts one for what is wanted. To be called on SIGCHLD and SIGUSR1.
-    void compileBehind();
+    // Compilers::look().
+    void compileBehind() { compilers_.look(); }
 
 private:
     struct Files; // the files of a scene, as they were when it was loaded
-    struct Compiler {
-        std::unique_ptr<Process> process;
-        size_t heard = 0;                 // bytes of its output
-        std::optional<WayShaders> wanted; // what it was started for
-        SceneFeatures lists;              // of the lists that it compiles for
-    };
 
     std::string change(const SceneRequest& request);
     void showCloud(const SceneRequest& request);
     void show(const Files& files);
     void show(Scene scene, const Files& files);
     Files filesOf(std::filesystem::path file, std::vector<std::string> overrides) const;
-    void compileAhead(const Scene& scene, const Files& files);
-    Compiler startCompiler(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const;
-    bool hear(Compiler& compiler);
+    void compile(const Scene& scene);
 
     const ServerOptions& options_;
     const Server server_;
     std::unique_ptr<Files> shown_;
-    std::string asked_;                // the options' scene and overrides, when they were looked at last
-    std::vector<std::string> command_; // the server's, for the scene that is shown; empty: nothing is compiled behind
-    // Compiles what may be needed later, and what is wanted now.
-    Compiler ahead_, behind_;
+    std::string asked_; // the options' scene and overrides, when they were looked at last
+    Compilers compilers_;
 };
 
 } // namespace brume

@@ -1,6 +1,7 @@
 #include "server/gpu/commands.h"
 
 #include <algorithm>
+#include <mutex>
 
 namespace brume::gpu {
 namespace {
@@ -110,6 +111,7 @@ void Commands::submit() {
     submit.pCommandBufferInfos = &buffer;
     submit.signalSemaphoreInfoCount = 1;
     submit.pSignalSemaphoreInfos = &signal;
+    const std::scoped_lock lock(device_.queueMutex());
     check(vkQueueSubmit2(device_.queue(), 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit2");
 }
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 
@@ -43,6 +44,7 @@ public:
     VkDevice handle() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }
     VkQueue queue() const { return queue_; }
+    std::mutex& queueMutex() const { return queue_mutex_; } // of who submits to the queue
     uint32_t queueFamily() const { return queue_family_; }
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
     std::string name() const { return properties_.deviceName; }
@@ -97,6 +99,7 @@ private:
     bool labels_ = false;
     bool counts_fragments_ = false;
     std::unique_ptr<PipelineCache> pipelines_;
+    mutable std::mutex queue_mutex_;
     mutable std::atomic<uint64_t> memory_in_use_{0}, peak_memory_{0}, allocations_{0};
     std::atomic<uint32_t> validation_messages_{0};
 };

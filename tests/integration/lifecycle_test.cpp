@@ -271,7 +271,8 @@ size_t childrenOf(pid_t parent) {
 }
 
 TEST(Lifecycle, WhoHasCompiledAheadIsGone) {
-    Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0"});
+    Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0", "--set", "render.method=slabs", "--set",
+                    "render.rate=8"}); // few ways are compiled then
     ASSERT_TRUE(server.lineStarting("listening on ")) << server.err();
     const auto becomes = [&](size_t children, int seconds) {
         for (int i = 0; i < 200 * seconds; ++i) { // asked once each time: who compiles little is soon gone

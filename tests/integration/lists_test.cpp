@@ -9,6 +9,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 
 namespace brume::test::lists_test {
 namespace {
@@ -153,6 +154,7 @@ protected:
     std::unique_ptr<client::Picture> bare;
 
     void SetUp() override {
+        if (!whole()) GTEST_SKIP() << "it compiles all shaders anew, which takes minutes";
         std::filesystem::create_directories(folder / "cache");
         std::ofstream(scene) << "[medium]\ncount = 50\n[render]\nmethod = \"slabs\"\nrate = 8\n";
         server = std::make_unique<RunningServer>(

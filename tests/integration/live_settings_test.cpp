@@ -11,6 +11,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 #include "tests/other_values.h"
 
 namespace brume::test::live_settings_test {
@@ -71,7 +72,7 @@ TEST(LiveSettings, AreAllInATableThatIsWalked) {
 }
 
 // A server on an empty cache of shaders, one who sets and one who looks on.
-class WholeLiveSettings : public testing::Test {
+class AllLiveSettings : public testing::Test {
 protected:
     const std::filesystem::path folder_ =
         std::filesystem::temp_directory_path() / ("brume-settings-" + std::to_string(getpid()));
@@ -80,6 +81,9 @@ protected:
     double longest_ms_ = 0; // between two frames of the viewer
     std::string longest_at_;
 
+    void SetUp() override {
+        if (!whole()) GTEST_SKIP() << "it compiles all shaders anew, which takes minutes";
+    }
     void start(const std::string& medium, const char* method) {
         std::filesystem::create_directories(folder_ / "cache");
         const std::string scene = (folder_ / "small.toml").string();
@@ -176,17 +180,17 @@ protected:
     }
 };
 
-TEST_F(WholeLiveSettings, MakeNobodyWaitForACompiler) {
+TEST_F(AllLiveSettings, MakeNobodyWaitForACompiler) {
     start(kCube, "slabs");
     walkTwice(kOfASum);
 }
 
-TEST_F(WholeLiveSettings, OfAUnionMakeNobodyWaitForACompiler) {
+TEST_F(AllLiveSettings, OfAUnionMakeNobodyWaitForACompiler) {
     start(kCube + "model = \"union\"\n", "sprites");
     walkTwice(kOfAUnion);
 }
 
-TEST_F(WholeLiveSettings, OfTetrahedraMakeNobodyWaitForACompiler) {
+TEST_F(AllLiveSettings, OfTetrahedraMakeNobodyWaitForACompiler) {
     start("model = \"tetrahedra\"\nlayout = \"file\"\nfile = \"" +
               std::filesystem::absolute("server/scenes/tetrahedra.ply").string() + "\"\n",
           "tetrahedra");
