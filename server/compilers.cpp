@@ -48,8 +48,12 @@ void Compilers::look() {
     CompiledWays& ways = server_.frames.compiledWays();
     const bool goes_on = hear(ahead_);
     if (const auto lists = ways.wantedFeatures(); lists && !command_.empty() && !(goes_on && ahead_.lists == *lists)) {
-        ahead_ = start(*lists, nullptr);
-        if (!ahead_.process) ways.add(*lists, {}); // compiled where it is drawn
+        if (const auto job = jobOf(*lists, nullptr); job && isOnDisk(*job)) {
+            makeReady(*job);
+        } else {
+            ahead_ = start(*lists, nullptr);
+            if (!ahead_.process) ways.add(*lists, {}); // compiled where it is drawn
+        }
     }
     if (!command_.empty() && ways.wantedFeatures()) return void(behind_ = {});
     if (hear(behind_)) return;
@@ -134,7 +138,8 @@ bool Compilers::hear(Compiler& compiler) {
         makeReady(*std::exchange(compiler.job, std::nullopt));
     }
     if (!ended) return true;
-    server_.frames.compiledWays().add(compiler.lists, {});
+    if (server_.frames.compiledWays().wantedFeatures() == compiler.lists)
+        server_.frames.compiledWays().add(compiler.lists, {});
     compiler = {};
     return false;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -51,15 +53,43 @@ void CompiledWays::add(const WayShaders& way, bool probed) { add(features(), way
 
 void CompiledWays::add(const SceneFeatures& lists, const WayShaders& way, bool probed) {
     const std::scoped_lock lock(mutex_);
-    const auto [known, is_new] = compiled_[lists].try_emplace(way, probed);
-    known->second = known->second || probed;
+    const Clock::time_point now = Clock::now();
+    const auto [known, is_new] = compiled_[lists].try_emplace(way);
+    known->second.probed |= probed;
+    known->second.used = now;
+    forgetUnused(now);
     if (!is_new || lists != features_) return;
     std::erase_if(wanted_, [&](const Wanted& wanted) { return wanted.shaders == way; });
     ++version_;
 }
 
-const std::map<WayShaders, bool>& CompiledWays::compiled() const {
-    static const std::map<WayShaders, bool> kNone;
+void CompiledWays::use(const RenderSettings& settings, bool still, Clock::time_point now) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = compiled_.find(features_);
+    if (found == compiled_.end()) return;
+    const auto way = found->second.find(shadersOf(settings, still));
+    if (way != found->second.end()) way->second.used = now;
+}
+
+// Lists without a way that is left are wanted anew when they come.
+void CompiledWays::forgetUnused(Clock::time_point now) {
+    std::vector<std::pair<Clock::time_point, std::pair<SceneFeatures, WayShaders>>> unused;
+    for (const auto& [lists, ways] : compiled_)
+        for (const auto& [way, state] : ways)
+            if (!way.method.empty() && now - state.used > kUnused) unused.push_back({state.used, {lists, way}});
+    if (unused.size() <= kMostUnused) return;
+    std::ranges::sort(unused);
+    for (size_t i = 0; i + kMostUnused < unused.size(); ++i) {
+        const auto& [lists, way] = unused[i].second;
+        Ways& ways = compiled_[lists];
+        ways.erase(way);
+        const bool empty = std::ranges::all_of(ways, [](const auto& one) { return one.first.method.empty(); });
+        if (empty && lists != features_) compiled_.erase(lists);
+    }
+}
+
+const CompiledWays::Ways& CompiledWays::compiled() const {
+    static const Ways kNone;
     const auto found = compiled_.find(features_);
     return found == compiled_.end() ? kNone : found->second;
 }
@@ -97,7 +127,7 @@ bool CompiledWays::has(const RenderSettings& settings, bool still) const {
 bool CompiledWays::mayProbe(const RenderSettings& settings) const {
     const std::scoped_lock lock(mutex_);
     const auto known = compiled().find(shadersOf(settings, false));
-    return all_ || (known != compiled().end() && known->second);
+    return all_ || (known != compiled().end() && known->second.probed);
 }
 
 void CompiledWays::want(const RenderSettings& settings, bool still) {

@@ -2,6 +2,7 @@
 // seconds to compile one, and everyone would wait. Thread-safe.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -33,6 +34,10 @@ std::optional<WayShaders> wayShaders(std::string_view text);
 
 class CompiledWays {
 public:
+    using Clock = std::chrono::steady_clock;
+    static constexpr size_t kMostUnused = 8;
+    static constexpr std::chrono::seconds kUnused{20};
+
     // A way that somebody would be drawn with, if it were compiled.
     struct Wanted {
         RenderSettings settings;
@@ -57,6 +62,9 @@ public:
     // The wanted ones. Nothing: those that are drawn are right, or a way is compiled for the others.
     std::optional<SceneFeatures> wantedFeatures() const;
     bool has(const RenderSettings& settings, bool still) const;
+    // Pictures are drawn this way: it stays. Of others that were not for kUnused, kMostUnused stay at most, since a
+    // device keeps some pipelines only.
+    void use(const RenderSettings& settings, bool still, Clock::time_point now = Clock::now());
     // True: pixels of moving pictures of this way may be read back.
     bool mayProbe(const RenderSettings& settings) const;
     // Notes a way that is not compiled, and tells who compiles. At most kMostWanted wait.
@@ -73,10 +81,16 @@ public:
 private:
     static constexpr size_t kMostWanted = 16;
 
-    const std::map<WayShaders, bool>& compiled() const; // of features_; true: probed
+    struct State {
+        bool probed = false;
+        Clock::time_point used{}; // or added
+    };
+    using Ways = std::map<WayShaders, State>;
+    const Ways& compiled() const; // of features_
+    void forgetUnused(Clock::time_point now);
 
     mutable std::mutex mutex_;
-    std::map<SceneFeatures, std::map<WayShaders, bool>> compiled_;
+    std::map<SceneFeatures, Ways> compiled_;
     std::set<std::string> pipelines_; // of all scenes: the driver keeps them
     SceneFeatures features_;
     std::optional<SceneFeatures> next_; // that are wanted

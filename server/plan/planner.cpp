@@ -146,6 +146,7 @@ void Planner::make() {
         if (inputs_.scene.hues > 1) ways_->want(way, true);
     }
     const RenderSettings& now = plan_.chosen.settings;
+    if (ways_) ways_->use(now, inputs_.scene.hues > 1);
     if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
         spdlog::debug("plan: {}", summary(plan_));
     const std::string& wanted = inputs_.scene.wanted.method;
@@ -198,14 +199,22 @@ uint32_t Planner::rateOf(const PlanView& view, const RenderSettings& settings, b
     RenderSettings own = settings;
     own.rate = rateFor(settings.rate, projectedDeviation(inputs_.scene.extent, view) / reference);
     const bool full = still || inputs_.scene.hues > 1;
-    if (!ways_ || ways_->has(own, full)) return own.rate;
-    ways_->want(own, full);
-    return nearestCompiledRate(own, [&](const RenderSettings& way) { return ways_->has(way, full); });
+    if (!ways_) return own.rate;
+    if (!ways_->has(own, full)) {
+        ways_->want(own, full);
+        own.rate = nearestCompiledRate(own, [&](const RenderSettings& way) { return ways_->has(way, full); });
+    }
+    ways_->use(own, full);
+    return own.rate;
 }
 
 bool Planner::drawable(const RenderSettings& settings, bool still) const {
     const bool full = still || inputs_.scene.hues > 1;
-    if (!ways_ || ways_->has(settings, full)) return true;
+    if (!ways_) return true;
+    if (ways_->has(settings, full)) {
+        ways_->use(settings, full);
+        return true;
+    }
     ways_->want(settings, full);
     return false;
 }

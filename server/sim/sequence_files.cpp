@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "common/random.h"
 #include "common/text.h"
 #include "server/sim/point_cloud.h"
-#include "common/random.h"
 #include "server/sim/state_hash.h"
 
 namespace brume {
@@ -209,6 +209,7 @@ Scene standIn(Scene scene) {
         medium.layout = Layout::cube;
         medium.count = std::min(medium.count, Medium().count);
     }
+    if (medium.extinction <= 0) medium.extinction = Medium().extinction; // else nothing is drawn, and no shader is made
     return scene;
 }
 

@@ -41,7 +41,7 @@ std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std:
 SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t most_bytes);
 
 // A scene that is drawn by the same shaders, for what needs no more: of a sequence the first file; for a live scene,
-// which is empty, a small cube; any other scene as it is.
+// which is empty, a small cube; for a medium without extinction one with some; any other scene as it is.
 Scene standIn(Scene scene);
 
 } // namespace brume

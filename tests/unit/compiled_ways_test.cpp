@@ -287,5 +287,42 @@ TEST(FarJump, APlanIsMadeAnewForAnEyeThatIsSuddenlyFarAway) {
     EXPECT_EQ(madeFor({far, far}), far.pose.position);
 }
 
+// A device keeps some pipelines only: what has() says is drawn without waiting.
+TEST(CompiledWays, WhatWasNotDrawnForAWhileIsForgottenButForSome) {
+    CompiledWays ways;
+    ways.setAll(false);
+    ways.clear();
+    RenderSettings way;
+    way.method = "slabs";
+    const CompiledWays::Clock::time_point now = CompiledWays::Clock::now();
+    constexpr uint32_t kMany = CompiledWays::kMostUnused + 5;
+    for (way.rate = 1; way.rate <= kMany; ++way.rate) ways.add(shadersOf(way, false));
+    for (way.rate = 1; way.rate <= kMany; ++way.rate)
+        ways.use(way, false, now - 2 * CompiledWays::kUnused + std::chrono::milliseconds(way.rate));
+    const auto has = [&](uint32_t rate) {
+        way.rate = rate;
+        return ways.has(way, false);
+    };
+    for (uint32_t rate = 1; rate <= kMany; ++rate) EXPECT_TRUE(has(rate)) << rate;
+    way.rate = 1;
+    ways.use(way, false, now);
+    way.rate = 100;
+    ways.add(shadersOf(way, false));
+    for (uint32_t rate = 1; rate <= kMany; ++rate) EXPECT_EQ(has(rate), rate == 1 || rate > 5) << rate;
+    EXPECT_TRUE(has(100));
+    // Lists of which no way is left are wanted anew.
+    SceneFeatures foggy;
+    foggy.fog = true;
+    way.rate = 2;
+    ways.add(foggy, shadersOf(way, false));
+    EXPECT_TRUE(ways.follow(foggy));
+    ways.use(way, false, now - 3 * CompiledWays::kUnused);
+    EXPECT_TRUE(ways.follow({}));
+    way.rate = 101;
+    ways.add(shadersOf(way, false));
+    EXPECT_FALSE(ways.follow(foggy));
+    EXPECT_EQ(ways.wantedFeatures(), foggy);
+}
+
 } // namespace
 } // namespace brume::compiled_ways_test
