@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "server/sim/layout.h"
 #include "common/random.h"
+#include "server/sim/layout.h"
 
 namespace brume {
 

@@ -1,7 +1,7 @@
 #include "server/sim/layout.h"
 
-#include "server/sim/point_cloud.h"
 #include "common/random.h"
+#include "server/sim/point_cloud.h"
 
 namespace brume {
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/sim/kernels.h"
 #include "common/random.h"
+#include "server/sim/kernels.h"
 #include "server/sim/sine.h"
 #include "tests/unit/simulation_scenes.h"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/error/error_meter.h"
 #include "common/random.h"
+#include "server/error/error_meter.h"
 
 namespace brume::error_window_test {
 namespace {

@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include "common/scene.h"
 #include "common/random.h"
+#include "common/scene.h"
 
 namespace brume {
 
