@@ -8,7 +8,8 @@ PATIENCE = 30  # s
 
 class Server:
     def __init__(self, program, *options):
-        self.process = subprocess.Popen([program, '--scene', 'cloud', '--ahead', 'off', '--port', '0', *options],
+        self.process = subprocess.Popen([program, '--scene', 'cloud', '--ahead', 'off', '--most-frame-time', '60000',
+                                         '--port', '0', *options],
                                         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         for line in self.process.stdout:
             if found := re.search(r'listening on (http://.*:(\d+))', line):
