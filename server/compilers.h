@@ -48,14 +48,14 @@ public:
 private:
     // A way that is wanted.
     struct Job {
-        SceneFeatures lists; // of the lists that pictures show then
+        SceneFeatures lists; // features of the lists that pictures show then
         WayShaders way;
         Scene scene; // as it was when the way was wanted; its render settings are the way's
     };
     struct Compiler {
         std::unique_ptr<Process> process;
-        SceneFeatures lists;    // that it compiles for
-        std::optional<Job> job; // that it was started for, until it is ready
+        SceneFeatures lists;    // features that it compiles for
+        std::optional<Job> job; // the way that it was started for; nothing once that is ready
         size_t heard = 0;       // bytes of its output
     };
 
@@ -72,7 +72,7 @@ private:
     std::vector<std::string> command_; // the server's, for the scene that is shown; empty: nothing is compiled behind
     // What may be needed later, and lists that pictures do not show yet; ways that are wanted.
     Compiler ahead_, behind_;
-    std::map<SceneFeatures, std::set<WayShaders>> on_disk_; // of this scene, by processes that have ended or go on
+    std::map<SceneFeatures, std::set<WayShaders>> on_disk_; // ways of this scene that processes have compiled
 };
 
 } // namespace brume

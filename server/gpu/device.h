@@ -44,7 +44,7 @@ public:
     VkDevice handle() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }
     VkQueue queue() const { return queue_; }
-    std::mutex& queueMutex() const { return queue_mutex_; } // of who submits to the queue
+    std::mutex& queueMutex() const { return queue_mutex_; } // to be locked while something is submitted to queue()
     uint32_t queueFamily() const { return queue_family_; }
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
     std::string name() const { return properties_.deviceName; }

@@ -86,12 +86,12 @@ private:
         Clock::time_point used{}; // or added
     };
     using Ways = std::map<WayShaders, State>;
-    const Ways& compiled() const; // of features_
+    const Ways& compiled() const; // ways of features_
     void forgetUnused(Clock::time_point now);
 
     mutable std::mutex mutex_;
     std::map<SceneFeatures, Ways> compiled_;
-    std::set<std::string> pipelines_; // of all scenes: the driver keeps them
+    std::set<std::string> pipelines_; // texts of all scenes' pipelines that the driver has on disk
     SceneFeatures features_;
     std::optional<SceneFeatures> next_; // that are wanted
     std::deque<Wanted> wanted_;
