@@ -61,8 +61,8 @@ std::vector<PlanView> alikeViews(std::span<const PlanView> views, const MediumEx
     for (const PlanView& view : views) seen.push_back({placeOf(extent, view), projectedDeviation(extent, view), &view});
     std::ranges::stable_sort(seen, {}, [](const Seen& s) { return std::tuple(s.place, s.deviation); });
     const auto at = [&](Place place) {
-        const auto range = std::ranges::equal_range(seen, place, {}, &Seen::place);
-        return std::span<const Seen>(range.begin(), range.end());
+        return std::span<const Seen>(std::ranges::lower_bound(seen, place, {}, &Seen::place),
+                                     std::ranges::upper_bound(seen, place, {}, &Seen::place));
     };
     const std::span<const Seen> away = at(Place::away), outside = at(Place::outside), inside = at(Place::inside);
     // One for all that see nothing. The others in proportion, but some for either if there are any.

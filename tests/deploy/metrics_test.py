@@ -1,4 +1,5 @@
 """Every query of the dashboards, rules and alerts, at a real Prometheus that asks a real cluster by HAProxy."""
+import contextlib
 import json
 import re
 import subprocess
@@ -80,8 +81,14 @@ class Metrics(unittest.TestCase):
 
     def test_no_alert_that_pages_fires_while_all_is_well(self):
         until('rules have been evaluated', lambda: self.ask('query', query='brume:nodes_ready:count')['result'])
-        pages = [alert['labels'] for alert in self.ask('alerts')['alerts'] if alert['labels']['severity'] == 'page']
-        self.assertEqual(pages, [])
+
+        def pages():
+            return [alert['labels'] for alert in self.ask('alerts')['alerts']
+                    if alert['state'] == 'firing' and alert['labels']['severity'] == 'page']
+        # On a busy machine the start itself may be a standstill, which its rule counts for a minute.
+        with contextlib.suppress(AssertionError):
+            until('no alert that pages fires', lambda: not pages(), 120)
+        self.assertEqual(pages(), [])
 
 
 if __name__ == '__main__':

@@ -104,7 +104,8 @@ class Cloud:
         self.folder = tempfile.TemporaryDirectory(prefix='brume-')
         self.path = pathlib.Path(self.folder.name)
         self.options, self.parts, self.nodes = list(options), [], {}
-        self.port, self.metrics_port, self.nats_port = free_ports(3)
+        # All at once: what one call gave is free again until somebody listens, and the next call may give the same.
+        self.port, self.metrics_port, self.nats_port, *ports = free_ports(3 + 2 * nodes)
         self.url = f'http://127.0.0.1:{self.port}'
         try:
             if cluster:
@@ -112,7 +113,6 @@ class Cloud:
                                        '-sd', self.path / 'nats'))
                 self.parts[-1].says('Server is ready')
                 self.options += ['--cluster', f'nats://127.0.0.1:{self.nats_port}']
-            ports = free_ports(2 * nodes)
             self.ports = {f'n{i + 1}': (ports[2 * i], ports[2 * i + 1]) for i in range(nodes)}
             for name in self.ports:
                 self.start(name)

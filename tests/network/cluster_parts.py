@@ -15,10 +15,13 @@ from programs import Failed, Server
 PREFIX = 17  # characters before the JSON of a recording's line: its hash and a blank
 
 
-def free_port():
-    with socket.socket() as s:
-        s.bind(('127.0.0.1', 0))
-        return s.getsockname()[1]
+def free_ports(count):
+    """So many different ports that nobody listens at."""
+    with contextlib.ExitStack() as held:
+        sockets = [held.enter_context(socket.socket()) for _ in range(count)]
+        for one in sockets:
+            one.bind(('127.0.0.1', 0))
+        return [one.getsockname()[1] for one in sockets]
 
 
 class Engine:
@@ -26,8 +29,8 @@ class Engine:
 
     def __init__(self, servers=1):
         self.folder = tempfile.TemporaryDirectory(prefix='brume-nats-')
-        self.ports = [free_port() for _ in range(servers)]
-        self.routes = [free_port() for _ in range(servers)]
+        ports = free_ports(2 * servers)
+        self.ports, self.routes = ports[:servers], ports[servers:]
         self.processes = [None] * servers
         for i in range(servers):
             self.start(i)
