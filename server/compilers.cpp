@@ -115,6 +115,7 @@ void Compilers::makeReady(const Job& job) {
             spdlog::debug("pipelines of {} are made when they are drawn with: {}", text(job.way), error.what());
         }
     }).join();
+    spdlog::debug("compiled: {}", text(job.way));
     server_.frames.compiledWays().add(job.lists, job.way);
 }
 

@@ -64,7 +64,9 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
 // Those that were compiled before, here or in a process ahead, the driver has in its cache. What other threads make
 // keeps no picture waiting.
 void FrameLoop::pipelineMade(const std::string& text) {
-    if (!ways_.addPipeline(text) || !shows_ || std::this_thread::get_id() != drawing_.load()) return;
+    const bool news = ways_.addPipeline(text);
+    if (!shows_ || std::this_thread::get_id() != drawing_.load()) return;
+    if (!news) return spdlog::debug("pictures wait for a pipeline that is on disk: {}", text);
     metrics_.waitedForPipeline();
     spdlog::debug("pictures wait for a pipeline that no process has compiled ahead: {}", text);
 }

@@ -82,7 +82,7 @@ TEST(Fog, DistanceIsTheInverseOfDepth) {
 }
 
 TEST(Fog, PartsOfRays) {
-    const glm::vec3 origin(0, 5, 0), none(0);
+    const glm::vec3 origin(0, 5, 0);
     const float far = 1e30f;
     const auto part = [&](float lo, float hi, float radius, glm::vec3 dir) {
         const physics::FogPart<float> p =
