@@ -7,6 +7,7 @@
 
 #include "server/gpu/commands.h"
 #include "server/gpu/pipeline_cache.h"
+#include "server/gpu/specialize.h"
 
 namespace brume::gpu {
 namespace {
@@ -16,29 +17,16 @@ constexpr size_t kMaxBindings = 24;
 struct ShaderModule {
     VkDevice device;
     VkShaderModule handle = VK_NULL_HANDLE;
-    ShaderModule(VkDevice owner, const ShaderCode& code) : device(owner) {
+    ShaderModule(VkDevice owner, const ShaderCode& code, std::span<const SpecConstant> constants) : device(owner) {
+        const std::vector<uint32_t> words = specialized(code, constants);
         VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-        info.codeSize = code.words.size_bytes();
-        info.pCode = code.words.data();
+        info.codeSize = words.size() * sizeof(uint32_t);
+        info.pCode = words.data();
         check(vkCreateShaderModule(device, &info, nullptr, &handle), code.name);
     }
     ~ShaderModule() { vkDestroyShaderModule(device, handle, nullptr); }
     ShaderModule(const ShaderModule&) = delete;
     ShaderModule& operator=(const ShaderModule&) = delete;
-};
-
-struct Specialization {
-    std::vector<VkSpecializationMapEntry> entries;
-    std::vector<uint32_t> values;
-    VkSpecializationInfo info{};
-
-    explicit Specialization(std::span<const SpecConstant> constants) {
-        for (const SpecConstant& c : constants) {
-            entries.push_back({c.id, uint32_t(values.size() * sizeof(uint32_t)), sizeof(uint32_t)});
-            values.push_back(c.value);
-        }
-        info = {uint32_t(entries.size()), entries.data(), values.size() * sizeof(uint32_t), values.data()};
-    }
 };
 
 std::string textOf(std::string text, std::span<const SpecConstant> constants) {
@@ -249,14 +237,12 @@ std::shared_ptr<const Pipeline> cached(const Device& device, PipelineCache::Key 
 std::shared_ptr<const Pipeline> compile(const Device& device, const ShaderCode& shader,
                                         std::span<const SpecConstant> constants) {
     const auto made = std::make_shared<Pipeline>(device, std::span(&shader, 1), constants);
-    const ShaderModule module(device.handle(), shader);
-    const Specialization special(constants);
+    const ShaderModule module(device.handle(), shader, constants);
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
     info.stage.stage = shader.stage;
     info.stage.module = module.handle;
     info.stage.pName = "main";
-    info.stage.pSpecializationInfo = &special.info;
     info.layout = made->layout;
     check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &made->handle), shader.name);
     return made;
@@ -266,16 +252,14 @@ std::shared_ptr<const Pipeline> compile(const Device& device, std::span<const Sh
                                         const GraphicsInfo& what, std::span<const SpecConstant> constants) {
     const auto made = std::make_shared<Pipeline>(device, shaders, constants);
     made->bind_point = VK_PIPELINE_BIND_POINT_GRAPHICS;
-    const Specialization special(constants);
     std::vector<std::unique_ptr<ShaderModule>> modules;
     std::vector<VkPipelineShaderStageCreateInfo> stages;
     for (const ShaderCode& shader : shaders) {
-        modules.push_back(std::make_unique<ShaderModule>(device.handle(), shader));
+        modules.push_back(std::make_unique<ShaderModule>(device.handle(), shader, constants));
         VkPipelineShaderStageCreateInfo stage{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
         stage.stage = shader.stage;
         stage.module = modules.back()->handle;
         stage.pName = "main";
-        stage.pSpecializationInfo = &special.info;
         stages.push_back(stage);
     }
     VkPipelineVertexInputStateCreateInfo vertices{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
