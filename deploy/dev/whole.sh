@@ -3,7 +3,7 @@
 
 readonly whole_page=docs/results/data/whole.md
 # In this order; those at the end take longest.
-readonly whole_parts=(page unit net gpu hard bench integration swiftshader browser deploy fuzz lint netem fairness
+readonly whole_parts=(page unit net gpu hard bench integration swiftshader browser deploy fuzz clang lint netem fairness
     nodes soak asan tsan bookworm trixie)
 
 wholeHelp() {
@@ -11,7 +11,7 @@ wholeHelp() {
 ./dev test whole [PART...]
 
 Every case by every method, on both drivers; statistics; overload and load; several servers; bad links; sanitizers with
-the device; clang-tidy; fuzzing, 60 s each; both Debians from bare. It takes about three hours and root.
+the device; Clang; clang-tidy; fuzzing, 60 s each; both Debians from bare. It takes about three hours and root.
 Parts: ${whole_parts[*]}
 A part that passed for the same sources is not run again: a run that was interrupted goes on where it was. Any part may
 be run by itself; the page keeps what it says of the others.
@@ -42,6 +42,7 @@ wholePart() { # wholePart PART
         deployTest
         ;;
     fuzz) fuzz 60 "${fuzz_targets[@]}" ;;
+    clang) build clang ;; # everything, by another compiler
     lint) commandLint ;;
     netem) asRoot python3 tests/network/links.py --programs "$release/bin" --out "$out/links.md" ;;
     fairness) /usr/bin/python3 tests/network/fairness.py --programs "$release/bin" --out "$out/fairness.md" ;;
@@ -49,7 +50,7 @@ wholePart() { # wholePart PART
     soak) python3 tests/network/soak.py --programs "$release/bin" --minutes 10 --out "$out/soak.md" ;;
     asan | tsan)
         build "$1"
-        runCtest "$1" -LE '^bench$' # which measures, and draws what the others draw
+        runCtest "$1" -LE '^(bench|browser)$' # the first measures, and draws what the others draw
         underLoad "$1"
         ;;
     bookworm | trixie) BRUME_TESTS='' ./dev fresh "$1" test ;;
