@@ -1,9 +1,12 @@
 // How much of a test runs. The whole layer runs every case with every method and every seed; it is asked for by
-// BRUME_TESTS=whole in the environment. The quick layer, without it, leaves out repetitions.
+// BRUME_TESTS=whole in the environment. The quick layer, without it, leaves out repetitions, statistics, what waits for
+// time to pass, and the largest inputs.
 #pragma once
 
 #include <cstdlib>
 #include <string_view>
+
+#include <gtest/gtest.h>
 
 namespace brume::test {
 
@@ -13,3 +16,7 @@ inline bool whole() {
 }
 
 } // namespace brume::test
+
+// First in the body of a test that the quick layer leaves out.
+#define BRUME_WHOLE_LAYER_ONLY()                                                                                       \
+    if (!::brume::test::whole()) GTEST_SKIP() << "only with BRUME_TESTS=whole"

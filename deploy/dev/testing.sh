@@ -70,10 +70,11 @@ pageTest() {
     (cd $web && npm run --silent test)
 }
 # What tests start neither reads the user's learnt costs nor learns them beside other tests: plans are of the built-in
-# costs. Compiled shaders are kept for all of them.
+# costs. Compiled shaders are kept for all of them. Servers compile ahead only where a test asks for it.
 testEnvironment() {
     rm -rf build/test-cache
     export XDG_CACHE_HOME=$PWD/build/test-cache MESA_SHADER_CACHE_DIR=$PWD/build/shaders BRUME_FIXED_COSTS=true
+    export BRUME_AHEAD=off
 }
 # Several tests run side by side; those that measure time run alone (ALONE in CMakeLists.txt).
 # What tests start must not keep the lock when it outlives them: {lock_fd}>&-
@@ -89,11 +90,8 @@ runCtest() { # runCtest PRESET [CTEST ARGUMENT...]
     unlock
 }
 browserTest() {
-    lock test
     npmInstall tests/browser
-    testEnvironment
-    BRUME_SERVER=$PWD/$release/bin/brume-server node tests/browser/run.mjs {lock_fd}>&-
-    unlock
+    runCtest release -L '^browser$'
 }
 
 package() {
@@ -172,8 +170,8 @@ testPart() {
         passed || return 0
         step "Build the page" page
         step "Tests: page" pageTest
-        step "Tests: unit, fuzz, reference, net, gpu, hard, bench, integration" runCtest release
-        step "Tests: browser" browserTest
+        step "Install what drives the browser" npmInstall tests/browser
+        step "Tests: unit, fuzz, reference, net, gpu, hard, bench, integration, browser" runCtest release
         step "Package" package
         step "Tests: deploy" deployTest
         if canFuzz; then

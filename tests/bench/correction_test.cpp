@@ -2,6 +2,7 @@
 #include "tools/bench/correction.h"
 
 #include "tests/bench/on_device.h"
+#include "tests/layer.h"
 
 namespace brume::bench {
 namespace {
@@ -25,6 +26,7 @@ bool corrected(const CorrectionSample& sample) { return sample.predicted > sampl
 
 // A loaded machine measures slowly, so the run ends with what it is for and not at a time.
 TEST_F(Correction, LawsThatTurnWrongAreSeenAndMended) {
+    BRUME_WHOLE_LAYER_ONLY();
     CorrectionQuestion asked = question();
     asked.done = [](const CorrectionRun& run) {
         const CorrectionTimes times = timesOf(run);

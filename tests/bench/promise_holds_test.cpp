@@ -63,6 +63,7 @@ TEST_F(PromiseHolds, OnSmallRandomViews) {
 // With laws that are halved the plan takes what it takes here for twice the budget. FLIP's budget would keep it from
 // that.
 TEST_F(PromiseHolds, AndNotWithLawsThatAreTooSmall) {
+    BRUME_WHOLE_LAYER_ONLY();
     const std::vector<json> rows = promised(device(), folder("promise-breaks"), 2 * kBudget, 1);
     ASSERT_EQ(rows.size(), views());
     EXPECT_GT(broken(rows), 2 * mayBreak()) << all(rows);

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "tests/bench/on_device.h"
+#include "tests/layer.h"
 #include "tools/bench/error.h"
 #include "tools/bench/truth.h"
 
@@ -27,6 +28,7 @@ std::string linesOf(const std::string& text) {
 }
 
 TEST_F(Which, RecommendsWhatHoldsAndCanBePasted) {
+    BRUME_WHOLE_LAYER_ONLY();
     const Question question = small(0.02);
     const Answers answers = which(device(), builtInCosts(), question);
     ASSERT_TRUE(answers.best && answers.holds);

@@ -11,6 +11,7 @@
 #include "shaders/shared/sky.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
+#include "tests/layer.h"
 #include "tools/reference/medium_reference.h"
 #include "tools/reference/obstacle_tree.h"
 
@@ -88,6 +89,7 @@ protected:
 
 // The draw and the compute pass have the same formulas; roundings may differ by where compilers put them.
 TEST_F(BackgroundTest, DrawAndComputeAgree) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const char* name : {"props", "tubes", "plume", "cloud", "atrium-mesh"}) {
         SCOPED_TRACE(name);
         const Scene scene = loadScene(std::string("server/scenes/") + name + ".toml");
@@ -165,6 +167,7 @@ TEST_F(BackgroundTest, GroundWithStructure) {
 
 // More objects than a bin has first ones, and a wall that fills bins in front of others.
 TEST_F(BackgroundTest, ManyObjects) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = sceneOf({Point{{0, 0, 0}, 1, 0}});
     Random random(7);
     scene.planes = {{-3, glm::vec3(0.5f)}};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/gpu/fixture.h"
+#include "tests/layer.h"
 
 namespace brume::test::coarse_test {
 namespace {
@@ -143,6 +144,7 @@ std::vector<glm::vec4> radianceOf(const gpu::Device& device, const Scene& scene,
 // Where such a step lies is all that changes: 0.5, 0.7 and 0.9 % were measured from outside, half of it from inside,
 // and 5 % of the brightest at the worst pixel; with surfaces and shafts interpolated across it is 10, 14 and 17 %.
 TEST_F(CoarseTest, DrawingSomePixelsKeepsEdgesOfObjectsAndShadows) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = loadScene("server/scenes/props.toml");
     scene.render.shadow_size = 64;
     const SceneCamera& camera = scene.camera;

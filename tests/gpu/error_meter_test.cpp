@@ -8,6 +8,7 @@
 #include "server/render/renderer.h"
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/truth.h"
+#include "tests/layer.h"
 
 namespace brume::test::error_meter_test {
 namespace {
@@ -117,6 +118,7 @@ TEST_F(ErrorMeterTest, MeasuresTheErrorOfTheWholePicture) {
 
 // A sheet in the middle of the medium fills the picture. It mirrors nothing, which would count as light of the medium.
 TEST_F(ErrorMeterTest, ThroughGlass) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const char* method : {"slabs", "tiles"}) {
         Scene scene = coarse("cloud", method);
         scene.sky.ambient = glm::vec3(0);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test::extinction_colour_test {
 namespace {
@@ -70,6 +71,7 @@ TEST_F(ExtinctionColourTest, Lamps) {
 
 // Each channel of a coloured medium is that of a grey medium with its extinction, with all methods.
 TEST_F(ExtinctionColourTest, ChannelsAreThoseOfGreyMedia) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const char* method : some({"slabs", "grid", "tiles", "sphere", "isv"}))
         for (const uint32_t step : {1u, 4u}) {
             Scene scene = cloudScene();
@@ -137,6 +139,7 @@ TEST_F(ExtinctionColourTest, GreyIsAsWhite) {
 
 // A renderer that has drawn a medium of three hues draws what comes after as a fresh one does.
 TEST_F(ExtinctionColourTest, NothingIsLeftOfHuesThatWere) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const char* method : {"tiles", "slabs", "grid"}) {
         Scene scene = cloudScene();
         scene.render.method = method;
@@ -153,6 +156,7 @@ TEST_F(ExtinctionColourTest, NothingIsLeftOfHuesThatWere) {
 
 // Several eyes in one submission, of which each has the picture that it has alone. Planes are R, G, B.
 TEST_F(ExtinctionColourTest, PicturesOfSeveralEyes) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const bool objects : {false, true})
         for (const char* method : {"slabs", "tiles"}) {
             Scene scene = cloudScene();

@@ -4,6 +4,7 @@
 #include "server/gpu/pipeline_cache.h"
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/quadrature.h"
+#include "tests/layer.h"
 #include "tools/bench/looker.h"
 
 namespace brume::test::frame_loop_test {
@@ -364,6 +365,7 @@ TEST_F(FrameLoopTest, ErrorsAreCollectedWhereTheyCanBeMeasured) {
 
 // The laws predict a tenth of the error: what is measured mends the plan.
 TEST_F(FrameLoopTest, ALawThatIsWrongIsMendedByMeasuring) {
+    BRUME_WHOLE_LAYER_ONLY();
     FrameLoop::Options options;
     options.measure_error = 1;
     options.law_factor = 0.1;

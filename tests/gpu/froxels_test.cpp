@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test::froxels_test {
 namespace {
@@ -314,6 +315,7 @@ TEST_F(FroxelsTest, LitKeepsTheLightOfEachColour) {
 
 // Light at nodes follows the colour of a medium at rest.
 TEST_F(FroxelsTest, WhatIsKeptFollowsTheColourOfTheMedium) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = sceneOf(randomPoints(60, 5, 1.6f, 1.2f), 1.6f);
     scene.lights = {{.to_light = glm::normalize(glm::vec3(0.5f, 0.6f, 0.2f))}, point({4, 3, 2})};
     scene.render.froxels = {.pixels = 4, .slices = 64};

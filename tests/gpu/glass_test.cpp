@@ -7,6 +7,7 @@
 
 #include "server/inputs/glass_block.h"
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test::glass_test {
 namespace {
@@ -192,6 +193,7 @@ TEST_F(GlassTest, InFog) {
 }
 
 TEST_F(GlassTest, InAColouredMediumAndFog) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const char* method : {"slabs", "grid"}) {
         Scene scene = cloud(method);
         scene.medium.extinction_colour = {0.5f, 1, 0.1f};
@@ -277,6 +279,7 @@ TEST_F(GlassTest, SeveralEyesAndAProbe) {
 // changes from pixel to pixel and from frame to frame. Frames that are a fifth as far apart go on more evenly: a pop
 // would stay as large as it is.
 TEST_F(GlassTest, SlowMotionDoesNotPop) {
+    BRUME_WHOLE_LAYER_ONLY();
     constexpr int kFrames = 8;
     for (const char* method : some(kOfParticles)) {
         Scene scene = cloud(method);

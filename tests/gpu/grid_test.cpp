@@ -5,6 +5,7 @@
 
 #include "server/methods/grid/medium_grid.h"
 #include "tests/gpu/closed_form.h"
+#include "tests/layer.h"
 
 namespace brume::test::grid_test {
 namespace {
@@ -197,6 +198,7 @@ TEST_F(GridTest, EmptyBricksAreEmpty) {
 // The first, the last but one and the last of a million, all others faint in a heap: each is where it was put, and no
 // part of the heap is lost.
 TEST_F(GridTest, AMillionParticles) {
+    BRUME_WHOLE_LAYER_ONLY();
     constexpr uint32_t kCount = 1'000'000;
     const glm::vec3 places[] = {{-2, 1, 0}, {2, 1, 0}, {-2, -1, 0}};
     std::vector<Point> points{thick(places[0], 1, 1, 1.6f)};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test::hard_lamp_test {
 namespace {
@@ -77,6 +78,7 @@ TEST_F(HardLampTest, OfAlmostNoRange) {
 
 // 1,023 of 1,024 lights are too weak to be seen: the picture is that of one.
 TEST_F(HardLampTest, OneOf1024) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = foggy();
     scene.lights = {lamp({1, 1, 0})};
     judge(scene, {kOutside});

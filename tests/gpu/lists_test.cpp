@@ -1,5 +1,6 @@
 // Lists of a scene that commands change while a renderer draws it.
 #include "tests/gpu/fixture.h"
+#include "tests/layer.h"
 
 namespace brume::test::lists_test {
 namespace {
@@ -104,6 +105,7 @@ protected:
 };
 
 TEST_F(MovedObjectsTest, AreDrawnAsIfTheSceneHadBegunSo) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const char* method : {"slabs", "tiles"}) {
         Scene scene = withObjects(method);
         Simulation simulation(scene);

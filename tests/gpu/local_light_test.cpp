@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test::local_light_test {
 namespace {
@@ -78,6 +79,7 @@ TEST_F(LocalLightTest, BelowTheGround) {
 }
 
 TEST_F(LocalLightTest, AmongParticles) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = sceneOf(randomPoints(60, 5, 1.6f, 0.35f), 1.6f);
     scene.lights.clear();
     scene.medium.anisotropy = 0.7f;

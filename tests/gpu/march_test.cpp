@@ -3,6 +3,7 @@
 
 #include "shaders/shared/march.h"
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test::march_test {
 namespace {
@@ -47,6 +48,7 @@ protected:
 };
 
 TEST_F(MarchTest, HeightFogOverTheGround) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = emptyScene();
     scene.lights = {sun()};
     scene.fogs = {{.extinction = 0.05f, .height = -4, .falloff = 0.2f, .albedo = {0.9f, 0.8f, 0.7f}}};
@@ -256,6 +258,7 @@ TEST_F(MarchTest, HalfAndQuarterResolution) {
 // A picture whose buffers would be too large is marched in bands of rows: 683 and 37 here. With half the pixels one
 // band is enough.
 TEST_F(MarchTest, BandsOfAWidePictureMeet) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = shafts();
     scene.render.march = {.samples = 4, .dither = "none"};
     constexpr uint32_t kColumns = 9000, kRows = 720, kSeam = 683;

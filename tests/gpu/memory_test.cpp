@@ -10,6 +10,7 @@
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"
+#include "tests/layer.h"
 
 namespace brume::test::memory_test {
 namespace {
@@ -134,6 +135,7 @@ TEST_F(MemoryTest, LightThatIsKeptForEachPixelCounts) {
 
 // More cells take what more memory is predicted for.
 TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
+    BRUME_WHOLE_LAYER_ONLY();
     const EyeRequest eye = eyeOf(64, 36);
     for (const bool coloured : {false, true}) {
         Scene scene = loadScene("server/scenes/cloud.toml");

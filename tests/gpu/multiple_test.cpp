@@ -11,6 +11,7 @@
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/truth.h"
+#include "tests/layer.h"
 #include "tools/reference/camera.h"
 #include "tools/reference/world.h"
 
@@ -69,6 +70,7 @@ protected:
 };
 
 TEST_F(MultipleTest, PropagationIsNearRandomPaths) {
+    BRUME_WHOLE_LAYER_ONLY();
     struct Case {
         const char *name, *method;
         float sigma_t;
@@ -117,6 +119,7 @@ TEST_F(MultipleTest, ShadowsOfObjectsAreNoHoles) {
 // What planes, boxes and spheres send back into the medium. These are beside the picture, since paths go through the
 // middles of pixels and see hard edges.
 TEST_F(MultipleTest, LightOfSurfacesIsNearRandomPaths) {
+    BRUME_WHOLE_LAYER_ONLY();
     struct Case {
         const char* name;
         float sigma_t;
@@ -214,6 +217,7 @@ TEST_F(MultipleTest, FogTowardTheSunDimsAllOrders) {
 // The medium dims nothing itself. So octave n is single scattering times 2^-n, with its own phase function and what a
 // black fog of depth 1 leaves of its light.
 TEST_F(MultipleTest, OctavesAddUp) {
+    BRUME_WHOLE_LAYER_ONLY();
     constexpr double kAsymmetry = 0.5, kPart = 0.7, kSameInAll = 1 - kPart;
     const auto lobe = [](double g, double cosine) {
         return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5); // 4 pi sr times the phase function
@@ -285,6 +289,7 @@ TEST_F(MultipleTest, WhatChangesMeanwhileIsSeen) {
 // Neither a camera nor a sun nor a bright object that moves slowly makes pictures pop: a pixel goes on as it did in the
 // frames before. Cells follow the sun and the particles' bounds, so that a sun which turns is the harder case.
 TEST_F(MultipleTest, SlowMotionDoesNotPop) {
+    BRUME_WHOLE_LAYER_ONLY();
     constexpr int kFrames = 12;
     enum class Moves { camera, sun, sphere };
     Stage stage(device(), cloud(0.5f, "single"), 60);

@@ -133,6 +133,7 @@ TEST_F(RadianceTest, OneLevelOfNestedGridsIsExact) {
 
 // Samples that are dropped leave no place in the medium without light; as printed they do, and pixels are dark there.
 TEST_F(RadianceTest, ThereAreNoHoles) {
+    BRUME_WHOLE_LAYER_ONLY();
     // Of pixels that show light, the least part that a picture has of the light of another.
     const auto least = [](const Picture& picture, const Picture& exact) {
         float brightest = 0;

@@ -6,6 +6,7 @@
 #include "shaders/shared/transmittance.h"
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/shown.h"
+#include "tests/layer.h"
 
 namespace brume::test::show_motion_test {
 namespace {
@@ -29,6 +30,7 @@ protected:
 };
 
 TEST_F(ShowMotionTest, DepthIsTheSumInEveryFrame) {
+    BRUME_WHOLE_LAYER_ONLY();
     const Scene scene = cloud();
     const std::vector<gpu::Particle> particles = particlesOf(scene);
     for (int frame = 0; frame < kFrames; ++frame) {

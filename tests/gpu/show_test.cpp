@@ -7,6 +7,7 @@
 #include "shaders/shared/transmittance.h"
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/shown.h"
+#include "tests/layer.h"
 
 namespace brume::test::show_test {
 namespace {
@@ -243,6 +244,7 @@ TEST_F(ShowTest, MeasuredPixelsAreDiscs) {
 
 // Who looks at the picture gets it bit for bit, whoever looks at something else beside.
 TEST_F(ShowTest, ThePictureStaysAsItIs) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const char* method : {"isv", "slabs", "sphere"})
         for (const bool full : {false, true}) {
             SCOPED_TRACE(testing::Message() << method << ' ' << full);

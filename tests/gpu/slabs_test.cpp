@@ -5,6 +5,7 @@
 #include <map>
 
 #include "tests/gpu/closed_form.h"
+#include "tests/layer.h"
 
 namespace brume::test::slabs_test {
 namespace {
@@ -83,6 +84,7 @@ TEST_F(SlabsTest, AParticleCloseToTheEyeTakesNothingAwayFromThoseBehind) {
 
 // Rays that end on a surface: a wall through the medium, all over the picture.
 TEST_F(SlabsTest, RaysThatEndOnASurfaceErrNoMore) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = soft();
     scene.boxes = {{{0, 0, -51}, {400, 400, 100}, 0.1f, glm::vec3(0)}};
     Stage stage(device(), scene, 60);
@@ -182,6 +184,7 @@ TEST_F(SlabsTest, APictureMayHaveItsOwnRate) {
 // Of a ray only the faces are written that pixels read: what the buffer held before must show nowhere, be it at edges,
 // on a ground through the medium, in shadows, or where the near plane cuts the ground.
 TEST_F(SlabsTest, WhatWasSeenBeforeLeavesNoTraceAtObjects) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene ground = soft();
     ground.lights[0].to_light = glm::normalize(glm::vec3(0.2f, 1, 0.1f));
     ground.planes = {{-1, glm::vec3(0.5f)}};

@@ -2,6 +2,7 @@
 #include "common/tetrahedra.h"
 #include "server/plan/memory.h"
 #include "tests/gpu/tetrahedra_mesh.h"
+#include "tests/layer.h"
 
 namespace brume::test::tetrahedra_test {
 namespace {
@@ -152,6 +153,7 @@ TEST_F(TetrahedraTest, CoarseMeshesAreAsFineOnes) {
 
 // A mesh as fine as its particles' detail is drawn as slabs draw the particles, with light that scatters again, too.
 TEST_F(TetrahedraTest, ScatteringIsThatOfSlabs) {
+    BRUME_WHOLE_LAYER_ONLY();
     const Point blob{.scale = 10, .sigma_t = 1.2f, .albedo = glm::vec3(0.9f, 0.95f, 1)};
     const auto gaussian = [&](glm::vec3 at) { return blob.sigma_t * std::exp(-50 * glm::dot(at, at) / 100); };
     Mesh mesh = centred(20, 8, gaussian);

@@ -5,6 +5,7 @@
 
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/quadrature.h"
+#include "tests/layer.h"
 
 namespace brume::test::tiles_test {
 namespace {
@@ -114,6 +115,7 @@ TEST_F(TilesTest, CachedWithoutToleranceIsHermite) {
 // A particle where the light falls off evenly: in the half shadow of one ten times its size. Its line whole, cut by the
 // near plane, by the ground through its middle, by both.
 TEST_F(TilesTest, CachedIsExactWhereLightIsLinear) {
+    BRUME_WHOLE_LAYER_ONLY();
     const Point blocker = thick({0, 0, 0}, 10, 1.5, 1.6f);
     const double k = std::sqrt(50.0) / 16;
     for (const bool ground : {false, true})
@@ -208,6 +210,7 @@ TEST_F(TilesTest, RaysEndWhereLittleIsSeen) {
 
 // So many blocks of tiles and particles that their lists would not fit: blocks grow, the picture stays.
 TEST_F(TilesTest, AMillionParticlesInTwoMegapixels) {
+    BRUME_WHOLE_LAYER_ONLY();
     constexpr uint32_t kCount = 1'000'000;
     std::vector<Point> points;
     Random random(1);

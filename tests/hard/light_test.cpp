@@ -4,6 +4,7 @@
 
 #include "shaders/shared/phase.h"
 #include "tests/hard/hard.h"
+#include "tests/layer.h"
 
 namespace brume::test::light_test {
 namespace {
@@ -40,6 +41,7 @@ TEST_F(HardTest, PhaseAtAsymmetry9999InFloat) {
 
 // A scene's limit, g = +-.99, through the whole renderer. The light is in view: the peak too.
 TEST_F(HardTest, LookingIntoTheLight) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = sceneOf(randomPoints(40, 6, 2, 0.6f), 1.6f);
     scene.lights[0].to_light = glm::normalize(glm::vec3(0.01f, 0.02f, -1));
     const Pose pose = lookAt({0, 0, 9}, {0, 0, 0}, 0.3f);

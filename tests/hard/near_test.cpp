@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tests/hard/hard.h"
+#include "tests/layer.h"
 
 namespace brume::test::near_test {
 namespace {
@@ -119,6 +120,7 @@ TEST_F(HardTest, TheWayThroughAParticle) {
 
 // Naive: clips triangles against the near plane and interpolates across the cut.
 TEST_F(HardTest, TheNearPlaneCutsOneTwoOrThreeVertices) {
+    BRUME_WHOLE_LAYER_ONLY();
     Random random(5);
     int cut[5] = {};
     for (int i = 0; i < 80; ++i) {

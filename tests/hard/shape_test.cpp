@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "tests/hard/hard.h"
+#include "tests/layer.h"
 
 namespace brume::test::shape_test {
 namespace {
@@ -137,6 +138,7 @@ TEST_F(HardTest, SmallerThanAPixel) {
 
 // Equal depth keys. Naive: an unstable sort or unordered blending, and the colour flickers from frame to frame.
 TEST_F(HardTest, CoincidentParticlesOfTwoColours) {
+    BRUME_WHOLE_LAYER_ONLY();
     std::vector<Point> points;
     for (int i = 0; i < 200; ++i) {
         Point point = thick({float(i / 2 % 5) - 2, float(i / 2 / 5 % 4) - 1.5f, 0}, 2, 1, 1.6f);

@@ -8,6 +8,7 @@
 #include "server/cluster/engine.h"
 #include "tests/integration/cluster_node.h"
 #include "tests/integration/program.h"
+#include "tests/layer.h"
 #include "tests/net/certificate.h"
 
 namespace brume::test {
@@ -71,6 +72,7 @@ TEST_F(ClusterEngine, WhileItIsAwayTicksStandAndCamerasGoOn) {
 }
 
 TEST_F(ClusterEngine, WithAnEmptyStoreItIsAnotherLogAndServersEnd) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer server(inCluster(nats, {"--log-level", "error"}));
     Watcher a(server.endpoint());
     ASSERT_TRUE(watch({&a}, [&] { return a.state_tick > 60; }));
@@ -82,6 +84,7 @@ TEST_F(ClusterEngine, WithAnEmptyStoreItIsAnotherLogAndServersEnd) {
 
 // As after a power loss: what was answered is not there any more.
 TEST_F(ClusterEngine, WithoutTheLogsEndServersLoadASnapshotAndAgree) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer first(inCluster(nats, {"--cluster-snapshot", "1"}));
     RunningServer second(inCluster(nats, {"--cluster-snapshot", "1"}));
     Watcher a(first.endpoint()), b(second.endpoint());
@@ -151,6 +154,7 @@ TEST_F(ClusterEngine, ItsCertificateAndAPasswordAreChecked) {
 }
 
 TEST_F(ClusterEngine, AnewTheLogBeginsAtTheScenesStart) {
+    BRUME_WHOLE_LAYER_ONLY();
     {
         RunningServer server(inCluster(nats));
         Watcher a(server.endpoint());

@@ -5,6 +5,7 @@
 
 #include "tests/integration/cluster_node.h"
 #include "tests/integration/program.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -84,6 +85,7 @@ TEST_F(Cluster, WhenTheTickerIsKilledAnotherGoesOn) {
 
 // It wakes up as the one that makes the ticks, and nobody listens to it.
 TEST_F(Cluster, ATickerThatWasStoppedForSecondsComesBackAsAFollower) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer first(inCluster(nats)), second(inCluster(nats));
     ASSERT_TRUE(waitFor(second, "nodes", 2));
     Watcher a(first.endpoint()), b(second.endpoint());

@@ -8,6 +8,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -63,6 +64,7 @@ TEST(MeasuredError, IsInFramesMetricsAndViewersUnlessItIsTurnedOff) {
 }
 
 TEST(MeasuredError, FogWithoutParticlesIsMeasured) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer server({"--measure-error", "1", "--scene", "dusty-room"});
     Watcher watcher(server.endpoint());
     framesUntilMeasured(watcher, 10'000, lookAt({-2.4f, 1.5f, 3.6f}, {0.9f, 1.15f, -1.2f}, 1));

@@ -6,6 +6,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -22,6 +23,7 @@ const std::vector<std::string> kMillion{"--scene",        "cloud-65535",
                                         "--frame-budget", "10000"};
 
 TEST(Large, AMillionParticlesAreServedAndTheirMemoryIsReported) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer server(kMillion);
     Watcher watcher(server.endpoint(), {.width = 160, .height = 90, .views = 1, .quality = 80});
     watcher.look(lookAt({0, 5, 100}, {0, 0, 0}, 0.3f));

@@ -197,7 +197,7 @@ uintmax_t bytesIn(const std::filesystem::path& folder) {
 
 // What a driver's cache on disk does not get any more was there already: nobody waits for it to be compiled.
 TEST(Lifecycle, WhatOverloadAndOtherViewersNeedIsCompiledAhead) {
-    if (!test::whole()) GTEST_SKIP() << "it compiles every way anew, which takes minutes";
+    BRUME_WHOLE_LAYER_ONLY();
     const auto cache = std::filesystem::temp_directory_path() / ("brume-shaders-" + std::to_string(getpid()));
     std::filesystem::create_directory(cache);
     const std::vector<std::string> environment{"MESA_SHADER_CACHE_DIR=" + cache.string()};
@@ -241,7 +241,7 @@ bool runsSomewhere(const std::string& argument) {
 TEST(Lifecycle, WhoCompilesAheadEndsWithTheServerHoweverThatEnds) {
     const std::string mark = "/nowhere/" + std::to_string(getpid()); // among its arguments, to be known by
     for (const int end : {SIGTERM, SIGKILL}) {
-        Process server({BRUME_SERVER, "--scene", "props", "--port", "0", "--costs", mark});
+        Process server({BRUME_SERVER, "--scene", "props", "--port", "0", "--ahead", "background", "--costs", mark});
         ASSERT_TRUE(server.lineStarting("listening on ")) << server.err();
         const auto soon = [&](bool runs) {
             for (int i = 0; i < 1000; ++i) {
@@ -271,8 +271,9 @@ size_t childrenOf(pid_t parent) {
 }
 
 TEST(Lifecycle, WhoHasCompiledAheadIsGone) {
-    Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0", "--set", "render.method=slabs", "--set",
-                    "render.rate=8"}); // few ways are compiled then
+    BRUME_WHOLE_LAYER_ONLY();
+    Process server({BRUME_SERVER, "--scene", "cloud", "--port", "0", "--ahead", "background", "--set",
+                    "render.method=slabs", "--set", "render.rate=8"}); // few ways are compiled then
     ASSERT_TRUE(server.lineStarting("listening on ")) << server.err();
     const auto becomes = [&](size_t children, int seconds) {
         for (int i = 0; i < 200 * seconds; ++i) { // asked once each time: who compiles little is soon gone

@@ -12,6 +12,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
+#include "tests/layer.h"
 
 namespace brume::test::load_servers_test {
 namespace {
@@ -80,6 +81,7 @@ TEST_F(LoadServers, ServersThatSimulateTheSameAgree) {
 }
 
 TEST_F(LoadServers, ServersThatArePushedApartFail) {
+    BRUME_WHOLE_LAYER_ONLY();
     const RunningServer one, two;
     const auto load = this->load(one.url() + "," + two.url(), secondsToMeet(one, two),
                                  {"--viewers", "2", "--push", "10", "--assert", "command_p95<=10000"});
@@ -109,6 +111,7 @@ TEST_F(LoadServers, PushesThatAreRefusedAreCounted) {
 }
 
 TEST_F(LoadServers, ViewersOfAServerThatDiesGoOnAtTheNext) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer one;
     const RunningServer two;
     const auto load = this->load(one.url() + "," + two.url(), 8, {"--viewers", "4", "--reconnect"});
@@ -127,6 +130,7 @@ TEST_F(LoadServers, ViewersOfAServerThatDiesGoOnAtTheNext) {
 }
 
 TEST_F(LoadServers, ViewersGoWhereAGoodbyeSendsThem) {
+    BRUME_WHOLE_LAYER_ONLY();
     const RunningServer other, named;
     RunningServer one({"--drain-time", "0", "--drain-to", named.url() + "/ws"});
     const auto load = this->load(one.url() + "," + other.url() + "," + named.url(), 8,

@@ -12,6 +12,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
+#include "tests/layer.h"
 
 namespace brume::test::load_test {
 namespace {
@@ -67,6 +68,7 @@ TEST_F(Load, ViewersGoOnWhileCountersAreAskedFor) {
 }
 
 TEST_F(Load, MeasuresARunningServer) {
+    BRUME_WHOLE_LAYER_ONLY();
     const RunningServer server;
     const auto load = this->load(
         {"--server", server.url(), "--viewers", "1,2", "--seconds", "3", "--warm-up", "8", // with new shaders

@@ -9,6 +9,7 @@
 #include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -105,6 +106,7 @@ void expectLineOfItsOwn(const std::string& err) {
 // From too little to start with to enough for all: it answers, or it has ended by itself and has said why.
 // Never by a signal, and never in silence.
 TEST(MemoryTest, AServerWithLittleAddressSpaceLivesOrEndsInOneLine) {
+    BRUME_WHOLE_LAYER_ONLY();
     int ended = 0, lived = 0, served = 0;
     for (const unsigned mebibytes : {500u, 800u, 1000u, 1200u, 1500u, 4000u}) {
         SCOPED_TRACE(std::to_string(mebibytes) + " MiB");

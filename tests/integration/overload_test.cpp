@@ -9,6 +9,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -84,6 +85,7 @@ float frameTime(const client::Wishes& wishes, int count) {
 // Four large pictures take longer than a tiny one on every machine. The budget lies between the two; accuracy comes
 // back below 4/5 of it.
 TEST(OverloadedServer, AccuracyComesBackWhenTheLoadLeaves) {
+    BRUME_WHOLE_LAYER_ONLY();
     const float large = frameTime(kLarge, 4), back = frameTime(kTiny, 1) / 0.8f;
     ASSERT_GT(large, 1.5 * back);
     const std::string budget = std::to_string(std::sqrt(large * back));

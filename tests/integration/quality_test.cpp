@@ -12,6 +12,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -74,6 +75,7 @@ TEST(RestingPicture, NoPngForWhoDoesNotReadIt) {
 
 // The camera rests, the medium moves.
 TEST(MovingMedium, IsDrawnFinerWhereThereIsTime) {
+    BRUME_WHOLE_LAYER_ONLY();
     const auto finer = [](const std::vector<std::string>& options) {
         RunningServer server(options);
         Watcher watcher(server.endpoint(), {.width = 64, .height = 36, .views = 1, .quality = 80});
@@ -101,6 +103,7 @@ TEST(MovingMedium, KeepsItsRateWhileTheCameraRests) {
 // One large stereo picture, by the dearest method, beside four small ones. In one batch all would come as often as it
 // does.
 TEST(Fairness, ADearViewerDoesNotTakeTheOthersRate) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer server({"--frame-budget", "20", "--set", "render.error=0.003", "--set", "render.method=sphere"});
     Watcher dear(server.endpoint(), {.width = 1280, .height = 720, .views = 2, .quality = 50});
     std::vector<std::unique_ptr<Watcher>> small;

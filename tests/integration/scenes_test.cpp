@@ -9,6 +9,7 @@
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 #include "tests/net/set_message.h"
 
 namespace brume::test::scenes_test {
@@ -217,6 +218,7 @@ TEST_F(Scenes, ASceneWhoseFileHasChangedIsLoadedAgainOnSighup) {
 
 // The recording of the first scene ends, and another begins; both replay.
 TEST_F(Scenes, RecordingsGoOnInAFileForEachScene) {
+    BRUME_WHOLE_LAYER_ONLY();
     const fs::path first = folder_ / "session.rec", second = folder_ / "session-2.rec";
     {
         RunningServer server({"--ahead", "off", "--record", first.string(), "--frames", "30"});

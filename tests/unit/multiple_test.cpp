@@ -7,6 +7,7 @@
 #include "common/phase_lobes.h"
 #include "shaders/shared/multiple.h"
 #include "shaders/shared/phase.h"
+#include "tests/layer.h"
 
 namespace brume::physics {
 namespace {
@@ -151,6 +152,7 @@ double halfSpaceBySix(double albedo, int cells) {
 // A plane across the sun's rays is where six fluxes are worst: those along it cannot leave. They are 10, 30 and 40 %
 // too bright; round clouds are within a few % (tests/gpu/multiple_test.cpp).
 TEST(Multiple, AHalfSpaceIsTooBrightByWhatIsSaid) {
+    BRUME_WHOLE_LAYER_ONLY();
     EXPECT_NEAR(halfSpace(0.9), 0.1225723, 2e-5);
     for (const auto& [albedo, over] : {std::pair(0.5, 0.100), std::pair(0.9, 0.298), std::pair(0.99, 0.402)})
         EXPECT_NEAR(halfSpaceBySix(albedo, albedo < 0.95 ? 300 : 800) / halfSpace(albedo) - 1, over, 2e-3) << albedo;

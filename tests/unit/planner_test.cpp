@@ -1,6 +1,7 @@
 // The plan of a running scene: when it is made anew. Times are passed in.
 #include <gtest/gtest.h>
 
+#include "tests/layer.h"
 #include "tests/unit/plan_scenes.h"
 
 namespace brume::planner_test {
@@ -52,6 +53,7 @@ void addChangers(int frame, std::vector<PlanView>& views) {
 }
 
 TEST(Planner, ViewersWhoChangeSizeDoNotMoveThePlan) {
+    BRUME_WHOLE_LAYER_ONLY();
     for (const auto& [count, scale] : {std::pair(500u, 6.0f), std::pair(5000u, 2.0f), std::pair(2000u, 1.0f)}) {
         const Scene scene = cube(count, scale);
         EXPECT_LE(changesOf(scene, 1000, 20, addChangers), 2) << count << " of " << scale;

@@ -1,4 +1,4 @@
-// The page in a real Chromium against a real server: node tests/browser/run.mjs
+// The page in a real Chromium against a real server: node tests/browser/page.mjs
 // BRUME_SERVER, BRUME_WEB_ROOT and CHROMIUM name others than the usual ones.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
@@ -387,13 +387,3 @@ test('a full server refuses politely, and lets in who waits when there is room',
   await second.leave();
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });
-
-await import('./element.mjs');
-await import('./eyes.mjs');
-await import('./links.mjs');
-await import('./lists.mjs');
-await import('./nodes.mjs');
-await import('./scenes.mjs');
-await import('./trust.mjs');
-await import('./views.mjs');
-await import('./window.mjs');
