@@ -15,6 +15,9 @@ namespace brume {
 
 using Clock = std::chrono::steady_clock;
 
+// Of serial numbers that wrap around: true if `a` is less than half the range ahead of `b`.
+constexpr bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
+
 // A request for the pictures of one viewer at one pose.
 struct PoseRequest {
     uint32_t seq = 0;

@@ -11,8 +11,6 @@ constexpr float kDisplayMs = 1000.0f / 60;
 constexpr uint32_t kProbe = 3;   // pings that are waited for after probe()
 constexpr float kSpread = 0.75f; // least interval of frames / even interval; below 1, so that a late viewer catches up
 
-bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; } // serial numbers that wrap around
-
 } // namespace
 
 void Pacing::issued(uint32_t id, Clock::time_point now) {

@@ -14,9 +14,6 @@ constexpr uint8_t kShowsErrors = *viewNamed("error");
 constexpr uint8_t kStillQuality = 90;
 constexpr float kMeanWaitMs = 500.0f / 60; // mean time until a display's next frame
 
-// Serial numbers that wrap around: `a` is newer when less than half the range ahead.
-bool isLater(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
-
 // The factor on the sides of a picture of which only a part of the pixels may be drawn. It grows only where there is a
 // quarter to spare, so that sizes do not swing.
 double fitted(double part, double before) {
@@ -43,7 +40,7 @@ Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> n
 
 void Viewer::setPose(const PoseRequest& request) {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || (pose_ && !any_pose_ && !isLater(request.seq, pose_->seq))) return;
+    if (closed_ || (pose_ && !any_pose_ && !isNewer(request.seq, pose_->seq))) return;
     any_pose_ = false;
     const bool rests = pose_ && samePictures(*pose_, request);
     const Clock::time_point since = rests ? pose_->since : request.received;
@@ -93,7 +90,7 @@ FramePtr Viewer::takeFrame(Clock::time_point now) {
 
 bool Viewer::acknowledge(uint32_t frame_id, Clock::time_point now) {
     const std::scoped_lock lock(mutex_);
-    if (frame_id == 0 || counts_.sent == 0 || isLater(frame_id, sent_)) return false;
+    if (frame_id == 0 || counts_.sent == 0 || isNewer(frame_id, sent_)) return false;
     counts_.acknowledged += pacing_.acknowledged(frame_id, now);
     return true;
 }
@@ -199,7 +196,7 @@ void Viewer::deliver(FramePtr frame) {
         ++counts_.rendered;
         // Frames may leave the encoders out of order. A frame that is older than one here or sent is dropped.
         const bool overtaken =
-            (counts_.sent > 0 && !isLater(frame->id, sent_)) || (frame_ && !isLater(frame->id, frame_->id));
+            (counts_.sent > 0 && !isNewer(frame->id, sent_)) || (frame_ && !isNewer(frame->id, frame_->id));
         if (overtaken || frame_) {
             pacing_.dropped(overtaken ? frame->id : frame_->id);
             ++counts_.superseded;

@@ -74,8 +74,14 @@ RandomPoints randomPoints(uint32_t layout, uint32_t count, float spread, Random&
     for (uint32_t i = 0; i < count; ++i) {
         glm::vec3 at = random.inBall();
         float factor = 1;
-        if (layout == cluster) at = centres[random.bits() % centres.size()] + 0.2f * bump(random);
-        if (layout == shell) at = random.direction() * random.uniform(1 - thickness, 1);
+        if (layout == cluster) {
+            at = 0.2f * bump(random);
+            at += centres[random.bits() % centres.size()];
+        }
+        if (layout == shell) {
+            const float radius = random.uniform(1 - thickness, 1);
+            at = radius * random.direction();
+        }
         if (layout == sheet) {
             const glm::vec2 disc = random.inDisc();
             at = disc.x * axes.x + disc.y * axes.y + thickness * random.uniform(-1, 1) * axes.z;
