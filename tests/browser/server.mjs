@@ -7,7 +7,7 @@ import { fileURLToPath } from 'node:url';
 const ROOT = fileURLToPath(new URL('../../', import.meta.url));
 export const BINARY = process.env.BRUME_SERVER ?? join(ROOT, 'build/release/bin/brume-server');
 export const WEB_ROOT = process.env.BRUME_WEB_ROOT ?? join(ROOT, 'client/web/dist');
-const START_MS = 30_000;
+const START_MS = 120_000; // a driver may compile shaders first, beside other work
 const STOP_MS = 10_000;
 
 export async function startServer(...options) {
