@@ -55,6 +55,7 @@ std::string all(const std::vector<json>& rows) {
 }
 
 TEST_F(PromiseHolds, OnSmallRandomViews) {
+    BRUME_WHOLE_LAYER_ONLY();
     const std::vector<json> rows = promised(device(), folder("promise-holds"), kBudget, 0.01);
     ASSERT_EQ(rows.size(), views());
     EXPECT_LE(broken(rows), mayBreak()) << all(rows);

@@ -7,6 +7,7 @@
 
 #include "common/random.h"
 #include "tests/bench/on_device.h"
+#include "tests/layer.h"
 
 namespace brume::bench {
 namespace {
@@ -38,6 +39,7 @@ TEST(ScatteringError, IsWithoutTheNoiseOfThePaths) {
 class Scattering : public OnDevice {};
 
 TEST_F(Scattering, ARowHasTheErrorOfEachModel) {
+    BRUME_WHOLE_LAYER_ONLY();
     ScatteringQuestion asked;
     asked.width = 32, asked.noise = 0.05, asked.seconds = 100;
     asked.folder = folder("scattering"), asked.references = folder("scattering-truth");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test::fog_test {
 namespace {
@@ -53,6 +54,7 @@ TEST_F(FogTest, HeightFog) {
 }
 
 TEST_F(FogTest, OverTheGroundToTheHorizon) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = cloudScene();
     scene.planes = {{-4, glm::vec3(0.4f, 0.35f, 0.3f)}};
     scene.fogs = {{.extinction = 0.05f, .height = -4, .falloff = 0.2f}};
@@ -74,6 +76,7 @@ TEST_F(FogTest, ABallAroundAndABallBeside) {
 }
 
 TEST_F(FogTest, FogsOfDifferentPhaseThatEmit) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = cloudScene();
     scene.sky.ambient = {0.1f, 0.15f, 0.2f};
     scene.fogs = {
@@ -163,6 +166,7 @@ TEST_F(FogTest, LightThroughAWindow) {
 // The light of one fog is each pixel's own, however far apart rays are: also beside things so close to the eye that
 // what casts the shadow is behind them.
 TEST_F(FogTest, ShadowsBesideSomethingCloseAreThoseOfEveryRate) {
+    BRUME_WHOLE_LAYER_ONLY();
     Scene scene = withoutCloud();
     scene.lights[0].to_light = glm::normalize(glm::vec3(0.8f, 0.5f, 0.1f));
     scene.fogs = {{.extinction = 0.03f, .falloff = 0.02f}};

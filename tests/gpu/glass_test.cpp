@@ -178,6 +178,7 @@ TEST_F(GlassTest, SheetsInTheMedium) {
 }
 
 TEST_F(GlassTest, InFog) {
+    BRUME_WHOLE_LAYER_ONLY();
     const Pose inside = lookAt({0.5f, 2, 9}, {0, 2.2f, 0}, 0.9f);
     for (const char* method : some({"slabs", "froxels", "march"})) {
         Scene scene = foggy(method);

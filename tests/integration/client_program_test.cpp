@@ -15,6 +15,7 @@
 #include "tests/integration/program.h"
 #include "tests/integration/running_server.h"
 #include "tests/integration/watcher.h"
+#include "tests/layer.h"
 
 namespace brume::test {
 namespace {
@@ -183,6 +184,7 @@ bool saysThatItTriesAgain(const Process& client, const std::string& why) {
 }
 
 TEST_F(ClientProgram, AFullServerIsAskedAgainWhenItSaid) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer server({"--max-viewers", "1"});
     Watcher first(server.endpoint());
     const auto client = startClient({"--headless", "--url", server.url(), "--frames", "2", "--size", "160x96"});

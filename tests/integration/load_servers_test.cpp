@@ -59,6 +59,7 @@ void waitForFrames(const RunningServer& server, double frames) {
 }
 
 TEST_F(LoadServers, ServersThatSimulateTheSameAgree) {
+    BRUME_WHOLE_LAYER_ONLY();
     const RunningServer one, two;
     const auto load = this->load(one.url() + "," + two.url(), secondsToMeet(one, two), {"--viewers", "3"});
     ASSERT_EQ(load->exitCode(), 0) << load->err();

@@ -149,6 +149,7 @@ TEST_F(Load, AServerThatDiesEndsInOneLineAndKeepsWhatWasMeasured) {
 }
 
 TEST_F(Load, ViewersThatLoseTheServerComeBack) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer server;
     const auto load = this->load({"--server", server.url(), "--viewers", "2", "--seconds", "8", "--reconnect"});
     const auto deadline = std::chrono::steady_clock::now() + kPatience;

@@ -49,6 +49,7 @@ double relaxedWhen(const RunningServer& server, const std::vector<std::unique_pt
 }
 
 TEST(OverloadedServer, ABudgetThatCannotBeMetCostsAccuracyAndIsLogged) {
+    BRUME_WHOLE_LAYER_ONLY();
     RunningServer server({"--frame-budget", "1", "--max-pixels", kMaxPixels, "--set", kError, "--set", kFlip});
     EXPECT_EQ(relaxed(server), 0);
     const auto watchers = watchersOf(server, kLarge, 1);
