@@ -1,13 +1,16 @@
 // The shader sees every member of the shared structs where C++ has it.
+#include <algorithm>
 #include <numeric>
 
 #include <fmt/format.h>
 
+#include "server/gpu/specialize.h"
 #include "tests/gpu/fixture.h"
 
 // After it: the words of a shader need <cstdint>.
 #include "shaders/background_frag.h"
 #include "shaders/background_vert.h"
+#include "shaders/compose_comp.h"
 #include "shaders/shadow_particles_comp.h"
 #include "shaders/slabs_comp.h"
 #include "shaders/sort_scan_comp.h"
@@ -184,6 +187,37 @@ TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
     const SpecConstant known[] = {{kIdPlanes, 1}, {kIdBoxes, 0}}, unknown[] = {{kIdPlanes, 1}, {kIdHasOpaque, 0}};
     EXPECT_NO_THROW(GraphicsProgram(device(), stages, info, known));
     EXPECT_THROW(GraphicsProgram(device(), stages, info, unknown), Error);
+}
+
+// Instructions of SPIR-V words: their opcodes.
+std::vector<uint32_t> opcodes(std::span<const uint32_t> words) {
+    std::vector<uint32_t> all;
+    constexpr size_t kHeader = 5;
+    for (size_t i = kHeader; i < words.size() && words[i] >> 16 > 0; i += words[i] >> 16)
+        all.push_back(words[i] & 0xFFFF);
+    return all;
+}
+
+TEST(Specialize, LeavesNoConstantToBeSetAndNothingThatIsNeverRun) {
+    constexpr uint32_t kFirst = 48, kLast = 52, kFunction = 54; // OpSpecConstantTrue, OpSpecConstantOp, OpFunction
+    const auto count = [](const std::vector<uint32_t>& all, uint32_t first, uint32_t last) {
+        return std::ranges::count_if(all, [&](uint32_t code) { return code >= first && code <= last; });
+    };
+    const ShaderCode compose{VK_SHADER_STAGE_COMPUTE_BIT, compose_comp, "compose"};
+    const std::vector<uint32_t> before = opcodes(compose.words);
+    const auto with = [&](uint32_t objects) {
+        const SpecConstant constants[] = {{kIdHasOpaque, objects}, {kIdHasCasters, objects}};
+        return opcodes(specialized(compose, constants));
+    };
+    const std::vector<uint32_t> some = with(1), none = with(0);
+    EXPECT_GT(count(before, kFirst, kLast), 10);
+    EXPECT_EQ(count(some, kFirst, kLast), 0);
+    EXPECT_EQ(count(none, kFirst, kLast), 0);
+    EXPECT_LT(some.size(), before.size()); // other constants have their defaults
+    EXPECT_LT(count(none, kFunction, kFunction), count(some, kFunction, kFunction));
+
+    const uint32_t nonsense[] = {1, 2, 3};
+    EXPECT_THROW(specialized({VK_SHADER_STAGE_COMPUTE_BIT, nonsense, "nonsense"}, {}), Error);
 }
 
 TEST_F(GpuTest, AProgramRefusesBuffersLargerThanTheDeviceCanBind) {
