@@ -79,8 +79,8 @@ include(\"${PROJECT_SOURCE_DIR}/cmake/tests_by_file.cmake\")
 endfunction()
 
 # Runs some tests of a test program (patterns of --gtest_filter) with a second implementation of Vulkan, so that nothing
-# is relied on that only Mesa does. The entry is called NAME_swiftshader. It compiles shaders anew in every
-# run, so only those that compile fast are here; the whole layer runs all tests with it.
+# is relied on that only Mesa does. The entry is called NAME_swiftshader. That implementation keeps no shaders: only
+# tests that compile fast are here. The whole layer runs all tests with it.
 function(brume_test_on_swiftshader name)
   get_filename_component(label ${CMAKE_CURRENT_SOURCE_DIR} NAME)
   string(JOIN : tests ${ARGN})

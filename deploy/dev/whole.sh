@@ -50,7 +50,7 @@ wholePart() { # wholePart PART
     soak) python3 tests/network/soak.py --programs "$release/bin" --minutes 10 --out "$out/soak.md" ;;
     asan | tsan)
         build "$1"
-        runCtest "$1" -LE '^(bench|browser)$' # the first measures, and draws what the others draw
+        runCtest "$1" -LE '^(bench|browser)$' # bench measures, and draws what the others draw; the page was tested
         underLoad "$1"
         ;;
     bookworm | trixie) BRUME_TESTS='' ./dev fresh "$1" test ;;

@@ -9,9 +9,9 @@
 
 namespace brume::gpu {
 
-// The words of `shader` with these values in place of its specialization constants, others by their defaults. Branches
-// that are never taken with them are left out, and functions that are never called. A driver that reads all of a shader
-// before it looks at the constants is done in a fraction of the time. Throws Error if the words are no SPIR-V.
+// The words of `shader` with these values in place of its specialization constants; other constants get their defaults.
+// Branches and functions that never run with these values are left out. Drivers read a whole shader before they look at
+// its constants, so that a smaller one takes less time. Throws Error if the words are no SPIR-V.
 std::vector<uint32_t> specialized(const ShaderCode& shader, std::span<const SpecConstant> constants);
 
 } // namespace brume::gpu

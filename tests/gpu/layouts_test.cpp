@@ -189,7 +189,7 @@ TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
     EXPECT_THROW(GraphicsProgram(device(), stages, info, unknown), Error);
 }
 
-// Instructions of SPIR-V words: their opcodes.
+// Opcodes of the instructions of a SPIR-V module.
 std::vector<uint32_t> opcodes(std::span<const uint32_t> words) {
     std::vector<uint32_t> all;
     constexpr size_t kHeader = 5;
