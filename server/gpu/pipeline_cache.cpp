@@ -16,10 +16,8 @@ void PipelineCache::keep(Key key, std::shared_ptr<const Pipeline> pipeline) {
     if (made_) made_(pipeline->text);
     const std::scoped_lock lock(mutex_);
     kept_.push_front({std::move(key), std::move(pipeline)});
-    for (auto last = kept_.end(); kept_.size() > kMost && last != kept_.begin();) {
-        --last;
-        if (last->pipeline.use_count() == 1) last = kept_.erase(last);
-    }
+    size_t unused = 0;
+    std::erase_if(kept_, [&](const Kept& kept) { return kept.pipeline.use_count() == 1 && ++unused > kMostUnused; });
 }
 
 size_t PipelineCache::size() const {

@@ -47,12 +47,12 @@ private:
 // Thread-safe.
 class PipelineCache {
 public:
-    static constexpr size_t kMost = 96; // pipelines; more only while programs use them
+    static constexpr size_t kMostUnused = 96; // pipelines that no program uses; some ways' to render
     using Key = std::vector<uint64_t>;
 
     // The pipeline of this key, or null.
     std::shared_ptr<const Pipeline> find(const Key& key);
-    // Keeps it, and forgets those used longest ago that no program uses, so that kMost are left.
+    // Keeps it. Of those that no program uses, the kMostUnused that were asked for last stay.
     void keep(Key key, std::shared_ptr<const Pipeline> pipeline);
     size_t size() const;
 

@@ -217,14 +217,26 @@ TEST(Room, MemoryGoesBackAfterAMinuteWithLessThanHalfOfIt) {
 std::shared_ptr<const gpu::Pipeline> nothing() { return {std::make_shared<int>(0), nullptr}; }
 
 TEST(PipelineCache, WhatNoProgramUsesIsBoundedAndTheOldestGoesFirst) {
+    constexpr uint64_t kAll = 3 * gpu::PipelineCache::kMostUnused;
     gpu::PipelineCache cache;
     const auto used = nothing();
     cache.keep({0}, used);
-    for (uint64_t i = 1; i < 3 * gpu::PipelineCache::kMost; ++i) cache.keep({i}, nothing());
-    EXPECT_EQ(cache.size(), gpu::PipelineCache::kMost);
+    for (uint64_t i = 1; i < kAll; ++i) cache.keep({i}, nothing());
+    EXPECT_EQ(cache.size(), 1 + gpu::PipelineCache::kMostUnused);
     EXPECT_EQ(cache.find({0}).get(), used.get());
     EXPECT_EQ(cache.find({1}).use_count(), 0);
-    EXPECT_GT(cache.find({3 * gpu::PipelineCache::kMost - 1}).use_count(), 0);
+    EXPECT_GT(cache.find({kAll - 1}).use_count(), 0);
+}
+
+// A way to render is made ready by a program that ends before the way is drawn with.
+TEST(PipelineCache, NoNumberOfUsedPipelinesDropsThoseThatWaitForTheirUse) {
+    gpu::PipelineCache cache;
+    std::vector<std::shared_ptr<const gpu::Pipeline>> used;
+    uint64_t key = 0;
+    for (; key < 2 * gpu::PipelineCache::kMostUnused; ++key) cache.keep({key}, used.emplace_back(nothing()));
+    const uint64_t waits = key;
+    for (; key < waits + gpu::PipelineCache::kMostUnused; ++key) cache.keep({key}, nothing());
+    EXPECT_GT(cache.find({waits}).use_count(), 0);
 }
 
 } // namespace
