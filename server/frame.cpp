@@ -223,6 +223,7 @@ bool FrameLoop::hasSeveralHues() const { return huesOf(simulation_.now(), simula
 bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
     const SceneFeatures features = featuresOf(scene_, simulation_.now(), drawn_);
     const bool full = batch.still_pictures || hasSeveralHues();
+    const uint64_t pipelines_before = pipelines_made_;
     try {
         checkPictures(batch.eyes, full, features, picture_memory_ / 2, mostPlaneBytes());
         renderer_->draws(drawn_);
@@ -236,6 +237,7 @@ bool FrameLoop::submit(Batch& batch, const RenderSettings& settings) {
         drop(batch, "out of memory; use smaller pictures, fewer viewers or fewer particles");
         return false;
     }
+    batch.compiled = pipelines_made_ != pipelines_before;
     room_.use(Renderer::pictureBytes(batch.eyes, full, features), batch.taken);
     return true;
 }
@@ -297,13 +299,15 @@ void FrameLoop::encode(Batch& batch) {
     const float took = Millis(batch.done - batch.taken).count();
     const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
     const DeviceLedger::Times times = ledger_.book(samples, batch);
-    // The pictures of others are not less accurate for who looks at how they are made.
-    const auto planned = float(std::max(double(took) - times.shown_ms, 0.0));
-    if (!batch.one_shot) planner_->took(double(planned * batch.full_batch_ratio), batch.done);
-    learnCosts(batch, samples);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
-    batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);
-    if (batch.finer && !batch.still_pictures) refinement_.took(double(took));
+    if (!batch.compiled) {
+        // The pictures of others are not less accurate for who looks at how they are made.
+        const auto planned = float(std::max(double(took) - times.shown_ms, 0.0));
+        if (!batch.one_shot) planner_->took(double(planned * batch.full_batch_ratio), batch.done);
+        learnCosts(batch, samples);
+        batch_planner_.took(batch, times.shared_ms, times.all() > 0 ? double(took) / times.all() : 1, !batch.finer);
+        if (batch.finer && !batch.still_pictures) refinement_.took(double(took));
+    }
 
     const std::span<const PictureView> pictures = batch.submission.pictures();
     const auto draws = [&](const BatchJob& job) { return &job == &batch.jobs[job.pictures]; };

@@ -75,6 +75,7 @@ private:
         bool finer = false;
         float error = 0;                    // predicted relative RMSE of its pictures, at most
         std::atomic<uint32_t> pending{0};   // jobs not encoded yet
+        bool compiled = false;              // True: its shaders were compiled meanwhile, so its times tell nothing
         bool spare = false;                 // True: its pictures' memory is to be freed as soon as nobody reads them
         RenderSettings settings;            // that it is drawn with
         std::unique_ptr<MeterJob> measured; // pixels that are read back with it; null: none
@@ -122,6 +123,7 @@ private:
     const double most_frame_ms_;
     CompiledWays ways_;
     bool shows_ = false;                   // True: pictures may be waited for
+    uint64_t pipelines_made_ = 0;          // for pictures
     std::atomic<std::thread::id> drawing_; // the thread that run() is in
     gpu::PipelineListener pipelines_;
     SceneFeatures drawn_; // of the scene's lists, in pictures

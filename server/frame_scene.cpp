@@ -65,7 +65,9 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
 // keeps no picture waiting.
 void FrameLoop::pipelineMade(const std::string& text) {
     const bool news = ways_.addPipeline(text);
-    if (!shows_ || std::this_thread::get_id() != drawing_.load()) return;
+    if (!shows_) return;
+    if (std::this_thread::get_id() != drawing_.load()) return spdlog::debug("a pipeline beside pictures: {}", text);
+    ++pipelines_made_;
     if (!news) return spdlog::debug("pictures wait for a pipeline that is on disk: {}", text);
     metrics_.waitedForPipeline();
     spdlog::debug("pictures wait for a pipeline that no process has compiled ahead: {}", text);

@@ -188,10 +188,14 @@ void BatchPlanner::took(const BatchContents& batch, double shared_ms, double bes
                               false);
     }
     schedule_.sharedTook(besides * shared_ms);
-    if (!usual) return;
-    for (const BatchJob& job : batch.jobs)
-        schedule_.took(job.viewer->id(), pixelsOf(job.due.request), besides * double(job.gpu_ms),
-                       job.due.request.show == gpu::kShowPicture);
+    for (const BatchJob& job : batch.jobs) {
+        const uint32_t viewer = job.viewer->id();
+        const double pixels = pixelsOf(job.due.request), ms = besides * double(job.gpu_ms);
+        if (usual)
+            schedule_.took(viewer, pixels, ms, job.due.request.show == gpu::kShowPicture);
+        else
+            schedule_.finerTook(viewer, pixels, ms);
+    }
 }
 
 } // namespace brume

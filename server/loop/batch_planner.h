@@ -66,8 +66,8 @@ public:
     double fullBatchMs() const { return schedule_.fullBatchMs(); }
 
     // Measured, in ms of the device: what the batch's viewers share, and each job's own. `besides`: factor on that for
-    // what the loop and the driver need. `usual`: false if pictures had less error than usual, so that viewers' own
-    // times tell nothing.
+    // what the loop and the driver need. `usual`: false if pictures had less error than usual, so that they
+    // took no less than usual ones.
     void took(const BatchContents& batch, double shared_ms, double besides, bool usual);
 
     // What the device has to do for this viewer, and for how many it does.

@@ -48,6 +48,14 @@ void Schedule::took(uint32_t viewer, double pixels, double ms, bool usual) {
 
 void Schedule::sharedTook(double ms) { smooth(shared_ms_, ms); }
 
+void Schedule::finerTook(uint32_t viewer, double pixels, double ms) {
+    if (pixels <= 0 || ms <= 0) return;
+    const double most = ms / pixels;
+    if (most < ms_per_pixel_) smooth(ms_per_pixel_, most);
+    const auto turn = turns_.find(viewer);
+    if (turn != turns_.end() && most < turn->second.ms_per_pixel) turn->second.ms_per_pixel = most;
+}
+
 double Schedule::predict(uint32_t viewer, double pixels) const {
     const auto turn = turns_.find(viewer);
     return pixels * (turn != turns_.end() && turn->second.ms_per_pixel > 0 ? turn->second.ms_per_pixel : ms_per_pixel_);

@@ -265,6 +265,38 @@ TEST(BatchPlanner, StillPicturesComeOnceNothingMoves) {
     EXPECT_FALSE(batch.still_pictures); // the scene moved
 }
 
+// One frame that took far too long, since the machine had other work: the picture at rest is whole again soon.
+TEST(BatchPlanner, OneSlowFrameLeavesNoSmallPictureAtRest) {
+    constexpr double kPerPixel = 1e-4; // ms
+    BatchPlanner planner;
+    BatchContents batch;
+    const std::vector viewers{viewerOf(1)};
+    viewers[0]->setPose(poseOf(1, 640, 360));
+    Clock::time_point now = kStart;
+    const auto draw = [&](double slower) {
+        now += std::chrono::milliseconds(200);
+        if (!planner.plan(viewers, 1, {.budget_ms = 50, .most_ms = 500, .ms_per_pixel = kPerPixel}, now, batch))
+            return false;
+        BatchJob& job = batch.jobs.front();
+        job.gpu_ms = float(slower * pixelsOf(job.due.request) * kPerPixel * (batch.still_pictures ? 4 : 1));
+        planner.took(batch, 0, 1, !batch.still_pictures);
+        deliver(batch, now);
+        return true;
+    };
+    ASSERT_TRUE(draw(1000));
+    std::vector<uint16_t> widths;
+    bool still = false;
+    while (draw(1)) {
+        ASSERT_LT(widths.size(), 8u);
+        widths.push_back(batch.jobs.front().due.request.width);
+        still = batch.still_pictures;
+    }
+    ASSERT_FALSE(widths.empty());
+    EXPECT_LT(widths.front(), 640) << "nothing is tested";
+    EXPECT_EQ(widths.back(), 640);
+    EXPECT_TRUE(still);
+}
+
 // Fairness without a clock: the device takes 1 us a pixel, viewers of several sizes want a picture at every tick.
 TEST(BatchPlanner, NobodyWaitsForeverUnderOverload) {
     BatchPlanner planner;
