@@ -48,7 +48,7 @@ void Compilers::look() {
     CompiledWays& ways = server_.frames.compiledWays();
     const bool goes_on = hear(ahead_);
     if (const auto lists = ways.wantedFeatures(); lists && !command_.empty() && !(goes_on && ahead_.lists == *lists)) {
-        if (const auto job = jobOf(*lists, nullptr); job && isOnDisk(*job)) {
+        if (const auto job = jobOf(*lists, nullptr, overridesOf(*lists, nullptr)); job && isOnDisk(*job)) {
             makeReady(*job);
         } else {
             ahead_ = start(*lists, nullptr);
@@ -60,7 +60,8 @@ void Compilers::look() {
     while (const auto wanted = command_.empty() ? std::nullopt : ways.nextWanted()) {
         const auto known = on_disk_.find(ways.features());
         if (known != on_disk_.end() && known->second.contains(wanted->shaders)) {
-            if (const auto job = jobOf(ways.features(), &*wanted)) makeReady(*job);
+            const SceneFeatures lists = ways.features();
+            if (const auto job = jobOf(lists, &*wanted, overridesOf(lists, &*wanted))) makeReady(*job);
         } else {
             behind_ = start(ways.features(), &*wanted);
             if (behind_.process) return;
@@ -71,16 +72,19 @@ void Compilers::look() {
 
 // For the scene as it is now. `wanted`: little else than this way is compiled; null: all that may be needed.
 Compilers::Compiler Compilers::start(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const {
-    const std::vector<std::string> overrides = presentOverrides(
-        *server_.audience.scene(), server_.audience.report()->settings, lists, wanted ? &wanted->settings : nullptr);
-    return {startAhead(command_, overrides, wakeMain), lists, jobOf(lists, wanted)};
+    const std::vector<std::string> overrides = overridesOf(lists, wanted);
+    return {startAhead(command_, overrides, wakeMain), lists, jobOf(lists, wanted, overrides)};
+}
+
+std::vector<std::string> Compilers::overridesOf(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const {
+    return presentOverrides(*server_.audience.scene(), server_.audience.report()->settings, lists,
+                            wanted ? &wanted->settings : nullptr);
 }
 
 // Nothing: the scene's files are not what they were. The first way for other lists is what compileAhead() plans for
 // them.
-std::optional<Compilers::Job> Compilers::jobOf(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const {
-    const std::vector<std::string> overrides = presentOverrides(
-        *server_.audience.scene(), server_.audience.report()->settings, lists, wanted ? &wanted->settings : nullptr);
+std::optional<Compilers::Job> Compilers::jobOf(const SceneFeatures& lists, const CompiledWays::Wanted* wanted,
+                                               std::span<const std::string> overrides) const {
     try {
         Job job{.lists = lists, .scene = load_(overrides)};
         if (wanted) {

@@ -61,7 +61,9 @@ private:
 
     // `wanted`: null: the first way for lists with these features.
     Compiler start(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const;
-    std::optional<Job> jobOf(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const;
+    std::optional<Job> jobOf(const SceneFeatures& lists, const CompiledWays::Wanted* wanted,
+                             std::span<const std::string> overrides) const;
+    std::vector<std::string> overridesOf(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const;
     bool isOnDisk(const Job& job) const;
     void makeReady(const Job& job);
     bool hear(Compiler& compiler);

@@ -181,9 +181,10 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         spdlog::info("replay of '{}', ticks {} to {}", options.replay.string(), recording->head.tick, recording->last);
     std::optional<SceneChanger> scenes;
     if (!replayed)
-        scenes.emplace(options, scene,
-                       SceneChanger::Server{argc, argv, frames, audience, device, costs, recorder.get(),
-                                            node ? kOneOfSeveral : nullptr, failed});
+        scenes.emplace(
+            options, scene,
+            SceneChanger::Server{
+                {argc, argv, frames, audience, device, costs}, recorder.get(), node ? kOneOfSeveral : nullptr, failed});
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;

@@ -86,8 +86,7 @@ std::vector<std::string> otherScenes(const ServerOptions& options) {
 SceneChanger::SceneChanger(const ServerOptions& options, const Scene& scene, const Server& server)
     : options_(options), server_(server),
       shown_(std::make_unique<Files>(filesOf(findScene(options.scene, options.scene_dir), sceneOverrides(options)))),
-      asked_(askedFor(options)),
-      compilers_(options, {server.argc, server.argv, server.frames, server.audience, server.device, server.costs}) {
+      asked_(askedFor(options)), compilers_(options, server) {
     compile(scene);
     server.audience.sceneRequests().serve(wakeMain);
 }

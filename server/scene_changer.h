@@ -20,13 +20,7 @@ std::vector<std::string> otherScenes(const ServerOptions& options);
 class SceneChanger {
 public:
     // What there is in the running server.
-    struct Server {
-        int argc;
-        const char* const* argv;
-        FrameLoop& frames;
-        Audience& audience;
-        const gpu::Device& device;
-        const CostModel& costs;
+    struct Server : Compilers::Server {
         Recorder* recorder;             // null: nothing is recorded
         const char* fixed;              // why no other scene can be shown, one line; null: others can
         const std::atomic<bool>& ended; // True: the frame loop ended, and shows no scene any more
