@@ -76,13 +76,15 @@ export async function settled(page) {
 export const pausedIs = (brume, wanted) => (brume.scene.settings['simulation.paused'] === 1) === wanted;
 export const isPaused = (page) => page.evaluate(() => window.brume.scene.settings['simulation.paused'] === 1);
 
-// Until it is the finer one that follows when neither the camera nor a paused medium moves.
+// Until it is the finer one that follows when neither the camera nor a paused medium moves. A server that compiles may
+// have made one of the camera as it is before the medium was paused.
 export async function rested(page) {
   await settled(page);
   await until(
     page,
     'the picture rests',
-    (brume) => brume.lastFrame.quality >= 90 && brume.lastFrame.poseSeq >= brume.sentPose,
+    ({ lastFrame, scene, sentPose }) =>
+      lastFrame.quality >= 90 && lastFrame.poseSeq >= sentPose && lastFrame.tick >= scene.tick,
   );
   // Until it is drawn, too.
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
