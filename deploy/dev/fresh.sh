@@ -8,8 +8,9 @@ freshHelp() {
     cat <<'END'
 ./dev fresh bookworm|trixie [run | test [PART...] | unit] [--cold]
 
-Runs ./dev run (the default; until the page shows its first picture), ./dev test or ./dev test unit in a bare Debian
-of that release, with a clone of HEAD and nothing else installed. It needs root, and prints what each step took.
+Runs ./dev run (the default; until the page shows its first picture), ./dev test, or both ./dev run and ./dev test unit
+in a bare Debian of that release, with a clone of HEAD and nothing else installed. It needs root, and prints what each
+step took.
 The bare system is build/fresh/RELEASE, new at each call. Kept between calls: the bare system as debootstrap made it,
 downloaded packages (apt, npm) and ccache's results. --cold: packages and compiled files are not kept.
 END
@@ -131,9 +132,10 @@ commandFresh() {
     passed || return 0
     step "The clone of HEAD in it" freshSystem "$codename" "$cold"
     passed || return 0
-    case $what in
-    run) step "./dev run, until the first picture" freshRun "$codename" "$cold" ;;
-    test) step "./dev ${arguments[*]}" freshCommand "$codename" "$cold" ./dev "${arguments[@]}" ;;
-    unit) step "./dev test unit" freshCommand "$codename" "$cold" ./dev test unit ;;
-    esac
+    if [[ $what == test ]]; then
+        step "./dev ${arguments[*]}" freshCommand "$codename" "$cold" ./dev "${arguments[@]}"
+        return
+    fi
+    step "./dev run, until the first picture" freshRun "$codename" "$cold"
+    [[ $what == run ]] || step "./dev test unit" freshCommand "$codename" "$cold" ./dev test unit
 }
