@@ -58,15 +58,15 @@ void Compilers::look() {
     if (!command_.empty() && ways.wantedFeatures()) return void(behind_ = {});
     if (hear(behind_)) return;
     while (const auto wanted = command_.empty() ? std::nullopt : ways.nextWanted()) {
-        const auto known = on_disk_.find(ways.features());
+        const SceneFeatures& lists = wanted->lists; // others may be drawn meanwhile
+        const auto known = on_disk_.find(lists);
         if (known != on_disk_.end() && known->second.contains(wanted->shaders)) {
-            const SceneFeatures lists = ways.features();
             if (const auto job = jobOf(lists, &*wanted, overridesOf(lists, &*wanted))) makeReady(*job);
         } else {
-            behind_ = start(ways.features(), &*wanted);
+            behind_ = start(lists, &*wanted);
             if (behind_.process) return;
         }
-        ways.add(wanted->shaders); // if nothing could be done: compiled where it is drawn
+        ways.add(lists, wanted->shaders); // if nothing could be done: compiled where it is drawn
     }
 }
 

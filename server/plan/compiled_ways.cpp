@@ -135,7 +135,7 @@ void CompiledWays::want(const RenderSettings& settings, bool still) {
     const WayShaders way = shadersOf(settings, still);
     const auto same = [&](const Wanted& wanted) { return wanted.shaders == way; };
     if (all_ || compiled().contains(way) || std::ranges::any_of(wanted_, same) || wanted_.size() >= kMostWanted) return;
-    wanted_.push_back({settings, way});
+    wanted_.push_back({settings, way, features_});
     if (on_want_) on_want_();
 }
 

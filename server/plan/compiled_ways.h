@@ -42,6 +42,7 @@ public:
     struct Wanted {
         RenderSettings settings;
         WayShaders shaders;
+        SceneFeatures lists; // features of the lists that were drawn then
     };
 
     // True, as it is at first: every way may be used at once; nothing is compiled behind.

@@ -71,6 +71,25 @@ TEST(CompiledWays, OtherListsAreFollowedOnceSomethingIsCompiledForThem) {
     EXPECT_TRUE(CompiledWays().follow(fog)) << "nothing is compiled behind";
 }
 
+// Who compiles takes a second. What it has made is of the lists that were drawn when the way was wanted.
+TEST(CompiledWays, AWayIsCompiledForTheListsThatItWasWantedFor) {
+    const SceneFeatures none, lobe{.lobe = true};
+    RenderSettings settings;
+    settings.method = "slabs", settings.rate = 1;
+    NothingCompiled ways;
+    ways.want(settings, true);
+    const auto wanted = ways.nextWanted();
+    ASSERT_TRUE(wanted);
+    settings.rate = 4;
+    ways.add(lobe, shadersOf(settings, false));
+    ASSERT_TRUE(ways.follow(lobe));
+    ways.add(wanted->lists, wanted->shaders);
+    EXPECT_FALSE(ways.has(wanted->settings, true));
+    ways.add(none, shadersOf(settings, false));
+    ASSERT_TRUE(ways.follow(none));
+    EXPECT_TRUE(ways.has(wanted->settings, true));
+}
+
 TEST(CompiledWays, PixelsAreReadBackWhereThatIsCompiledToo) {
     NothingCompiled ways;
     RenderSettings way;
