@@ -91,8 +91,9 @@ freshRun() { # freshRun RELEASE COLD
     local log=$fresh/$1-run.log address='' pid
     freshCommand "$1" "$2" ./dev run --port 0 >"$log" 2>&1 &
     pid=$!
+    # unshare heeds no SIGTERM. What it began ends with it.
     # shellcheck disable=SC2064 # of this server
-    trap "kill -TERM $pid 2>/dev/null; wait $pid" EXIT
+    trap "kill -KILL $pid 2>/dev/null || true; wait $pid || true" EXIT
     while [[ -z $address ]]; do
         kill -0 "$pid" 2>/dev/null || die "./dev run ended in the bare system: $(tail -n 15 "$log")"
         address=$(sed -n 's/^listening on //p' "$log")
