@@ -124,6 +124,7 @@ commandFresh() {
     ((EUID == 0)) || die "a bare system needs root: run ./dev fresh as root."
     mkdir -p build
     setUp debootstrap curl git
+    rm -rf "$ctest_times" # of this folder's tests, not of those in the bare system
     test_parts="fresh $codename ${arguments[*]:-run}${cold:+ --cold}"
     trap summary EXIT
     exec {lock_fd}>"build/fresh-$codename.lock"
