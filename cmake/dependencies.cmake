@@ -42,7 +42,9 @@ find_program(GLSLANG glslangValidator REQUIRED)
 
 add_library(brume_asio INTERFACE)
 target_link_libraries(brume_asio INTERFACE Boost::boost Threads::Threads OpenSSL::SSL)
-target_compile_definitions(brume_asio INTERFACE BOOST_ASIO_NO_DEPRECATED)
+# What is no template is compiled once: protocol/net/asio.cpp.
+target_compile_definitions(brume_asio INTERFACE BOOST_ASIO_NO_DEPRECATED BOOST_ASIO_SEPARATE_COMPILATION
+                                                BOOST_BEAST_SEPARATE_COMPILATION)
 if(BRUME_SANITIZE MATCHES thread) # the sanitizer does not know fences; Asio's mutexes order the same things
   target_compile_definitions(brume_asio INTERFACE BOOST_ASIO_DISABLE_FENCED_BLOCK)
 endif()
