@@ -18,8 +18,8 @@ namespace brume {
 class Process {
 public:
     using milliseconds = std::chrono::milliseconds;
-    // Default deadline: longer than anything takes, also with sanitizers, and where a driver compiles all shaders beside
-    // other work.
+    // Default deadline: longer than anything takes, also with sanitizers, and where a driver compiles all shaders
+    // beside other work.
     static constexpr milliseconds kPatience{120'000};
 
     // `environment`: NAME=value sets a variable, NAME alone removes it. `on_output` is called on another thread when

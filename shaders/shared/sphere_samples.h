@@ -1,6 +1,6 @@
 // Samples of a quantity in spheres, and what they say of it at a place: a mean of their values, or of the planes
-// through these (Ren, Zhou, Lin, Guo, Gradient-based Interpolation and Sampling for Real-time Rendering of Inhomogeneous,
-// Single-scattering Media, 2008).
+// through these (Ren, Zhou, Lin, Guo, Gradient-based Interpolation and Sampling for Real-time Rendering of
+// Inhomogeneous, Single-scattering Media, 2008).
 #ifndef BRUME_SHARED_SPHERE_SAMPLES_H
 #define BRUME_SHARED_SPHERE_SAMPLES_H
 
@@ -15,7 +15,6 @@ BRUME_FN real sampleWeight(real q, bool printed) {
     if (!(q < real(1))) return real(0);
     return printed ? real(1) / max(q, real(1e-6)) : exp(real(-4.5) * q * q);
 }
-
 
 BRUME_PHYSICS_END
 
