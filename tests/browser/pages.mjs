@@ -84,7 +84,7 @@ export async function rested(page) {
     page,
     'the picture rests',
     ({ lastFrame, scene, sentPose }) =>
-      lastFrame.quality >= 90 && lastFrame.poseSeq >= sentPose && lastFrame.tick >= scene.tick,
+      lastFrame.quality >= 90 && lastFrame.poseSeq >= sentPose && lastFrame.stateHash === scene.stateHash,
   );
   // Until it is drawn, too.
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
