@@ -146,8 +146,7 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         const bool lossless =
             made_detail_ == Detail::still && request.takes_png && request.show != kShowsErrors && !pacing_.bytes();
         const bool collects = request.show == kShowsErrors && measurable_ && now - made_at_ >= kMeasuresEvery;
-        const bool answered = request.seq == answered_;
-        if (!still_picture || (made_detail_ != Detail::moving && !lossless && !collects && answered)) return {};
+        if (!still_picture || (made_detail_ != Detail::moving && !lossless && !collects)) return {};
         if (quality_.level() > 0 || quality_.deviceLevel() > 0 || now - made_at_ < kRestsFor) return {};
         request.still_picture = true;
         request.lossless = lossless;
@@ -184,7 +183,6 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
     pacing_.issued(issued_, now);
     made_detail_ = request.lossless ? Detail::lossless : request.still_picture ? Detail::still : Detail::moving;
     made_at_ = now;
-    answered_ = request.seq;
     if (!request.still_picture) measurable_ = true;
     if (!request.still_picture || request.one_shot) made_ = request;
     scene_ = scene;

@@ -86,8 +86,7 @@ public:
     // nothing: it always differs). `most_pixels`: of all its eyes together; a larger picture is made smaller, in
     // steps. `still_picture`: asks for refinements of a still picture instead. First, after
     // 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a link that does not
-    // queue. Each comes once, but for who looks at errors: that one gets more, unless nothing can be measured. A newer
-    // pose of the same view is answered by one more.
+    // queue. Each comes once, but for who looks at errors: that one gets more, unless nothing can be measured.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
                                        double most_pixels = std::numeric_limits<double>::infinity());
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.
@@ -145,7 +144,6 @@ private:
     enum class Detail { moving, still, lossless };
     std::optional<PoseRequest> made_;     // the last request handed out; still-picture refinements do not change it
     Clock::time_point made_at_{};         // when a frame was last handed out
-    uint32_t answered_ = 0;               // seq of the last request handed out, refinements included
     std::optional<uint64_t> scene_;       // its version of the scene
     Detail made_detail_ = Detail::moving; // its refinement
     bool measurable_ = true;              // False: cannotMeasure() was called since it was made

@@ -244,25 +244,6 @@ TEST(Viewer, WhatRestsComesFinerThenWithoutLossThenNotAtAll) {
     }
 }
 
-// Who waits for the picture of a pose gets one, though it shows what was sent before.
-TEST(Viewer, ANewerPoseOfWhatRestsIsAnswered) {
-    Viewer viewer(1, windowOf(6), nullptr);
-    viewer.setPose(poseWithSeq(1));
-    Clock::time_point now{std::chrono::hours(1)};
-    const auto pass = [&] { now += std::chrono::milliseconds(150); };
-    ASSERT_TRUE(takeDue(viewer, now, 7));
-    pass();
-    ASSERT_TRUE(takeDue(viewer, now, 7, true));
-    pass();
-    EXPECT_FALSE(takeDue(viewer, now, 7, true));
-    viewer.setPose(poseWithSeq(2));
-    const auto again = takeDue(viewer, now, 7, true);
-    ASSERT_TRUE(again);
-    EXPECT_EQ(again->request.seq, 2u);
-    pass();
-    EXPECT_FALSE(takeDue(viewer, now, 7, true)) << "once";
-}
-
 // PNG is large: the next pose's picture would wait behind it.
 TEST(Viewer, NothingWithoutLossOverALinkThatQueues) {
     Viewer viewer(1, {.least_frames = 4, .most_frames = 4}, nullptr);
