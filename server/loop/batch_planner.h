@@ -65,9 +65,9 @@ public:
     // ms of the device, predicted, for a batch with all due viewers.
     double fullBatchMs() const { return schedule_.fullBatchMs(); }
 
-    // Measured, in ms of the device: what the batch's viewers share, and each job's own. `besides`: factor on that for
-    // what the loop and the driver need. `usual`: false if pictures had less error than usual, so that they
-    // took no less than usual ones.
+    // Measured, in ms of the device: what the batch's viewers share, and each job's own.
+    // - `besides`: a factor on that, for the loop and the driver.
+    // - `usual`: true if pictures had the usual error. Finer ones took no less time than usual ones.
     void took(const BatchContents& batch, double shared_ms, double besides, bool usual);
 
     // What the device has to do for this viewer, and for how many it does.

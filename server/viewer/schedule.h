@@ -70,7 +70,8 @@ public:
     // share. `usual`: false if it says nothing of what other viewers' pictures take.
     void took(uint32_t viewer, double pixels, double ms, bool usual = true);
     void sharedTook(double ms);
-    // Finer pictures of this viewer took so long: usual ones take no longer. A camera at rest gets no others.
+    // Measured device time of finer pictures of this viewer, of `pixels` in all. Usual ones take no longer. A camera at
+    // rest gets no usual ones.
     void finerTook(uint32_t viewer, double pixels, double ms);
     // Predicted device time (ms) of a viewer's pictures. A viewer not measured yet counts as the average one. 0:
     // nothing is known.

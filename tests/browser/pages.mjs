@@ -76,8 +76,8 @@ export async function settled(page) {
 export const pausedIs = (brume, wanted) => (brume.scene.settings['simulation.paused'] === 1) === wanted;
 export const isPaused = (page) => page.evaluate(() => window.brume.scene.settings['simulation.paused'] === 1);
 
-// Until it is the finer one that follows when neither the camera nor a paused medium moves. A server that compiles may
-// have made one of the camera as it is before the medium was paused.
+// Until it is the finer one that follows when neither the camera nor a paused medium moves. It shows the
+// state of the scene: a server that compiles may have made a fine one before the pause.
 export async function rested(page) {
   await settled(page);
   await until(
