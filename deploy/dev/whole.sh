@@ -48,7 +48,8 @@ wholePart() { # wholePart PART
     fairness) /usr/bin/python3 tests/network/fairness.py --programs "$release/bin" --out "$out/fairness.md" ;;
     nodes) python3 tests/network/nodes.py --programs "$release/bin" --out "$out/cluster.md" ;;
     soak) python3 tests/network/soak.py --programs "$release/bin" --minutes 10 --out "$out/soak.md" ;;
-    asan | tsan)
+    asan | tsan) # each behaviour once: statistics and products of cases show a sanitizer nothing new
+        export BRUME_TESTS=''
         build "$1"
         runCtest "$1" -LE '^(bench|browser)$' # bench measures, and draws what the others draw; the page was tested
         underLoad "$1"
