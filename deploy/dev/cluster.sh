@@ -157,7 +157,7 @@ commandCluster() { # [--nodes N] [--scene NAME] [--port P] [-- SERVER OPTIONS]
     done
     [[ "$nodes" =~ ^[1-9]$ ]] || die "--nodes takes 1 to 9."
     [[ "$port" =~ ^[1-9][0-9]{0,4}$ && "$port" -le 65513 ]] || die "--port takes 1 to 65513."
-    setUp "${build_packages[@]}" "${cluster_packages[@]}"
+    setUp "${build_packages[@]}" "${page_packages[@]}" "${cluster_packages[@]}"
     build release brume-server
     page
     local ports=("$port")

@@ -79,10 +79,6 @@ setUpPackages() {
     if [[ "$codename" == bookworm ]]; then
         set -- "${@/#libboost-dev/libboost1.81-dev}"
     fi
-    if ! { command -v node && command -v npm; } >/dev/null; then
-        set -- "$@" nodejs npm
-    fi
-
     status=$(dpkg-query -W -f '${Package} ${db:Status-Status} ${Version}\n' "$@" "$mesa_package" 2>/dev/null || true)
     for package in "$@"; do
         grep -qF "$package installed " <<<"$status" || missing+=("$package")

@@ -51,7 +51,7 @@ summary() {
 }
 
 setUp() { # setUp PACKAGE...
-    lock build
+    lock packages
     setUpPackages "$@"
     unlock
 }
@@ -61,7 +61,7 @@ build() { # build PRESET [TARGET...]
     unlock
 }
 page() {
-    lock build
+    lock page
     buildWeb
     unlock
 }
@@ -94,12 +94,12 @@ browserTest() {
     runCtest release -L '^browser$'
 }
 
-package() {
+package() (
     lock build
+    lock page
     rm -rf $release/packages
     (cd $release && cpack -G DEB >package.log) || die "cpack failed: $release/package.log"
-    unlock
-}
+)
 deployTest() {
     lock test
     npmInstall tests/deploy

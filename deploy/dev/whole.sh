@@ -88,9 +88,9 @@ commandWhole() { # [PART...]
     sources=$(sourcesHash)
     test_parts="whole $*"
     trap summary EXIT
-    step "Set-up" setUp "${build_packages[@]}" "${lint_packages[@]}" "${fuzz_packages[@]}" "${network_packages[@]}" \
-        "${deploy_packages[@]}" "${python_packages[@]}" vulkan-validationlayers chromium openssl faketime qemu-user \
-        debootstrap
+    step "Set-up" setUp "${build_packages[@]}" "${page_packages[@]}" "${lint_packages[@]}" "${fuzz_packages[@]}" \
+        "${network_packages[@]}" "${deploy_packages[@]}" "${python_packages[@]}" \
+        vulkan-validationlayers chromium openssl faketime qemu-user debootstrap
     passed || exit 1
     step "Build" build release
     passed || exit 1
