@@ -42,6 +42,7 @@ void Viewer::setPose(const PoseRequest& request) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || (pose_ && !any_pose_ && !isNewer(request.seq, pose_->seq))) return;
     any_pose_ = false;
+    if (pose_ && pose_->hidden && !request.hidden) made_.reset(); // its picture is due, though it may show nothing new
     const bool rests = pose_ && samePictures(*pose_, request);
     const Clock::time_point since = rests ? pose_->since : request.received;
     pose_ = request;

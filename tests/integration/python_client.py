@@ -104,6 +104,24 @@ class Package(unittest.TestCase):
         self.assertTrue(last.jpeg.startswith(b'\x89PNG'))
         self.assertIs(view.frame(), last)
 
+    def test_a_paused_scene_gives_a_picture_after_idleness_and_for_the_same_camera(self):
+        view = self.viewer(lossless=True)
+        view.pause()
+        self.addCleanup(view.resume)
+        while not view.frame().lossless:
+            pass
+        drawn = view.frame()
+        with view._link.changed:  # until it looks away by itself
+            self.assertTrue(view._link.changed.wait_for(lambda: view._link._hidden, PATIENCE))
+        self.assertEqual(view.frame().hash, drawn.hash)
+        while not view.frame().lossless:
+            pass
+        view.look(position=(3, 6, 26))
+        while not view.frame().lossless:
+            pass
+        view.look(position=(3, 6, 26))
+        self.assertEqual(view.frame().hash, drawn.hash)
+
     def test_a_setting_is_in_the_next_picture_and_in_the_state(self):
         view = self.viewer()
         view.pause()

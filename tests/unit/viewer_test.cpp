@@ -344,6 +344,29 @@ TEST(Viewer, NothingIsDueForAHiddenWindowAndAFrameAtOnceWhenItIsSeenAgain) {
     EXPECT_TRUE(viewer.acknowledge(2, now)) << "a late acknowledgement is none for a frame never sent";
 }
 
+TEST(Viewer, AHiddenWindowThatIsSeenAgainGetsThePictureOfARestingSceneOnceMore) {
+    Viewer viewer(1, windowOf(6), nullptr);
+    viewer.setPose(poseWithSeq(1));
+    Clock::time_point now{std::chrono::hours(1)};
+    ASSERT_TRUE(takeDue(viewer, now, 7));
+    now += std::chrono::milliseconds(150);
+    ASSERT_TRUE(takeDue(viewer, now, 7, true));
+    PoseRequest pose = poseWithSeq(2);
+    pose.hidden = true;
+    viewer.setPose(pose);
+    pose = poseWithSeq(3);
+    viewer.setPose(pose);
+    const auto again = takeDue(viewer, now, 7);
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->request.seq, 3u);
+    EXPECT_FALSE(takeDue(viewer, now, 7)) << "once";
+    now += std::chrono::milliseconds(150);
+    EXPECT_TRUE(takeDue(viewer, now, 7, true)) << "and finer";
+    pose.seq = 4;
+    viewer.setPose(pose);
+    EXPECT_FALSE(takeDue(viewer, now, 7)) << "it was not hidden";
+}
+
 // The window is hidden between the two steps of taking a frame: that frame would never be acknowledged.
 TEST(Viewer, NothingIsTakenForAWindowThatWasHiddenMeanwhile) {
     Viewer viewer(1, windowOf(2), nullptr);

@@ -91,6 +91,8 @@ class Link:
     def look(self, **view):
         """Sends a camera. `frame` is None until a picture shows it."""
         with self.changed:
+            if self._view == view:
+                self._look_away()
             self._view = view
             self._wanted = time.monotonic()
             self._send_pose(hidden=False)
@@ -109,6 +111,7 @@ class Link:
             connection = self._socket
             if not self.welcome:
                 raise BrumeError('not connected: the command was not sent')
+            self._look_away()
             numbers = []
             for build in builds:
                 self._input += 1
@@ -160,6 +163,11 @@ class Link:
             self.frame = None
         if self.welcome and self._view:
             self._send(messages.pose(self._pose, hidden=hidden, **self._view))
+
+    def _look_away(self):
+        """The next pose gets a picture even if that shows nothing new: a scene at rest sends none for a mere pose."""
+        if not self._hidden:
+            self._send_pose(hidden=True)
 
     # ---- in the connection's own thread ----
 
