@@ -84,6 +84,7 @@ runCtest() { # runCtest PRESET [CTEST ARGUMENT...]
     lock test
     mkdir -p "$ctest_times"
     testEnvironment
+    [[ $preset != asan ]] || export LSAN_OPTIONS="suppressions=$PWD/tests/asan.supp"
     ctest --test-dir "build/$preset" -j "$(($(nproc) + 1))" \
         --output-on-failure --no-tests=error --output-junit "$(mktemp "$PWD/$ctest_times/XXXXXX.xml")" "$@" \
         {lock_fd}>&-

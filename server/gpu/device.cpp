@@ -12,6 +12,8 @@
 #include <pmmintrin.h>
 #endif
 
+#include <dlfcn.h>
+#include <link.h>
 #include <spdlog/spdlog.h>
 
 #include "common/cores.h"
@@ -145,6 +147,21 @@ std::string missing(VkPhysicalDevice device) {
     return {};
 }
 
+// With the address sanitizer drivers stay loaded: a leak is told at the end, and has no name without its library.
+void keepDrivers() {
+#if defined(__SANITIZE_ADDRESS__)
+    std::vector<std::string> drivers;
+    ::dl_iterate_phdr(
+        [](dl_phdr_info* library, size_t, void* out) {
+            const std::string_view name = library->dlpi_name;
+            if (name.find("libvulkan_") != name.npos) static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+            return 0;
+        },
+        &drivers);
+    for (const std::string& name : drivers) ::dlopen(name.c_str(), RTLD_LAZY | RTLD_NODELETE);
+#endif
+}
+
 int rank(VkPhysicalDeviceType type) {
     switch (type) {
     case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
@@ -219,6 +236,7 @@ void Device::destroy() {
             vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
         destroy_messenger(instance_, messenger_, nullptr);
     }
+    keepDrivers();
     if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 

@@ -51,6 +51,13 @@ public:
     void value(T& one) {
         values(std::span(&one, 1));
     }
+    // A byte of 0 or 1, or else StateError.
+    void value(bool& one) {
+        uint8_t byte = one;
+        values(std::span(&byte, 1));
+        if (byte > 1) throw StateError("a state with a flag that is neither set nor clear");
+        one = byte == 1;
+    }
     // At most `most` bytes, or else StateError.
     void value(std::string& text, size_t most = 1 << 20) {
         text.resize(size(text.size(), most));

@@ -130,10 +130,14 @@ TEST_F(Record, ARecordingIsBoundedAndTheServerGoesOn) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (server.process().err().find("the recording is full") == std::string::npos &&
            std::chrono::steady_clock::now() < deadline) {
-        for (int i = 0; i < 100; ++i) watcher.session.sendPaused(i % 2);
-        watcher.poll(milliseconds(5));
+        watcher.session.sendCommand<wire::Set>(
+            [](auto& b) { // a long one: a flood of short ones takes a slow reader long
+                std::vector<flatbuffers::Offset<wire::Change>> changes;
+                for (int i = 0; i < 60; ++i) changes.push_back(wire::CreateChangeDirect(b, "render.exposure", 1));
+                return wire::CreateSetDirect(b, &changes);
+            });
+        watcher.poll(milliseconds(2));
     }
-    setPaused(watcher, false); // what rests is sent once
     const size_t frames = watcher.frames.size();
     EXPECT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= frames + 3; }));
     server.process().signal(SIGTERM);

@@ -5,6 +5,8 @@ namespace brume::test {
 namespace {
 
 struct ElsewhereTest : ServerTest {
+    std::string next = "https://b.example/"; // outlives the server
+
     struct Farewell {
         std::string go_to;
         float retry_after_s = -1;
@@ -43,8 +45,7 @@ TEST_F(ElsewhereTest, AFullServerNamesAnother) {
     Farewell told = turnedAway();
     EXPECT_EQ(told.go_to, "") << "there is none";
     EXPECT_EQ(told.retry_after_s, 5);
-    std::string next = "https://b.example/";
-    server->setElsewhere([&] { return next; });
+    server->setElsewhere([this] { return next; });
     told = turnedAway();
     EXPECT_EQ(told.go_to, "https://b.example/");
     EXPECT_EQ(told.retry_after_s, 0) << "at once";

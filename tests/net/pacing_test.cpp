@@ -64,9 +64,11 @@ TEST_F(SessionTest, AHiddenWindowGetsNothingAndStaysAndIsServedAgain) {
     ASSERT_TRUE(client->next<wire::Frame>());
     ASSERT_TRUE(client->next<wire::Frame>()); // the window is full, and nothing is acknowledged
     client->pose(2, {0, 0, 10}, 0, 0, true);
+    ASSERT_TRUE(client->next<wire::Ping>());
+    const uint64_t made = renderer->made; // two, or more where one replaced another before it was sent
     for (int i = 0; i < 5; ++i)
         ASSERT_TRUE(client->next<wire::Ping>()) << "200 ms apart, longer than the silence allowed";
-    EXPECT_EQ(renderer->made, 2u);
+    EXPECT_EQ(renderer->made, made);
     client->pose(3);
     EXPECT_TRUE(frameOf(*client, 3));
 }
