@@ -52,7 +52,8 @@ const TURNS: Record<string, readonly [yaw: number, pitch: number]> = {
 
 export class Controls {
   private readonly pointers = new Map<number, Pointer>();
-  private readonly keys = new Set<string>();
+  private readonly keys = new Set<string>(); // that are held
+  private readonly tapped = new Set<string>(); // pressed since the last picture, and perhaps let go
   private velocity: Vec3 = [0, 0, 0]; // in pivot distances a second, along the camera's axes
   private fast = false;
 
@@ -84,7 +85,9 @@ export class Controls {
     let yaw = 0;
     let pitch = 0;
     let goal: Vec3 = [0, 0, 0];
-    for (const code of this.keys) {
+    const held = new Set([...this.keys, ...this.tapped]);
+    this.tapped.clear();
+    for (const code of held) {
       const turn = TURNS[code];
       if (turn) [yaw, pitch] = [yaw + turn[0], pitch + turn[1]];
       const step = MOVES[code];
@@ -203,6 +206,8 @@ export class Controls {
 
   private key(event: KeyboardEvent, pressed: boolean): void {
     this.fast = event.shiftKey;
+    // macOS tells of no key that is let go while Command is held.
+    if (event.key === 'Meta') this.keys.clear();
     if (!(event.code in MOVES) && !(event.code in TURNS)) return;
     if (!pressed) {
       this.keys.delete(event.code);
@@ -212,6 +217,7 @@ export class Controls {
     if (event.ctrlKey || event.altKey || event.metaKey || isField(event.target)) return;
     this.host.touched();
     this.keys.add(event.code);
+    this.tapped.add(event.code);
     event.preventDefault();
   }
 
