@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "common/plain_file.h"
 #include "common/scene.h"
 #include "common/scene_limits.h"
 #include "common/text.h"
@@ -36,7 +36,7 @@ bool readBytes(const std::filesystem::path& file, size_t most, Bytes& out) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) return false;
     const uint64_t size = std::filesystem::file_size(file, error);
-    std::ifstream in(file, std::ios::binary);
+    std::ifstream in = openPlain(file);
     if (error || !in || size > most) return false;
     out.resize(size);
     in.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(size));

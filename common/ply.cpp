@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "common/plain_file.h"
 #include "common/ply_reader.h"
 #include "common/scene.h"
 #include "common/scene_limits.h"
@@ -237,7 +237,7 @@ std::string readBytes(const std::filesystem::path& file) {
     const uint64_t size = regular ? std::filesystem::file_size(file, error) : 0;
     if (!std::filesystem::exists(file, error) && !error)
         throw SceneError(file.string() + ": PLY: no such file; a relative medium.file counts from the scene's folder");
-    std::ifstream in(file, std::ios::binary);
+    std::ifstream in = openPlain(file);
     if (!regular || error || !in)
         throw SceneError(file.string() + ": PLY: cannot be read; expected a point cloud file");
     if (size > kMostPlyBytes) throw SceneError(file.string() + ": PLY: larger than 512 MiB");

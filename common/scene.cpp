@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <utility>
 
 #include "common/meshes.h"
 #include "common/object_layout.h"
+#include "common/plain_file.h"
 #include "common/ply.h"
 #include "common/scene_reader.h"
 #include "common/scene_text.h"
 #include "common/settings.h"
 #include "common/tetrahedra.h"
 #include "common/text.h"
+#include "common/toml_text.h"
 
 namespace brume {
 
@@ -50,7 +53,7 @@ private:
             else if (setting.form == Form::or_auto)
                 in.numberOrAuto(setting.key(), *out, setting.allowed);
             else
-                in.number(setting.key(), *out, setting.allowed);
+                in.number(setting.key(), *out, setting.allowed, setting.unit);
         }
         void operator()(uint32_t* out) const {
             if (setting.form == Form::or_auto)
@@ -107,7 +110,7 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
     in.table("emitter", [&](TableReader& r) { read.readTable(r, "medium.emitter", parts, &origin); });
 
     out.scale_by_spacing = from_file && !in.has("scale");
-    out.extinction_by_depth = out.layout == Layout::file && !in.has("extinction");
+    out.extinction_by_depth = from_file && !in.has("extinction");
     const std::string name = out.file.filename().string();
     if (out.model == kTetrahedraMedium && out.layout != Layout::file)
         in.fail("model", "\"tetrahedra\" come from a file", "only with layout = \"file\"");
@@ -133,12 +136,31 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
                     " to " + std::to_string(static_cast<uint64_t>(limits::kCount.hi)));
 }
 
-// Null with another model.
+// Null with another model. Those of a file that is still in use are not read again while it is the same: a server
+// reads a scene several times, and half a million tetrahedra take seconds.
 std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::dvec3& origin) {
+    struct Read {
+        std::filesystem::path file;
+        uintmax_t bytes = 0;
+        std::filesystem::file_time_type changed;
+        glm::dvec3 origin{};
+        bool operator==(const Read&) const = default;
+    };
+    static std::mutex mutex;
+    static Read last;
+    static std::weak_ptr<const Tetrahedra> kept;
     if (medium.model != kTetrahedraMedium) return nullptr;
+    std::error_code error;
+    const Read now{medium.file, std::filesystem::file_size(medium.file, error),
+                   std::filesystem::last_write_time(medium.file, error), origin};
+    const std::scoped_lock lock(mutex);
+    if (!error && now == last)
+        if (auto same = kept.lock()) return same;
     PointCloud cloud = loadPly(medium.file, origin, {.tetrahedra = true});
-    return std::make_shared<Tetrahedra>(
+    auto read = std::make_shared<const Tetrahedra>(
         connected(std::move(cloud.tetrahedra), cloud.position, medium.file.string(), cloud.vertex));
+    last = now, kept = read;
+    return read;
 }
 
 // Refuses what is drawn beside a sum of Gaussians only.
@@ -239,6 +261,9 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     in.tables("mesh", out.meshes, limits::kMeshes, [&](TableReader& r, Mesh& mesh) {
         read.readTable(r, "mesh", {.mesh = &mesh}, &origin);
         if (mesh.file.empty()) r.fail("file", "a mesh without a file", "a .glb or .gltf file beside the scene");
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(mesh.file, error))
+            r.fail("file", mesh.file.string() + " is no file", "a .glb or .gltf file beside the scene");
     });
     out.triangles = trianglesOf(out.meshes);
     in.tables("glass", out.glasses, limits::kGlasses,
@@ -264,7 +289,7 @@ toml::table parseOverride(const std::string& text) {
     if (equals != std::string::npos && equals > 0) {
         for (const char* quote : {"", "\""}) {
             try {
-                return toml::parse(text.substr(0, equals) + '=' + quote + text.substr(equals + 1) + quote);
+                return parseToml(text.substr(0, equals) + '=' + quote + text.substr(equals + 1) + quote);
             } catch (const toml::parse_error&) {
             }
         }
@@ -291,9 +316,8 @@ void replace(toml::table& in, const toml::table& with) {
 } // namespace
 
 std::string sceneText(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    if (!std::filesystem::is_regular_file(file) || !in)
-        throw SceneError(file.string() + ": cannot be read; give a scene's name or the path of a TOML file");
+    std::ifstream in = openPlain(file);
+    if (!in) throw SceneError(file.string() + ": cannot be read; give a scene's name or the path of a TOML file");
     std::string text(kMostTextBytes + 1, '\0');
     in.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<size_t>(in.gcount()));
@@ -310,7 +334,7 @@ Scene sceneOf(const std::string& text, const std::filesystem::path& file, std::s
     const std::string name = file.string();
     toml::table root;
     try {
-        root = toml::parse(text, name);
+        root = parseToml(text, name);
     } catch (const toml::parse_error& error) {
         throw SceneError(oneLine(name + ':' + std::to_string(error.source().begin.line) +
                                  ": syntax: " + std::string(error.description()) + "; allowed: TOML 1.0"));

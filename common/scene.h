@@ -60,7 +60,8 @@ struct Medium : PhaseSettings {
     glm::vec3 centre{0};          // m, of the layout; with layouts file, sequence and live what points are moved by
     float extent = 10;            // m, side of the cube, length of a tube, width of the cumulus
     Range scale{6, 6};            // m, centre to vertex of a particle's tetrahedron, uniform or by the layout
-    // True: the scene gives no extinction, and points of a file without one get that of a mean optical depth of 3.
+    // True: the scene gives no extinction, and points of a file without one get that of a mean optical depth of 3. Of a
+    // sequence all get that of the first file.
     bool extinction_by_depth = false;
     // True: the scene gives no scale, and points of files without sizes have one that follows from their spacing.
     bool scale_by_spacing = false;

@@ -61,8 +61,9 @@ double TableReader::checked(std::string_view key, const toml::node& node, Limits
     return value;
 }
 
-void TableReader::number(std::string_view key, float& out, Limits allowed) {
-    if (const toml::node* node = find(key)) out = static_cast<float>(checked(key, *node, allowed, false, "a number"));
+void TableReader::number(std::string_view key, float& out, Limits allowed, std::string_view unit) {
+    const std::string form = unit == "rad" ? "a number of radians" : "a number"; // many take degrees for granted
+    if (const toml::node* node = find(key)) out = static_cast<float>(checked(key, *node, allowed, false, form));
 }
 
 void TableReader::integer(std::string_view key, uint32_t& out, Limits allowed) {

@@ -25,7 +25,7 @@ public:
         : table_(table), path_(std::move(path)), file_(file) {}
 
     // Each leaves `out` as it is when the key is absent, and throws SceneError when its value is not allowed.
-    void number(std::string_view key, float& out, Limits allowed);
+    void number(std::string_view key, float& out, Limits allowed, std::string_view unit = {});
     void integer(std::string_view key, uint32_t& out, Limits allowed);
     void integer(std::string_view key, uint64_t& out, Limits allowed);
     // The word "auto" gives kAuto.

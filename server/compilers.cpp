@@ -109,18 +109,33 @@ bool Compilers::isOnDisk(const Job& job) const {
     return known != on_disk_.end() && known->second.contains(job.way);
 }
 
-// The thread's priority is lowered for good. What fails here fails where it is drawn, and is told of there.
 void Compilers::makeReady(const Job& job) {
+    makeBeside(job.scene, job.way);
+    spdlog::debug("compiled: {}", text(job.way));
+    server_.frames.compiledWays().add(job.lists, job.way);
+}
+
+void Compilers::prepare(const Scene& scene) const {
+    if (options_.ahead != "background" || !isWorthCompiling(scene)) return;
+    const Simulation simulation(standIn(scene));
+    const PlanView own = ownView(scene);
+    Scene shown = scene;
+    shown.render = Planner(scene, server_.costs, options_.frame.frame_ms)
+                       .settings(simulation, {&own, 1}, true, Planner::Time::clock::now());
+    makeBeside(shown, shadersOf(shown.render, false));
+}
+
+// Pictures wait for nothing. The thread's priority is lowered for good. What fails here fails where it is drawn, and is
+// told of there.
+void Compilers::makeBeside(const Scene& scene, const WayShaders& way) const {
     std::thread([&] {
         [[maybe_unused]] const int niceness = ::setpriority(PRIO_PROCESS, 0, kBehind); // this thread's, on Linux
         try {
-            makePipelines(job.scene, server_.device, job.way.still);
+            makePipelines(scene, server_.device, way.still);
         } catch (const std::exception& error) {
-            spdlog::debug("pipelines of {} are made when they are drawn with: {}", text(job.way), error.what());
+            spdlog::debug("pipelines of {} are made when they are drawn with: {}", text(way), error.what());
         }
     }).join();
-    spdlog::debug("compiled: {}", text(job.way));
-    server_.frames.compiledWays().add(job.lists, job.way);
 }
 
 // Notes what it has compiled. True: it goes on. What it was started for counts as compiled at its end, however that

@@ -41,6 +41,9 @@ public:
 
     // This scene is shown from now on. What it may need later is compiled.
     void begin(const Scene& scene, const std::filesystem::path& file, Load load);
+    // Makes ready what the first pictures of another scene need, while those of the present one go on. May take as long
+    // as the driver compiles.
+    void prepare(const Scene& scene) const;
     // Hears what child processes have compiled, makes it ready, and starts one for what is wanted. To be called on
     // SIGCHLD and SIGUSR1.
     void look();
@@ -66,6 +69,7 @@ private:
     std::vector<std::string> overridesOf(const SceneFeatures& lists, const CompiledWays::Wanted* wanted) const;
     bool isOnDisk(const Job& job) const;
     void makeReady(const Job& job);
+    void makeBeside(const Scene& scene, const WayShaders& way) const;
     bool hear(Compiler& compiler);
 
     const ServerOptions& options_;

@@ -11,6 +11,7 @@
 #include <optional>
 #include <thread>
 
+#include "common/other_work.h"
 #include "server/encode/workers.h"
 #include "server/error/error_meter.h"
 #include "server/frame_options.h"
@@ -110,6 +111,7 @@ private:
     void encode(Batch& batch);
     void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) noexcept;
     void tellLoad(Clock::time_point now);
+    void priceLights();
     void report(Clock::time_point now);
 
     const gpu::Device& device_;
@@ -149,11 +151,14 @@ private:
     const std::function<void(const CostModel&)> on_costs_;
     const std::function<void(uint64_t, std::span<const ViewError>, const Plan&)> on_errors_;
     std::shared_ptr<const Scene> shown_scene_; // equal to scene_; jobs of the meter keep it
+    OtherWork other_work_;
     Clock::time_point costs_learnt_{}, costs_told_{};
     std::vector<uint32_t> drawn_viewers_;      // viewers of a batch whose pictures are drawn
     std::vector<gpu::ErrorDisc> shown_errors_; // of the batch's eyes that look at them
     std::vector<ViewError> errors_;            // what meter_ knew at load_told_
     PromiseWatch promise_;
+    std::optional<uint64_t> priced_; // Simulation::listsHash() for which lights were priced; nothing: none was
+    double light_ms_ = 0;            // that a picture may take with all lights; 0: not known yet
     Clock::time_point load_told_{}, reported_{};
     double most_full_ms_ = 0;          // largest predicted time of a batch with all due viewers, since load_told_
     bool replan_ = false;              // True: a command came since the last frame

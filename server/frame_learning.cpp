@@ -142,6 +142,7 @@ void FrameLoop::learnCosts(const Batch& batch, std::span<const gpu::PassSample> 
     if (!learns_costs_ || batch.one_shot || batch.done - costs_learnt_ < kLearnEvery) return;
     if (costs_learnt_ == Clock::time_point{}) costs_told_ = batch.done - kToldEvery + kFirstTold;
     costs_learnt_ = batch.done;
+    if (other_work_.disturbs() && device_.isCpu()) return;
     std::vector<PlanView> views;
     std::vector<uint32_t> rates;
     for (const EyeRequest& eye : batch.eyes) {

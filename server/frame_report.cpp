@@ -4,6 +4,7 @@
 #include "server/frame.h"
 #include "server/gpu/pipeline_cache.h"
 #include "server/loop/scene_report.h"
+#include "server/plan/light_prices.h"
 
 namespace brume {
 
@@ -36,9 +37,25 @@ void FrameLoop::tellLoad(Clock::time_point now) {
                            batch_planner_.activeViewers(), planner_->exhausted()});
     viewers_.clear();
     audience_.setRoom(uint32_t(std::clamp(batch_planner_.roomFor(kLeastPixels, most_frame_ms_), 1.0, 1e9)));
+    priceLights();
     metrics_.budget(most_full_ms_ / frame_ms_);
     audience_.budget_used = float(most_full_ms_ / frame_ms_);
     most_full_ms_ = on_device_ ? batch_planner_.fullBatchMs() : 0; // of the batch that goes on
+}
+
+// A picture of the scene's own view may take --most-frame-time, or half as long again as one of a dear scene did before
+// anybody added a light.
+void FrameLoop::priceLights() {
+    if (planner_->plan().passes.empty() || priced_ == simulation_.listsHash()) return;
+    constexpr double kDearer = 1.5;
+    priced_ = simulation_.listsHash();
+    const auto prices = [&](double most) {
+        return lightPrices(planScene(scene_, simulation_), planner_->plan().chosen.settings, ownView(scene_),
+                           planner_->costs().model(), most);
+    };
+    constexpr double kAll = 1e12;
+    if (light_ms_ == 0) light_ms_ = std::max(most_frame_ms_, kDearer * (kAll - prices(kAll).left));
+    audience_.commands().price(prices(light_ms_));
 }
 
 void FrameLoop::report(Clock::time_point now) {
@@ -52,6 +69,7 @@ void FrameLoop::report(Clock::time_point now) {
         standstill_ = ticks_->standstill();
         if (standstill_) report->standstill = standstill_;
     }
+    report->preparing = audience_.preparing();
     report->passes = ledger_.passes();
     report->errors = errors_;
     const LightWork& work = renderer_->lightWork();

@@ -157,6 +157,8 @@ void FrameLoop::takeScene() {
     drawn_ = featuresOf(simulation_.now());
     ways_.clear(drawn_);
     planner_.emplace(scene_, costs_, frame_ms_, &ways_);
+    priced_.reset();
+    light_ms_ = 0;
     ++scene_version_;
     replan_ = true;
     audience_.setScene(std::move(facts));

@@ -15,6 +15,7 @@
 #include "protocol/net/address.h"
 #include "server/ahead.h"
 #include "server/cluster/node.h"
+#include "server/ending.h"
 #include "server/last_line.h"
 #include "server/net/server.h"
 #include "server/operate/log.h"
@@ -23,13 +24,14 @@
 #include "server/operate/replay_ticks.h"
 #include "server/options.h"
 #include "server/reload.h"
-#include "server/scene_changer.h"
+#include "server/scene_thread.h"
 #include "server/sim/point_cloud.h"
 
 namespace {
 
 using namespace brume;
 
+constexpr std::chrono::milliseconds kEndsWithin{1500}; // once all connections are closed
 constexpr const char* kOneOfSeveral = "one of several servers: all show the scene that their log began with";
 
 std::string address(const net::NetOptions& options, uint16_t port) {
@@ -42,7 +44,11 @@ CostModel costsOf(const ServerOptions& options, const gpu::Device& device) {
     std::string complaint;
     CostModel costs = loadCosts(costFile(options.costs, device.name(), device.driver()), complaint);
     if (!complaint.empty()) spdlog::warn("{}", complaint);
-    return costs;
+    costs.on_cpu = device.isCpu();
+    if (!costs.learnt) return costs;
+    if (const std::string unusual = unusualCosts(costs); !unusual.empty())
+        spdlog::info("costs learnt before differ much from the built-in ones: {}; half of it is forgotten", unusual);
+    return halfForgotten(costs);
 }
 
 std::string explained(const Scene& scene, const CostModel& costs) {
@@ -99,7 +105,7 @@ void drain(NetServer& network, Audience& audience, std::chrono::milliseconds tim
     }
 }
 
-void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals) {
+void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals, Ending& ending) {
     const ServerOptions& options = *parsed.options;
     const bool replayed = !options.replay.empty();
     const std::optional<RecordingExtent> recording =
@@ -153,7 +159,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         ticks = std::move(replay);
         frame.first_tick = recording->head.tick;
     }
-    std::atomic<bool> stopping{false}, failed{false}; // outlive the loop's thread
+    std::atomic<bool> stopping{false}, failed{false}, ended{false}; // outlive the loop's thread and the scenes'
     FrameLoop frames(scene, device, audience, metrics, frame);
     NetServer network(options.net, audience, metrics);
     if (node) {
@@ -164,7 +170,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     network.start(); // a taken port ends it here, before the first frame
     frames.start(
         [&] {
-            failed = true;
+            failed = ended = true;
             if (!stopping) ::kill(::getpid(), SIGTERM);
         },
         std::move(ticks));
@@ -179,12 +185,13 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
                      options.net.proxy_protocol ? "the gateway" : options.net.listen);
     if (replayed)
         spdlog::info("replay of '{}', ticks {} to {}", options.replay.string(), recording->head.tick, recording->last);
-    std::optional<SceneChanger> scenes;
+    std::optional<SceneThread> scenes;
     if (!replayed)
         scenes.emplace(
             options, scene,
             SceneChanger::Server{
-                {argc, argv, frames, audience, device, costs}, recorder.get(), node ? kOneOfSeveral : nullptr, failed});
+                {argc, argv, frames, audience, device, costs}, recorder.get(), node ? kOneOfSeveral : nullptr, ended});
+    ending.started();
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;
@@ -193,7 +200,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         if (!scenes) continue;
         if (signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, *scenes, network});
         if (signal == SIGUSR1) scenes->serveRequests();
-        if (signal == SIGCHLD || signal == SIGUSR1) scenes->compileBehind();
+        if (signal == SIGCHLD) scenes->compileBehind();
     }
     if (node) node->drain();
     drain(network, audience, options.drain, signals, failed);
@@ -204,7 +211,9 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     std::signal(SIGINT, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
     network.stop(options.grace, options.drain_to);
+    ending.within(kEndsWithin);
     frames.stop();
+    ended = true;
     if (device.validationMessages() > 0)
         throw gpu::Error("the validation layer had " + std::to_string(device.validationMessages()) + " messages");
     if (frames.failure()) std::rethrow_exception(frames.failure());
@@ -238,13 +247,15 @@ int main(int argc, char** argv) {
     sigaddset(&signals, SIGUSR1);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN); // a file that grows too large is a write that fails
 
     endInOneLine();
     try {
         const ServerOptions& options = *parsed.options;
         startLog(options.log_level, options.log_format, options.log_file);
+        Ending ending(signals);
         if (options.replay.empty() || options.look)
-            serve(parsed, argc, argv, signals);
+            serve(parsed, argc, argv, signals, ending);
         else
             replay({options.replay,
                     options.frames,

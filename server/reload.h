@@ -4,7 +4,7 @@
 #include "server/frame.h"
 #include "server/net/server.h"
 #include "server/options.h"
-#include "server/scene_changer.h"
+#include "server/scene_thread.h"
 
 namespace brume {
 
@@ -12,7 +12,7 @@ namespace brume {
 struct Running {
     Audience& audience;
     FrameLoop& frames;
-    SceneChanger& scenes;
+    SceneThread& scenes;
     NetServer& network;
 };
 

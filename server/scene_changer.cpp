@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
 
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
@@ -11,6 +10,7 @@
 #include "common/ply.h"
 #include "common/scene_text.h"
 #include "common/text.h"
+#include "server/operate/uploaded_clouds.h"
 #include "server/plan/memory.h"
 #include "server/sim/point_cloud.h"
 #include "server/sim/sequence_files.h"
@@ -20,38 +20,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostClouds = 16;            // uploaded ones that are kept
-constexpr const char* kIncoming = "incoming"; // folder of those that are not known to be good
-
 std::string askedFor(const ServerOptions& options) {
     return fmt::format("{}\n{}", options.scene, fmt::join(sceneOverrides(options), "\n"));
 }
 
-// The upload that was not used for longest goes when there are too many. What cannot be deleted stays.
-void keepNewest(const fs::path& folder) {
-    std::error_code ignored;
-    std::vector<std::pair<fs::file_time_type, fs::path>> scenes;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (entry.path().extension() == ".toml") scenes.emplace_back(entry.last_write_time(ignored), entry.path());
-    std::sort(scenes.begin(), scenes.end());
-    for (size_t i = 0; i + kMostClouds < scenes.size(); ++i) {
-        fs::remove(scenes[i].second, ignored);
-        fs::remove(scenes[i].second.replace_extension(".ply"), ignored);
-    }
-}
+// Viewers are told of the scene that comes.
+class Preparing {
+public:
+    Preparing(Audience& audience, const std::string& name) : audience_(audience) { audience_.prepare(name); }
+    ~Preparing() { audience_.prepare({}); }
+    Preparing(const Preparing&) = delete;
+    Preparing& operator=(const Preparing&) = delete;
 
-void writeFile(const fs::path& file, const std::string& bytes) {
-    std::ofstream out(file, std::ios::binary | std::ios::trunc);
-    out << bytes << std::flush;
-    if (!out) throw SceneError(file.string() + ": cannot be written; --cloud-dir names another folder");
-}
-
-// A complaint about an upload names it as its sender does, without the folders that it is kept in here.
-std::string withoutFolders(std::string complaint, const fs::path& kept) {
-    for (const std::string& folder : {(kept / kIncoming / "").string(), (kept / "").string()})
-        for (size_t at = 0; (at = complaint.find(folder, at)) != complaint.npos;) complaint.erase(at, folder.size());
-    return complaint;
-}
+private:
+    Audience& audience_;
+};
 
 std::string why(const std::exception_ptr& exception) {
     try {
@@ -80,13 +63,15 @@ std::vector<std::string> otherScenes(const ServerOptions& options) {
     std::vector<std::string> names = sceneNames(options.scene_dir);
     const std::vector<std::string> clouds = sceneNames(options.cloud_dir);
     names.insert(names.end(), clouds.begin(), clouds.end());
+    const std::string own = fs::path(options.scene).stem().string(); // a file elsewhere, perhaps
+    if (std::ranges::find(names, own) == names.end()) names.push_back(own);
     return names;
 }
 
 SceneChanger::SceneChanger(const ServerOptions& options, const Scene& scene, const Server& server)
     : options_(options), server_(server),
       shown_(std::make_unique<Files>(filesOf(findScene(options.scene, options.scene_dir), sceneOverrides(options)))),
-      asked_(askedFor(options)), compilers_(options, server) {
+      asked_(askedFor(options)), compilers_(options_, server) {
     compile(scene);
     server.audience.sceneRequests().serve(wakeMain);
 }
@@ -110,13 +95,15 @@ std::string SceneChanger::change(const SceneRequest& request) {
             return fmt::format("no scene of that name; there are: {}", fmt::join(names, ", "));
         const std::vector<std::string> clouds = sceneNames(options_.cloud_dir);
         const bool uploaded = std::find(clouds.begin(), clouds.end(), request.name) != clouds.end();
-        show(filesOf((uploaded ? options_.cloud_dir : options_.scene_dir) / (request.name + ".toml"),
-                     rendererOverrides(options_)));
+        fs::path file = (uploaded ? options_.cloud_dir : options_.scene_dir) / (request.name + ".toml");
+        std::error_code error;
+        if (!fs::exists(file, error)) file = findScene(options_.scene, options_.scene_dir); // that of the start
+        show(filesOf(file, rendererOverrides(options_)));
         return {};
     } catch (const std::exception&) {
         const std::string reason = why(std::current_exception());
         spdlog::error("the scene stays: {}", reason);
-        return request.points.empty() ? reason : withoutFolders(reason, options_.cloud_dir);
+        return request.points.empty() ? reason : UploadedClouds(options_.cloud_dir).withoutFolders(reason);
     }
 }
 
@@ -124,38 +111,26 @@ std::string SceneChanger::change(const SceneRequest& request) {
 // replaced before it is known to be good: show() then finds nothing wrong but what the device lacks.
 void SceneChanger::showCloud(const SceneRequest& request) {
     const std::vector<std::string> own = sceneNames(options_.scene_dir);
-    if (std::find(own.begin(), own.end(), request.name) != own.end())
+    if (std::find(own.begin(), own.end(), request.name) != own.end() ||
+        request.name == fs::path(options_.scene).stem().string())
         throw SceneError("there is a scene '" + request.name + "' already: give another with ?name=");
-    const fs::path folder = options_.cloud_dir, incoming = folder / kIncoming / (request.name + ".ply"),
-                   file = folder / (request.name + ".toml");
-    std::error_code error;
-    fs::create_directories(incoming.parent_path(), error);
-    writeFile(incoming, request.points);
-    const struct Remover {
-        const fs::path& file;
-        ~Remover() {
-            std::error_code ignored;
-            fs::remove(file, ignored);
-        }
-    } remover{incoming};
-
+    const UploadedClouds clouds(options_.cloud_dir);
+    UploadedClouds::Incoming incoming = clouds.take(request.name, request.points);
     const char* const model = holdsTetrahedra(request.points, request.name + ".ply") ? kTetrahedraMedium : kSumMedium;
-    Scene scene = sceneOf(fmt::format("[medium]\nmodel = \"{}\"\nlayout = \"file\"\nfile = \"{}/{}.ply\"\n", model,
-                                      kIncoming, request.name),
-                          file, {});
+    Scene scene =
+        sceneOf(fmt::format("[medium]\nmodel = \"{}\"\nlayout = \"file\"\nfile = \"{}.ply\"\n", model, request.name),
+                incoming.scene(), {});
     placeCamera(scene);
-    const std::string text = sceneToml(scene); // names the points by their file's name alone
+    const std::string text = sceneToml(scene);
     const std::vector<std::string> overrides = rendererOverrides(options_);
-    const Scene wanted = sceneOf(text, fs::path(incoming).replace_extension(".toml"), overrides);
-    checkScene(wanted, file, overrides);
+    const Scene wanted = sceneOf(text, incoming.scene(), overrides);
+    checkScene(wanted, incoming.scene(), overrides);
     boundedCapacity(wanted, Simulation(wanted, options_.frame.memory), options_.frame.memory);
-    fs::rename(incoming, folder / (request.name + ".ply"));
-    writeFile(file, text);
-    keepNewest(folder);
-    show(filesOf(file, overrides));
+    show(filesOf(incoming.keep(text), overrides));
 }
 
-void SceneChanger::reload() {
+void SceneChanger::reload(const ServerOptions& options) {
+    options_ = options;
     if (server_.fixed) return spdlog::info("reload: {}", server_.fixed);
     try {
         const std::string asked = askedFor(options_);
@@ -181,6 +156,8 @@ void SceneChanger::show(const Files& files) {
 void SceneChanger::show(Scene scene, const Files& files) {
     Simulation simulation(scene, options_.frame.memory);
     tellOfPointCloud(scene, simulation);
+    const Preparing preparing(server_.audience, scene.name);
+    compilers_.prepare(scene);
     const RecordingHead head = recordingHead(files.scene, scene, files.overrides);
     std::future<void> shown =
         server_.frames.show({scene, std::move(simulation), otherScenes(options_), [&, this](const Simulation& of) {

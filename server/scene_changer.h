@@ -14,7 +14,8 @@ namespace brume {
 
 // What is recorded of a scene when a recording begins with it.
 RecordingHead recordingHead(const std::filesystem::path& file, const Scene& scene, std::vector<std::string> overrides);
-// Names of the scenes that an operator can switch to: those of the scenes' folder and of uploaded clouds.
+// Names of the scenes that an operator can switch to: those of the scenes' folder, of uploaded clouds, and the one that
+// the server was started with.
 std::vector<std::string> otherScenes(const ServerOptions& options);
 
 class SceneChanger {
@@ -25,16 +26,16 @@ public:
         const char* fixed;              // why no other scene can be shown, one line; null: others can
         const std::atomic<bool>& ended; // True: the frame loop ended, and shows no scene any more
     };
-    // `options` outlives this and may change. `scene`: of the options, which is shown. Requests are served from now on:
-    // SIGUSR1 tells this process of them.
+    // `scene`: of the options, which is shown. Requests are served from now on: SIGUSR1 tells this process of them.
     SceneChanger(const ServerOptions& options, const Scene& scene, const Server& server);
     ~SceneChanger();
 
     // Answers all requests that wait.
     void serveRequests();
-    // Shows the options' scene again where it was changed: another name or overrides, or else another text or other
-    // points in the files that are shown. Otherwise nothing happens. Logs what it did, in one line.
-    void reload();
+    // These are the options from now on. Shows their scene again where it was changed: another name or overrides, or
+    // else another text or other points in the files that are shown. Otherwise nothing happens. Logs what it did, in
+    // one line.
+    void reload(const ServerOptions& options);
     // Compilers::look().
     void compileBehind() { compilers_.look(); }
 
@@ -48,7 +49,7 @@ private:
     Files filesOf(std::filesystem::path file, std::vector<std::string> overrides) const;
     void compile(const Scene& scene);
 
-    const ServerOptions& options_;
+    ServerOptions options_;
     const Server server_;
     std::unique_ptr<Files> shown_;
     std::string asked_; // the options' scene and overrides, when they were looked at last

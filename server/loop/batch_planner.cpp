@@ -178,7 +178,7 @@ void BatchPlanner::add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due&
 bool BatchPlanner::camerasRest(Clock::time_point now) const {
     return schedule_.chosenMs() > 0.999 * schedule_.fullBatchMs() &&
            std::all_of(requests_.begin(), requests_.end(),
-                       [&](const PoseRequest& r) { return !r.lowered && now - r.since >= kRestsFor; });
+                       [&](const PoseRequest& r) { return r.reduced == Reduced::no && now - r.since >= kRestsFor; });
 }
 
 void BatchPlanner::took(const BatchContents& batch, double shared_ms, double besides, bool usual) {

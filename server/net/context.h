@@ -62,9 +62,8 @@ struct ServerState {
     std::atomic<bool> stopping{false}; // true: connections end, and new ones are not served
     std::string go_to;                 // the URL that viewers are sent to; written before `stopping`, read after
     Elsewhere elsewhere;
-    Places streams{"streams are open"}, snapshots{"snapshots are being drawn"};
+    Places streams{"streams are open"}, snapshots{"snapshots are being drawn"}, uploads{"clouds are being uploaded"};
     VisitorLog log;
-    std::atomic<uint32_t> uploads{0};  // open now
     std::atomic<uint32_t> contexts{0}; // alive now
 };
 
@@ -75,7 +74,7 @@ struct Context {
         : options(std::move(with)), tls(std::move(certificate)), audience(server.audience), metrics(server.metrics),
           pages(server.pages), connections(server.connections), go_to(server.go_to), elsewhere(server.elsewhere),
           draining(server.draining), stopping(server.stopping), streams(server.streams), snapshots(server.snapshots),
-          log(server.log), uploads(server.uploads), counted(server.contexts) {}
+          uploads(server.uploads), log(server.log), counted(server.contexts) {}
 
     const NetOptions options;
     const std::shared_ptr<Tls> tls; // null: no TLS
@@ -86,9 +85,8 @@ struct Context {
     const std::string& go_to;
     const Elsewhere& elsewhere;
     const std::atomic<bool>&draining, &stopping;
-    Places &streams, &snapshots;
+    Places &streams, &snapshots, &uploads;
     VisitorLog& log;
-    std::atomic<uint32_t>& uploads;
     const Counted counted;
 };
 

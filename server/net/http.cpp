@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <boost/asio/write.hpp>
+#include <boost/beast/core/detect_ssl.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/rfc7230.hpp>
@@ -11,7 +12,7 @@
 
 #include "protocol/message.h"
 #include "server/net/http_connection.h"
-#include "server/net/origin.h"
+#include "server/net/routes.h"
 #include "server/net/viewers.h"
 #include "server/net/websocket.h"
 
@@ -22,18 +23,27 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using asio::ip::tcp;
 
+constexpr auto kPreflightHolds = std::chrono::minutes(10);
+constexpr char kOwnHeaders[] = "Brume-Tick, Brume-State, Brume-Size, Brume-Asked, Brume-Error, Brume-Ignored";
 constexpr auto kAppliedWithin = std::chrono::seconds(2); // a command of HTTP
 constexpr std::chrono::milliseconds kReservedTime{1000}; // for the header of a request on a reserved connection
 constexpr auto kLinger = std::chrono::seconds(1); // for the peer to read the last answer before the socket closes
 
-// The least role that a path takes; nothing for one that is open to everybody.
-std::optional<Role> roleFor(std::string_view path) {
-    if (path == "/metrics" || path == "/viewers" || path == "/scene" || path == "/cloud") return Role::operator_;
-    if (path == "/pause" || path == "/resume" || path == "/seek") return Role::controller;
-    if (path == "/ws" || path == "/snapshot.jpg" || path == "/snapshot.png" || path == "/stream.mjpg" ||
-        path == "/scene.toml")
-        return Role::viewer;
-    return {};
+std::string_view pathOf(const HttpRequest& request) {
+    const std::string_view target(request.target().data(), request.target().size());
+    return target.substr(0, target.find('?'));
+}
+
+// What a browser asks before it lets a page of another origin ask: the methods of this path.
+Reply preflight(const Route* route) {
+    const std::string methods(route ? route->methods : "GET, HEAD");
+    Reply reply;
+    reply.status = 204;
+    reply.headers = {{"Allow", methods + ", OPTIONS"},
+                     {"Access-Control-Allow-Methods", methods},
+                     {"Access-Control-Allow-Headers", "Authorization, Content-Type"},
+                     {"Access-Control-Max-Age", fmt::format("{}", std::chrono::seconds(kPreflightHolds).count())}};
+    return reply;
 }
 
 } // namespace
@@ -74,7 +84,12 @@ asio::awaitable<void> HttpConnection::run() {
             break;
         }
         if (error) co_return; // the connection was closed or reset, or no request came in time
-        unread_ = parser.content_length().value_or(0) > 0;
+        unread_ = parser.chunked() || parser.content_length().value_or(0) > 0;
+        const Route* const route = routeOf(pathOf(parser.get()));
+        if (unread_ && !(route && route->takes_file)) {
+            const bool dropped = co_await drop(parser.content_length().value_or(0));
+            if (!dropped) co_return;
+        }
         const bool again = co_await answer(parser);
         if (!again) break;
     }
@@ -104,7 +119,19 @@ asio::awaitable<bool> HttpConnection::secure() {
     if (!tls) co_return true;
     idle_ = true;
     stream_.tcp().expires_after(headerTime());
-    const auto [error] = co_await tls->async_handshake(asio::ssl::stream_base::server, kToken);
+    auto [error, is_tls] = co_await beast::async_detect_ssl(stream_.tcp(), buffer_, kToken);
+    if (!error && !is_tls) {
+        const std::string words = lastWords(
+            lineReply(400, "this port speaks TLS: the address begins with https:// or wss://"), context_->options);
+        co_await asio::async_write(stream_.tcp(), asio::buffer(words), kToken);
+        error = boost::system::errc::make_error_code(boost::system::errc::protocol_error);
+    }
+    if (!error) {
+        const auto [refused, used] =
+            co_await tls->async_handshake(asio::ssl::stream_base::server, buffer_.data(), kToken);
+        buffer_.consume(used);
+        error = refused;
+    }
     idle_ = false;
     if (error && !context_->stopping) {
         context_->metrics.refused("tls");
@@ -118,15 +145,18 @@ asio::awaitable<bool> HttpConnection::secure() {
 asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
     const HttpRequest& request = parser.get();
     const std::string_view target(request.target().data(), request.target().size());
-    const size_t question = std::min(target.find('?'), target.size());
-    const std::string_view path = target.substr(0, question),
-                           query = target.substr(std::min(question + 1, target.size()));
+    const std::string_view path = pathOf(request), query = target.substr(std::min(path.size() + 1, target.size()));
 
-    const std::optional<Role> least = roleFor(path);
+    const Route* const route = routeOf(path);
+    const std::optional<Role> least = route ? route->least : std::nullopt;
     if (auto stranger = foreign(request, least.has_value(), context_->options)) {
         context_->metrics.refused(stranger->reason);
+        if (!stranger->line.empty())
+            context_->log.write(spdlog::level::warn, slot_->network(),
+                                fmt::format("{}: {}", slot_->address(), stranger->line));
         return send(request, "refused", std::move(stranger->reply));
     }
+    if (request.method() == http::verb::options) return send(request, "preflight", preflight(route));
     const bool health_check = path == "/healthz" || path == "/readyz";
     // A connection of the reserve is for health checks and for requests with a good token whose reply ends.
     const bool endless = path == "/ws" || path == "/stream.mjpg";
@@ -147,10 +177,10 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
             return snapshot(request, path.ends_with("png"), query, std::move(authorization));
         if (path == "/stream.mjpg") return stream(request, query, std::move(authorization));
         if (path == "/scene") return showScene(request, query);
-        if (path == "/cloud") return showCloud(parser, query);
+        if (path == "/cloud") return showCloud(parser, query, std::move(authorization));
         if (path == "/scene.toml") return send(request, "scene", sceneFile(query));
         if (path == "/seek") return seek(request, query);
-        if (least == Role::controller) return pause(request, path == "/pause");
+        if (path == "/pause" || path == "/resume") return pause(request, path == "/pause");
     }
     if (health_check || least) return send(request, path.substr(1), health(path));
     const auto tag = request[http::field::if_none_match];
@@ -187,8 +217,8 @@ asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on)
     const size_t at = size_t(std::ranges::find(liveSettings(), setting) - liveSettings().begin());
     if (ReplayControl* const replay = context_->audience.replay())
         replay->paused = on;
-    else if (!context_->audience.commands().push({.body = Set{{setting->path, on}}}))
-        co_return co_await sendLater(request, "pause", whyRefused(context_->audience.commands()));
+    else if (const CommandBody set = Set{{setting->path, on}}; !context_->audience.commands().push({.body = set}))
+        co_return co_await sendLater(request, "pause", whyRefused(context_->audience.commands(), set));
     const auto deadline = Clock::now() + kAppliedWithin;
     std::shared_ptr<const SceneReport> report = context_->audience.report();
     while (report->settings[at] != SettingValue(on) && Clock::now() < deadline && !context_->stopping) {
@@ -206,17 +236,12 @@ asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on)
 
 // Makes the connection a WebSocket, or answers with one line that says why not.
 asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Authorization authorization) {
-    const auto text = [](beast::string_view value) { return std::string_view(value.data(), value.size()); };
-    const std::string_view origin = text(request[http::field::origin]);
     Reply refusal;
     if (!beast::websocket::is_upgrade(request)) {
         refusal = lineReply(426, "this is a WebSocket: connect with ws://, subprotocol brume.v1");
         refusal.headers = {{"Upgrade", "websocket"}};
     } else if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(wire::kSubprotocol)) {
         refusal = lineReply(400, "the WebSocket subprotocol brume.v1 is needed");
-    } else if (!originAllowed(origin, text(request[http::field::host]), context_->options.allowed_origins)) {
-        refusal = lineReply(403, "pages of this origin may not connect: allow it with --allow-origin");
-        context_->metrics.refused("origin");
     } else {
         serveWebSocket(context_, std::move(stream_), request, std::move(slot_), std::move(authorization));
         co_return false;
@@ -228,13 +253,36 @@ asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Author
 asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::string_view route, Reply reply) {
     context_->metrics.requested(route, reply.status);
     const bool again = request.keep_alive() && !reply.close && !unread_ && !slot_->reserved() && !context_->stopping;
+    share(request, reply);
     std::string head = headOf(reply, again ? "keep-alive" : "close", context_->options);
-    if (reply.status != 304) head += fmt::format("Content-Length: {}\r\n", reply.body.size());
+    if (reply.status != 304 && reply.status != 204) head += fmt::format("Content-Length: {}\r\n", reply.body.size());
     head += "\r\n";
     if (request.method() == http::verb::head) reply.body.clear();
     const Parts parts{asio::buffer(head), asio::buffer(reply.body)};
     const error_code error = co_await write(parts);
     co_return !error && again;
+}
+
+// Adds what lets the browser give the reply to a page of an allowed origin.
+void HttpConnection::share(const HttpRequest& request, Reply& reply) const {
+    const auto origin = sharedWith(askerOf(request).origin, context_->options.allowed_origins);
+    if (!origin) return;
+    reply.headers.emplace_back("Access-Control-Allow-Origin", *origin);
+    reply.headers.emplace_back("Access-Control-Expose-Headers", kOwnHeaders);
+    reply.headers.emplace_back("Vary", "Origin");
+}
+
+// Passes over a short body that nothing reads. False if it did not come.
+asio::awaitable<bool> HttpConnection::drop(uint64_t bytes) {
+    stream_.tcp().expires_after(headerTime());
+    while (buffer_.size() < bytes) {
+        const auto [error, size] = co_await stream_.async_read_some(buffer_.prepare(kMostUnusedBody), kToken);
+        if (error) co_return false;
+        buffer_.commit(size);
+    }
+    buffer_.consume(bytes);
+    unread_ = false;
+    co_return true;
 }
 
 asio::awaitable<error_code> HttpConnection::write(Parts parts) {

@@ -64,11 +64,13 @@ private:
     asio::awaitable<bool> seek(const HttpRequest& request, std::string_view query); // http_replay.cpp
     // http_scenes.cpp
     asio::awaitable<bool> showScene(const HttpRequest& request, std::string_view query);
-    asio::awaitable<bool> showCloud(RequestParser& parser, std::string_view query);
+    asio::awaitable<bool> showCloud(RequestParser& parser, std::string_view query, Authorization authorization);
     asio::awaitable<bool> change(const HttpRequest& request, std::string_view route, std::string name,
                                  std::string points);
     Reply sceneFile(std::string_view query) const;
     asio::awaitable<bool> sendLater(const HttpRequest& request, std::string_view route, std::string line);
+    void share(const HttpRequest& request, Reply& reply) const;
+    asio::awaitable<bool> drop(uint64_t bytes);
     asio::awaitable<error_code> write(Parts parts);
     asio::awaitable<FramePtr> nextFrame(ViewerHandle& handle, Clock::duration patience);
     // Looks for the end of the connection for as long as it lives.

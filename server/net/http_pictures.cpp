@@ -43,8 +43,6 @@ Newcomer HttpConnection::newcomer(const Authorization& authorization) const {
 // One still picture of a camera that the query places, within the scene's error whatever the load.
 asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query,
                                                Authorization authorization) {
-    if (request.method() == http::verb::head)
-        co_return co_await send(request, "snapshot", lineReply(405, "only GET is served here"));
     auto read = readPictureQuery(query, context_->options, context_->audience.scene()->scene.camera);
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
@@ -84,6 +82,7 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
     reply.body.assign(frame->jpeg[0]->begin(), frame->jpeg[0]->end());
     reply.headers = headersOf(*frame, picture);
     reply.headers.emplace_back("Cache-Control", "no-store");
+    tellIgnored(picture, reply);
     co_return co_await send(request, "snapshot", std::move(reply));
 }
 
@@ -91,8 +90,6 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
 // so that a reader shows it without waiting for the next.
 asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query,
                                              Authorization authorization) {
-    if (request.method() == http::verb::head)
-        co_return co_await send(request, "stream", lineReply(405, "only GET is served here"));
     auto read = readPictureQuery(query, context_->options, context_->audience.scene()->scene.camera);
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
@@ -127,7 +124,9 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
                                     picture.request.width, picture.request.height));
     Reply opening;
     opening.content_type = fmt::format("multipart/x-mixed-replace; boundary={}", kBoundary);
-    opening.headers = {{"Cache-Control", "no-store"}};
+    opening.headers = {{"Cache-Control", "no-store"}, {"X-Accel-Buffering", "no"}}; // nginx passes each part on
+    tellIgnored(picture, opening);
+    share(request, opening);
     std::string head = headOf(opening, "close", context_->options) + fmt::format("\r\n--{}\r\n", kBoundary);
     const std::string tail = fmt::format("\r\n--{}\r\n", kBoundary);
     const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<float>(1 / picture.fps));

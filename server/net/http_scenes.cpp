@@ -18,7 +18,11 @@ namespace {
 namespace http = boost::beast::http;
 
 constexpr auto kUploadWithin = std::chrono::minutes(2);
-constexpr auto kLoadWithin = std::chrono::minutes(1); // a million points take a few seconds
+// An upload that is slower gives its place up: kLeastPace bytes a second, once kPaceGrace has passed.
+constexpr double kLeastPace = 32 << 10;
+constexpr std::chrono::seconds kPaceGrace{10};
+constexpr uint32_t kMostUploads = 4;                  // at a time; each is in memory
+constexpr auto kLoadWithin = std::chrono::minutes(2); // new shaders take a driver half a minute
 constexpr char kUploaded[] = "uploaded";              // name of a cloud to which none was given
 constexpr size_t kLongestFileName = 40;
 
@@ -28,16 +32,12 @@ bool isFileName(std::string_view name) {
     });
 }
 
-// The query's `name`; nothing when there is another field than it and the token.
+// The query's `name`; empty if there is none. Nothing for what is no query.
 std::optional<std::string> nameIn(std::string_view query) {
     const auto fields = parseQuery(query);
     if (!fields) return {};
-    std::string name;
-    for (const auto& [key, value] : *fields) {
-        if (key == "name") name = value;
-        if (key != "name" && key != "token") return {};
-    }
-    return name;
+    const auto name = fields->find("name");
+    return name == fields->end() ? std::string() : name->second;
 }
 
 // The scene with the values that its live settings have now.
@@ -68,7 +68,8 @@ asio::awaitable<bool> HttpConnection::showScene(const HttpRequest& request, std:
 }
 
 // The request's body is a PLY file. It is held in memory until the scene is made of it.
-asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::string_view query) {
+asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::string_view query,
+                                                Authorization authorization) {
     const HttpRequest& request = parser.get();
     std::string name = nameIn(query).value_or("?");
     if (name.empty()) name = kUploaded;
@@ -77,9 +78,11 @@ asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::stri
             request, "cloud",
             lineReply(400, fmt::format("a cloud's name has letters, digits, - and _, at most {}: /cloud?name=my-cloud",
                                        kLongestFileName)));
-    const Counted open(context_->uploads);
-    if (open.number() > 1) co_return co_await sendLater(request, "cloud", "another cloud is being uploaded");
-    stream_.tcp().expires_after(kUploadWithin);
+    if (request[http::field::content_type].starts_with("multipart/"))
+        co_return co_await send(
+            request, "cloud", lineReply(415, "this is a form: send the file's bytes alone (curl --data-binary @FILE)"));
+    const auto [place, full] = context_->uploads.take(ownerOf(authorization, slot_->network()), kMostUploads);
+    if (!place) co_return co_await sendLater(request, "cloud", full);
     if (http::token_list(request[http::field::expect]).exists("100-continue")) {
         constexpr std::string_view kGoOn = "HTTP/1.1 100 Continue\r\n\r\n";
         const auto [refused, size] = co_await asio::async_write(stream_, asio::buffer(kGoOn), kToken);
@@ -87,8 +90,18 @@ asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::stri
     }
     const HttpRequest head = request;
     http::request_parser<http::string_body> whole(std::move(parser));
-    const auto [error, size] = co_await http::async_read(stream_, buffer_, whole, kToken);
-    if (error) co_return false; // the connection broke, or the file did not come in time
+    const auto begun = Clock::now();
+    for (size_t bytes = 0; !whole.is_done();) {
+        stream_.tcp().expires_after(kPaceGrace);
+        const auto [error, size] = co_await http::async_read_some(stream_, buffer_, whole, kToken);
+        if (error == http::error::body_limit) co_return co_await send(head, "cloud", tooLarge(context_->options));
+        if (error) co_return false; // the connection broke, or nothing came
+        bytes += size;
+        const auto took = Clock::now() - begun;
+        const double due = std::chrono::duration<double>(took - kPaceGrace).count() * kLeastPace;
+        if (took > kUploadWithin || double(bytes) < due)
+            co_return co_await send(head, "cloud", lineReply(408, "the file came too slowly"));
+    }
     unread_ = false;
     if (whole.get().body().empty())
         co_return co_await send(head, "cloud", lineReply(400, "the body is empty: send a PLY file"));

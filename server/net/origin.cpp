@@ -51,6 +51,15 @@ std::optional<std::string_view> nameOf(std::string_view host) {
     return number ? std::optional(host.substr(0, end)) : std::nullopt;
 }
 
+// True for a page that this very host served: "https://clouds:8080" with Host "clouds:8080".
+bool isOwn(std::string_view origin, std::string_view host) {
+    for (const auto& [scheme, port] :
+         {std::pair<std::string_view, std::string_view>{"http://", ":80"}, {"https://", ":443"}})
+        if (origin.size() > scheme.size() && sameText(origin.substr(0, scheme.size()), scheme))
+            return !host.empty() && sameText(withoutPort(origin.substr(scheme.size()), port), withoutPort(host, port));
+    return false;
+}
+
 } // namespace
 
 bool hostAllowed(std::string_view host, const NetOptions& options) {
@@ -64,22 +73,19 @@ bool hostAllowed(std::string_view host, const NetOptions& options) {
                        [&](const std::string& one) { return sameText(one, *name); });
 }
 
-bool siteAllowed(std::string_view site, std::string_view origin, std::string_view referer,
-                 const std::vector<std::string>& allowed) {
-    return !sameText(site, "cross-site") || listed(origin.empty() ? originOf(referer) : origin, allowed);
-}
-
 const char* resourcePolicy(const NetOptions& options) {
     return options.allowed_origins.empty() ? "same-origin" : "cross-origin";
 }
 
-bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed) {
-    if (origin.empty() || listed(origin, allowed)) return true;
-    for (const auto& [scheme, port] :
-         {std::pair<std::string_view, std::string_view>{"http://", ":80"}, {"https://", ":443"}})
-        if (origin.size() > scheme.size() && sameText(origin.substr(0, scheme.size()), scheme))
-            return !host.empty() && sameText(withoutPort(origin.substr(scheme.size()), port), withoutPort(host, port));
-    return false;
+bool pageAllowed(const Asker& asker, const std::vector<std::string>& allowed) {
+    const bool other_site = sameText(asker.site, "cross-site");
+    if (asker.origin.empty()) return !other_site || listed(originOf(asker.referer), allowed);
+    return listed(asker.origin, allowed) || (!other_site && isOwn(asker.origin, asker.host));
+}
+
+std::optional<std::string> sharedWith(std::string_view origin, const std::vector<std::string>& allowed) {
+    if (origin.empty() || !listed(origin, allowed)) return {};
+    return std::string(origin);
 }
 
 } // namespace brume::net

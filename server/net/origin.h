@@ -2,10 +2,11 @@
 //
 // Without a token key everyone who reaches the server is operator, so a web page must not reach it through its
 // visitor's browser. A page whose name is made to lead to this machine (DNS rebinding) shows by its Host header; a page
-// that embeds its pictures shows by Sec-Fetch-Site; a page that opens the WebSocket shows by its Origin. Other programs
-// send none of these but Host.
+// that embeds pictures shows by Sec-Fetch-Site; a page that opens the WebSocket or posts shows by its Origin. Other
+// programs send none of these but Host.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,16 +19,22 @@ namespace brume::net {
 // in brackets), one of options.hosts, or options.listen. Upper and lower case are the same.
 bool hostAllowed(std::string_view host, const NetOptions& options);
 
-// True if a page of `origin` may open the WebSocket: without an origin, for a page that this very host served
-// ("https://clouds:8080" with Host "clouds:8080"), for an origin in `allowed`, and for every origin if `allowed` holds
-// "*".
-bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed);
+// What a browser says of the page that makes a request: values of its headers, empty where there is none.
+struct Asker {
+    std::string_view host;    // that the page asks
+    std::string_view origin;  // the page's own: "https://clouds.example"; "null" for one that hides it
+    std::string_view referer; // the page's address
+    std::string_view site;    // Sec-Fetch-Site. Browsers send it over https and to loopback addresses only
+};
 
-// False if the browser says that a page of another site makes this request (`site`, the header Sec-Fetch-Site, is
-// "cross-site"), unless that page's origin is in `allowed` or `allowed` holds "*". The page's origin is `origin` or,
-// without one, that of `referer`. Browsers send Sec-Fetch-Site over https and to loopback addresses only.
-bool siteAllowed(std::string_view site, std::string_view origin, std::string_view referer,
-                 const std::vector<std::string>& allowed);
+// True if that page may see or change anything here. The page's origin is Asker::origin or, without one, that of its
+// address. True for an origin in `allowed`, and for every origin if `allowed` holds "*". Of other pages: for those that
+// this very host served ("https://clouds:8080" with Host "clouds:8080"). Without an origin: unless the browser says
+// that the page is of another site. Other programs than browsers send none of these.
+bool pageAllowed(const Asker& asker, const std::vector<std::string>& allowed);
+
+// The header Access-Control-Allow-Origin of a reply to a page of `origin`; nothing unless it is in `allowed`.
+std::optional<std::string> sharedWith(std::string_view origin, const std::vector<std::string>& allowed);
 
 // The header Cross-Origin-Resource-Policy of every reply: whose pages a browser lets embed it.
 const char* resourcePolicy(const NetOptions& options);

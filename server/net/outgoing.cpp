@@ -165,6 +165,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
         const auto plan = packPlan(b, report);
         const auto lists = lists_for ? packElements(b, report.lists, *lists_for) : 0;
         const auto standstill = report.standstill.empty() ? 0 : packText(b, report.standstill);
+        const auto preparing = report.preparing.empty() ? 0 : packText(b, report.preparing);
         // For viewers older than SceneState.settings: what there was then. New settings need nothing here.
         const auto number = [&](const char* path) { return valueIn<float>(report, path); };
         const auto vector = [&](const char* path) { return toWire(valueIn<glm::vec3>(report, path)); };
@@ -178,7 +179,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
             &to_light, &irradiance, number("light.rotate"), number("medium.extinction"), number("medium.falloff"),
             number("medium.anisotropy"), number("medium.asymmetry"), &albedo, method, quadrature,
             valueIn<uint32_t>(report, "render.isv.steps"), number("render.exposure"), packed_passes, plan,
-            packed_values, &lo, &hi, lists, standstill);
+            packed_values, &lo, &hi, lists, standstill, preparing);
     });
 }
 
@@ -203,7 +204,7 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
                                  &position, &orientation, request.pose.fov_y, request.width, request.height,
                                  request.quality, &stages, jpeg_bytes, frusta[0], frusta[1],
                                  frame.png ? wire::Encoding::png : wire::Encoding::jpeg, frame.measured.rmse,
-                                 frame.measured.low, frame.measured.high);
+                                 frame.measured.low, frame.measured.high, wire::Reduced(request.reduced));
     });
 }
 

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "server/net/routes.h"
 #include "server/net/uri.h"
 
 namespace brume::net {
@@ -17,12 +17,6 @@ namespace fs = std::filesystem;
 
 // The page's largest file is below 1 MiB. The limit keeps huge files out of memory if --web-root names a wrong folder.
 constexpr uintmax_t kMaxFileBytes = 32 << 20;
-
-// What the server answers itself.
-constexpr std::array<std::string_view, 15> kAddresses{
-    "/",        "/ws",           "/healthz",      "/readyz",      "/metrics",
-    "/viewers", "/snapshot.jpg", "/snapshot.png", "/stream.mjpg", "/pause",
-    "/resume",  "/seek",         "/scene",        "/scene.toml",  "/cloud"};
 
 std::string_view typeOf(const fs::path& file) {
     static constexpr std::array<std::pair<std::string_view, std::string_view>, 16> kTypes{{
@@ -94,11 +88,11 @@ Reply Pages::serve(std::string_view path, std::string_view if_none_match,
     return reply;
 }
 
-bool isAddress(std::string_view path) {
-    return std::find(std::begin(kAddresses), std::end(kAddresses), path) != std::end(kAddresses);
+Reply noSuchPage() {
+    std::string line = "no such page; there is";
+    for (const Route& route : allRoutes()) line += fmt::format(" {}", route.path);
+    return lineReply(404, std::move(line));
 }
-
-Reply noSuchPage() { return lineReply(404, fmt::format("no such page; there is {}", fmt::join(kAddresses, " "))); }
 
 Reply Pages::read(std::string_view path, std::string_view if_none_match) const {
     const auto relative = relativePath(path);

@@ -26,9 +26,7 @@ private:
     std::filesystem::path root_;
 };
 
-// True for a path that the server answers itself, other than by a file of the page.
-bool isAddress(std::string_view path);
-// 404, with the list of those paths.
+// 404, with the list of the paths that the server answers itself.
 Reply noSuchPage();
 
 } // namespace brume::net

@@ -1,12 +1,13 @@
 #include "server/net/picture_query.h"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "common/scene_limits.h"
-#include "common/text.h"
 #include "common/view_names.h"
 #include "server/net/picture_size.h"
 #include "server/net/uri.h"
@@ -25,6 +26,16 @@ bool readNumbers(std::string_view text, float* out, int count, Limits allowed) {
         text.remove_prefix(1);
     }
     return false;
+}
+
+constexpr size_t kMostTold = 8, kLongestTold = 32; // of parameters that nothing reads
+
+// As it may stand in a header.
+std::string plainName(std::string_view name) {
+    std::string plain(name.substr(0, kLongestTold));
+    std::ranges::replace_if(
+        plain, [](unsigned char c) { return !std::isalnum(c) && c != '_' && c != '-' && c != '.'; }, '?');
+    return plain;
 }
 
 } // namespace
@@ -70,8 +81,7 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
             if (!view) return refuse("one of " + allViewNames());
             out.request.show = *view;
         } else if (name != "token") { // `token` is read by the access check (access.h)
-            return fmt::format("no parameter called {}; there is w h quality fps fov position target format view",
-                               oneLine(name.substr(0, 32)));
+            if (out.ignored.size() < kMostTold) out.ignored.push_back(plainName(name));
         }
     }
     if (glm::distance(camera.position, camera.target) < 1e-3f) return "position and target must differ";

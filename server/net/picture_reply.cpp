@@ -1,6 +1,7 @@
 #include "server/net/picture_reply.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace brume::net {
 
@@ -16,6 +17,11 @@ std::vector<std::pair<std::string, std::string>> headersOf(const EncodedFrame& f
     if (request.width != query.asked_width || request.height != query.asked_height)
         headers.emplace_back("Brume-Asked", fmt::format("{}x{}", query.asked_width, query.asked_height));
     return headers;
+}
+
+void tellIgnored(const PictureQuery& query, Reply& reply) {
+    if (!query.ignored.empty())
+        reply.headers.emplace_back("Brume-Ignored", fmt::format("{}", fmt::join(query.ignored, " ")));
 }
 
 } // namespace brume::net

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/net/picture_query.h"
+#include "server/net/reply.h"
 
 namespace brume::net {
 
@@ -15,5 +16,8 @@ const char* contentTypeOf(const EncodedFrame& frame);
 // pixels), Brume-Error (relative RMSE of the picture, predicted, at most), and Brume-Asked where the size that was
 // asked for is cut down.
 std::vector<std::pair<std::string, std::string>> headersOf(const EncodedFrame& frame, const PictureQuery& query);
+
+// Adds Brume-Ignored: the parameters of the query that have no meaning, if there are any.
+void tellIgnored(const PictureQuery& query, Reply& reply);
 
 } // namespace brume::net

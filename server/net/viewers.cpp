@@ -2,40 +2,47 @@
 
 #include <algorithm>
 #include <span>
+#include <string>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace brume::net {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json stagesOf(const History& history) {
-    Json all = Json::object();
+// For people: of fifteen digits eleven are noise.
+double fourDigits(double value) { return std::stod(fmt::format("{:.4g}", value)); }
+
+OrderedJson stagesOf(const History& history) {
+    OrderedJson all = OrderedJson::object();
     for (size_t stage = 0; stage < History::kStages; ++stage) {
         const History::Percentiles p = history.of(stage);
-        all[History::kNames[stage]] = {{"p50", p.p50}, {"p95", p.p95}, {"p99", p.p99}};
+        all[History::kNames[stage]] = {
+            {"p50", fourDigits(p.p50)}, {"p95", fourDigits(p.p95)}, {"p99", fourDigits(p.p99)}};
     }
     return all;
 }
 
 // Measured errors of this viewer's pictures, by method.
-Json errorsOf(uint32_t viewer, std::span<const ViewError> errors) {
-    Json all = Json::object();
+OrderedJson errorsOf(uint32_t viewer, std::span<const ViewError> errors) {
+    OrderedJson all = OrderedJson::object();
     for (const ViewError& one : errors) {
         const ErrorEstimate& e = one.error;
         if (one.viewer != viewer || !e.known()) continue;
-        all[one.method] = {{"relative_rmse", e.rmse}, {"low", e.low},   {"high", e.high},
-                           {"predicted", e.law},      {"bias", e.bias}, {"pixels", e.pixels}};
+        all[one.method] = {{"relative_rmse", fourDigits(e.rmse)}, {"low", fourDigits(e.low)},
+                           {"high", fourDigits(e.high)},          {"predicted", fourDigits(e.law)},
+                           {"bias", fourDigits(e.bias)},          {"pixels", e.pixels}};
     }
     return all;
 }
 
-Json of(const Viewer& viewer, std::span<const ViewError> errors, Clock::time_point now) {
+OrderedJson of(const Viewer& viewer, std::span<const ViewError> errors, Clock::time_point now) {
     const Viewer::Link link = viewer.link();
     const Viewer::Counts counts = viewer.counts();
     const History history = viewer.history();
-    Json one{{"id", viewer.id()}};
+    OrderedJson one{{"id", viewer.id()}};
     if (const auto pose = viewer.pose()) {
         one["size"] = {pose->width, pose->height};
         one["eyes"] = pose->views;
@@ -44,14 +51,14 @@ Json of(const Viewer& viewer, std::span<const ViewError> errors, Clock::time_poi
     one["window_frames"] = link.frames;
     one["frames_in_flight"] = counts.in_flight;
     one["bytes_in_flight"] = link.bytes_in_flight;
-    one["round_trip_ms"] = link.round_trip_ms;
-    one["queue_ms"] = link.queue_ms;
+    one["round_trip_ms"] = fourDigits(link.round_trip_ms);
+    one["queue_ms"] = fourDigits(link.queue_ms);
     one["quality"] = {{"jpeg", link.step.quality},
                       {"half", link.step.half},
                       {"every", link.step.every},
                       {"link_step", link.level},
                       {"device_step", link.device_level}};
-    one["frames_per_second"] = history.rate(now);
+    one["frames_per_second"] = fourDigits(history.rate(now));
     one["frames"] = {{"rendered", counts.rendered}, {"sent", counts.sent}, {"superseded", counts.superseded}};
     one["stages_ms"] = stagesOf(history);
     one["error"] = errorsOf(viewer.id(), errors);
@@ -63,11 +70,11 @@ Json of(const Viewer& viewer, std::span<const ViewError> errors, Clock::time_poi
 std::string viewersJson(const Audience& audience) {
     std::vector<std::shared_ptr<Viewer>> viewers;
     audience.list(viewers);
-    Json list = Json::array();
+    OrderedJson list = OrderedJson::array();
     const auto now = Clock::now();
     const auto report = audience.report();
     for (const auto& viewer : viewers) list.push_back(of(*viewer, report->errors, now));
-    return Json{{"viewers", std::move(list)}}.dump() + "\n";
+    return OrderedJson{{"viewers", std::move(list)}}.dump() + "\n";
 }
 
 } // namespace brume::net

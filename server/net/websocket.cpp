@@ -330,9 +330,10 @@ void WebSocketSession::enqueueCommand(EnqueueCommand&& command) {
         return enqueue(
             packError(wire::ErrorCode::unexpected, "this is a replay: pause it, resume it, or POST /seek?tick=N", seq));
     }
-    if (context_->audience.commands().push({handle_->viewer().id(), seq, std::move(command.body)})) return;
+    CommandQueue& queue = context_->audience.commands();
+    if (queue.push({handle_->viewer().id(), seq, command.body})) return;
     context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::busy));
-    enqueue(packError(wire::ErrorCode::busy, whyRefused(context_->audience.commands()), seq));
+    enqueue(packError(wire::ErrorCode::busy, whyRefused(queue, command.body), seq));
 }
 
 // The viewer leaves the audience at once. The connection ends when all control messages are sent.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
+
+#include "common/toml_text.h"
 
 namespace brume {
 namespace {
@@ -41,7 +43,7 @@ std::string quoted(const std::string& text) {
 // As it is where TOML reads this very number or truth value, else in quotes.
 std::string tomlWord(const std::string& word) {
     try {
-        const toml::table table = toml::parse("v = " + word);
+        const toml::table table = parseToml("v = " + word);
         const toml::node* value = table.get("v");
         if (table.size() == 1 && (value->is_number() || value->is_boolean()) && wordOf(*value) == word) return word;
     } catch (const toml::parse_error&) {
@@ -94,7 +96,8 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& in) const {
     };
     toml::table root;
     try {
-        root = toml::parse(in, file());
+        const std::string text{std::istreambuf_iterator<char>(in), {}};
+        root = parseToml(text, file());
     } catch (const toml::parse_error& error) {
         throw fail(error.source().begin.line, fmt::format("syntax: {}; allowed: TOML 1.0", error.description()));
     }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/plain_file.h"
 #include "server/net/command_message.h"
 #include "server/sim/state_hash.h"
 
@@ -152,11 +153,8 @@ void RecordingWriter::writeBytes(const std::string& bytes) {
 
 // --- reading ---
 
-RecordingReader::RecordingReader(const std::filesystem::path& file)
-    : file_(file.string()), in_(file, std::ios::binary) {
-    std::error_code error;
-    if (!in_ || !std::filesystem::is_regular_file(file, error))
-        throw RecordingError(file_ + ": cannot be read; allowed: a file that brume-server --record wrote");
+RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file.string()), in_(openPlain(file)) {
+    if (!in_) throw RecordingError(file_ + ": cannot be read; allowed: a file that brume-server --record wrote");
     const auto first = line();
     if (!first || !first->starts_with(kMagic)) fail("no recording; allowed: a file that brume-server --record wrote");
     if (*first != magicLine())

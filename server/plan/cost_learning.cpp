@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kStep = 0.5, kSmallStep = 0.05; // part of a cost's error that a submission mends: at first; later
 constexpr double kLeastMs = 0.05;                // shorter submissions are mostly the driver's own work
+constexpr double kLeastPassMs = 0.3, kLeastPassMsOfGpu = 0.01;
 
 // True: `name` is the cost's pass, or one of those that it counts together ("cull, sort").
 bool isOf(std::string_view name, const CostInfo& cost) {
@@ -22,6 +23,9 @@ bool isOf(std::string_view name, const CostInfo& cost) {
 
 } // namespace
 
+CostLearning::CostLearning(CostModel model)
+    : first_(std::move(model)), base_(first_.calibrated && !first_.learnt ? first_ : builtInCosts()), now_(first_) {}
+
 void CostLearning::learn(const Work& work, std::span<const PassMs> passes) {
     std::array<double, kMostCosts> measured{}, predicted{};
     double all = 0;
@@ -32,6 +36,8 @@ void CostLearning::learn(const Work& work, std::span<const PassMs> passes) {
             if (isOf(pass.name, *cost)) sum += predicted[numberOf(*cost)];
         if (!(sum > 0)) continue;
         all += pass.ms;
+        // A pass of little work takes the time that every pass takes: no price of its work.
+        if (std::max(pass.ms, sum) < (first_.on_cpu ? kLeastPassMs : kLeastPassMsOfGpu)) continue;
         for (const CostInfo* cost : allCosts())
             if (isOf(pass.name, *cost)) measured[numberOf(*cost)] += pass.ms * predicted[numberOf(*cost)] / sum;
     }
@@ -39,8 +45,8 @@ void CostLearning::learn(const Work& work, std::span<const PassMs> passes) {
     for (size_t i = 0; i < allCosts().size(); ++i) {
         if (!(measured[i] > 0)) continue;
         const double part = seen_[i]++ < kQuick ? kStep : kSmallStep;
-        const double first = first_.ns[i];
-        now_.ns[i] = std::clamp(now_.ns[i] * std::pow(measured[i] / predicted[i], part), first / kMost, first * kMost);
+        now_.ns[i] = std::clamp(now_.ns[i] * std::pow(measured[i] / predicted[i], part), base_.ns[i] / kMostCheap,
+                                base_.ns[i] * kMostDear);
     }
     ++lessons_;
     double sum = 0, count = 0;

@@ -18,9 +18,11 @@ struct PassMs {
 
 class CostLearning {
 public:
-    static constexpr double kMost = 100; // largest factor on a cost, either way
+    // What is learnt is at most so many times as dear as built in or as calibrated, and at most so many times as cheap:
+    // no machine is much slower than a CPU that draws, and GPUs are much faster.
+    static constexpr double kMostDear = 30, kMostCheap = 10'000;
 
-    explicit CostLearning(CostModel model) : first_(std::move(model)), now_(first_) {}
+    explicit CostLearning(CostModel model);
 
     // `work`: of the submission that took these times. Its passes that are not in `passes` did not run. A pass may come
     // several times.
@@ -34,7 +36,7 @@ public:
 private:
     static constexpr uint32_t kQuick = 8, kKnown = 30; // submissions
 
-    const CostModel first_;
+    const CostModel first_, base_; // base_: what the bounds count from
     CostModel now_;
     std::array<uint32_t, kMostCosts> seen_{}; // by cost: submissions that had it
     uint32_t lessons_ = 0;

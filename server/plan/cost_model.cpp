@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/plain_file.h"
 #include "server/methods/plans.h"
 
 namespace brume {
@@ -76,7 +78,7 @@ CostModel loadCosts(const std::filesystem::path& file, std::string& complaint) {
         complaint = file.string() + ": " + why + "; the built-in costs hold (brume-bench calibrate writes it anew)";
         return builtInCosts();
     };
-    std::ifstream in(file);
+    std::ifstream in = openPlain(file);
     const nlohmann::json parsed = nlohmann::json::parse(in, nullptr, false);
     if (!parsed.is_object()) return refused("cannot be read as JSON");
     const auto version = parsed.find("version");
@@ -93,6 +95,37 @@ CostModel loadCosts(const std::filesystem::path& file, std::string& complaint) {
     model.source = (model.learnt ? "learnt while running, " : "calibrated, ") + file.string();
     model.calibrated = true;
     return model;
+}
+
+namespace {
+
+// ln of what the costs of a device are beside the built-in ones.
+double usualFactor(const CostModel& costs) {
+    if (costs.on_cpu) return 0;
+    double sum = 0;
+    for (const CostInfo* cost : allCosts()) sum += std::log(costs[*cost] / cost->built_in);
+    return sum / double(allCosts().size());
+}
+
+} // namespace
+
+CostModel halfForgotten(const CostModel& learnt) {
+    CostModel out = learnt;
+    const double usual = std::exp(usualFactor(learnt));
+    for (const CostInfo* cost : allCosts()) out.ns[numberOf(*cost)] = std::sqrt(learnt[*cost] * cost->built_in * usual);
+    return out;
+}
+
+std::string unusualCosts(const CostModel& learnt) {
+    constexpr double kUsual = 4;
+    const double usual = std::exp(usualFactor(learnt));
+    std::string line;
+    for (const CostInfo* cost : allCosts()) {
+        const double factor = learnt[*cost] / (cost->built_in * usual);
+        if (factor > kUsual || factor < 1 / kUsual)
+            line += fmt::format("{}{} {:.2g} times", line.empty() ? "" : ", ", cost->key, factor);
+    }
+    return line;
 }
 
 void saveCosts(const std::filesystem::path& file, const CostModel& model, std::string_view device,

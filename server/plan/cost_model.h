@@ -47,6 +47,7 @@ struct CostModel {
     std::string source;                  // origin of the constants, for people
     bool calibrated = false;             // True: measured on this device
     bool learnt = false;                 // True: by a running server, not by brume-bench calibrate
+    bool on_cpu = true;                  // True: the device is a CPU
 
     double operator[](const CostInfo& cost) const { return ns[numberOf(cost)]; }
 };
@@ -62,6 +63,14 @@ std::filesystem::path costFile(const std::filesystem::path& folder, std::string_
 // Reads the constants of a file. Returns the built-in ones if there is no file, or one of an older version. Returns
 // them with one line in `complaint` if the file cannot be read, is newer, or holds anything but positive numbers.
 CostModel loadCosts(const std::filesystem::path& file, std::string& complaint);
+
+// Half of what was learnt, as factors on the built-in costs: what was learnt wrongly goes away by itself. On a GPU,
+// which is faster in all, half of what differs from the mean factor.
+CostModel halfForgotten(const CostModel& learnt);
+
+// The costs that were learnt to be more than four times as dear or as cheap as built in, on a GPU than the mean factor
+// makes them: "slab_light 5.2 times, sort 0.2 times". Empty where there are none.
+std::string unusualCosts(const CostModel& learnt);
 
 // Writes the file and makes its folder. Throws std::runtime_error, one line.
 void saveCosts(const std::filesystem::path& file, const CostModel& model, std::string_view device,

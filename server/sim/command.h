@@ -1,12 +1,15 @@
 // What viewers may ask of the shared scene. Commands are taken in order at a tick and stamped with it.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -51,6 +54,12 @@ struct Command {
     std::chrono::steady_clock::time_point received{}; // by CommandQueue; 0: never, as those of recordings
 };
 
+// Predicted for one picture, in ms.
+struct LightPrices {
+    double left = std::numeric_limits<double>::infinity(); // time for more lights
+    double plain = 0, shadowed = 0;                        // that one more takes without shadows; with
+};
+
 inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles
 // Of SetParticles in a tick: a million rows with albedos, which a sender may push as fast as its link allows.
 inline constexpr size_t kMostRowBytes = 32u << 20;
@@ -62,15 +71,19 @@ public:
     explicit CommandQueue(size_t capacity = 4096) : capacity_(capacity) { pending_.reserve(capacity); }
     // False if the queue is full, if the command is an impulse and kMostImpulses wait already, or if rows of particles
     // would exceed kMostRowBytes.
-    // False, too, while the queue is closed.
+    // False, too, while the queue is closed, and if the command adds more light than there is time for: until price()
+    // is called again, each takes its part of it.
     [[nodiscard]] bool push(Command command) {
         const bool impulse = std::holds_alternative<Impulse>(command.body);
         const auto* particles = std::get_if<SetParticles>(&command.body);
         const size_t bytes = particles ? particles->rows->bytes() : 0;
         const std::scoped_lock lock(mutex_);
+        const double price = priceOf(command.body);
+        if (price > prices_.left) return false;
         if (closed_ || pending_.size() >= capacity_ || (impulse && impulses_ >= kMostImpulses) ||
             row_bytes_ + bytes > kMostRowBytes)
             return false;
+        prices_.left -= price;
         impulses_ += impulse;
         row_bytes_ += bytes;
         command.received = std::chrono::steady_clock::now();
@@ -88,6 +101,16 @@ public:
         const std::scoped_lock lock(mutex_);
         return closed_;
     }
+    // What lights cost from now on, and how much time is left for them.
+    void price(const LightPrices& prices) {
+        const std::scoped_lock lock(mutex_);
+        prices_ = prices;
+    }
+    // True: push() refuses this for its price.
+    bool isTooDear(const CommandBody& body) const {
+        const std::scoped_lock lock(mutex_);
+        return priceOf(body) > prices_.left;
+    }
     // `wake` is called after each push, with a lock held: it may not use the queue. Null: nobody is told.
     void serve(std::function<void()> wake) {
         const std::scoped_lock lock(mutex_);
@@ -103,9 +126,28 @@ public:
     }
 
 private:
+    // Of the lights that it adds, and of the shadows that it gives to others.
+    double priceOf(const CommandBody& body) const {
+        const auto shadows = [](const Change& change) -> std::optional<bool> {
+            if (change.setting->path != "light.shadows") return {};
+            return std::get<bool>(change.value);
+        };
+        if (const auto* added = std::get_if<Add>(&body); added && added->list == SceneList::lights) {
+            bool has = true;
+            for (const Change& change : added->changes) has = shadows(change).value_or(has);
+            return has ? prices_.shadowed : prices_.plain;
+        }
+        double price = 0;
+        if (const auto* set = std::get_if<Set>(&body))
+            for (const Change& change : set->changes)
+                if (shadows(change).value_or(false)) price += std::max(prices_.shadowed - prices_.plain, 0.0);
+        return price;
+    }
+
     mutable std::mutex mutex_;
     std::function<void()> wake_;
     const char* closed_ = nullptr;
+    LightPrices prices_;
     size_t capacity_;
     std::vector<Command> pending_;
     uint32_t impulses_ = 0; // in pending_
@@ -113,8 +155,11 @@ private:
 };
 
 // Why it refuses a command, in one line.
-inline const char* whyRefused(const CommandQueue& queue) {
+inline const char* whyRefused(const CommandQueue& queue, const CommandBody& body) {
     const char* const closed = queue.closed();
+    if (!closed && queue.isTooDear(body))
+        return "with more light a picture would take too long: without shadows a light costs less; the server's "
+               "--most-frame-time bounds it";
     return closed ? closed : "too many commands wait: try again";
 }
 

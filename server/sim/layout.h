@@ -12,6 +12,7 @@ namespace brume {
 // What is known about a point cloud besides its particles.
 struct PointCloudFacts {
     std::string sizes_from, extinctions_from; // for people: "the file's scale"
+    bool by_depth = false;                    // True: extinctions are chosen for a mean optical depth
     bool coloured = false;                    // True: every point came with its albedo
     std::vector<std::string> ignored;         // names of properties that are not read
     size_t kept = 0, dropped = 0;             // points that are read, and those that are left out

@@ -114,6 +114,7 @@ Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
     PointCloudFacts facts;
     facts.sizes_from = placeSizes(cloud, medium, out);
     facts.extinctions_from = placeExtinctions(cloud, medium, out);
+    facts.by_depth = cloud.sigma_t.empty() && cloud.opacity.empty() && !out.sigma_t.empty();
     out.albedo = std::move(cloud.albedo);
     facts.coloured = !out.albedo.empty();
     facts.ignored = std::move(cloud.ignored);

@@ -158,10 +158,15 @@ SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t mos
     SequenceFiles out;
     Medium one = medium;
     std::string properties, without_ids;
+    float by_depth = 0; // extinction of all points, where none came
     const auto files = numberedFiles(medium.file);
     for (const auto& [number, path] : files) {
         one.file = path;
         Placement placed = placePointCloud(one, origin);
+        if (placed.cloud->by_depth) {
+            if (out.files.empty()) by_depth = placed.sigma_t.front();
+            placed.sigma_t.assign(placed.position.size(), by_depth);
+        }
         if (out.files.empty()) {
             properties = propertiesOf(placed);
             out.facts = *placed.cloud;

@@ -65,6 +65,17 @@ void Audience::setScene(std::shared_ptr<const SceneFacts> scene) {
     ++revision_;
 }
 
+void Audience::prepare(const std::string& name) {
+    const std::scoped_lock lock(mutex_);
+    preparing_ = name;
+    ++revision_;
+}
+
+std::string Audience::preparing() const {
+    const std::scoped_lock lock(mutex_);
+    return preparing_;
+}
+
 void Audience::setMaxViewers(uint32_t max_viewers, uint32_t per_owner) {
     const std::scoped_lock lock(mutex_);
     max_viewers_ = max_viewers;

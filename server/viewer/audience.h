@@ -30,6 +30,7 @@ struct SceneReport {
     SceneLists lists;
     uint64_t lists_hash = 0; // Simulation::listsHash()
     std::string standstill;  // why no tick comes, one line; empty: ticks come
+    std::string preparing;   // name of another scene that is being made ready; empty: none is
     struct {
         std::string method;
         std::string quadrature;       // empty for a method without a choice
@@ -89,6 +90,10 @@ public:
     std::shared_ptr<const SceneFacts> scene() const; // never null
     // Another scene is shown from now on: every viewer is told.
     void setScene(std::shared_ptr<const SceneFacts> scene);
+
+    // Another scene is being made ready: viewers are told its name. Empty: it is shown, or given up.
+    void prepare(const std::string& name);
+    std::string preparing() const;
 
     // Viewers that have joined stay, also when there are more than the new limits. `per_owner`: Newcomer::owner.
     void setMaxViewers(uint32_t max_viewers, uint32_t per_owner = ~0u);
@@ -156,6 +161,7 @@ private:
     std::vector<Lost> lost_; // viewers whose connection broke, the oldest first
     std::vector<Lost>::iterator lostOf(const Newcomer& newcomer);
     std::shared_ptr<const SceneFacts> scene_;
+    std::string preparing_;
     std::shared_ptr<const SceneReport> report_;
     uint64_t revision_ = 0;
 };

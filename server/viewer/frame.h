@@ -18,6 +18,9 @@ using Clock = std::chrono::steady_clock;
 // Of serial numbers that wrap around: true if `a` is less than half the range ahead of `b`.
 constexpr bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
 
+// Why pictures are less than what was asked for. The values are wire::Reduced's.
+enum class Reduced : uint8_t { no, link, device };
+
 // A request for the pictures of one viewer at one pose.
 struct PoseRequest {
     uint32_t seq = 0;
@@ -26,7 +29,7 @@ struct PoseRequest {
     uint16_t width = 640, height = 360; // pixels of one eye's picture
     uint8_t views = 1;                  // eyes: 1 or 2
     uint8_t quality = 80;               // JPEG, 1...100
-    bool lowered = false;               // True: quality or size is below what the viewer asked for
+    Reduced reduced = Reduced::no;      // why quality, size or rate is below what the viewer asked for
     bool hidden = false;                // True: the viewer's window is hidden. Nothing is drawn until it shows again
     bool takes_png = false;             // True: the viewer accepts PNG for still pictures
     bool still_picture = false;         // True: redraws a view at rest, with less error and full colour (4:4:4)

@@ -25,6 +25,12 @@ QualityStep QualityControl::step() const {
     return {std::min(link.quality, device.quality), link.half || device.half, std::max(link.every, device.every)};
 }
 
+Reduced QualityControl::reduced() const {
+    const QualityStep link = stepAt(level_), device = deviceStepAt(device_level_);
+    if (device.half > link.half || device.every > link.every) return Reduced::device;
+    return level_ > 0 ? Reduced::link : device_level_ > 0 ? Reduced::device : Reduced::no;
+}
+
 bool QualityControl::observeDevice(const DeviceLoad& load, Clock::time_point now) {
     // Going back from level 1 makes the picture four times as large: it takes as long as before, at most four times as
     // long. From other levels it only comes more often, which makes no frame longer.

@@ -53,6 +53,8 @@ public:
     uint32_t level() const { return level_; }
     uint32_t deviceLevel() const { return device_level_; }
     QualityStep step() const; // the lower of both levels' steps, in each part
+    // What has the lower step in size and rate; the link where they are equal, since it has JPEG quality besides.
+    Reduced reduced() const;
 
 private:
     bool observeDevice(const DeviceLoad& load, Clock::time_point now);

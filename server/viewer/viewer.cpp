@@ -137,7 +137,7 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
     const QualityStep step = quality_.step();
     PoseRequest request = *pose_;
     fit_ = fitted(most_pixels / pixelsOf(*pose_), fit_);
-    request.lowered = quality_.level() > 0 || quality_.deviceLevel() > 0 || fit_ < 1;
+    request.reduced = fit_ < 1 ? Reduced::device : quality_.reduced();
     request.quality = std::min(request.quality, step.quality);
     const double side = std::min(step.half ? 0.5 : 1.0, fit_);
     request.width = uint16_t(std::max(request.width * side, 1.0));

@@ -51,7 +51,7 @@ void query(Bytes input) {
     picture(target.substr(std::min(question + 1, target.size())));
     if (const auto decoded = net::percentDecode(target))
         promise(decoded->size() <= target.size(), "decoding does not grow");
-    if (net::originAllowed(origin, host, {}) && !origin.empty())
+    if (net::pageAllowed({.host = host, .origin = origin}, {}) && !origin.empty())
         promise(origin.size() > host.size() || host.ends_with(":80") || host.ends_with(":443"),
                 "only a page of our own host");
 }

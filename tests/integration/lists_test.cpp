@@ -86,6 +86,23 @@ TEST_F(ListsOfAServer, ElementsAreChangedAddedAndRemovedForEveryone) {
     EXPECT_TRUE(b.errors.empty());
 }
 
+// One who may change the scene adds lights as fast as is allowed: pictures still come.
+TEST(ListsOfABusyServer, MoreLightThanThereIsTimeForIsRefused) {
+    RunningServer server(
+        {"--ahead", "off", "--set", "render.method=slabs", "--set", "render.rate=8", "--most-frame-time", "500"});
+    Watcher a(server.endpoint());
+    a.look(kPose);
+    ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty() && a.lists.size() == kLists; }));
+    for (int i = 0; i < 64; ++i) add(a, "light", "light.range", 50);
+    ASSERT_TRUE(watch({&a}, [&] { return !a.errors.empty() && !a.lists.at(kLights).empty(); }));
+    EXPECT_NE(a.errors.front().text.find("--most-frame-time"), std::string::npos) << a.errors.front().text;
+    const uint64_t tick = a.last().tick;
+    ASSERT_TRUE(watch({&a}, [&] { return a.last().tick > tick + 60; }));
+    const size_t lights = a.lists.at(kLights).size();
+    remove(a, "light[0]");
+    ASSERT_TRUE(watch({&a}, [&] { return a.lists.at(kLights).size() < lights; })) << "what lessens it is taken";
+}
+
 TEST_F(ListsOfAServer, WhatCannotBeIsRefusedToWhoAskedAndSaid) {
     set(a, "fog[3].extinction", 1);
     add(a, "fog", "fog.lo", 40'000);

@@ -1,10 +1,14 @@
 // Frames that take too long cost accuracy, step by step; it comes back when they do not.
 #include <algorithm>
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
@@ -100,6 +104,36 @@ TEST(OverloadedServer, AccuracyComesBackWhenTheLoadLeaves) {
     EXPECT_EQ(relaxedWhen(server, light, [](double steps) { return steps == 0; }), 0);
     const std::string said = server.process().out() + server.process().err();
     EXPECT_NE(said.find("accuracy is back"), said.npos) << said;
+}
+
+// What a server learns beside other work is not what its passes cost: started again alone it plans as if it had learnt
+// nothing.
+TEST(OverloadByOthers, TeachesNoCosts) {
+    BRUME_WHOLE_LAYER_ONLY();
+    const std::filesystem::path folder =
+        std::filesystem::path(testing::TempDir()) / ("brume-hogs-" + std::to_string(getpid()));
+    const std::vector<std::string> learning{"BRUME_FIXED_COSTS"}; // removed: it learns
+    {
+        std::vector<std::unique_ptr<Process>> hogs;
+        for (unsigned i = 0; i < 2 * std::thread::hardware_concurrency(); ++i)
+            hogs.push_back(std::make_unique<Process>(std::vector<std::string>{"/bin/sh", "-c", "while :; do :; done"}));
+        RunningServer server({"--scene", "cumulus", "--ahead", "off", "--costs", (folder / "busy").string()}, learning);
+        Watcher watcher(server.endpoint());
+        watcher.look(lookAt({0, 8, 40}, {0, 0, 0}, 0.8f));
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+        EXPECT_TRUE(
+            watch({&watcher}, [&] { return !watcher.frames.empty() && std::chrono::steady_clock::now() > end; }));
+        server.process().signal(SIGTERM);
+        EXPECT_EQ(server.process().exitCode(), 0);
+    }
+    const auto plan = [&](const char* costs) {
+        const auto process =
+            startServer({"--scene", "cumulus", "--explain", "--costs", (folder / costs).string()}, learning);
+        EXPECT_EQ(process->exitCode(), 0) << process->err();
+        return process->out();
+    };
+    EXPECT_EQ(plan("busy"), plan("fresh"));
+    std::filesystem::remove_all(folder);
 }
 
 } // namespace

@@ -311,7 +311,7 @@ class Alone(unittest.TestCase):
     def test_another_scene_and_a_cloud_of_ones_own(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        server = self.serve('--cloud-dir', folder.name)
+        server = self.serve('--cloud-dir', folder.name + '/clouds')
         with brume.connect(server.url, size=(96, 64), timeout=PATIENCE) as view:
             self.assertIn('tubes', view.scenes)
             before = view.frame()

@@ -99,6 +99,17 @@ TEST_F(Scenes, WhatCannotBeShownLeavesTheOldSceneAndSaysWhy) {
     EXPECT_FALSE(fs::exists(fs::path(clouds()) / "mine.ply"));
 }
 
+TEST_F(Scenes, TheSceneOfTheStartIsFoundAgain) {
+    const fs::path own = write("own.toml", "[medium]\ncount = 100\n");
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds(), "--scene", own.string()});
+    EXPECT_EQ(post(server.port(), "/scene?name=tubes").status, 200);
+    const HttpReply back = post(server.port(), "/scene?name=own");
+    EXPECT_EQ(back.status, 200) << back.body;
+    EXPECT_EQ(metric(server.port(), "brume_particles"), 100);
+    EXPECT_NE(post(server.port(), "/scene?name=none").body.find(", own"), std::string::npos);
+    EXPECT_EQ(post(server.port(), "/cloud?name=own", points()).status, 422) << "its name is taken";
+}
+
 TEST_F(Scenes, AnUploadedCloudIsSeenAndListedAfterwards) {
     RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
     HttpConnection upload(server.port());
@@ -140,6 +151,91 @@ TEST_F(Scenes, AFileThatIsTooLargeIsRefusedBeforeItIsRead) {
     EXPECT_EQ(reply.status, 413);
     EXPECT_EQ(reply.body, "the file is over 1 MiB: --max-upload\n");
     EXPECT_EQ(post(server.port(), "/cloud?name=small", points()).status, 200);
+}
+
+TEST_F(Scenes, AnUploadComesInAnyWayOrIsToldHow) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds(), "--max-upload", "1"});
+    const auto chunked = [&](const std::string& name, const std::string& body) {
+        HttpConnection connection(server.port());
+        connection.send("POST /cloud?name=" + name +
+                        " HTTP/1.1\r\nHost: 127.0.0.1\r\nTransfer-Encoding: chunked\r\n\r\n" + body);
+        return connection.readReply();
+    };
+    const auto chunk = [](const std::string& bytes) {
+        char size[16];
+        std::snprintf(size, sizeof size, "%zx\r\n", bytes.size());
+        return size + bytes + "\r\n";
+    };
+    const std::string half = points().substr(0, 50);
+    const HttpReply taken = chunked("pieces", chunk(half) + chunk(points().substr(50)) + "0\r\n\r\n");
+    EXPECT_EQ(taken.status, 200) << taken.body;
+    const std::string piece = chunk(std::string(1 << 18, ' '));
+    const HttpReply large = chunked("large", piece + piece + piece + piece + piece);
+    EXPECT_EQ(large.status, 413);
+    EXPECT_EQ(large.body, "the file is over 1 MiB: --max-upload\n");
+    HttpConnection form(server.port());
+    form.send(postHead("/cloud?name=form", 3) + "Content-Type: multipart/form-data; boundary=a\r\n\r\n--a");
+    const HttpReply refused = form.readReply();
+    EXPECT_EQ(refused.status, 415);
+    EXPECT_NE(refused.body.find("--data-binary"), refused.body.npos) << refused.body;
+}
+
+TEST_F(Scenes, AnUploadThatDripsKeepsNobodyOut) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    HttpConnection slow(server.port());
+    slow.send(postHead("/cloud?name=slow", points().size()) + "\r\n" + points().substr(0, 10));
+    EXPECT_EQ(post(server.port(), "/cloud?name=mine", points()).status, 200);
+}
+
+// A file of so many tetrahedra apart from each other, which takes seconds to load.
+std::string tetrahedra(int count) {
+    std::string vertices, cells;
+    for (int i = 0; i < count; ++i) {
+        for (int corner = 0; corner < 4; ++corner) {
+            const int x = i % 1000 * 3 + (corner == 3), z = i / 1000 * 3 + (corner == 2);
+            vertices += std::to_string(x) + (corner == 1 ? " 1 " : " 0 ") + std::to_string(z) + " 1\n";
+        }
+        cells += "4";
+        for (int corner = 0; corner < 4; ++corner) cells += ' ' + std::to_string(4 * i + corner);
+        cells += '\n';
+    }
+    return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(4 * count) +
+           "\nproperty float x\nproperty float y\nproperty float z\nproperty float sigma_t\nelement tetrahedron " +
+           std::to_string(count) + "\nproperty list uchar int vertex_indices\nend_header\n" + vertices + cells;
+}
+
+constexpr milliseconds kSoon{5000}; // loading takes longer, however slow the machine is
+
+TEST_F(Scenes, SigtermEndsALoadAtTheStart) {
+    write("many.ply", tetrahedra(120'000));
+    const fs::path file =
+        write("many.toml", "[medium]\nmodel = \"tetrahedra\"\nlayout = \"file\"\nfile = \"many.ply\"\n");
+    const auto server = startServer({"--scene", file.string(), "--port", "0", "--ahead", "off"});
+    const auto used = [&] { // processor time, in clock ticks
+        std::ifstream in("/proc/" + std::to_string(server->id()) + "/stat");
+        std::string word;
+        for (int field = 0; field < 14; ++field) in >> word;
+        return std::atoi(word.c_str());
+    };
+    while (used() < 50) std::this_thread::sleep_for(milliseconds(10));
+    server->signal(SIGTERM);
+    EXPECT_EQ(server->exitCode(kSoon), 0) << server->err();
+    EXPECT_NE(server->err().find("stopped"), std::string::npos) << server->err();
+}
+
+TEST_F(Scenes, SigtermEndsALoadWhileViewersLookOn) {
+    const std::string points = tetrahedra(120'000);
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    Watcher a(server.endpoint());
+    a.look(kPose);
+    ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
+    HttpConnection upload(server.port());
+    upload.send(postHead("/cloud?name=many", points.size()) + "\r\n" + points);
+    ASSERT_TRUE(watch({&a}, [&] { return fs::exists(fs::path(clouds()) / "incoming" / "many.ply"); }));
+    server.process().signal(SIGTERM);
+    EXPECT_TRUE(watch(
+        {&a}, [&] { return a.goodbye.has_value(); }, kSoon));
+    EXPECT_EQ(server.process().exitCode(kSoon), 0) << server.process().err();
 }
 
 // So many points in a row.

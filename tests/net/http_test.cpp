@@ -275,17 +275,54 @@ TEST_F(HttpTest, PicturesThatCannotBeAreToldWhatMayBe) {
                               "position=0,0,0&target=0,0,0",
                               "views=2",
                               "w=100&w=200",
-                              "width=100",
                               "format=gif",
-                              "two%0Alines%1B=100",
                               "w=%4"})
         for (const char* path : {"/snapshot.jpg?", "/stream.mjpg?"}) {
             const auto answer = get(port, std::string(path) + query);
             EXPECT_EQ(answer.status, 400) << query;
             EXPECT_EQ(std::count(answer.body.begin(), answer.body.end(), '\n'), 1) << query;
         }
-    EXPECT_EQ(get(port, "/snapshot.jpg", "", "HEAD").status, 405);
+    for (const char* path : {"/snapshot.jpg", "/snapshot.png", "/stream.mjpg"}) {
+        const auto head = get(port, path, "", "HEAD");
+        EXPECT_EQ(head.status, 405) << path;
+        EXPECT_EQ(head.header("Allow"), "GET") << path;
+    }
     EXPECT_EQ(audience->size(), 0u);
+}
+
+// Programs add a number to an address so that nothing on the way keeps the picture.
+TEST_F(HttpTest, WhatHasNoMeaningIsPassedOverAndNamed) {
+    const uint16_t port = serve();
+    for (const char* query : {"t=1", "_=1", "1764259200"})
+        EXPECT_EQ(get(port, std::string("/snapshot.jpg?") + query).status, 200) << query;
+    const auto wide = get(port, "/snapshot.jpg?width=320&two%0d%0aSet-Cookie:%20a=1&h=180");
+    EXPECT_EQ(wide.status, 200);
+    EXPECT_EQ(wide.header("Brume-Ignored"), "two??Set-Cookie??a width");
+    EXPECT_EQ(wide.header("Set-Cookie"), "");
+    EXPECT_EQ(wide.header("Brume-Size"), "320x180");
+    std::string many = "/snapshot.jpg?";
+    for (int i = 0; i < 100; ++i) many += fmt::format("{}x=1&", i);
+    EXPECT_LT(get(port, many).header("Brume-Ignored").size(), 300u);
+    Socket stream(port);
+    stream.send("GET /stream.mjpg?t=1 HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    const std::string head = stream.readUntil("\r\n\r\n");
+    EXPECT_NE(head.find("Brume-Ignored: t\r\n"), head.npos) << head;
+    EXPECT_NE(head.find("X-Accel-Buffering: no\r\n"), head.npos) << head;
+    EXPECT_EQ(get(port, "/pause?t=1", "", "POST").status, 200);
+}
+
+// Many programs send a few bytes with every POST.
+TEST_F(HttpTest, AShortBodyIsPassedOver) {
+    const uint16_t port = serve();
+    Socket socket(port);
+    const auto post = [&](const std::string& path, const std::string& body) {
+        socket.send(fmt::format("POST {} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {}\r\n\r\n{}", path,
+                                body.size(), body));
+        return readAnswer(socket);
+    };
+    EXPECT_EQ(post("/pause", "{}").body, "paused\n");
+    EXPECT_EQ(post("/resume", std::string(4096, 'x')).body, "running\n") << "on the same connection";
+    EXPECT_EQ(post("/pause", std::string(4097, 'x')).status, 413);
 }
 
 TEST_F(HttpTest, WithoutFramesPicturesEndIn503) {

@@ -2,8 +2,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include "server/net/routes.h"
 #include "server/net/token.h"
 #include "tests/net/fixture.h"
+#include "tests/net/log_capture.h"
 
 namespace brume::test {
 namespace {
@@ -102,12 +104,84 @@ TEST_F(OriginTest, APageOfAnotherSiteTakesNothing) {
         EXPECT_TRUE(oneLineWith(answer.body, "--allow-origin")) << route << ": " << answer.body;
     }
     EXPECT_EQ(askFrom("/ws", "cross-site", kUpgrade).status, 403);
-    EXPECT_EQ(refused("cross_site"), double(std::size(kGuarded) + 1));
+    EXPECT_EQ(refused("origin"), double(std::size(kGuarded) + 1));
     EXPECT_EQ(audience->size(), 0u);
     EXPECT_EQ(askFrom("/", "cross-site", "Sec-Fetch-Mode: navigate\r\n").status, 200) << "a link to the page";
     EXPECT_EQ(askFrom("/healthz", "cross-site").status, 200) << "a page that asks whether this server is there";
     for (const char* site : {"same-origin", "same-site", "none"})
         EXPECT_EQ(askFrom("/snapshot.jpg", site).status, 200) << site;
+}
+
+// Any page that somebody on the network opens can send a request here; what it is allowed to, depends on its origin.
+TEST_F(OriginTest, EveryRouteByEveryOrigin) {
+    options.allowed_origins = {"https://a.example"};
+    options.max_connections_per_address = 256;
+    options.accept_rate = 10000;
+    const uint16_t port = serve();
+    const std::string own = fmt::format("http://localhost:{}", port);
+    struct Page {
+        std::string origin; // empty: none is sent
+        const char* site;
+        bool may;
+    };
+    const Page pages[] = {{own, "same-origin", true},
+                          {"https://a.example", "cross-site", true},
+                          {"https://evil.example", "cross-site", false},
+                          {"null", "cross-site", false},
+                          {fmt::format("http://localhost:{}", port + 1), "same-site", false},
+                          {"https://localhost", "same-site", false},
+                          {"", "none", true}};
+    for (const net::Route& route : net::allRoutes()) {
+        const bool guarded = route.least.has_value();
+        const std::string method = route.methods.starts_with("GET") ? "GET" : "POST";
+        for (const Page& page : pages)
+            for (const bool says : {false, true}) { // true: the browser sends Sec-Fetch-Site
+                std::string head = fmt::format("{} {} HTTP/1.1\r\nHost: localhost:{}\r\nContent-Length: 0\r\n", method,
+                                               route.path, port);
+                if (!page.origin.empty()) head += fmt::format("Origin: {}\r\n", page.origin);
+                if (says) head += fmt::format("Sec-Fetch-Site: {}\r\n", page.site);
+                Socket socket(port);
+                socket.send(head + "\r\n");
+                const std::string answer = socket.readUntil("\r\n\r\n");
+                EXPECT_EQ(answer.find(" 403 ") != answer.npos, guarded && !page.may)
+                    << route.path << " for " << page.origin << ' ' << says << ": " << answer;
+                const bool shared = answer.find("Access-Control-Allow-Origin: https://a.example\r\n") != answer.npos;
+                EXPECT_EQ(shared, page.origin == "https://a.example") << route.path << ": " << answer;
+            }
+    }
+    EXPECT_EQ(renderer->commands().size(), 2u * 2 * 3) << "pause and resume, by those who may";
+}
+
+TEST_F(OriginTest, AForeignPagesOriginIsTold) {
+    const LogCapture log;
+    serve();
+    EXPECT_EQ(ask("/snapshot.jpg", "Host: localhost\r\nOrigin: https://evil.example\r\n").status, 403);
+    server.reset();
+    const std::string lines = log.atLeast(spdlog::level::warn);
+    EXPECT_NE(lines.find("a page of https://evil.example was refused"), lines.npos) << lines;
+    EXPECT_NE(lines.find("--allow-origin"), lines.npos) << lines;
+}
+
+TEST_F(OriginTest, ABrowserMayAskBeforeItAsks) {
+    options.allowed_origins = {"https://a.example"};
+    const uint16_t port = serve();
+    const auto preflight = [&](const char* path, const char* origin) {
+        return get(port, path,
+                   fmt::format("Origin: {}\r\nAccess-Control-Request-Method: POST\r\n"
+                               "Access-Control-Request-Headers: authorization\r\n",
+                               origin),
+                   "OPTIONS");
+    };
+    const HttpAnswer pause = preflight("/pause", "https://a.example");
+    EXPECT_EQ(pause.status, 204);
+    EXPECT_EQ(pause.header("Access-Control-Allow-Origin"), "https://a.example");
+    EXPECT_EQ(pause.header("Access-Control-Allow-Methods"), "POST");
+    EXPECT_EQ(pause.header("Access-Control-Allow-Headers"), "Authorization, Content-Type");
+    EXPECT_EQ(pause.header("Content-Length"), "");
+    EXPECT_EQ(preflight("/snapshot.jpg", "https://a.example").header("Access-Control-Allow-Methods"), "GET");
+    EXPECT_EQ(preflight("/pause", "https://evil.example").status, 403);
+    EXPECT_EQ(get(port, "/", "", "OPTIONS").header("Allow"), "GET, HEAD, OPTIONS");
+    EXPECT_TRUE(renderer->commands().empty());
 }
 
 TEST_F(OriginTest, APageOfAnAllowedSiteIsServed) {

@@ -65,7 +65,7 @@ TEST_F(TrustTest, ATokenComesInTheHeaderOrTheQuery) {
     EXPECT_EQ(get(port, "/snapshot.jpg?w=64&h=64", bearer(viewer)).status, 200);
     EXPECT_EQ(get(port, "/snapshot.jpg?w=64&h=64&token=" + viewer).status, 200);
     EXPECT_EQ(get(port, "/ws?token=" + viewer).status, 426) << "let in, but no WebSocket";
-    EXPECT_EQ(get(port, "/ws?token=" + viewer, "Origin: https://elsewhere.example\r\n").status, 426);
+    EXPECT_EQ(get(port, "/ws?token=" + viewer, "Origin: https://elsewhere.example\r\n").status, 403);
 }
 
 TEST_F(TrustTest, WhoMayControlMayPause) {

@@ -47,5 +47,28 @@ TEST(CommandQueue, TakesABoundedNumberOfRows) {
     }
 }
 
+TEST(CommandQueue, TakesNoMoreLightThanThereIsTimeFor) {
+    CommandQueue queue;
+    const Add lamp{SceneList::lights, {}}, bright{SceneList::lights, {{SceneList::lights, "light.shadows", false}}};
+    const Set dimmed{{"light[0].shadows", true}};
+    EXPECT_TRUE(queue.push({1, 1, lamp})) << "nothing is priced yet";
+    queue.price({.left = 10, .plain = 1, .shadowed = 4});
+    EXPECT_TRUE(queue.push({1, 2, lamp}));
+    EXPECT_TRUE(queue.push({1, 3, dimmed}));
+    EXPECT_FALSE(queue.push({1, 4, lamp}));
+    EXPECT_NE(std::string(whyRefused(queue, lamp)).find("--most-frame-time"), std::string::npos);
+    EXPECT_FALSE(queue.push({1, 5, Set{{"light[0].shadows", true}, {"light[1].shadows", true}}}));
+    EXPECT_TRUE(queue.push({1, 6, Set{{"light[0].shadows", false}}}));
+    for (uint32_t seq = 7; seq < 10; ++seq) EXPECT_TRUE(queue.push({1, seq, bright}));
+    EXPECT_FALSE(queue.push({1, 10, bright}));
+    EXPECT_TRUE(queue.push({1, 11, Remove{SceneList::lights, 0}})) << "what lessens it is taken";
+    EXPECT_TRUE(queue.push({1, 12, Add{SceneList::fogs, {}}}));
+    std::vector<Command> out;
+    queue.drain(out);
+    EXPECT_FALSE(queue.push({1, 13, lamp})) << "it is priced anew, not by the next tick";
+    queue.price({.left = 4, .plain = 1, .shadowed = 4});
+    EXPECT_TRUE(queue.push({1, 14, lamp}));
+}
+
 } // namespace
 } // namespace brume

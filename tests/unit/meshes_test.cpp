@@ -49,7 +49,7 @@ TEST(Meshes, WithoutAnAreaAreRefused) {
 
 TEST(Meshes, RefusalsAreOneLine) {
     EXPECT_NE(errorOf("[[mesh]]").find("mesh[0].file: a mesh without a file"), std::string::npos);
-    EXPECT_NE(errorOf("[[mesh]]\nfile = \"none.glb\"").find("none.glb: glTF: no such file"), std::string::npos);
+    EXPECT_NE(errorOf("[[mesh]]\nfile = \"none.glb\"").find("none.glb is no file"), std::string::npos);
     written(GltfFile().glb(), "triangle.glb");
     EXPECT_NE(errorOf("[[mesh]]\nfile = \"triangle.glb\"\nscale = 1e6").find("within 50 km"), std::string::npos);
     EXPECT_NE(errorOf("[[mesh]]\nfile = \"triangle.glb\"\nscale = 0").find("mesh[0].scale: 0 is not"),

@@ -45,24 +45,37 @@ TEST(Origin, AHostIsLocalAnAddressOrNamed) {
         EXPECT_FALSE(hostAllowed(host, options)) << host;
 }
 
-TEST(Origin, AnotherSitesPageIsTheListedOrNone) {
+TEST(Origin, APageIsOwnListedOrRefused) {
     const std::vector<std::string> listed{"https://a.example", "http://b.example:3000"};
-    EXPECT_TRUE(siteAllowed("", "", "", {})) << "no browser, or one that does not say";
-    for (const char* site : {"none", "same-origin", "same-site"})
-        EXPECT_TRUE(siteAllowed(site, "https://evil.example", "", {})) << site;
-    EXPECT_FALSE(siteAllowed("cross-site", "", "", listed));
-    EXPECT_FALSE(siteAllowed("Cross-Site", "", "", listed));
-    EXPECT_TRUE(siteAllowed("cross-site", "https://a.example", "", listed));
-    EXPECT_FALSE(siteAllowed("cross-site", "http://a.example", "", listed));
-    EXPECT_TRUE(siteAllowed("cross-site", "", "https://a.example/", listed));
-    EXPECT_TRUE(siteAllowed("cross-site", "", "https://a.example/page?of=https://evil.example", listed));
-    EXPECT_TRUE(siteAllowed("cross-site", "", "http://b.example:3000/x", listed));
-    EXPECT_FALSE(siteAllowed("cross-site", "", "http://b.example/x", listed));
-    EXPECT_FALSE(siteAllowed("cross-site", "", "https://evil.example/https://a.example/", listed));
-    EXPECT_FALSE(siteAllowed("cross-site", "", "a.example", listed));
-    EXPECT_FALSE(siteAllowed("cross-site", "https://evil.example", "https://a.example/", listed))
-        << "the origin goes first";
-    EXPECT_TRUE(siteAllowed("cross-site", "", "", {"*"}));
+    const auto may = [&](const Asker& asker) { return pageAllowed(asker, listed); };
+    EXPECT_TRUE(may({})) << "no browser, or one that does not say";
+    for (const char* site : {"none", "same-origin", "same-site"}) EXPECT_TRUE(may({.site = site})) << site;
+    EXPECT_FALSE(may({.site = "cross-site"}));
+    EXPECT_FALSE(may({.site = "Cross-Site"}));
+    EXPECT_TRUE(may({.referer = "https://a.example/", .site = "cross-site"}));
+    EXPECT_TRUE(may({.referer = "https://a.example/page?of=https://evil.example", .site = "cross-site"}));
+    EXPECT_TRUE(may({.referer = "http://b.example:3000/x", .site = "cross-site"}));
+    EXPECT_FALSE(may({.referer = "http://b.example/x", .site = "cross-site"}));
+    EXPECT_FALSE(may({.referer = "https://evil.example/https://a.example/", .site = "cross-site"}));
+    EXPECT_FALSE(may({.referer = "a.example", .site = "cross-site"}));
+    for (const char* site : {"", "cross-site", "same-site", "same-origin", "none"}) {
+        EXPECT_TRUE(may({.host = "clouds:8080", .origin = "https://a.example", .site = site})) << site;
+        EXPECT_FALSE(may({.host = "clouds:8080", .origin = "http://a.example", .site = site})) << site;
+        EXPECT_FALSE(may({.host = "clouds:8080", .origin = "null", .site = site})) << site;
+        EXPECT_FALSE(may({.host = "clouds:8080", .origin = "http://clouds:8081", .site = site})) << site;
+        EXPECT_FALSE(may({.host = "clouds:8080", .origin = "http://clouds", .site = site})) << site;
+        EXPECT_FALSE(may({.origin = "https://evil.example", .referer = "https://a.example/", .site = site}))
+            << "the origin goes first";
+    }
+    EXPECT_TRUE(may({.host = "clouds:8080", .origin = "http://clouds:8080"}));
+    EXPECT_TRUE(may({.host = "Clouds", .origin = "https://clouds:443"}));
+    EXPECT_TRUE(may({.host = "clouds:80", .origin = "http://clouds"}));
+    EXPECT_FALSE(may({.host = "clouds", .origin = "http://clouds", .site = "cross-site"}))
+        << "the browser knows better";
+    EXPECT_TRUE(pageAllowed({.origin = "null", .site = "cross-site"}, {"*"}));
+    EXPECT_EQ(sharedWith("https://a.example", listed), "https://a.example");
+    EXPECT_FALSE(sharedWith("https://evil.example", listed));
+    EXPECT_FALSE(sharedWith("", {"*"}));
 }
 
 } // namespace

@@ -33,6 +33,21 @@ TEST(DeviceQuality, SizeThenRateAtOnceWhenNothingElseIsLeft) {
     EXPECT_EQ(after(quality, now, milliseconds(2000), over), 3u); // the end
 }
 
+TEST(DeviceQuality, WhatReducesAPictureIsKnown) {
+    QualityControl quality;
+    Clock::time_point now = kStart;
+    EXPECT_EQ(quality.reduced(), Reduced::no);
+    const DeviceLoad over{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 4, .exhausted = true};
+    quality.observe({.device = over}, now);
+    EXPECT_EQ(quality.reduced(), Reduced::device);
+    for (int i = 0; i < 40; ++i) quality.observe({.queue_ms = 500, .device = over}, now += milliseconds(300));
+    ASSERT_EQ(quality.level(), QualityControl::kSteps - 1);
+    EXPECT_EQ(quality.reduced(), Reduced::link) << "both are as small and as rare, and one has JPEG quality besides";
+    QualityControl slow;
+    slow.observe({.queue_ms = 500}, now += milliseconds(300));
+    EXPECT_EQ(slow.reduced(), Reduced::link);
+}
+
 TEST(DeviceQuality, AccuracyComesFirstAndTheCheapPayNothing) {
     QualityControl quality;
     Clock::time_point now = kStart;

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "server/sim/simulation.h"
 #include "tests/unit/scene_file.h"
@@ -103,7 +104,10 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"origin = [0, 1e6, 0]\n[[plane]]\nheight = 0", 3, "plane[0].height", "0 is not",
               "near the scene's origin"},
         Wrong{"origin = [0, 2e7, 0]", 1, "origin", "20000000 is not", "from -10000000 to 10000000"},
-        Wrong{"[camera]\nfov_y = 3.2", 2, "camera.fov_y", "3.2 is not", "from 0.05 to 3"},
+        Wrong{"[camera]\nfov_y = 3.2", 2, "camera.fov_y", "3.2 is not", "a number of radians from 0.05 to 3"},
+        Wrong{"[camera]\nfov_y = 45", 2, "camera.fov_y", "45 is not", "radians"},
+        Wrong{"[[mesh]]\n\n[[mesh]]\nfile = \"none.glb\"", 1, "mesh[0].file", "without a file", ".glb"},
+        Wrong{"[[mesh]]\nfile = \"none.glb\"", 2, "mesh[0].file", "none.glb is no file", ".glb"},
         Wrong{"[simulation]\npaused = 1", 2, "simulation.paused", "1 is not", "true or false"},
         Wrong{"[render]\nmethod = \"\"", 2, "render.method", "\"\" is not", "text of 1 to 64"},
         Wrong{"[render]\nquadrature = \"simpson\"", 2, "render.quadrature", "unknown key", "method"},
@@ -314,6 +318,40 @@ TEST(Scene, WhatCannotBeReadSaysSo) {
     EXPECT_THROW(loadScene(testing::TempDir()), SceneError);
     EXPECT_NE(errorOf(std::string(2 << 20, '#')).find("larger than 1 MiB"), std::string::npos);
     EXPECT_NE(errorOf(std::string("name = \"\xff\xfe\"")).find("syntax"), std::string::npos);
+}
+
+// The parser recurses, and so does what it makes: 64 kB of dots ended the process.
+TEST(Scene, WhatIsTooDeepIsRefusedInOneLine) {
+    std::string dotted = "x", tables = "x = ", arrays = "x = ", both = "x = ";
+    for (int i = 0; i < 32'000; ++i) dotted += ".a", tables += "{a = ", arrays += "[";
+    for (int i = 0; i < 200; ++i) both += "{a.a.a.a.a.a.a.a.a.a.a.a = ";
+    for (const std::string& text : {dotted + " = 1", tables, arrays, both, "[" + dotted + "]", "[[" + dotted + "]]",
+                                    "\n\n" + dotted, "# a.b\n\"x\" . 'y' " + dotted.substr(1) + " = 1"}) {
+        const std::string why = errorOf(text);
+        EXPECT_NE(why.find("syntax"), why.npos) << text.substr(0, 40) << ": " << why.substr(0, 200);
+        EXPECT_LT(why.size(), 300u);
+    }
+    const std::vector<std::string> overrides{dotted + "=1"};
+    EXPECT_THROW(loadScene(written(""), overrides), SceneError);
+    EXPECT_EQ(errorOf("# ................................................................ a.b.c.d.e.f.g\n"
+                      "name = \"1.5.6.7.8.9.10\"\n[camera]\ntarget = [0.5, 0.25, 0.125]\n"),
+              "no error");
+}
+
+// To open a pipe waits for whoever writes there.
+TEST(Scene, APipeIsNoFile) {
+    const std::filesystem::path pipe = std::filesystem::path(testing::TempDir()) / "scene_test_pipe";
+    std::filesystem::remove(pipe);
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_THROW(loadScene(pipe), SceneError);
+    const auto points = [&](const char* layout, const char* file) {
+        return written(std::string("[medium]\nlayout = \"") + layout + "\"\nfile = \"" + file + "\"\n");
+    };
+    EXPECT_THROW(Simulation(loadScene(points("file", "scene_test_pipe"))), SceneError);
+    std::filesystem::rename(pipe, pipe.parent_path() / "scene_test_pipe7.ply");
+    EXPECT_THROW(Simulation(loadScene(points("sequence", "scene_test_pipe#.ply"))), SceneError);
+    EXPECT_THROW(loadScene(written("[[mesh]]\nfile = \"scene_test_pipe7.ply\"\n")), SceneError);
+    std::filesystem::remove(pipe.parent_path() / "scene_test_pipe7.ply");
 }
 
 TEST(Scene, ARefusalIsOneLineWhateverItQuotes) {

@@ -89,6 +89,7 @@ CostModel costsOf(const Context& context, const gpu::Device& device) {
     std::string complaint;
     CostModel model = loadCosts(costFile(context.costs, device.name(), device.driver()), complaint);
     if (!complaint.empty()) std::cerr << complaint << '\n';
+    model.on_cpu = device.isCpu();
     return model;
 }
 

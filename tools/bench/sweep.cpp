@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/scene_reader.h"
+#include "common/toml_text.h"
 #include "tools/bench/error.h"
 #include "tools/bench/jpeg_error.h"
 #include "tools/bench/light_error.h"
@@ -200,7 +201,7 @@ std::vector<Series> loadSweep(const std::filesystem::path& file) {
     if (!in) throw SceneError(file.string() + ": cannot be read; give the path of a sweep's TOML file");
     toml::table root;
     try {
-        root = toml::parse(text.str(), file.string());
+        root = parseToml(text.str(), file.string());
     } catch (const toml::parse_error& error) {
         throw SceneError(file.string() + ':' + std::to_string(error.source().begin.line) +
                          ": syntax: " + std::string(error.description()));

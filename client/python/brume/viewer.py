@@ -27,6 +27,7 @@ class State:
     lists: dict = field(repr=False)  # of each list, 'light' and 'fog', its elements: each a dictionary by key
     box: tuple  # two corners of a box that holds the medium, m; None from an older server
     standstill: str = None  # why no tick comes at present, in one line; None: ticks come
+    preparing: str = None  # the name of another scene that is being made ready to be shown; None: none is
 
 
 def look_at(position, target):
@@ -112,7 +113,8 @@ class Viewer:
                      promised=(plan.Promised() or None) if plan else None, method=messages.text_of(method),
                      settings=dict(zip(paths, values)), lists=elements,
                      box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None,
-                     standstill=messages.text_of(state.Standstill()) or None)
+                     standstill=messages.text_of(state.Standstill()) or None,
+                     preparing=messages.text_of(state.Preparing()) or None)
 
     # ---- camera and pictures ----
 

@@ -6,7 +6,7 @@ import { answers, pageOf } from './move';
 import { SUBPROTOCOL } from './protocol';
 import type { Command, HelloMessage, PoseMessage, ServerMessage, Welcome } from './protocol';
 
-export type Refusal = 'full' | 'version' | 'goodbye' | 'token';
+export type Refusal = 'full' | 'version' | 'blocked' | 'origin' | 'goodbye' | 'token';
 
 // `retryAt`: time of the next try, on performance.now()'s clock; undefined while one is under way.
 export type LinkState =
@@ -242,14 +242,14 @@ export class Connection {
   // The handshake failed: nobody is there, the server wants another token, or it does not speak this version. A
   // browser does not say which. So the page asks the same address over HTTP, which answers in one line.
   private async turnedDown(): Promise<void> {
-    const [{ wants, there }, alive] = await Promise.all([this.asked(), this.isAlive()]);
+    const [{ refusal, text, there }, alive] = await Promise.all([this.asked(), this.isAlive()]);
     if (this.socket || this.ending.aborted) return; // another try has begun meanwhile, or none is wanted
-    this.declined = alive && there && wants === undefined ? this.declined + 1 : 0;
-    if (wants !== undefined) {
-      this.parting = { refusal: 'token', text: wants };
+    this.declined = alive && there && !refusal ? this.declined + 1 : 0;
+    if (refusal) {
+      this.parting = { refusal, text };
       this.askedWait = TOKEN_WAIT_S;
     } else if (this.declined >= DECLINED_LIMIT) {
-      this.parting = versionRefusal();
+      this.parting = text.includes(SUBPROTOCOL) ? blockedRefusal() : versionRefusal();
       this.askedWait = 5;
     }
     this.ended();
@@ -262,21 +262,28 @@ export class Connection {
     );
   }
 
-  // What the socket's own address says. `wants`: the server's reason to refuse this page's token, in one line; absent
-  // if it accepts the token. `there`: false if a gateway says that the server behind it is gone.
-  private async asked(): Promise<{ there: boolean; wants?: string }> {
-    try {
-      const answer = await this.ask(new URL(this.url));
-      if (answer.status !== 401 && answer.status !== 403) return { there: answer.status < 500 };
-      return { there: true, wants: (await answer.text()).split('\n')[0]?.slice(0, 200) ?? '' };
-    } catch {
-      return { there: true }; // nobody answers, or the browser keeps the answer to itself
-    }
+  // What the socket's own address says, in one line: why it refuses this page's token or origin, or what it is.
+  // `there`: false if a gateway says that the server behind it is gone. A browser names a page's origin to the page's
+  // own host only with methods like OPTIONS.
+  private async asked(): Promise<{ there: boolean; refusal?: Refusal; text: string }> {
+    const said = { there: true, text: '' };
+    for (const method of ['OPTIONS', 'GET'])
+      try {
+        const answer = await this.ask(new URL(this.url), method);
+        const text = (await answer.text()).split('\n')[0]?.slice(0, 300) ?? '';
+        if (answer.headers.get('brume-refused') === 'origin') return { ...said, refusal: 'origin', text };
+        if (method === 'OPTIONS') continue;
+        if (answer.status === 401 || answer.status === 403) return { ...said, refusal: 'token', text };
+        return { there: answer.status < 500, text };
+      } catch {
+        // Nobody answers, or the browser keeps the answer to itself.
+      }
+    return said;
   }
 
-  private ask(address: URL): Promise<Response> {
+  private ask(address: URL, method = 'GET'): Promise<Response> {
     const page = address.href.replace(/^ws/, 'http');
-    return fetch(page, { cache: 'no-store', signal: AbortSignal.timeout(ASK_MS) });
+    return fetch(page, { method, cache: 'no-store', signal: AbortSignal.timeout(ASK_MS) });
   }
 
   private ended(): void {
@@ -313,6 +320,11 @@ export class Connection {
 const versionRefusal = (): { refusal: Refusal; text: string } => ({
   refusal: 'version',
   text: 'The server turned this page away.',
+});
+
+const blockedRefusal = (): { refusal: Refusal; text: string } => ({
+  refusal: 'blocked',
+  text: 'Something on the way, perhaps a proxy, does not pass WebSockets on.',
 });
 
 // The address of a server's socket: `source` itself where it is a socket's (ws: or wss:), else "ws" beside the page

@@ -167,7 +167,7 @@ const decodeElements = (list: WireElements | null): number[] =>
   toList(list?.valuesLength() ?? 0, MAX_VALUES, (i) => list?.values(i) ?? 0);
 
 function decodeScene(s: WireSceneState): SceneState {
-  const [plan, lo, hi, standstill] = [s.plan(), s.lo(), s.hi(), s.standstill()];
+  const [plan, lo, hi, standstill, preparing] = [s.plan(), s.lo(), s.hi(), s.standstill(), s.preparing()];
   return {
     kind: 'scene',
     tick: s.tick(),
@@ -183,6 +183,7 @@ function decodeScene(s: WireSceneState): SceneState {
     ...(plan ? { plan: decodePlan(plan) } : {}),
     ...(s.listsLength() > 0 ? { lists: toList(s.listsLength(), MAX_LISTS, (i) => decodeElements(s.lists(i))) } : {}),
     ...(standstill ? { standstill: standstill.slice(0, MAX_LINE) } : {}),
+    ...(preparing ? { preparing: preparing.slice(0, MAX_LINE) } : {}),
   };
 }
 
@@ -197,6 +198,7 @@ function decodeFrame(f: WireFrame, tail: Uint8Array<ArrayBuffer>): Frame {
     return view;
   });
   if (jpeg.length === 0 || begin !== tail.length) throw new ProtocolError('picture bytes do not match their lengths');
+  const reduced = ([undefined, 'link', 'device'] as const)[f.reduced()];
   return {
     kind: 'frame',
     id: f.id(),
@@ -218,6 +220,7 @@ function decodeFrame(f: WireFrame, tail: Uint8Array<ArrayBuffer>): Frame {
       queue: stages.queue(),
       gpu: stages.gpu(),
     },
+    ...(reduced ? { reduced } : {}),
     ...(f.measured() > 0 ? { measured: { error: f.measured(), low: f.measuredLow(), high: f.measuredHigh() } } : {}),
     jpeg,
   };

@@ -2,11 +2,12 @@
 import type { Size } from './size';
 
 export interface Seen {
+  preparing?: string; // name of another scene that is being made ready
   standing: boolean; // true: the server says that no tick comes
   paused: boolean;
   mayControl: boolean; // true: this viewer may resume
   touch: boolean; // true: there is no keyboard
-  frame: (Size & { quality: number }) | undefined; // the newest, one eye
+  frame: (Size & { quality: number; reduced?: 'link' | 'device' }) | undefined; // the newest, one eye
   asked: Size; // of one eye
   limit: number; // pixels of one eye that the server draws at most, whatever is asked for
   relaxed: number; // steps of accuracy given up under overload
@@ -22,16 +23,20 @@ const SMALLER = 0.6; // part of the pixels asked for: the server halves both sid
 export function lack(seen: Seen): string | undefined {
   const { standing, paused, mayControl, touch, frame, asked, limit, relaxed, rate } = seen;
   if (standing) return 'Standing still';
+  if (seen.preparing !== undefined) return `Preparing ${seen.preparing}…`;
   if (paused && !mayControl) return 'Paused: a controller can resume';
   if (paused) return touch ? 'Paused: tap Pause to resume' : 'Paused: resume with P';
   const wanted = asked.width * asked.height;
+  // What the server says of it; older servers do not.
+  const why = (busy: boolean): string =>
+    (frame?.reduced ? frame.reduced === 'device' : busy) ? 'the server is busy' : 'the link is slow';
   if (frame && frame.width * frame.height < SMALLER * Math.min(wanted, limit)) {
     const busy = relaxed > 0 && frame.quality > LINK_QUALITY;
-    return `${frame.width}×${frame.height}: the ${busy ? 'server is busy' : 'link is slow'}`;
+    return `${frame.width}×${frame.height}: ${why(busy)}`;
   }
   if (rate !== undefined && rate < RARE) {
     const busy = seen.serverMs > 500 / RARE; // most of the time between two pictures
-    return `${rate.toFixed(rate < 1 ? 1 : 0)} pictures/s: the ${busy ? 'server is busy' : 'link is slow'}`;
+    return `${rate.toFixed(rate < 1 ? 1 : 0)} pictures/s: ${why(busy)}`;
   }
   if (relaxed > 0) return 'Accuracy reduced: the server is busy';
   if (frame && frame.width * frame.height < SMALLER * wanted)

@@ -259,11 +259,13 @@ function tellLack(): void {
   if (standing || paused() || document.hidden || linkState !== 'connected') countedFrom = now;
   const seen = {
     ...{ standing, paused: paused(), mayControl, touch: touchOnly(), frame, asked: size, limit },
+    ...(scene?.preparing !== undefined ? { preparing: scene.preparing } : {}),
     relaxed: scene?.plan?.relaxed ?? 0,
     rate: now - countedFrom > SETTLED_MS ? statistics.shownRate.perSecond(now) : undefined,
     serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
   };
-  notices.lack(steady.next(headset ? undefined : lack(seen), standing || seen.paused));
+  const atOnce = standing || seen.paused || scene?.preparing !== undefined;
+  notices.lack(steady.next(headset ? undefined : lack(seen), atOnce));
 }
 
 function animate(): void {

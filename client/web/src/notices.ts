@@ -17,6 +17,16 @@ const REFUSALS = {
     text: 'They may be of different versions: loading the page again should help.',
     status: 'Other version',
   },
+  blocked: {
+    title: 'WebSockets do not get through',
+    text: 'Something between this page and the server, perhaps a proxy, does not pass WebSockets on.',
+    status: 'No WebSocket',
+  },
+  origin: {
+    title: 'The server does not know this page',
+    text: 'Pages of this address may not look here.',
+    status: 'Not allowed',
+  },
   token: {
     title: 'This page may not look here',
     text: 'It needs a token: ask for an address with one.',
@@ -113,7 +123,7 @@ export class Notices {
         const refusal = REFUSALS[state.refusal];
         this.retryAt = state.retryAt;
         this.show('refused', refusal.status);
-        const tells = state.refusal === 'goodbye' || state.refusal === 'token';
+        const tells = ['goodbye', 'token', 'origin'].includes(state.refusal);
         const own = tells && state.text ? sentence(state.text) : refusal.text;
         this.draw(refusal.title, own, state.refusal === 'version' ? 'Load again' : 'Try now');
         break;

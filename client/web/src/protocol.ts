@@ -111,6 +111,7 @@ export interface SceneState {
   box?: Box; // holds the medium; older servers leave it out
   plan?: Plan; // method and settings in use; older servers leave it out
   lists?: number[][]; // of the elements of each of Welcome.lists; absent: as before
+  preparing?: string; // name of another scene that is being made ready to be shown; absent: none is
   standstill?: string; // why no tick comes at present, one line; absent: ticks come
 }
 
@@ -146,6 +147,7 @@ export interface Frame {
   quality: number;
   stages: { wait: number; render: number; encode: number; queue: number; gpu: number }; // ms
   measured?: Measured; // absent: not known
+  reduced?: 'link' | 'device'; // why it is less than what was asked for; absent: it is not, or an older server
   jpeg: Uint8Array<ArrayBuffer>[]; // one picture per view; JPEG, or PNG for a still picture without loss
 }
 

@@ -36,11 +36,19 @@ describe('what pictures lack', () => {
     expect(lack({ ...whole, standing: true, paused: true })).toBe('Standing still');
   });
 
+  test('is another scene while that is made ready', () => {
+    expect(lack({ ...whole, preparing: 'cumulus', paused: true })).toBe('Preparing cumulus…');
+  });
+
   test('names the size and who made it small', () => {
     const small = { ...whole, frame: { width: 320, height: 180, quality: 40 } };
     expect(lack(small)).toBe('320×180: the link is slow');
     expect(lack({ ...small, relaxed: 1 })).toBe('320×180: the link is slow');
     expect(lack({ ...small, relaxed: 1, frame: { ...small.frame, quality: 75 } })).toBe('320×180: the server is busy');
+    expect(lack({ ...small, frame: { ...small.frame, reduced: 'device' } })).toBe('320×180: the server is busy');
+    expect(lack({ ...small, relaxed: 1, frame: { ...small.frame, quality: 75, reduced: 'link' } })).toBe(
+      '320×180: the link is slow',
+    );
     expect(lack({ ...whole, asked: { width: 1920, height: 1080 }, limit: 640 * 360 })).toBe(
       '640×360: the server’s limit',
     );

@@ -1,0 +1,55 @@
+#include "server/ending.h"
+
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+
+#include <spdlog/spdlog.h>
+
+namespace brume {
+namespace {
+
+[[noreturn]] void endNow() {
+    spdlog::default_logger()->flush();
+    std::_Exit(0);
+}
+
+} // namespace
+
+Ending::Ending(const sigset_t& signals) {
+    sigset_t ends;
+    sigemptyset(&ends);
+    for (const int one : {SIGINT, SIGTERM})
+        if (sigismember(&signals, one) == 1) sigaddset(&ends, one);
+    thread_ = std::jthread([ends](const std::stop_token& stop) {
+        constexpr timespec kLook{0, 20'000'000}; // ns
+        while (!stop.stop_requested())
+            if (::sigtimedwait(&ends, nullptr, &kLook) > 0) {
+                spdlog::info("stopped");
+                endNow();
+            }
+    });
+}
+
+Ending::~Ending() { cease(); }
+
+void Ending::cease() {
+    thread_.request_stop();
+    if (thread_.joinable()) thread_.join();
+}
+
+void Ending::started() { cease(); }
+
+void Ending::within(std::chrono::milliseconds time) {
+    cease();
+    thread_ = std::jthread([time](const std::stop_token& stop) {
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any ended;
+        if (ended.wait_for(lock, stop, time, [&] { return stop.stop_requested(); })) return;
+        spdlog::warn("what is under way is left: it takes longer than {} ms", time.count());
+        endNow();
+    });
+}
+
+} // namespace brume

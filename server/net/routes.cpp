@@ -1,0 +1,40 @@
+#include "server/net/routes.h"
+
+#include <algorithm>
+
+namespace brume::net {
+namespace {
+
+constexpr std::string_view kRead = "GET, HEAD", kGet = "GET", kPost = "POST";
+constexpr Route kRoutes[] = {
+    {"/", kRead, {}},
+    {"/ws", kRead, Role::viewer},
+    {"/healthz", kRead, {}},
+    {"/readyz", kRead, {}},
+    {"/metrics", kRead, Role::operator_},
+    {"/viewers", kRead, Role::operator_},
+    {"/snapshot.jpg", kGet, Role::viewer},
+    {"/snapshot.png", kGet, Role::viewer},
+    {"/stream.mjpg", kGet, Role::viewer},
+    {"/pause", kPost, Role::controller},
+    {"/resume", kPost, Role::controller},
+    {"/seek", kPost, Role::controller},
+    {"/scene", kPost, Role::operator_},
+    {"/scene.toml", kRead, Role::viewer},
+    {"/cloud", kPost, Role::operator_, true},
+};
+
+} // namespace
+
+bool Route::takes(std::string_view method) const {
+    return method == methods || (methods == kRead && (method == "GET" || method == "HEAD"));
+}
+
+std::span<const Route> allRoutes() { return kRoutes; }
+
+const Route* routeOf(std::string_view path) {
+    const auto found = std::ranges::find(kRoutes, path, &Route::path);
+    return found == std::end(kRoutes) ? nullptr : &*found;
+}
+
+} // namespace brume::net

@@ -1,0 +1,105 @@
+#include "server/operate/uploaded_clouds.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "common/plain_file.h"
+#include "common/scene.h"
+#include "server/sim/state_hash.h"
+
+namespace brume {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kIncoming = "incoming"; // folder of those that are not known to be good
+
+// The first line of a scene that the server wrote.
+std::string markOf(const std::string& text, uintmax_t points_bytes) {
+    return fmt::format("# Written for an uploaded cloud: {:016x} {}\n", hashOf(text, 0), points_bytes);
+}
+
+fs::path pointsOf(const fs::path& scene) { return fs::path(scene).replace_extension(".ply"); }
+
+// True: the server wrote the scene and its points, and nobody has changed them.
+bool isOurs(const fs::path& scene) {
+    std::ifstream in = openPlain(scene);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const size_t begin = std::min(text.find('\n'), text.size() - 1) + 1;
+    std::error_code error;
+    const uintmax_t bytes = fs::file_size(pointsOf(scene), error);
+    return !error && text.starts_with(markOf(text.substr(begin), bytes));
+}
+
+void write(const fs::path& file, const std::string& bytes) {
+    std::ofstream out(file, std::ios::binary | std::ios::trunc);
+    out << bytes << std::flush;
+    if (!out) throw SceneError(file.string() + ": cannot be written; --cloud-dir names another folder");
+}
+
+// What cannot be deleted stays.
+void keepNewest(const fs::path& folder) {
+    std::error_code ignored;
+    std::vector<std::pair<fs::file_time_type, fs::path>> scenes;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (entry.path().extension() == ".toml" && isOurs(entry.path()))
+            scenes.emplace_back(entry.last_write_time(ignored), entry.path());
+    std::ranges::sort(scenes);
+    for (size_t i = 0; i + UploadedClouds::kMost < scenes.size(); ++i) {
+        fs::remove(scenes[i].second, ignored);
+        fs::remove(pointsOf(scenes[i].second), ignored);
+    }
+}
+
+} // namespace
+
+UploadedClouds::Incoming::Incoming(const fs::path& folder, const std::string& name, const std::string& points)
+    : kept_(folder / (name + ".toml")), points_(folder / kIncoming / (name + ".ply")) {
+    std::error_code ignored; // write() complains
+    fs::create_directories(points_.parent_path(), ignored);
+    try {
+        write(points_, points);
+    } catch (const SceneError&) {
+        discard();
+        throw;
+    }
+}
+
+void UploadedClouds::Incoming::discard() const {
+    std::error_code ignored;
+    fs::remove(points_, ignored);
+    fs::remove(scene(), ignored);
+}
+
+fs::path UploadedClouds::Incoming::scene() const { return fs::path(points_).replace_extension(".toml"); }
+
+fs::path UploadedClouds::Incoming::keep(const std::string& text) {
+    write(scene(), markOf(text, fs::file_size(points_)) + text);
+    std::error_code error;
+    fs::rename(points_, pointsOf(kept_), error);
+    if (!error) fs::rename(scene(), kept_, error);
+    if (error) throw SceneError(kept_.string() + ": cannot be written: " + error.message());
+    keepNewest(kept_.parent_path());
+    return kept_;
+}
+
+UploadedClouds::Incoming UploadedClouds::take(const std::string& name, const std::string& points) const {
+    const fs::path kept = folder_ / (name + ".toml");
+    std::error_code error;
+    if ((fs::exists(kept, error) || fs::exists(pointsOf(kept), error)) && !isOurs(kept))
+        throw SceneError("the server did not write its file '" + name + "' itself: give another name with ?name=");
+    return {folder_, name, points};
+}
+
+std::string UploadedClouds::withoutFolders(std::string complaint) const {
+    for (const std::string& folder : {(folder_ / kIncoming / "").string(), (folder_ / "").string()})
+        for (size_t at = 0; (at = complaint.find(folder, at)) != complaint.npos;) complaint.erase(at, folder.size());
+    return complaint;
+}
+
+} // namespace brume
