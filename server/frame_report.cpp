@@ -43,18 +43,18 @@ void FrameLoop::tellLoad(Clock::time_point now) {
     most_full_ms_ = on_device_ ? batch_planner_.fullBatchMs() : 0; // of the batch that goes on
 }
 
-// A picture of the scene's own view may take --most-frame-time, or half as long again as one of a dear scene did before
-// anybody added a light.
+// A picture of the scene's own view may take four times --most-frame-time, since pictures get smaller then, or half as
+// long again as one of a dear scene did before anybody added a light.
 void FrameLoop::priceLights() {
     if (planner_->plan().passes.empty() || priced_ == simulation_.listsHash()) return;
-    constexpr double kDearer = 1.5;
+    constexpr double kDearer = 1.5, kSmaller = 4;
     priced_ = simulation_.listsHash();
     const auto prices = [&](double most) {
         return lightPrices(planScene(scene_, simulation_), planner_->plan().chosen.settings, ownView(scene_),
                            planner_->costs().model(), most);
     };
     constexpr double kAll = 1e12;
-    if (light_ms_ == 0) light_ms_ = std::max(most_frame_ms_, kDearer * (kAll - prices(kAll).left));
+    if (light_ms_ == 0) light_ms_ = std::max(kSmaller * most_frame_ms_, kDearer * (kAll - prices(kAll).left));
     audience_.commands().price(prices(light_ms_));
 }
 
