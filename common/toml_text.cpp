@@ -7,25 +7,64 @@ namespace {
 
 constexpr int kMostParts = 16, kMostTables = 16;
 
-// The line where a key may have too many parts or tables may be too deep; 0: none. Text in quotes is looked at as if it
-// were not: sixteen dots without a comma, a bracket or an end of line between them stand in no sentence.
+// Where what begins at `at` ends: a string with its quotes, or a comment without its end of line. `at` itself where
+// neither begins.
+size_t endOfText(std::string_view text, size_t at) {
+    const char quote = text[at];
+    if (quote == '#') return std::min(text.find('\n', at), text.size());
+    if (quote != '"' && quote != '\'') return at;
+    const auto quotesAt = [&](size_t i) { // how many there are
+        size_t count = 0;
+        while (i + count < text.size() && text[i + count] == quote) ++count;
+        return count;
+    };
+    const size_t opening = quotesAt(at);
+    if (opening == 2) return at + 2; // empty
+    const bool lines = opening >= 3;
+    for (size_t i = at + (lines ? 3 : 1); i < text.size(); ++i) {
+        if (text[i] == '\\' && quote == '"')
+            ++i;
+        else if (!lines && (text[i] == quote || text[i] == '\n'))
+            return i + 1;
+        else if (const size_t closing = lines ? quotesAt(i) : 0; closing >= 3)
+            return i + std::min<size_t>(closing, 5); // two of them may be the text's
+    }
+    return text.size();
+}
+
+// The first line where a key has too many parts, or tables are too deep; 0: none.
 uint32_t lineTooDeep(std::string_view text) {
     uint32_t line = 1;
     int dots = 0, tables = 0;
-    char before = 0;
-    for (const char c : text) {
-        if (c == '.')
-            dots = before == '.' ? 0 : dots + 1; // no key has an empty part
-        else if (c == '{')
-            ++tables, dots = 0;
-        else if (c == '}')
-            tables = std::max(tables - 1, 0), dots = 0;
-        else if (c == '\n')
+    for (size_t i = 0; i < text.size(); ++i) {
+        if (const size_t end = endOfText(text, i); end > i) {
+            line += uint32_t(std::count(text.begin() + ptrdiff_t(i), text.begin() + ptrdiff_t(end), '\n'));
+            i = end - 1;
+            continue;
+        }
+        switch (text[i]) {
+        case '.':
+            ++dots;
+            break;
+        case '\n':
             ++line, dots = 0;
-        else if (c == '=' || c == ',' || c == '[' || c == ']' || c == '#')
+            break;
+        case '{':
+            ++tables, dots = 0;
+            break;
+        case '}':
+            tables = std::max(tables - 1, 0), dots = 0;
+            break;
+        case '=':
+        case ',':
+        case '[':
+        case ']':
             dots = 0;
+            break;
+        default:
+            break;
+        }
         if (dots >= kMostParts || tables > kMostTables) return line;
-        before = c;
     }
     return 0;
 }

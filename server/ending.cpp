@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <cstdlib>
+#include <iostream>
 #include <mutex>
 
 #include <spdlog/spdlog.h>
@@ -9,9 +10,9 @@
 namespace brume {
 namespace {
 
-[[noreturn]] void endNow() {
+[[noreturn]] void endNow(int code) {
     spdlog::default_logger()->flush();
-    std::_Exit(0);
+    std::_Exit(code);
 }
 
 } // namespace
@@ -21,12 +22,12 @@ Ending::Ending(const sigset_t& signals) {
     sigemptyset(&ends);
     for (const int one : {SIGINT, SIGTERM})
         if (sigismember(&signals, one) == 1) sigaddset(&ends, one);
-    thread_ = std::jthread([ends](const std::stop_token& stop) {
+    thread_ = std::jthread([this, ends](const std::stop_token& stop) {
         constexpr timespec kLook{0, 20'000'000}; // ns
         while (!stop.stop_requested())
-            if (::sigtimedwait(&ends, nullptr, &kLook) > 0) {
+            if (const int signal = ::sigtimedwait(&ends, nullptr, &kLook); signal > 0) {
                 spdlog::info("stopped");
-                endNow();
+                endNow(serves_ ? 0 : 128 + signal);
             }
     });
 }
@@ -40,15 +41,23 @@ void Ending::cease() {
 
 void Ending::started() { cease(); }
 
+void Ending::failed(const std::string& line) {
+    const std::scoped_lock lock(mutex_);
+    failure_ = line;
+}
+
 void Ending::within(std::chrono::milliseconds time) {
     cease();
-    thread_ = std::jthread([time](const std::stop_token& stop) {
+    thread_ = std::jthread([this, time](const std::stop_token& stop) {
         std::mutex mutex;
         std::unique_lock lock(mutex);
         std::condition_variable_any ended;
         if (ended.wait_for(lock, stop, time, [&] { return stop.stop_requested(); })) return;
         spdlog::warn("what is under way is left: it takes longer than {} ms", time.count());
-        endNow();
+        const std::scoped_lock failure(mutex_);
+        if (failure_.empty()) endNow(0);
+        std::cerr << "brume-server: " << failure_ << std::endl;
+        endNow(1);
     });
 }
 

@@ -142,7 +142,7 @@ void FrameLoop::learnCosts(const Batch& batch, std::span<const gpu::PassSample> 
     if (!learns_costs_ || batch.one_shot || batch.done - costs_learnt_ < kLearnEvery) return;
     if (costs_learnt_ == Clock::time_point{}) costs_told_ = batch.done - kToldEvery + kFirstTold;
     costs_learnt_ = batch.done;
-    if (other_work_.disturbs() && device_.isCpu()) return;
+    const bool disturbed = other_work_.disturbs() && device_.isCpu();
     std::vector<PlanView> views;
     std::vector<uint32_t> rates;
     for (const EyeRequest& eye : batch.eyes) {
@@ -151,7 +151,7 @@ void FrameLoop::learnCosts(const Batch& batch, std::span<const gpu::PassSample> 
     }
     std::vector<PassMs> passes;
     for (const gpu::PassSample& sample : samples) passes.push_back({sample.name, double(sample.ms)});
-    planner_->passesTook(batch.settings, views, rates, passes);
+    planner_->passesTook(batch.settings, views, rates, passes, disturbed);
     if (!on_costs_ || !planner_->costs().isKnown() || batch.done - costs_told_ < kToldEvery) return;
     costs_told_ = batch.done;
     on_costs_(planner_->costs().model());

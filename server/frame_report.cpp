@@ -46,7 +46,8 @@ void FrameLoop::tellLoad(Clock::time_point now) {
 // A picture of the scene's own view may take four times --most-frame-time, since pictures get smaller then, or half as
 // long again as one of a dear scene did before anybody added a light.
 void FrameLoop::priceLights() {
-    if (planner_->plan().passes.empty() || priced_ == simulation_.listsHash()) return;
+    const bool known = priced_ == simulation_.listsHash() && !audience_.commands().isPricedOut();
+    if (planner_->plan().passes.empty() || known) return;
     constexpr double kDearer = 1.5, kSmaller = 4;
     priced_ = simulation_.listsHash();
     const auto prices = [&](double most) {

@@ -162,6 +162,7 @@ void FrameLoop::takeScene() {
     ++scene_version_;
     replan_ = true;
     audience_.setScene(std::move(facts));
+    audience_.prepare({}); // it is there
     report(Clock::now());
     shown.set_value();
 }

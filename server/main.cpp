@@ -107,6 +107,7 @@ void drain(NetServer& network, Audience& audience, std::chrono::milliseconds tim
 
 void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals, Ending& ending) {
     const ServerOptions& options = *parsed.options;
+    if (!options.explain && options.ahead != "only") ending.serves();
     const bool replayed = !options.replay.empty();
     const std::optional<RecordingExtent> recording =
         replayed ? std::optional<RecordingExtent>(options.replay) : std::nullopt;
@@ -128,7 +129,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     Metrics metrics;
     const std::unique_ptr<cluster::Node> node = nodeOf(options, scene, audience);
     if (node) metrics.collect([&] { return node->samples(); });
-    const std::unique_ptr<Recorder> recorder =
+    std::unique_ptr<Recorder> recorder =
         replayed ? nullptr : recorderOf(options, scene, device, node ? node->firstTick() : 0);
     FrameLoop::Options frame = options.frame;
     frame.costs = costs;
@@ -168,6 +169,13 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     }
 
     network.start(); // a taken port ends it here, before the first frame
+    std::optional<SceneThread> scenes;
+    if (!replayed)
+        scenes.emplace(
+            options, scene,
+            SceneChanger::Server{
+                {argc, argv, frames, audience, device, costs}, recorder.get(), node ? kOneOfSeveral : nullptr, ended});
+    ending.started(); // a loop that fails says so by SIGTERM
     frames.start(
         [&] {
             failed = ended = true;
@@ -185,13 +193,6 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
                      options.net.proxy_protocol ? "the gateway" : options.net.listen);
     if (replayed)
         spdlog::info("replay of '{}', ticks {} to {}", options.replay.string(), recording->head.tick, recording->last);
-    std::optional<SceneThread> scenes;
-    if (!replayed)
-        scenes.emplace(
-            options, scene,
-            SceneChanger::Server{
-                {argc, argv, frames, audience, device, costs}, recorder.get(), node ? kOneOfSeveral : nullptr, ended});
-    ending.started();
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;
@@ -214,9 +215,15 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     ending.within(kEndsWithin);
     frames.stop();
     ended = true;
-    if (device.validationMessages() > 0)
-        throw gpu::Error("the validation layer had " + std::to_string(device.validationMessages()) + " messages");
-    if (frames.failure()) std::rethrow_exception(frames.failure());
+    recorder.reset(); // whole, whatever else goes on
+    try {
+        if (device.validationMessages() > 0)
+            throw gpu::Error("the validation layer had " + std::to_string(device.validationMessages()) + " messages");
+        if (frames.failure()) std::rethrow_exception(frames.failure());
+    } catch (const std::exception& error) {
+        ending.failed(lastLine(error));
+        throw;
+    }
 }
 
 // Memory that pictures needed for a moment goes back to the system. By default glibc keeps more for each thread, the

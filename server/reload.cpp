@@ -72,7 +72,8 @@ void reload(ParsedOptions& now, int argc, const char* const* argv, const Running
         running.frames.setFrameBudget(options.frame.frame_ms);
     }
     spdlog::info("reload: {} setting{} changed", changes, changes == 1 ? "" : "s");
-    running.scenes.reload(options); // sets the level, once it has spoken
+    spdlog::set_level(spdlog::level::from_str(options.log_level));
+    running.scenes.reload(options);
 }
 
 } // namespace brume

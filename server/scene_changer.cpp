@@ -85,6 +85,7 @@ void SceneChanger::serveRequests() {
 // The reason why the old scene stays; empty: the wished one is shown.
 std::string SceneChanger::change(const SceneRequest& request) {
     if (server_.fixed) return server_.fixed;
+    const Preparing preparing(server_.audience, request.name);
     try {
         if (!request.points.empty()) {
             showCloud(request);
@@ -146,6 +147,7 @@ void SceneChanger::reload(const ServerOptions& options) {
 }
 
 void SceneChanger::show(const Files& files) {
+    const Preparing preparing(server_.audience, files.scene.stem().string());
     Scene scene = sceneOf(files.text, files.scene, files.overrides);
     checkScene(scene, files.scene, files.overrides);
     placeCamera(scene);
@@ -156,7 +158,6 @@ void SceneChanger::show(const Files& files) {
 void SceneChanger::show(Scene scene, const Files& files) {
     Simulation simulation(scene, options_.frame.memory);
     tellOfPointCloud(scene, simulation);
-    const Preparing preparing(server_.audience, scene.name);
     compilers_.prepare(scene);
     const RecordingHead head = recordingHead(files.scene, scene, files.overrides);
     std::future<void> shown =

@@ -74,7 +74,7 @@ asio::awaitable<void> HttpConnection::run() {
         if (!begun) co_return;
         RequestParser parser;
         parser.header_limit(options.max_header_bytes);
-        parser.body_limit(options.max_upload);
+        parser.body_limit(std::max(options.max_upload, kMostUnusedBody));
         stream_.tcp().expires_after(headerTime());
         idle_ = true;
         const auto [error, size] = co_await http::async_read_header(stream_, buffer_, parser, kToken);
@@ -113,7 +113,7 @@ asio::awaitable<bool> HttpConnection::another() {
     co_return !error;
 }
 
-// The TLS handshake, if the server has TLS. False if it failed: a peer without TLS cannot be told anything.
+// The TLS handshake, if the server has TLS. False if it failed; a peer that speaks plain HTTP is told.
 asio::awaitable<bool> HttpConnection::secure() {
     ByteStream::Tls* const tls = stream_.tls();
     if (!tls) co_return true;
@@ -124,6 +124,7 @@ asio::awaitable<bool> HttpConnection::secure() {
         const std::string words = lastWords(
             lineReply(400, "this port speaks TLS: the address begins with https:// or wss://"), context_->options);
         co_await asio::async_write(stream_.tcp(), asio::buffer(words), kToken);
+        co_await lingerOpenly();
         error = boost::system::errc::make_error_code(boost::system::errc::protocol_error);
     }
     if (!error) {
@@ -299,11 +300,16 @@ asio::awaitable<void> HttpConnection::linger() {
         co_await stream_.tls()->async_shutdown(kToken);
         co_return stream_.tcp().close();
     }
+    co_await lingerOpenly();
+}
+
+asio::awaitable<void> HttpConnection::lingerOpenly() {
+    stream_.tcp().expires_after(kLinger);
     error_code ignored;
     stream_.tcp().socket().shutdown(tcp::socket::shutdown_send, ignored);
     std::array<char, 4096> bin;
     for (size_t total = 0; total < (64u << 10);) {
-        const auto [error, size] = co_await stream_.async_read_some(asio::buffer(bin), kToken);
+        const auto [error, size] = co_await stream_.tcp().async_read_some(asio::buffer(bin), kToken);
         if (error) break;
         total += size;
     }

@@ -87,6 +87,7 @@ private:
     };
     asio::awaitable<void> watchPeer(std::shared_ptr<const bool> over);
     asio::awaitable<void> linger();
+    asio::awaitable<void> lingerOpenly(); // without TLS
     Reply health(std::string_view path) const;
 
     std::shared_ptr<const Context> context_;

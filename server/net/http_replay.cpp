@@ -12,16 +12,16 @@ namespace {
 
 constexpr auto kSoughtWithin = std::chrono::minutes(1); // steps on the way take about a millisecond
 
-// The query's `tick`; nothing where there is no such number.
+// The query's `tick`; nothing where there is no such number, or another field than it and the token.
 std::optional<uint64_t> tickIn(std::string_view query) {
     const auto fields = parseQuery(query);
     if (!fields) return {};
     std::optional<uint64_t> tick;
     for (const auto& [key, value] : *fields) {
-        if (key != "tick") continue;
+        if (key == "token") continue;
         uint64_t number = 0;
         const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-        if (error != std::errc() || end != value.data() + value.size()) return {};
+        if (key != "tick" || error != std::errc() || end != value.data() + value.size()) return {};
         tick = number;
     }
     return tick;

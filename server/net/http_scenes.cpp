@@ -32,12 +32,16 @@ bool isFileName(std::string_view name) {
     });
 }
 
-// The query's `name`; empty if there is none. Nothing for what is no query.
+// The query's `name`; nothing when there is another field than it and the token.
 std::optional<std::string> nameIn(std::string_view query) {
     const auto fields = parseQuery(query);
     if (!fields) return {};
-    const auto name = fields->find("name");
-    return name == fields->end() ? std::string() : name->second;
+    std::string name;
+    for (const auto& [key, value] : *fields) {
+        if (key == "name") name = value;
+        if (key != "name" && key != "token") return {};
+    }
+    return name;
 }
 
 // The scene with the values that its live settings have now.

@@ -78,9 +78,9 @@ const char* resourcePolicy(const NetOptions& options) {
 }
 
 bool pageAllowed(const Asker& asker, const std::vector<std::string>& allowed) {
-    const bool other_site = sameText(asker.site, "cross-site");
-    if (asker.origin.empty()) return !other_site || listed(originOf(asker.referer), allowed);
-    return listed(asker.origin, allowed) || (!other_site && isOwn(asker.origin, asker.host));
+    const bool other = !asker.site.empty() && !sameText(asker.site, "same-origin") && !sameText(asker.site, "none");
+    if (asker.origin.empty()) return !other || listed(originOf(asker.referer), allowed);
+    return listed(asker.origin, allowed) || (!other && isOwn(asker.origin, asker.host));
 }
 
 std::optional<std::string> sharedWith(std::string_view origin, const std::vector<std::string>& allowed) {

@@ -30,7 +30,7 @@ struct Asker {
 // True if that page may see or change anything here. The page's origin is Asker::origin or, without one, that of its
 // address. True for an origin in `allowed`, and for every origin if `allowed` holds "*". Of other pages: for those that
 // this very host served ("https://clouds:8080" with Host "clouds:8080"). Without an origin: unless the browser says
-// that the page is of another site. Other programs than browsers send none of these.
+// that the page is of another one, be it another port. Other programs than browsers send none of these.
 bool pageAllowed(const Asker& asker, const std::vector<std::string>& allowed);
 
 // The header Access-Control-Allow-Origin of a reply to a page of `origin`; nothing unless it is in `allowed`.

@@ -19,9 +19,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kIncoming = "incoming"; // folder of those that are not known to be good
 
-// The first line of a scene that the server wrote.
-std::string markOf(const std::string& text, uintmax_t points_bytes) {
-    return fmt::format("# Written for an uploaded cloud: {:016x} {}\n", hashOf(text, 0), points_bytes);
+// The first line of a scene that the server wrote, of this text and these points.
+std::string markOf(const std::string& text, const fs::path& points) {
+    std::error_code error;
+    const uintmax_t bytes = fs::file_size(points, error);
+    const fs::file_time_type written = fs::last_write_time(points, error);
+    return fmt::format("# Written for an uploaded cloud: {:016x} {} {}\n", hashOf(text, 0), bytes,
+                       written.time_since_epoch().count());
 }
 
 fs::path pointsOf(const fs::path& scene) { return fs::path(scene).replace_extension(".ply"); }
@@ -31,9 +35,7 @@ bool isOurs(const fs::path& scene) {
     std::ifstream in = openPlain(scene);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     const size_t begin = std::min(text.find('\n'), text.size() - 1) + 1;
-    std::error_code error;
-    const uintmax_t bytes = fs::file_size(pointsOf(scene), error);
-    return !error && text.starts_with(markOf(text.substr(begin), bytes));
+    return text.starts_with(markOf(text.substr(begin), pointsOf(scene)));
 }
 
 void write(const fs::path& file, const std::string& bytes) {
@@ -79,7 +81,7 @@ void UploadedClouds::Incoming::discard() const {
 fs::path UploadedClouds::Incoming::scene() const { return fs::path(points_).replace_extension(".toml"); }
 
 fs::path UploadedClouds::Incoming::keep(const std::string& text) {
-    write(scene(), markOf(text, fs::file_size(points_)) + text);
+    write(scene(), markOf(text, points_) + text);
     std::error_code error;
     fs::rename(points_, pointsOf(kept_), error);
     if (!error) fs::rename(scene(), kept_, error);
@@ -92,7 +94,9 @@ UploadedClouds::Incoming UploadedClouds::take(const std::string& name, const std
     const fs::path kept = folder_ / (name + ".toml");
     std::error_code error;
     if ((fs::exists(kept, error) || fs::exists(pointsOf(kept), error)) && !isOurs(kept))
-        throw SceneError("the server did not write its file '" + name + "' itself: give another name with ?name=");
+        throw SceneError("there is a '" + name +
+                         "' in --cloud-dir that this server did not upload, or that was changed: " +
+                         "give another name with ?name=, or remove it there");
     return {folder_, name, points};
 }
 

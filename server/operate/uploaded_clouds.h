@@ -1,7 +1,7 @@
 // UploadedClouds: the folder of point clouds that viewers gave. Each is NAME.ply and NAME.toml, a scene of it.
 //
 // The folder may hold files of others. What the server wrote is known by the scene's first line, which has a hash of
-// the rest and the size of the points: whoever edits the scene or replaces the points makes them his own.
+// the rest, the points' size and the time when they were written: whoever edits or replaces them makes them his own.
 #pragma once
 
 #include <filesystem>
@@ -27,8 +27,8 @@ public:
         // NAME.toml beside the points, where no file is yet.
         std::filesystem::path scene() const;
         // Keeps the points and this scene of them, in place of those of the same name. The clouds that were not used
-        // for longest go when there are more than kMost. Returns the scene's file. Throws SceneError: nothing is
-        // replaced.
+        // for longest go when there are more than kMost. Returns the scene's file. Throws SceneError: the scene
+        // is not replaced.
         std::filesystem::path keep(const std::string& text);
 
     private:

@@ -26,7 +26,7 @@ bool isOf(std::string_view name, const CostInfo& cost) {
 CostLearning::CostLearning(CostModel model)
     : first_(std::move(model)), base_(first_.calibrated && !first_.learnt ? first_ : builtInCosts()), now_(first_) {}
 
-void CostLearning::learn(const Work& work, std::span<const PassMs> passes) {
+void CostLearning::learn(const Work& work, std::span<const PassMs> passes, bool disturbed) {
     std::array<double, kMostCosts> measured{}, predicted{};
     double all = 0;
     for (size_t i = 0; i < allCosts().size(); ++i) predicted[i] = work[i] * now_.ns[i] * 1e-6;
@@ -43,12 +43,12 @@ void CostLearning::learn(const Work& work, std::span<const PassMs> passes) {
     }
     if (!(all > kLeastMs)) return;
     for (size_t i = 0; i < allCosts().size(); ++i) {
-        if (!(measured[i] > 0)) continue;
+        if (!(measured[i] > 0) || (disturbed && measured[i] >= predicted[i])) continue;
         const double part = seen_[i]++ < kQuick ? kStep : kSmallStep;
         now_.ns[i] = std::clamp(now_.ns[i] * std::pow(measured[i] / predicted[i], part), base_.ns[i] / kMostCheap,
                                 base_.ns[i] * kMostDear);
     }
-    ++lessons_;
+    lessons_ += !disturbed;
     double sum = 0, count = 0;
     for (size_t i = 0; i < allCosts().size(); ++i)
         if (seen_[i] > 0) sum += std::log(now_.ns[i] / first_.ns[i]), ++count;

@@ -25,8 +25,9 @@ public:
     explicit CostLearning(CostModel model);
 
     // `work`: of the submission that took these times. Its passes that are not in `passes` did not run. A pass may come
-    // several times.
-    void learn(const Work& work, std::span<const PassMs> passes);
+    // several times. `disturbed`: true if other work may have made the times longer: only what is cheaper than
+    // predicted even so is learnt.
+    void learn(const Work& work, std::span<const PassMs> passes, bool disturbed = false);
     const CostModel& model() const { return now_; }
     // The model before anything was learnt.
     const CostModel& first() const { return first_; }

@@ -220,7 +220,7 @@ bool Planner::drawable(const RenderSettings& settings, bool still) const {
 }
 
 void Planner::passesTook(const RenderSettings& settings, std::span<const PlanView> views,
-                         std::span<const uint32_t> rates, std::span<const PassMs> passes) {
+                         std::span<const uint32_t> rates, std::span<const PassMs> passes, bool disturbed) {
     Work work = sharedWork(inputs_.scene, settings);
     for (const PlanScene::Shadow& shadow : inputs_.scene.shadows)
         if (shadow.wanted == settings.shadow_error) work += shadowWork(inputs_.scene, shadow);
@@ -230,7 +230,7 @@ void Planner::passesTook(const RenderSettings& settings, std::span<const PlanVie
         const ViewWork view(inputs_.scene, views[i]);
         if (view.sees() || needsFields(inputs_.scene.features)) work += view.of(own);
     }
-    costs_.learn(work, passes);
+    costs_.learn(work, passes, disturbed);
 }
 
 void Planner::took(double ms, Time now) {

@@ -61,8 +61,9 @@ public:
     Corrections& corrections() { return corrections_; }
 
     // The passes of a picture or several took these times: corrects the costs of the next plans, but not of once().
+    // `disturbed`: as of CostLearning::learn().
     void passesTook(const RenderSettings& settings, std::span<const PlanView> views, std::span<const uint32_t> rates,
-                    std::span<const PassMs> passes);
+                    std::span<const PassMs> passes, bool disturbed = false);
     const CostLearning& costs() const { return costs_; }
 
     // A frame with these settings took so long. Logs when accuracy begins to be given up, when none is left to give

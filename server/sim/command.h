@@ -84,6 +84,7 @@ public:
             row_bytes_ + bytes > kMostRowBytes)
             return false;
         prices_.left -= price;
+        priced_out_ = priced_out_ || price > 0;
         impulses_ += impulse;
         row_bytes_ += bytes;
         command.received = std::chrono::steady_clock::now();
@@ -105,6 +106,12 @@ public:
     void price(const LightPrices& prices) {
         const std::scoped_lock lock(mutex_);
         prices_ = prices;
+        priced_out_ = false;
+    }
+    // True: the reader has all commands that took a part of what was left, and may price anew.
+    bool isPricedOut() const {
+        const std::scoped_lock lock(mutex_);
+        return priced_out_ && pending_.empty();
     }
     // True: push() refuses this for its price.
     bool isTooDear(const CommandBody& body) const {
@@ -148,6 +155,7 @@ private:
     std::function<void()> wake_;
     const char* closed_ = nullptr;
     LightPrices prices_;
+    bool priced_out_ = false; // True: commands took a part of prices_.left
     size_t capacity_;
     std::vector<Command> pending_;
     uint32_t impulses_ = 0; // in pending_

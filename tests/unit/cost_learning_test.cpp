@@ -70,6 +70,17 @@ TEST(CostLearning, IsBoundedAndIgnoresWhatDidNotRun) {
         EXPECT_LE(costs.model().ns[i], builtInCosts().ns[i] * CostLearning::kMostDear * 1.0001);
 }
 
+TEST(CostLearning, WhileOthersDisturbOnlyLowerPricesAreBelieved) {
+    const PlanInputs inputs = inputsOf(cube(5000, 2));
+    const Work work = workOf(inputs, "slabs");
+    CostLearning costs(builtInCosts());
+    for (int i = 0; i < 100; ++i) costs.learn(work, timesOf(work, builtInCosts(), 50), true);
+    EXPECT_NEAR(work.ms(costs.model()), work.ms(builtInCosts()), 1e-6);
+    for (int i = 0; i < 100; ++i) costs.learn(work, timesOf(work, builtInCosts(), 0.25), true);
+    EXPECT_NEAR(work.ms(costs.model()) / work.ms(builtInCosts()), 0.25, 0.1);
+    EXPECT_FALSE(costs.isKnown()) << "not for the next start";
+}
+
 // The bounds do not compound over starts, and what was learnt wrongly goes away.
 TEST(CostLearning, WhatWasLearntWronglyIsForgotten) {
     const PlanInputs inputs = inputsOf(cube(5000, 2));

@@ -324,18 +324,25 @@ TEST(Scene, WhatCannotBeReadSaysSo) {
 TEST(Scene, WhatIsTooDeepIsRefusedInOneLine) {
     std::string dotted = "x", tables = "x = ", arrays = "x = ", both = "x = ";
     for (int i = 0; i < 32'000; ++i) dotted += ".a", tables += "{a = ", arrays += "[";
+    std::string quoted = "x", literal = "x", equals = "x", comments = "x";
+    for (int i = 0; i < 32'000; ++i)
+        quoted += ".\"a\"", literal += ".''", equals += ".\"=\".a", comments += ".\"#\".'\"'";
     for (int i = 0; i < 200; ++i) both += "{a.a.a.a.a.a.a.a.a.a.a.a = ";
-    for (const std::string& text : {dotted + " = 1", tables, arrays, both, "[" + dotted + "]", "[[" + dotted + "]]",
-                                    "\n\n" + dotted, "# a.b\n\"x\" . 'y' " + dotted.substr(1) + " = 1"}) {
+    for (const std::string& text :
+         {quoted + " = 1", literal + " = 1", equals + " = 1", comments + " = 1",
+          "a = \"\"\"\nb\\\"\"\"\"\"\"\n" + dotted + " = 1", dotted + " = 1", tables, arrays, both, "[" + dotted + "]",
+          "[[" + dotted + "]]", "\n\n" + dotted, "# a.b\n\"x\" . 'y' " + dotted.substr(1) + " = 1"}) {
         const std::string why = errorOf(text);
         EXPECT_NE(why.find("syntax"), why.npos) << text.substr(0, 40) << ": " << why.substr(0, 200);
         EXPECT_LT(why.size(), 300u);
     }
     const std::vector<std::string> overrides{dotted + "=1"};
     EXPECT_THROW(loadScene(written(""), overrides), SceneError);
-    EXPECT_EQ(errorOf("# ................................................................ a.b.c.d.e.f.g\n"
-                      "name = \"1.5.6.7.8.9.10\"\n[camera]\ntarget = [0.5, 0.25, 0.125]\n"),
-              "no error");
+    EXPECT_EQ(
+        errorOf(
+            "# 1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 1.0 {{{{{{{{{{{{{{{{{{{{\n"
+            "name = \"1.5.6.7.8.9.10.11.12.13.14.15.16.17.18.19.20.{{{{{{{{{{{{{{{{{{{{\"\n[camera]\ntarget = [0.5, 0.25, 0.125]\n"),
+        "no error");
 }
 
 // To open a pipe waits for whoever writes there.

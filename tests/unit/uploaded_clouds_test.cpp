@@ -73,12 +73,16 @@ TEST_F(UploadedCloudsTest, WhatSomebodyChangedIsHis) {
     write("edited.toml", read("edited.toml") + "[sky]\n");
     upload("replaced", "points", 2000);
     write("replaced.ply", "other points");
+    upload("recoloured", "points", 2000);
+    write("recoloured.ply", "POINTS");
+    fs::last_write_time(folder / "recoloured.ply", fs::file_time_type::clock::now() + std::chrono::seconds(1));
     write("plain.toml", "");
     write("pipe.ply", "of a scene elsewhere");
     for (size_t i = 0; i < UploadedClouds::kMost + 1; ++i) upload(fmt::format("cloud-{}", i));
     EXPECT_EQ(read("replaced.ply"), "other points");
     EXPECT_NE(read("edited.toml"), "");
-    for (const char* name : {"edited", "replaced", "plain", "pipe"}) {
+    EXPECT_EQ(read("recoloured.ply"), "POINTS");
+    for (const char* name : {"edited", "replaced", "recoloured", "plain", "pipe"}) {
         const std::string why = refusalOf(name);
         EXPECT_NE(why.find("?name="), why.npos) << name << ": " << why;
     }
