@@ -52,6 +52,7 @@ void CostLearning::learn(const Work& work, std::span<const PassMs> passes, bool 
     double sum = 0, count = 0;
     for (size_t i = 0; i < allCosts().size(); ++i)
         if (seen_[i] > 0) sum += std::log(now_.ns[i] / first_.ns[i]), ++count;
+    if (!(count > 0)) return;
     for (size_t i = 0; i < allCosts().size(); ++i)
         if (seen_[i] == 0) now_.ns[i] = first_.ns[i] * std::exp(sum / count);
 }

@@ -122,6 +122,9 @@ TEST(CostLearning, APassOfLittleWorkSaysNothingOfItsPrice) {
     std::vector<PassMs> passes = timesOf(work, builtInCosts(), 1);
     for (PassMs& pass : passes) pass.ms += 0.1;
     for (int i = 0; i < 100; ++i) costs.learn(work, passes);
+    CostLearning few(builtInCosts());
+    few.learn(work, std::vector<PassMs>{{"particle light", 0.1}});
+    EXPECT_EQ(few.model().ns, builtInCosts().ns) << "nothing but a short pass ran";
     EXPECT_LT(costs.model()[costs::kParticleLight], 1.2 * before) << "it follows the mean of the others";
 }
 
