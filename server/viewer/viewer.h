@@ -83,10 +83,11 @@ public:
     // frames as QualityStep::every says, and it notes when the window of bytes held a request back. Nothing is due
     // while there is no pose, the viewer's window is hidden, or a window of frames or bytes is full. Nothing is due
     // either when the picture would equal the last one: same view and same `scene` (a version of all that is seen;
-    // nothing: it always differs); who shows a hidden window again gets one even so. `most_pixels`: of all its eyes together; a larger picture is made smaller, in
-    // steps. `still_picture`: asks for refinements of a still picture instead. First, after
-    // 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a link that does not
-    // queue. Each comes once, but for who looks at errors: that one gets more, unless nothing can be measured.
+    // nothing: it always differs); who shows a hidden window again gets one even so. `most_pixels`: of all its eyes
+    // together; a larger picture is made smaller, in steps. `still_picture`: asks for refinements of a still picture
+    // instead. First, after 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a
+    // link that does not queue. Each comes once, but for who looks at errors: that one gets more, unless nothing can be
+    // measured.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
                                        double most_pixels = std::numeric_limits<double>::infinity());
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.
