@@ -22,7 +22,7 @@ TEST(OtherWork, ReadsWhatLinuxWrites) {
 TEST(OtherWork, DisturbsWhereItTakesTimeFromThisProcess) {
     const auto disturbs = [](unsigned all, unsigned usable, double others, double own) { // cores
         const CpuTicks before{1'000'000, 300'000, 200'000};
-        const CpuTicks now{before.passed + 1000 * all, before.busy + uint64_t(1000 * (others + own)),
+        const CpuTicks now{before.passed + uint64_t(1000) * all, before.busy + uint64_t(1000 * (others + own)),
                            before.own + uint64_t(1000 * own)};
         return OtherWork(all, usable).disturbs(before, now);
     };

@@ -20,7 +20,7 @@ class UploadedCloudsTest : public testing::Test {
 protected:
     const fs::path folder = fs::path(testing::TempDir()) / fmt::format("brume-clouds-{}", getpid());
     const UploadedClouds clouds{folder};
-    ~UploadedCloudsTest() override { fs::remove_all(folder); }
+    void TearDown() override { fs::remove_all(folder); }
 
     void upload(const std::string& name, const std::string& points = "points", int seconds_ago = 0) const {
         const fs::path scene = clouds.take(name, points).keep("# a scene of " + points + "\n");
