@@ -20,7 +20,7 @@ class OtherWork {
 public:
     // `all_cores`: of the machine. `usable`: that this process may use; it does not feel what others do beside those.
     OtherWork(unsigned all_cores, unsigned usable) : all_cores_(all_cores), usable_(usable) {}
-    OtherWork(); // of this machine
+    OtherWork(); // the cores of this machine
 
     // True: since the last look others have used more than a tenth of what this process could. Looks at /proc, some
     // 50 us. False at the first look, and where the system does not tell.

@@ -50,9 +50,9 @@ void FrameLoop::priceLights() {
     if (planner_->plan().passes.empty() || known) return;
     constexpr double kDearer = 1.5, kSmaller = 4;
     priced_ = simulation_.listsHash();
+    const PlanScene scene = planScene(scene_, simulation_);
     const auto prices = [&](double most) {
-        return lightPrices(planScene(scene_, simulation_), planner_->plan().chosen.settings, ownView(scene_),
-                           planner_->costs().model(), most);
+        return lightPrices(scene, planner_->plan().chosen.settings, ownView(scene_), planner_->costs().model(), most);
     };
     constexpr double kAll = 1e12;
     if (light_ms_ == 0) light_ms_ = std::max(kSmaller * most_frame_ms_, kDearer * (kAll - prices(kAll).left));

@@ -85,20 +85,21 @@ void SceneChanger::serveRequests() {
 // The reason why the old scene stays; empty: the wished one is shown.
 std::string SceneChanger::change(const SceneRequest& request) {
     if (server_.fixed) return server_.fixed;
-    const Preparing preparing(server_.audience, request.name);
     try {
         if (!request.points.empty()) {
+            const Preparing preparing(server_.audience, request.name);
             showCloud(request);
             return {};
         }
         const std::vector<std::string> names = otherScenes(options_);
         if (std::find(names.begin(), names.end(), request.name) == names.end())
             return fmt::format("no scene of that name; there are: {}", fmt::join(names, ", "));
+        const Preparing preparing(server_.audience, request.name); // once it is known to be a scene
         const std::vector<std::string> clouds = sceneNames(options_.cloud_dir);
         const bool uploaded = std::find(clouds.begin(), clouds.end(), request.name) != clouds.end();
         fs::path file = (uploaded ? options_.cloud_dir : options_.scene_dir) / (request.name + ".toml");
         std::error_code error;
-        if (!fs::exists(file, error)) file = findScene(options_.scene, options_.scene_dir); // that of the start
+        if (!fs::exists(file, error)) file = findScene(options_.scene, options_.scene_dir); // the scene of the start
         show(filesOf(file, rendererOverrides(options_)));
         return {};
     } catch (const std::exception&) {

@@ -11,7 +11,7 @@ wholeHelp() {
 ./dev test whole [PART...]
 
 Every case by every method, on both drivers; statistics; overload and load; several servers; bad links; sanitizers with
-the device; Clang; clang-tidy; fuzzing, 60 s each; both Debians from bare. It takes about three hours and root.
+the device; Clang; clang-tidy; fuzzing, 60 s each; both Debians from bare. It takes hours and root.
 Parts: ${whole_parts[*]}
 A part that passed for the same sources is not run again: a run that was interrupted goes on where it was. Any part may
 be run by itself; the page keeps what it says of the others.

@@ -21,7 +21,7 @@ bool hostAllowed(std::string_view host, const NetOptions& options);
 
 // What a browser says of the page that makes a request: values of its headers, empty where there is none.
 struct Asker {
-    std::string_view host;    // that the page asks
+    std::string_view host;    // the host that the page asks
     std::string_view origin;  // the page's own: "https://clouds.example"; "null" for one that hides it
     std::string_view referer; // the page's address
     std::string_view site;    // Sec-Fetch-Site. Browsers send it over https and to loopback addresses only

@@ -28,7 +28,7 @@ bool readNumbers(std::string_view text, float* out, int count, Limits allowed) {
     return false;
 }
 
-constexpr size_t kMostTold = 8, kLongestTold = 32; // of parameters that nothing reads
+constexpr size_t kMostTold = 8, kLongestTold = 32; // numbers of parameters that nothing reads, and of their letters
 
 // As it may stand in a header.
 std::string plainName(std::string_view name) {

@@ -11,7 +11,7 @@ namespace brume {
 
 class UploadedClouds {
 public:
-    static constexpr size_t kMost = 16; // that are kept
+    static constexpr size_t kMost = 16; // clouds that are kept
 
     explicit UploadedClouds(std::filesystem::path folder) : folder_(std::move(folder)) {}
 

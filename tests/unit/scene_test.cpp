@@ -338,11 +338,10 @@ TEST(Scene, WhatIsTooDeepIsRefusedInOneLine) {
     }
     const std::vector<std::string> overrides{dotted + "=1"};
     EXPECT_THROW(loadScene(written(""), overrides), SceneError);
-    EXPECT_EQ(
-        errorOf(
-            "# 1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 1.0 {{{{{{{{{{{{{{{{{{{{\n"
-            "name = \"1.2.3.4.5.6.7.8.9.10.11.12.13.14.15.16.17.{{{{{{{{{{{{{{{{{{\"\n[camera]\ntarget = [0.5, 0.25, 0.125]\n"),
-        "no error");
+    EXPECT_EQ(errorOf("# 1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 1.0 {{{{{{{{{{{{{{{{{{{{\n"
+                      "name = \"1.2.3.4.5.6.7.8.9.10.11.12.13.14.15.16.17.{{{{{{{{{{{{{{{{{{\"\n"
+                      "[camera]\ntarget = [0.5, 0.25, 0.125]\n"),
+              "no error");
 }
 
 // To open a pipe waits for whoever writes there.
