@@ -11,6 +11,7 @@
 #include "common/settings.h"
 #include "common/settings_tables.h"
 #include "common/text.h"
+#include "server/cluster/trust.h"
 #include "server/operate/config_file.h"
 #include "server/options/groups.h"
 #include "server/plan/plan.h"
@@ -57,12 +58,16 @@ void leadWith(CLI::App& app, std::initializer_list<const char*> names) {
 }
 
 // Options that do not go together: what is wrong, or empty.
-const char* mistakeIn(const ServerOptions& o) {
+std::string mistakeIn(const ServerOptions& o) {
     if (o.look && o.replay.empty()) return "--look: nothing to look at; allowed: with --replay FILE";
     if (!o.cluster.engine.servers.empty() && !o.replay.empty())
         return "--cluster and --replay exclude each other: a replay has a clock of its own";
     if (o.cluster.engine.certificate.empty() != o.cluster.engine.key.empty())
         return "--cluster-certificate and --cluster-key belong together: give both, or neither";
+    if (const std::string open = cluster::openServer(o.cluster.engine); !open.empty())
+        return fmt::format("--cluster {}: whoever reaches it could write the cloud; give a user and a password in the "
+                           "URL, or --cluster-credentials or --cluster-certificate",
+                           open);
     if (!o.out.empty() && o.replay.empty()) return "--out: nothing to make a film of; allowed: with --replay FILE";
     if (o.look && !o.out.empty()) return "--look and --out exclude each other: look at a replay, or make a film of it";
     return "";
@@ -141,7 +146,7 @@ ParsedOptions parseServerOptions(int argc, const char* const* argv) {
         return {std::nullopt, 2, std::move(complaint), {}};
     }
     for (const auto& act : table.afterwards) act();
-    if (const char* mistake = mistakeIn(o); *mistake) return {std::nullopt, 2, mistake, {}};
+    if (std::string mistake = mistakeIn(o); !mistake.empty()) return {std::nullopt, 2, std::move(mistake), {}};
     if (print_settings) return printed(settingsTables());
     if (print_config) return printed(writeConfig(app));
     try {

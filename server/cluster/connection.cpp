@@ -10,6 +10,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "server/cluster/trust.h"
+
 namespace brume::cluster {
 namespace {
 
@@ -21,15 +23,6 @@ constexpr int kUnsent = 1 << 20;   // bytes that wait for a connection to come b
 // Throws ClusterError where an option is no good.
 void set(natsStatus status, const char* option, const std::string& value) {
     if (status != NATS_OK) throw ClusterError(fmt::format("{} {}: {}", option, value, textOf(status)));
-}
-
-std::vector<std::string> split(const std::string& list) {
-    std::vector<std::string> all;
-    for (size_t at = 0, end; at <= list.size(); at = end + 1) {
-        end = std::min(list.find(',', at), list.size());
-        if (end > at) all.push_back(list.substr(at, end - at));
-    }
-    return all;
 }
 
 Link& linkOf(void* closure) { return *static_cast<Link*>(closure); }
@@ -49,7 +42,7 @@ void away(const char* what, natsStatus status) { throw EngineAway(fmt::format("{
 
 std::string withoutSecrets(const std::string& servers) {
     std::string out;
-    for (const std::string& url : split(servers)) {
+    for (const std::string& url : listOf(servers)) {
         const size_t scheme = url.find("://"), from = scheme == url.npos ? 0 : scheme + 3, at = url.rfind('@');
         out += (out.empty() ? "" : ",") + url.substr(0, from) + url.substr(at == url.npos ? from : at + 1);
     }
@@ -65,7 +58,7 @@ Options optionsOf(const EngineOptions& from) {
     natsOptions* made = nullptr;
     set(natsOptions_Create(&made), "--cluster", "");
     Options options(made);
-    const std::vector<std::string> servers = split(from.servers);
+    const std::vector<std::string> servers = listOf(from.servers);
     std::vector<const char*> urls;
     for (const std::string& url : servers) urls.push_back(url.c_str());
     set(natsOptions_SetServers(made, urls.data(), int(urls.size())), "--cluster", withoutSecrets(from.servers));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <exception>
@@ -44,7 +45,9 @@ public:
     // The frame loop ends with this exception.
     void fail(std::exception_ptr failure);
     void stand(const char* why); // TickSource::standstill()
-    uint64_t behind() const;     // ticks that were given and not taken
+    // True: this server is none that viewers should come to, though it goes on. See TickSource::serves().
+    void standAside(bool aside) { aside_ = aside; }
+    uint64_t behind() const; // ticks that were given and not taken
     // The hash of the state after a tick. Nothing: it is not known, or not any more.
     std::optional<uint64_t> hashOf(uint64_t tick) const;
     std::pair<uint64_t, uint64_t> present() const; // the last tick that was taken, and its hash
@@ -54,6 +57,7 @@ public:
     std::optional<std::vector<std::byte>> beginning();
     const char* standstill() const;
     void ticked(const Simulation& simulation); // after every tick, and after a beginning
+    bool aside() const { return aside_; }
 
 private:
     // Ticks that follow from one message.
@@ -73,6 +77,7 @@ private:
     std::optional<std::vector<std::byte>> beginning_;
     std::exception_ptr failure_;
     const char* standstill_ = nullptr;
+    std::atomic<bool> aside_{false};
     struct Known {
         uint64_t tick = 0, hash = 0;
     };

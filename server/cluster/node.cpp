@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "common/text.h"
 #include "server/cluster/ticks.h"
 
 namespace brume::cluster {
@@ -18,6 +19,10 @@ constexpr milliseconds kSilence{1000};     // without any message, and the log i
 constexpr milliseconds kLongSilence{8000}; // for which it waits when that did not help
 constexpr milliseconds kWindow{10'000};    // of the longest wait
 constexpr uint64_t kMostBehind = 3600;     // ticks that wait for the frame loop; with so many, messages wait
+constexpr uint32_t kTrusted = 10;          // comparisons in a row, a second each, and a server is one of the others
+constexpr milliseconds kYield{1000};       // without a tick of a server that stands aside: another one begins
+constexpr milliseconds kFirstAgain{10'000}, kLastAgain{300'000}; // between two states that it loads
+constexpr size_t kMostStrange = 16;                              // hosts that a line is written of
 
 constexpr const char* kNoEngine = "the log that the servers share cannot be reached; cameras go on, ticks wait for it";
 constexpr const char* kNoTicks = "no server makes ticks at present; cameras go on";
@@ -106,7 +111,7 @@ void Node::step(Time now) {
     if (sequence_ >= known_last_) publishCommands(now); // not before it has read what it may have published
     publishTick(now);
     publishHere();
-    judge();
+    judge(now);
 }
 
 void Node::follow() {
@@ -154,7 +159,7 @@ void Node::give(Log::Step&& step, uint64_t sequence, Time now) {
     }
     std::optional<LogPoint> save;
     const uint64_t every = uint64_t(options_.snapshot_s) * 60;
-    if (is && (saved_tick_ == 0 || step.last >= saved_tick_ + every)) {
+    if (is && !aside_ && (saved_tick_ == 0 || step.last >= saved_tick_ + every)) {
         saved_tick_ = step.last;
         save = {sequence, last_hash_, log_.save()};
     }
@@ -185,6 +190,7 @@ void Node::publishCommands(Time now) {
 }
 
 void Node::publishTick(Time now) {
+    if (now < yields_until_) return;
     const std::string& name = own_.name();
     const auto tick = ticker_.due(now, {log_.ticker() == name, log_.rank(name), log_.tick(), handover_.behind()});
     if (tick) engine_.publish(pack(Advance{name, *tick}));
@@ -205,32 +211,64 @@ void Node::publishHere() {
     engine_.publish(pack(Here{own_.name(), *tick, *hash, options_.url, load, takes}));
 }
 
-// What is known of the other servers, for those who ask elsewhere().
+// What is known of the other servers, for those who ask elsewhere(). A URL in the log is a word of whoever wrote it.
 void Node::tell() {
     std::vector<Here> others = log_.present();
     counts_.nodes = others.size();
     std::erase_if(others, [&](const Here& one) { return one.node == own_.name() || one.url == options_.url; });
+    for (Here& one : others) {
+        if (one.url.empty() || hosts_.allow(one.url)) continue;
+        const std::string host = oneLine(hostOf(one.url));
+        if (strange_.size() < kMostStrange && strange_.insert(host).second)
+            spdlog::warn("server {} wants viewers at {}, and none are sent there: --cluster-hosts does not name it",
+                         oneLine(one.node), host);
+        one.url.clear();
+    }
     const std::scoped_lock lock(mutex_);
     others_ = std::move(others);
 }
 
 // A second after each tick that is compared: by then all servers have said theirs.
-void Node::judge() {
-    const uint64_t now = handover_.present().first, due = now / kTellEvery * kTellEvery;
+void Node::judge(Time now) {
+    const uint64_t present = handover_.present().first, due = present / kTellEvery * kTellEvery;
     if (due < judged_ + 2 * kTellEvery) return;
     judged_ = due - kTellEvery;
     const auto own = handover_.hashOf(judged_), right = votes_.winner(judged_, log_.ticker());
     if (!own || !right) return;
-    if (*own == *right) return void(agreed_ = judged_);
+    if (*own == *right) return agrees();
     ++counts_.divergences;
-    const std::string what =
-        fmt::format("at tick {} its state was {:016x}, that of most servers {:016x}", judged_, *own, *right);
-    if (++diverged_ == 2)
-        throw ClusterError(fmt::format("--cluster: this server differs from the others for the second time: {}; its "
-                                       "memory, compiler or processor computes differently",
-                                       what));
-    spdlog::error("this server differs from the others: {}", what);
-    needRejoin("it differs from the others", agreed_);
+    differs(fmt::format("at tick {} its state was {:016x}, that of most servers {:016x}", judged_, *own, *right), now);
+}
+
+void Node::agrees() {
+    agreed_ = judged_;
+    if (diverged_ == 0 || ++agreements_ < kTrusted) return;
+    diverged_ = 0;
+    if (!std::exchange(aside_, false)) return;
+    handover_.standAside(false);
+    spdlog::info("this server is as the others again, and takes viewers");
+}
+
+// The first time it goes on from a state that was right. From the second time on it stands aside, and tries that more
+// and more seldom: it cannot know whether it computes wrong or others lie.
+void Node::differs(const std::string& what, Time now) {
+    agreements_ = 0;
+    if (now < again_at_) return;
+    if (++diverged_ == 1) {
+        again_ = kFirstAgain;
+        spdlog::error("this server differs from the others: {}", what);
+        return needRejoin("it differs from the others", agreed_);
+    }
+    again_at_ = now + again_;
+    again_ = std::min(2 * again_, kLastAgain);
+    spdlog::error("this server differs from the others again, and stands aside: {}; its memory, compiler or processor "
+                  "computes differently, or somebody else writes to the log",
+                  what);
+    if (!std::exchange(aside_, true)) {
+        handover_.standAside(true);
+        yields_until_ = now + kYield;
+    }
+    needRejoin("it differs from the others");
 }
 
 // What viewers are told while no tick comes, and that the log is followed anew when it is silent.

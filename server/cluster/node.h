@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "server/cluster/own_commands.h"
 #include "server/cluster/snapshot.h"
 #include "server/cluster/ticker.h"
+#include "server/cluster/trust.h"
 #include "server/cluster/votes.h"
 #include "server/loop/tick_source.h"
 #include "server/metrics/metrics.h"
@@ -63,7 +65,9 @@ private:
     void publishTick(Time now);
     void publishHere();
     void tell();
-    void judge();
+    void judge(Time now);
+    void agrees();
+    void differs(const std::string& what, Time now);
     void watch(Time now);
     void stand(const char* why);
     void needRejoin(const std::string& why, uint64_t last_tick = ~0ull);
@@ -79,6 +83,7 @@ private:
     static constexpr const char* kRejoins = "this server loads the shared state anew";
 
     const ClusterOptions options_;
+    const Hosts hosts_;
     Audience& audience_;
 
     mutable std::mutex mutex_; // guards the next five
@@ -113,10 +118,16 @@ private:
     uint64_t agreed_ = 0;     // last tick at which this server was as most of them
     uint64_t saved_tick_ = 0; // of the last state that was asked for
     Time heard_at_{}, try_at_{}, stood_at_{}, window_{};
+    Time yields_until_{};                  // makes no ticks, so that another server does
+    Time again_at_{};                      // a state may be loaded anew
+    std::chrono::milliseconds again_{0};   // until then, the next time that this server differs
+    std::set<std::string> strange_;        // hosts that viewers are not sent to, and that the log has named
     std::chrono::milliseconds silence_{0}; // without a message, and the log is followed anew
     std::optional<Time> missing_since_;    // the log is not found
     const char* standstill_ = nullptr;
-    uint32_t diverged_ = 0;
+    uint32_t diverged_ = 0;   // times that it differed since it was as the others for long
+    uint32_t agreements_ = 0; // comparisons since then at which it was as most of them
+    bool aside_ = false;      // True: Handover::standAside()
 
     std::atomic<bool> draining_{false}, stopping_{false};
     struct {

@@ -28,6 +28,7 @@ struct EngineOptions {
 struct ClusterOptions {
     EngineOptions engine;
     std::string url;         // where viewers reach this server; empty: none are sent here
+    std::string hosts;       // besides the host of `url`: to which viewers may be sent, see Hosts
     uint32_t snapshot_s = 5; // seconds between snapshots of the state
     bool anew = false;       // True: deletes the log and its snapshots first
 };

@@ -34,7 +34,7 @@ public:
     bool stands() const override { return standstill() != nullptr; }
     bool seeks() const override { return seeks_ && !stands(); }
     const char* standstill() const override { return handover_.standstill(); }
-    bool serves() const override { return serves_; }
+    bool serves() const override { return serves_ && !handover_.aside(); }
 
 private:
     static constexpr std::chrono::milliseconds kEarly{2}, kOften{1}, kSeldom{10};

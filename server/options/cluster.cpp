@@ -22,6 +22,13 @@ std::string checkServers(const std::string& list) {
     return {};
 }
 
+std::string checkHosts(const std::string& list) {
+    const bool plain = std::all_of(list.begin(), list.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '-' || c == '.' || c == ':' || c == '*' || c == ',';
+    });
+    return plain ? "" : "allowed: names and addresses without ports, several divided by commas; *.DOMAIN";
+}
+
 } // namespace
 
 void addClusterOptions(OptionTable& table, ServerOptions& o) {
@@ -36,6 +43,9 @@ void addClusterOptions(OptionTable& table, ServerOptions& o) {
     g.option("--cluster-url", o.cluster.url, "where viewers reach this server: others that are full send them here")
         .check(checkViewerUrl)
         .unit("URL");
+    g.option("--cluster-hosts", o.cluster.hosts, "other hosts that viewers may be sent to; *.DOMAIN: all below it")
+        .check(checkHosts)
+        .unit("HOST,...");
     g.option("--cluster-credentials", engine.credentials, "NATS credentials, .creds").unit("FILE");
     g.option("--cluster-ca", engine.ca, "whom to trust for tls://, PEM, instead of whom the system trusts")
         .unit("FILE");

@@ -19,7 +19,7 @@ class HaproxyAndNats(unittest.TestCase):
         run('haproxy', '-c', '-f', DEPLOY / 'haproxy/haproxy.cfg', '-f', DEPLOY / 'haproxy/nodes.cfg')
 
     def test_nats(self):
-        run('nats-server', '-t', '-c', DEPLOY / 'kubernetes/nats.conf')
+        run('nats-server', '-t', '-c', DEPLOY / 'kubernetes/nats.conf', env={**os.environ, 'NATS_PASSWORD': 'secret'})
 
 
 class Prometheus(unittest.TestCase):

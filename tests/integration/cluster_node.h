@@ -19,8 +19,6 @@ inline std::vector<std::string> inCluster(const NatsServer& nats, std::vector<st
     return more;
 }
 
-inline const Pose kFromFront = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
-
 inline double count(RunningServer& server, const std::string& what) {
     return metric(server.port(), "brume_cluster_" + what).value_or(-1);
 }

@@ -14,8 +14,6 @@
 namespace brume::test {
 namespace {
 
-Pose fromFront() { return lookAt({0, 2, 26}, {0, 0, 0}, 0.8f); }
-
 // A server that may use `mebibytes` of address space.
 std::unique_ptr<Process> limited(unsigned mebibytes, const std::vector<std::string>& arguments) {
     std::vector<std::string> command{"-c",
@@ -55,7 +53,7 @@ int besiege(uint16_t port, Process& server) {
             watchers.push_back(
                 std::make_unique<Watcher>(client::Endpoint{"127.0.0.1", port, "/ws"},
                                           client::Wishes{.width = width, .height = height, .views = 2, .quality = 90}));
-            watchers.back()->look(fromFront());
+            watchers.back()->look(kFromFront);
         }
         std::vector<Watcher*> all;
         for (const auto& watcher : watchers) all.push_back(watcher.get());
@@ -74,7 +72,7 @@ int besiege(uint16_t port, Process& server) {
             const size_t before = count();
             for (size_t i = 0; i < all.size(); ++i) {
                 const auto& [width, height] = kShapes[(i + turn) % std::size(kShapes)];
-                if (!all[i]->session.closed()) all[i]->session.sendPose(fromFront(), width, height);
+                if (!all[i]->session.closed()) all[i]->session.sendPose(kFromFront, width, height);
             }
             watch(
                 all, [&] { return ended() || count() >= before + all.size(); }, milliseconds(3'000));
@@ -135,8 +133,8 @@ TEST(MemoryTest, AServerWithLittleAddressSpaceLivesOrEndsInOneLine) {
 TEST(MemoryTest, PicturesBeyondTheirBudgetAreRefusedAndNobodyElse) {
     RunningServer server({"--picture-memory", "16", "--frame-budget", "10000"});
     Watcher modest(server.endpoint()), greedy(server.endpoint(), {.width = 1920, .height = 1080, .views = 1});
-    modest.look(fromFront());
-    greedy.look(fromFront());
+    modest.look(kFromFront);
+    greedy.look(kFromFront);
     EXPECT_TRUE(watch({&modest, &greedy}, [&] { return greedy.goodbye || !greedy.errors.empty(); }));
     EXPECT_TRUE(greedy.frames.empty());
     const size_t before = modest.frames.size();

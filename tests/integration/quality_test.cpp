@@ -17,8 +17,6 @@
 namespace brume::test {
 namespace {
 
-Pose fromFront() { return lookAt({0, 2, 26}, {0, 0, 0}, 0.8f); }
-
 // Of a JPEG: TJSAMP_420, TJSAMP_444.
 int samplingOf(const client::Bytes& jpeg) {
     const std::unique_ptr<void, int (*)(void*)> decoder(tjInitDecompress(), tjDestroy);
@@ -33,7 +31,7 @@ bool lastIsPng(const Watcher& watcher) { return !watcher.frames.empty() && clien
 TEST(RestingPicture, ComesFinerThenWithoutLossThenNotAtAll) {
     RunningServer server({"--paused", "--frame-budget", "10000"}); // ms: nothing is given up
     Watcher watcher(server.endpoint());
-    watcher.look(fromFront());
+    watcher.look(kFromFront);
     ASSERT_TRUE(watch({&watcher}, [&] { return lastIsPng(watcher); }));
     const auto before = watcher.frames.size();
     ASSERT_GE(before, 3u);
@@ -65,7 +63,7 @@ TEST(RestingPicture, NoPngForWhoDoesNotReadIt) {
     client::Wishes wishes = kSmall;
     wishes.lossless = false;
     Watcher watcher(server.endpoint(), wishes);
-    watcher.look(fromFront());
+    watcher.look(kFromFront);
     ASSERT_TRUE(watch({&watcher}, [&] { return !watcher.frames.empty() && watcher.last().quality == 90; }));
     watch(
         {&watcher}, [] { return false; }, milliseconds(1000));
@@ -79,7 +77,7 @@ TEST(MovingMedium, IsDrawnFinerWhereThereIsTime) {
     const auto finer = [](const std::vector<std::string>& options) {
         RunningServer server(options);
         Watcher watcher(server.endpoint(), {.width = 64, .height = 36, .views = 1, .quality = 80});
-        watcher.look(fromFront());
+        watcher.look(kFromFront);
         if (!watch({&watcher}, [&] { return watcher.frames.size() >= 60; })) ADD_FAILURE() << "60 frames did not come";
         return metric(server.port(), "brume_finer_batches_total").value_or(-1);
     };
@@ -93,7 +91,7 @@ TEST(MovingMedium, IsDrawnFinerWhereThereIsTime) {
 TEST(MovingMedium, KeepsItsRateWhileTheCameraRests) {
     RunningServer server;
     Watcher watcher(server.endpoint(), {.width = 64, .height = 36, .views = 1, .quality = 80});
-    watcher.look(fromFront());
+    watcher.look(kFromFront);
     ASSERT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= 120; }));
     const auto viewer = nlohmann::json::parse(get(server.port(), "/viewers").body)["viewers"][0];
     EXPECT_LT(viewer["stages_ms"]["wait"]["p99"], 1000);
@@ -150,7 +148,7 @@ TEST(Metrics, AllThatAreDocumentedAreThere) {
     const NatsServer nats; // a server of a cluster has all of them
     RunningServer server(inCluster(nats, {"--measure-error", "1"}));
     Watcher watcher(server.endpoint());
-    watcher.look(fromFront());
+    watcher.look(kFromFront);
     const auto measured = [&] { return watcher.frames.size() >= 5 && watcher.last().measured > 0; };
     ASSERT_TRUE(watch({&watcher}, measured, milliseconds(60'000)));
     const uint64_t tick = watcher.last().tick;

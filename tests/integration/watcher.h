@@ -30,6 +30,7 @@ struct SeenError {
     uint32_t input_seq;
 };
 
+inline const Pose kFromFront = lookAt({0, 2, 26}, {0, 0, 0}, 0.8f);
 inline const client::Wishes kSmall{.width = 320, .height = 180, .views = 1, .quality = 80};
 
 class Watcher {

@@ -117,6 +117,15 @@ TEST_F(ServerOptionsTest, BehindAGatewayThereIsAKeyOrOpen) {
     EXPECT_FALSE(parsed({"--agent-port", "65536"}).options);
 }
 
+TEST_F(ServerOptionsTest, ANatsThatEverybodyReachesAsksWhoComes) {
+    const ParsedOptions open = parsed({"--cluster", "nats://nats:4222"});
+    EXPECT_FALSE(open.options);
+    EXPECT_NE(open.complaint.find("nats://nats: whoever reaches it could write the cloud"), std::string::npos)
+        << open.complaint;
+    EXPECT_TRUE(parsed({"--cluster", "nats://brume:secret@nats:4222"}).options);
+    EXPECT_FALSE(parsed({"--cluster-hosts", "https://a.example"}).options);
+}
+
 // What a reload can change: the same list as in docs/operate.md.
 TEST_F(ServerOptionsTest, TheLiveOptionsAreThoseOfTheDocumentation) {
     std::ifstream in("docs/operate.md"); // tests run in the source folder
