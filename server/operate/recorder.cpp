@@ -6,13 +6,6 @@
 #include <spdlog/spdlog.h>
 
 namespace brume {
-namespace {
-
-// Ticks between records at least: a replay that goes astray is noticed within a second of the session.
-constexpr uint64_t kTellEvery = 60;
-
-} // namespace
-
 Recorder::Recorder(const Options& options, const RecordingHead& head, const Scene& scene, const gpu::Device& device)
     : options_(options), head_(head), scene_(scene), device_(device),
       out_(std::make_unique<RecordingWriter>(options.file, head, options.most_bytes)), begun_(head.tick),
@@ -34,11 +27,11 @@ void Recorder::ticked(const Simulation& simulation, std::span<const Command> com
     if (options_.frames > 0 && !pictures_)
         pictures_ = std::make_unique<OwnFrames>(device_, scene_, simulation.capacity());
     const bool picture = options_.frames > 0 && last_.tick > 0 && last_.tick % options_.frames == 0;
-    if (commands.empty() && !picture && !first && last_.tick % kTellEvery != 0) return;
+    if (commands.empty() && !picture && !first && last_.tick % kRecordEvery != 0) return;
     RecordedTick record = last_;
     record.commands.assign(commands.begin(), commands.end());
     if (picture) record.frame = pictures_->hash(simulation);
-    if (last_.tick % kTellEvery == 0) record.errors = errors_.take();
+    if (last_.tick % kRecordEvery == 0) record.errors = errors_.take();
     if (!write(record)) {
         spdlog::warn("the recording is full and ends at tick {}", before.tick);
         last_ = before; // the state of this tick cannot be had without its commands

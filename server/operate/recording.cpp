@@ -233,6 +233,9 @@ std::optional<RecordedTick> RecordingReader::next() {
     ended_ = !out.end.empty();
     if (last_tick_ && (out.tick < *last_tick_ || (out.tick == *last_tick_ && !ended_)))
         fail(fmt::format("tick {} after tick {}", out.tick, *last_tick_));
+    if (last_tick_ && out.tick - *last_tick_ > kRecordEvery)
+        fail(fmt::format("tick {} after tick {}; a recording has a record every {} ticks at least", out.tick,
+                         *last_tick_, kRecordEvery));
     if (!last_tick_ && out.tick != head_.tick) fail(fmt::format("does not begin at tick {}", head_.tick));
     last_tick_ = out.tick;
     return out;

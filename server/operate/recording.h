@@ -31,6 +31,9 @@ namespace brume {
 
 // Another number: the file's format is another. Settings that are new, or gone without use, change no hash of a state.
 inline constexpr int kRecordingVersion = 15;
+// Ticks between records at most: a replay that goes astray is noticed within a second of the session, and no line makes
+// it simulate for days.
+inline constexpr uint64_t kRecordEvery = 60;
 
 struct RecordingHead {
     std::string scene;                  // name of the scene

@@ -211,6 +211,22 @@ TEST_F(RecordingTest, LinesLeftOutRepeatedOrMovedAreRefused) {
     EXPECT_EQ(readError(), "read");
 }
 
+// Its hashes are right: somebody wrote it for a server that would simulate for years.
+TEST_F(RecordingTest, ATickFarBehindTheOneBeforeIsRefused) {
+    for (const uint64_t tick : {uint64_t{kRecordEvery}, uint64_t{kRecordEvery + 1}, uint64_t{1'000'000'000'000'000}}) {
+        {
+            RecordingWriter out(file, head());
+            EXPECT_TRUE(out.write({.tick = 0}));
+            EXPECT_TRUE(out.write({.tick = tick}));
+        }
+        const std::string said = readError();
+        if (tick == kRecordEvery)
+            EXPECT_EQ(said, "read");
+        else
+            EXPECT_NE(said.find(":4: tick " + std::to_string(tick) + " after tick 0"), std::string::npos) << said;
+    }
+}
+
 TEST_F(RecordingTest, OtherFilesAndVersionsAreNamed) {
     EXPECT_NE(readError().find("cannot be read"), std::string::npos);
     put("");
