@@ -74,6 +74,9 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
         } else if (name == "format") {
             if (value != "jpeg" && value != "png") return refuse("jpeg or png");
             out.request.lossless = value == "png";
+        } else if (name == "keep_size") {
+            if (value != "0" && value != "1") return refuse("0 or 1");
+            out.request.keeps_size = value == "1";
         } else if (name == "views") {
             if (value != "1") return refuse("1: a JPEG shows one eye; both come over the WebSocket");
         } else if (name == "view") {

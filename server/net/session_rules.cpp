@@ -113,6 +113,7 @@ void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Effe
     granted_.height = size.height;
     granted_.views = hello.views();
     granted_.takes_png = hello.lossless();
+    granted_.keeps_size = hello.keep_size();
     granted_.quality = hello.quality() == 0 ? options_.default_quality : hello.quality();
     state_ = State::watching;
     pose_deadline_ = now + options_.handshake;

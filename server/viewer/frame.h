@@ -32,6 +32,7 @@ struct PoseRequest {
     Reduced reduced = Reduced::no;      // why quality, size or rate is below what the viewer asked for
     bool hidden = false;                // True: the viewer's window is hidden. Nothing is drawn until it shows again
     bool takes_png = false;             // True: the viewer accepts PNG for still pictures
+    bool keeps_size = false;            // True: the viewer would rather have fewer pictures than smaller ones
     bool still_picture = false;         // True: redraws a view at rest, with less error and full colour (4:4:4)
     bool lossless = false;              // True: a still picture as PNG
     bool one_shot = false;              // True: one still picture at full accuracy, whatever the load; then nothing

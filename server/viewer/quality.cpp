@@ -1,5 +1,7 @@
 #include "server/viewer/quality.h"
 
+#include <utility>
+
 namespace brume {
 namespace {
 
@@ -20,9 +22,12 @@ QualityStep QualityControl::deviceStepAt(uint32_t level) {
     return kAll[std::min(level, kDeviceSteps - 1)];
 }
 
-QualityStep QualityControl::step() const {
+QualityStep QualityControl::step(bool keeps_size) const {
     const QualityStep link = stepAt(level_), device = deviceStepAt(device_level_);
-    return {std::min(link.quality, device.quality), link.half || device.half, std::max(link.every, device.every)};
+    QualityStep both{std::min(link.quality, device.quality), link.half || device.half,
+                     std::max(link.every, device.every)};
+    if (keeps_size && std::exchange(both.half, false)) both.every = uint8_t(4 * both.every);
+    return both;
 }
 
 Reduced QualityControl::reduced() const {

@@ -52,7 +52,9 @@ public:
     bool observe(const Observation& seen, Clock::time_point now);
     uint32_t level() const { return level_; }
     uint32_t deviceLevel() const { return device_level_; }
-    QualityStep step() const; // the lower of both levels' steps, in each part
+    // The lower of both levels' steps, in each part. `keeps_size`: true for a quarter of the rate in place of half the
+    // sides, which is as many pixels a second.
+    QualityStep step(bool keeps_size = false) const;
     // What has the lower step in size and rate; the link where they are equal, since it has JPEG quality besides.
     Reduced reduced() const;
 

@@ -134,7 +134,7 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
                                            double most_pixels) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
-    const QualityStep step = quality_.step();
+    const QualityStep step = this->step();
     PoseRequest request = *pose_;
     fit_ = fitted(most_pixels / pixelsOf(*pose_), fit_);
     request.reduced = fit_ < 1 ? Reduced::device : quality_.reduced();
@@ -262,9 +262,11 @@ void Viewer::deviceHas(const DeviceLoad& load) {
     device_ = load;
 }
 
+QualityStep Viewer::step() const { return quality_.step(pose_ && pose_->keeps_size); }
+
 uint32_t Viewer::every() const {
     const std::scoped_lock lock(mutex_);
-    return quality_.step().every;
+    return step().every;
 }
 
 History Viewer::history() const {
@@ -274,8 +276,13 @@ History Viewer::history() const {
 
 Viewer::Link Viewer::link() const {
     const std::scoped_lock lock(mutex_);
-    return {pacing_.baseRoundTripMs(), pacing_.queueMs(),      pacing_.frames(), pacing_.bytesInFlight(),
-            quality_.level(),          quality_.deviceLevel(), quality_.step()};
+    return {pacing_.baseRoundTripMs(),
+            pacing_.queueMs(),
+            pacing_.frames(),
+            pacing_.bytesInFlight(),
+            quality_.level(),
+            quality_.deviceLevel(),
+            step()};
 }
 
 } // namespace brume

@@ -131,6 +131,8 @@ public:
     History history() const;
 
 private:
+    QualityStep step() const; // precondition: mutex_ is held
+
     const uint32_t id_;
     mutable std::mutex mutex_;
     std::mutex notify_mutex_;

@@ -93,7 +93,7 @@ class Package(unittest.TestCase):
                 self.assertTrue(frame.jpeg.startswith(b'\xff\xd8'))
 
     def test_a_paused_scene_has_one_state_and_gives_its_picture_again(self):
-        view = self.viewer(lossless=True)
+        view = self.viewer(lossless=True, keep_size=True)
         view.pause()
         self.addCleanup(view.resume)
         state = view.state

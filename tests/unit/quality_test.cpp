@@ -33,6 +33,22 @@ TEST(DeviceQuality, SizeThenRateAtOnceWhenNothingElseIsLeft) {
     EXPECT_EQ(after(quality, now, milliseconds(2000), over), 3u); // the end
 }
 
+// As many pixels a second as with half the sides, at every level.
+TEST(DeviceQuality, WhoKeepsTheSizeGetsFewerPictures) {
+    QualityControl quality;
+    Clock::time_point now = kStart;
+    const DeviceLoad over{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 4, .exhausted = true};
+    EXPECT_EQ(quality.step(true).every, 1);
+    for (int look = 0; look < 4; ++look, now += milliseconds(300)) {
+        quality.observe({.queue_ms = 100, .device = over}, now);
+        const QualityStep smaller = quality.step(false), slower = quality.step(true);
+        EXPECT_TRUE(smaller.half);
+        EXPECT_FALSE(slower.half);
+        EXPECT_EQ(slower.every, 4 * smaller.every);
+        EXPECT_EQ(slower.quality, smaller.quality);
+    }
+}
+
 TEST(DeviceQuality, WhatReducesAPictureIsKnown) {
     QualityControl quality;
     Clock::time_point now = kStart;

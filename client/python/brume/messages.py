@@ -41,7 +41,7 @@ def _vec3(builder, v):
     return Vec3.CreateVec3(builder, x, y, z)
 
 
-def hello(width, height, client, resume, quality, lossless):
+def hello(width, height, client, resume, quality, lossless, keep_size):
     b = flatbuffers.Builder(256)
     name, key = b.CreateString(client), b.CreateString(resume)
     Hello.Start(b)
@@ -51,6 +51,7 @@ def hello(width, height, client, resume, quality, lossless):
     Hello.AddQuality(b, quality)
     Hello.AddResume(b, key)
     Hello.AddLossless(b, lossless)
+    Hello.AddKeepSize(b, keep_size)
     return _finish(b, Body.Body.Hello, Hello.End(b))
 
 

@@ -201,7 +201,8 @@ class Viewer:
 
         def adopted():
             now = self._values()
-            return all(_alike(now.get(path), value) for path, value in values.items()) or now != before
+            return (all(_alike(now.get(path), value) for path, value in values.items()) or
+                    any(now.get(path) != before.get(path) for path in values))  # as the server makes it: a unit axis
         self._order(messages.change(values), adopted)
 
     def _values(self):
@@ -307,16 +308,18 @@ def _alike(value, wanted):
 
 
 def connect(url='http://127.0.0.1:8080', token=None, size=(640, 360), quality=0, lossless=False, timeout=30,
-            tls=None, reconnect=60):
+            tls=None, reconnect=60, keep_size=False):
     """A Viewer of the server at `url` (http, https, ws or wss).
 
     token: where the server wants one. size: pixels of a picture. quality: of the JPEG, 1 ... 100; 0: the server's.
     lossless: True asks for what rests once more as PNG. timeout: s that a call waits. tls: an ssl.SSLContext, for
-    certificates of one's own. reconnect: s for which a lost connection is tried again, as the same viewer.
+    certificates of one's own. reconnect: s for which a lost connection is tried again, as the same viewer. keep_size:
+    True asks for fewer pictures, not smaller ones, where the link or the server is slow.
     Raises BrumeError with the server's line if it refuses, TimeoutError if nobody answers.
     """
     def hello(resume):
-        return messages.hello(size[0], size[1], 'brume-python 0.1.0', resume, quality, lossless=lossless)
+        return messages.hello(size[0], size[1], 'brume-python 0.1.0', resume, quality, lossless=lossless,
+                              keep_size=keep_size)
     link = Link(url, token, tls, reconnect, hello)
     try:
         return Viewer(link, timeout, tuple(size))
