@@ -6,12 +6,16 @@ cluster_names=() # of the processes that run, in the order in which they began
 cluster_pids=()
 cluster_folder= # logs and data
 cluster_stop=   # exit code, once a signal has come
+cluster_is_in=  # set once all nodes have been in
+cluster_node=() # the command of every node, but for its name and ports
+declare -A cluster_again # by name: in SECONDS, when a node that ends is started again
 
 clusterHelp() {
     cat <<'END'
 ./dev cluster [--nodes N] [--scene NAME] [--port P] [-- SERVER OPTIONS]
 
 Several servers of one cloud on this machine: NATS, N nodes (3; 1 to 9), HAProxy, Prometheus. Ctrl-C ends them all.
+A node that ends is started again, as systemd would: kill one, and watch its viewers go on (docs/cluster.md).
 The cloud is at port P (8080). Besides it takes, all on 127.0.0.1: P+1 to P+9 nodes, P+10 Prometheus, P+11 to P+19
 agents of the nodes, P+20 metrics of HAProxy and of every node, P+21 and P+22 NATS.
 Logs and data are in build/cluster/P, and new at each start. The services nats-server and prometheus that Debian's
@@ -23,7 +27,7 @@ END
 startPart() {
     local name=$1
     shift
-    setsid "$@" >"$cluster_folder/$name.log" 2>&1 </dev/null &
+    setsid "$@" >>"$cluster_folder/$name.log" 2>&1 </dev/null &
     cluster_pids+=($!)
     cluster_names+=("$name")
 }
@@ -41,8 +45,20 @@ checkParts() {
     local i
     [[ -z "$cluster_stop" ]] || exit "$cluster_stop"
     for i in "${!cluster_pids[@]}"; do
-        kill -0 "${cluster_pids[i]}" 2>/dev/null || failPart "${cluster_names[i]}" "has ended"
+        kill -0 "${cluster_pids[i]}" 2>/dev/null || partEnded "$i"
     done
+}
+
+# A node begins again once all have been in. One that began again less than ten seconds ago has a reason to end.
+partEnded() { # partEnded PLACE
+    local i=$1 name=${cluster_names[$1]}
+    if [[ -z "$cluster_is_in" || $name != n[0-9] ]] || ((SECONDS < ${cluster_again[$name]:-0})); then
+        failPart "$name" "has ended"
+    fi
+    echo "   $name has ended and is started again; its log: $cluster_folder/$name.log"
+    unset "cluster_names[$i]" "cluster_pids[$i]"
+    cluster_again[$name]=$((SECONDS + 10))
+    startNode "${name#n}"
 }
 
 # waitForPart NAME SECONDS COMMAND...: until the command succeeds.
@@ -117,14 +133,20 @@ allNodesAreIn() {
         grep -q "^haproxy_backend_active_servers{proxy=\"nodes\"} $1\$"
 }
 
+startNode() { # startNode NUMBER
+    startPart "n$1" "${cluster_node[@]}" --port $((cluster_port + $1)) --agent-port $((cluster_port + 10 + $1))
+}
+
 startCluster() { # startCluster NODES SCENE PORT [SERVER OPTIONS]
     local nodes=$1 scene=$2 port=$3 i
     shift 3
+    cluster_port=$port
+    cluster_node=("$release/bin/brume-server" --scene "$scene" --open --proxy-protocol
+        --cluster "nats://127.0.0.1:$((port + 21))" "$@")
     startPart nats nats-server -a 127.0.0.1 -p $((port + 21)) -m $((port + 22)) -js -sd "$cluster_folder/data/nats"
     waitForPart nats 20 curl -fsS -m 2 "http://127.0.0.1:$((port + 22))/healthz"
     for ((i = 1; i <= nodes; i++)); do
-        startPart "n$i" $release/bin/brume-server --scene "$scene" --port $((port + i)) --open --proxy-protocol \
-            --agent-port $((port + 10 + i)) --cluster "nats://127.0.0.1:$((port + 21))" "$@"
+        startNode "$i"
     done
     startPart haproxy env BRUME_BIND="127.0.0.1:$port" BRUME_METRICS_BIND="127.0.0.1:$((port + 20))" \
         haproxy -db -f deploy/haproxy/haproxy.cfg -f "$cluster_folder/nodes.cfg"
@@ -132,6 +154,7 @@ startCluster() { # startCluster NODES SCENE PORT [SERVER OPTIONS]
         --storage.tsdb.path="$cluster_folder/data/prometheus" --web.listen-address="127.0.0.1:$((port + 10))"
     waitForPart prometheus 20 curl -fsS -m 2 "http://127.0.0.1:$((port + 10))/-/ready"
     waitForPart haproxy 120 allNodesAreIn "$nodes" "$port" # a CPU driver compiles its shaders first
+    cluster_is_in=1
 }
 
 commandCluster() { # [--nodes N] [--scene NAME] [--port P] [-- SERVER OPTIONS]

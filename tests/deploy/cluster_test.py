@@ -50,7 +50,7 @@ class DevCluster(unittest.TestCase):
     def assert_ends(self, cluster, code):
         self.assertEqual(cluster.process.wait(timeout=40), code, cluster.said())
 
-    def test_a_dead_node_ends_it_and_is_named(self):
+    def test_a_dead_node_is_started_again_and_one_that_dies_again_ends_it(self):
         cluster = self.start('--', '--ahead', 'off')
         cluster.says(f'The cloud: http://127.0.0.1:{self.port}')
         parts = children(cluster.process.pid)
@@ -59,11 +59,19 @@ class DevCluster(unittest.TestCase):
         self.assertEqual(get(f'http://127.0.0.1:{self.port + 10}/-/ready')[0], 200)
         ticks = f'http://127.0.0.1:{self.port + 20}/node/n2/metrics'
         until('n2 is in the cluster', lambda: b'\nbrume_cluster_nodes 2\n' in get(ticks)[2])
-        node = next(pid for pid, command in parts.items() if f'--port {self.port + 1} ' in command)
-        os.kill(node, signal.SIGKILL)
+        self.kill_n1(cluster)
+        cluster.says('n1 has ended and is started again')
+        own = f'http://127.0.0.1:{self.port + 20}/node/n1/metrics'
+        until('n1 follows the log again', lambda: b'\nbrume_cluster_connected 1\n' in get(own)[2])
+        parts |= children(cluster.process.pid)
+        self.kill_n1(cluster)
         self.assert_ends(cluster, 1)
         self.assertRegex(cluster.said(), rf'dev: n1 has ended; .* Its log: .*/build/cluster/{self.port}/n1\.log\n$')
         self.assertEqual([pid for pid in parts if is_there(pid)], [])
+
+    def kill_n1(self, cluster):
+        os.kill(next(pid for pid, command in children(cluster.process.pid).items()
+                     if f'--port {self.port + 1} ' in command), signal.SIGKILL)
 
     def test_a_signal_ends_it(self):
         cluster = self.start('--', '--ahead', 'off')
