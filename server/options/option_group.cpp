@@ -6,21 +6,34 @@
 #include <utility>
 
 #include <CLI/App.hpp>
+#include <fmt/format.h>
 
 namespace brume {
 
+namespace {
+
+// The help says "NUMBER:1 to 64" of a range, or the unit in place of NUMBER.
+template <class T>
+void addRange(CLI::Option& option, T least, T most) {
+    const std::string kind = option.get_type_name();
+    if (kind == "UINT" || kind == "INT" || kind == "FLOAT") option.type_name("NUMBER");
+    option.check(CLI::Range(least, most, fmt::format("{} to {}", least, most)));
+}
+
+} // namespace
+
 NewOption& NewOption::range(int least, int most) {
-    option_->check(CLI::Range(least, most));
+    addRange(*option_, least, most);
     return *this;
 }
 
 NewOption& NewOption::range(uint32_t least, uint32_t most) {
-    option_->check(CLI::Range(least, most));
+    addRange(*option_, least, most);
     return *this;
 }
 
 NewOption& NewOption::range(double least, double most) {
-    option_->check(CLI::Range(least, most));
+    addRange(*option_, least, most);
     return *this;
 }
 
