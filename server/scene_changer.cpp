@@ -123,6 +123,8 @@ void SceneChanger::showCloud(const SceneRequest& request) {
         sceneOf(fmt::format("[medium]\nmodel = \"{}\"\nlayout = \"file\"\nfile = \"{}.ply\"\n", model, request.name),
                 incoming.scene(), {});
     placeCamera(scene);
+    // Half of what an even sky sends from above on the average of all directions: nothing shadows ambient light.
+    scene.sky.ambient = 0.125f * (scene.sky.zenith + scene.sky.horizon);
     const std::string text = sceneToml(scene);
     const std::vector<std::string> overrides = rendererOverrides(options_);
     const Scene wanted = sceneOf(text, incoming.scene(), overrides);
