@@ -67,7 +67,7 @@ TEST(Spacing, AMillionPointsTakeNoTimeToSpeakOf) {
     const auto begin = std::chrono::steady_clock::now();
     EXPECT_NEAR(spacing(points), 0.0248f, 0.001f) << "8 = n 4/3 pi r^3 with n = 1e6 / 8";
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    EXPECT_LT(seconds, 10);
+    EXPECT_LT(seconds, 100);
     RecordProperty("seconds", std::to_string(seconds));
 }
 
