@@ -48,11 +48,18 @@ wholePart() { # wholePart PART
     fairness) /usr/bin/python3 tests/network/fairness.py --programs "$release/bin" --out "$out/fairness.md" ;;
     nodes) python3 tests/network/nodes.py --programs "$release/bin" --out "$out/cluster.md" ;;
     soak) python3 tests/network/soak.py --programs "$release/bin" --minutes 10 --out "$out/soak.md" ;;
-    asan | tsan) # each behaviour once: statistics and products of cases show a sanitizer nothing new
+    asan) # each behaviour once: statistics and products of cases show a sanitizer nothing new
         export BRUME_TESTS=''
-        build "$1"
-        runCtest "$1" -LE '^(bench|browser)$' # bench measures, and draws what the others draw; the page was tested
-        underLoad "$1"
+        build asan
+        runCtest asan -LE '^(bench|browser)$' # bench measures, and draws what the others draw; the page was tested
+        underLoad asan
+        ;;
+    tsan) # what has threads of ours besides: these; the driver's are not instrumented
+        export BRUME_TESTS=''
+        build tsan
+        runCtest tsan -L '^(unit|fuzz|net|integration)$' -E '^(plan_test|closed_forms_test)$'
+        runCtest tsan -R '^gpu_tests/(frame_loop|error_meter)_test$'
+        underLoad tsan
         ;;
     bookworm | trixie) BRUME_TESTS='' ./dev fresh "$1" test ;;
     esac
