@@ -7,11 +7,15 @@ namespace brume::test {
 
 struct SessionTest : ServerTest {};
 
-// The code of the next error message.
+// The code of the next error message. Frames before it are acknowledged.
 inline wire::ErrorCode nextError(WsClient& client) {
-    const auto message = client.next<wire::Error>();
-    EXPECT_TRUE(message);
-    return message ? message->parsed->as<wire::Error>()->code() : wire::ErrorCode(0);
+    while (const auto message = client.receive()) {
+        if (!message->parsed) continue;
+        if (const auto* frame = message->parsed->as<wire::Frame>()) client.ack(frame->id());
+        if (const auto* error = message->parsed->as<wire::Error>()) return error->code();
+    }
+    ADD_FAILURE() << "no error came";
+    return wire::ErrorCode(0);
 }
 
 // Acknowledges frames until one answers the pose, and returns it; null if none comes in time.
