@@ -10,6 +10,13 @@
 
 namespace brume::test {
 
+// True: the tests, and the programs that they start, were built with a sanitizer and are many times slower.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
 inline bool whole() {
     const char* layer = std::getenv("BRUME_TESTS");
     return layer && std::string_view(layer) == "whole";

@@ -127,16 +127,16 @@ TEST_F(Record, ARecordingIsBoundedAndTheServerGoesOn) {
         {"--record", file.string(), "--record-limit", "1", "--input-rate", "100000", "--message-rate", "100000"});
     Watcher watcher(server.endpoint());
     watcher.look(kPose);
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (server.process().err().find("the recording is full") == std::string::npos &&
-           std::chrono::steady_clock::now() < deadline) {
-        watcher.session.sendCommand<wire::Set>(
-            [](auto& b) { // a long one: a flood of short ones takes a slow reader long
+    const auto is_full = [&] { return server.process().err().find("the recording is full") != std::string::npos; };
+    for (float exposure = 1; !is_full(); exposure = 3 - exposure) { // 1 and 2 in turn
+        for (int i = 0; i < 10; ++i)                                // some 25 KiB: a tick may take them all
+            watcher.session.sendCommand<wire::Set>([&](auto& b) {
                 std::vector<flatbuffers::Offset<wire::Change>> changes;
-                for (int i = 0; i < 60; ++i) changes.push_back(wire::CreateChangeDirect(b, "render.exposure", 1));
+                for (int j = 0; j < 60; ++j)
+                    changes.push_back(wire::CreateChangeDirect(b, "render.exposure", exposure));
                 return wire::CreateSetDirect(b, &changes);
             });
-        watcher.poll(milliseconds(2));
+        ASSERT_TRUE(watch({&watcher}, [&] { return watcher.exposure == exposure || is_full(); }));
     }
     const size_t frames = watcher.frames.size();
     EXPECT_TRUE(watch({&watcher}, [&] { return watcher.frames.size() >= frames + 3; }));

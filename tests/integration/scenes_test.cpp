@@ -204,7 +204,7 @@ std::string tetrahedra(int count) {
            std::to_string(count) + "\nproperty list uchar int vertex_indices\nend_header\n" + vertices + cells;
 }
 
-constexpr milliseconds kSoon{5000}; // loading takes longer, however slow the machine is
+constexpr milliseconds kSoon{kSanitized ? 20'000 : 5000}; // loading takes longer, however slow the machine is
 
 TEST_F(Scenes, SigtermEndsALoadAtTheStart) {
     write("many.ply", tetrahedra(120'000));

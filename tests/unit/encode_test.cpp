@@ -12,6 +12,7 @@
 
 #include "server/encode/picture_encoder.h"
 #include "server/encode/workers.h"
+#include "tests/layer.h"
 
 namespace brume {
 namespace {
@@ -93,9 +94,7 @@ TEST_F(PictureEncoder, APictureWithoutPixelsIsRefused) {
 
 // Those that were started are stopped: nobody waits for them for ever.
 TEST(EncodeWorkersDeathTest, ThreadsThatCannotBeStartedAreAnError) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "sanitizers need more address space than there is";
-#endif
+    if (test::kSanitized) GTEST_SKIP() << "sanitizers need more address space than there is";
     const auto start = [] {
         ::alarm(20);
         // Two stacks fit, and enough is left for what those two threads need.
