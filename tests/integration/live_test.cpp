@@ -51,6 +51,7 @@ TEST_F(Live, WhatAnOperatorSetsEverybodySees) {
     RunningServer server({"--scene", scene, "--set", "simulation.paused=true"});
     Watcher sender(server.endpoint()), viewer(server.endpoint(), jpeg);
     const std::vector<Watcher*> all{&sender, &viewer};
+    sender.look(kPose); // who looks nowhere for five seconds is sent away
     viewer.look(kPose);
     ASSERT_TRUE(watch(all, [&] { return !viewer.frames.empty() && viewer.last().width == kSmall.width; }));
     const client::Picture empty = pictureOf(viewer.last());
