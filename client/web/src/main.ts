@@ -25,6 +25,7 @@ import { PAUSED, changesBack, valuesOf } from './shared-settings';
 import type { Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
 import type { Viewer } from './viewer';
+import { legendPart } from './views';
 
 const REFRESH_MS = 250;
 const SETTLED_MS = 3000; // after which the rate of pictures is known
@@ -49,7 +50,8 @@ view.addEventListener('statechange', ({ detail: state }) => {
 });
 view.addEventListener('note', ({ detail: { text, kind } }) => notices.note(text, kind));
 view.addEventListener('touched', () => document.body.classList.add('touched'));
-view.addEventListener('picture', ({ detail: { latency } }) => {
+view.addEventListener('picture', ({ detail: { frame, latency } }) => {
+  document.body.style.setProperty('--legend-part', String(legendPart(frame)));
   if (latency) overlay.sample(latency);
   notices.picture();
 });

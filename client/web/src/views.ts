@@ -1,4 +1,6 @@
 // Views of how a picture is made, which the server draws in its place, with a legend.
+import type { Size } from './size';
+
 export const VIEWS = [
   'picture',
   'wasted',
@@ -13,6 +15,15 @@ export const VIEWS = [
 export type View = (typeof VIEWS)[number];
 
 export const viewOf = (text: string | null): View => VIEWS.find((view) => view === text) ?? 'picture';
+
+// Of a legend, in pixels of the picture at its scale of 1: its height with the margin below, and its least width.
+const LEGEND = { height: 44, width: 194, wholeFrom: 360 };
+
+// The part of a picture's height, from below, that a view's legend takes at most.
+export function legendPart({ width, height }: Size): number {
+  const scale = Math.max(1, Math.floor(Math.min(height / LEGEND.wholeFrom, width / LEGEND.width)));
+  return Math.min(1, (LEGEND.height * scale) / height);
+}
 
 // What a view is called, and what it shows in a sentence.
 export const VIEW_TEXTS: Record<View, readonly [name: string, says: string]> = {
