@@ -286,6 +286,20 @@ describe('one server', () => {
     await page.leave();
   });
 
+  test('a notice does not cover the status line', async (t) => {
+    const page = await openPage(t, browser, server.url, { viewport: { width: 900, height: 506 } });
+    await connected(page);
+    await page.locator('#tool-link').click();
+    await page.locator('#toasts .note').waitFor();
+    const apart = await page.evaluate(() => {
+      document.getElementById('status-text').textContent = 'Accuracy reduced: the server is busy';
+      const [brand, notes] = ['brand', 'notes'].map((id) => document.getElementById(id).getBoundingClientRect());
+      return notes.top - brand.bottom;
+    });
+    assert.ok(apart >= 0, `${apart} pixels between them`);
+    await page.leave();
+  });
+
   test('a setting changed in one page is followed by the other’s panel', async (t) => {
     const [one, two] = [await openPage(t, browser, server.url), await openPage(t, browser, server.url)];
     await Promise.all([connected(one), connected(two)]);
