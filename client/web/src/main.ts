@@ -247,6 +247,7 @@ const handles = new Handles(find('handles'), {
     return viewing.shown && viewing.views === 1 && !headset ? { ...viewing.shown, fovY } : undefined;
   },
   lens: () => ({ camera: viewer().camera, fovY: viewer().fovY, height: view.clientHeight }),
+  free: ({ x, y }) => document.elementFromPoint(x, y)?.matches('#view, #handles *') ?? false,
   move: (path, value) => viewer().command({ kind: 'set', changes: [{ path, value }] }),
 });
 const overlay = new Overlay(find('overlay'));
