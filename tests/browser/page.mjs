@@ -138,7 +138,7 @@ describe('one server', () => {
     await rested(page);
     assert.deepEqual(await page.evaluate(() => window.brume.camera), home);
     const back = difference(start, await pixels(page));
-    assert.ok(back < VISIBLE / 4, `the first view again differs by ${back}`);
+    assert.ok(back < VISIBLE / 4, `the first picture again differs by ${back}`);
     await pause(page, false);
     await page.leave();
   });

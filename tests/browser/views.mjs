@@ -50,6 +50,7 @@ describe('how a picture is made', () => {
 
     await page.locator('#tool-panel').click();
     const choice = page.getByRole('combobox', { name: 'View' });
+    assert.doesNotMatch(await page.locator('#bar').innerHTML(), /\bview\b/i, 'the tools name the camera so');
     const seen = {};
     for (const view of ['overdraw', 'depth', 'light']) {
       await choice.selectOption(view);

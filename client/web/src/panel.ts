@@ -54,10 +54,10 @@ const KEYS = [
   ['Arrows', 'orbit or look'],
   ['C', 'orbit or fly'],
   ['X, Ctrl, Alt', 'push while dragging'],
-  ['R', 'first view'],
+  ['R', 'first camera'],
   ['B', 'box and scale'],
   ['P', 'pause for everyone'],
-  ['L', 'copy a link to this view'],
+  ['L', 'copy a link with this camera'],
   ['I · O', 'statistics · settings'],
 ] as const;
 
@@ -137,7 +137,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const open = button('Open PLY…', 'Show a point cloud of yours to everyone; or drop the file here', () =>
     host.openCloud(),
   );
-  const save = button('Save TOML', 'The scene as it is set now, from this view, as a file', () => host.saveScene());
+  const save = button('Save TOML', 'The scene as it is set now, with this camera, as a file', () => host.saveScene());
   const reset = button('Reset all', 'All settings back to what the scene began with', () => host.resetAll());
   reset.disabled = true;
   const doing = el('small', { role: 'status' });
