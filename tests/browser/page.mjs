@@ -241,6 +241,8 @@ describe('one server', () => {
     await method.selectOption('auto');
     await shows(new RegExp(`^auto: ${way.source}`));
     assert.ok(await plan.isVisible());
+    assert.ok(await page.locator('input[type=range]').first().isVisible());
+    assert.equal(await page.getByRole('slider', { name: /^Union/ }).count(), 0, 'this medium is no union of balls');
     await method.selectOption('sphere');
     await shows(/^sphere, error not predicted/); // it has no law of its error
     await method.selectOption(asked);

@@ -189,7 +189,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     },
     follow: (values, inUse, error, changed) => {
       reset.disabled = !changed;
-      for (const one of shared) one.follow(values);
+      for (const one of shared) one.follow(values, inUse);
       setText(plan, planText(values.get('render.method') as string | undefined, inUse));
       const line = error && errorLine(error, inUse);
       setText(measured, line ? `measured ${line.text}` : '');
