@@ -33,6 +33,7 @@ test('a fog is added, changed and removed, and everyone sees it', async (t) => {
   const others = other.group.getByRole('slider', { name: 'Extinction' });
   assert.equal(await extinction.count(), 0, 'there is none yet');
   assert.ok(await group.getByRole('button', { name: 'Remove' }).isDisabled());
+  assert.equal(await group.getByRole('button', { name: 'Add' }).getAttribute('title'), 'Another fog, for everyone');
   await rested(page);
   const bare = await shown(page);
 

@@ -35,5 +35,5 @@ export const VIEW_TEXTS: Record<View, readonly [name: string, says: string]> = {
   depth: ['Optical depth', 'Of the particles in front of what is behind them.'],
   shadow: ['Shadow map', 'The planes of the sun’s shadow map, the one next to the sun first.'],
   light: ['Light', 'The part of the sun’s light that arrives at each particle.'],
-  error: ['Error', 'Of single pixels, measured against an exact picture while your camera rests.'],
+  error: ['Error', 'Of single pixels, measured while your camera rests: at first there are none.'],
 };
