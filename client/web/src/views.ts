@@ -1,4 +1,5 @@
 // Views of how a picture is made, which the server draws in its place, with a legend.
+import type { SettingValue } from './protocol';
 import type { Size } from './size';
 
 export const VIEWS = [
@@ -25,7 +26,7 @@ export function legendPart({ width, height }: Size): number {
   return Math.min(1, (LEGEND.height * scale) / height);
 }
 
-// What a view is called, and what it shows in a sentence.
+// What a view is called, and what it shows in a sentence. Without a sun viewText() says it otherwise.
 export const VIEW_TEXTS: Record<View, readonly [name: string, says: string]> = {
   picture: ['The picture', ''],
   wasted: ['Wasted pixels', 'Of the particles’ tetrahedra on each pixel, the part that adds nothing to it.'],
@@ -37,3 +38,14 @@ export const VIEW_TEXTS: Record<View, readonly [name: string, says: string]> = {
   light: ['Light', 'The part of the sun’s light that arrives at each particle.'],
   error: ['Error', 'Of single pixels, measured while your camera rests: at first there are none.'],
 };
+
+const WITHOUT_SUN: Partial<Record<View, string>> = {
+  shadow: 'No sun shines here. Planes of the shadow map for one from the direction under Light, the next to it first.',
+  light: 'No sun shines here. The part that would arrive at each particle from the direction under Light.',
+};
+
+// What the view shows, in a scene with that irradiance of the sun.
+export function viewText(view: View, irradiance: SettingValue | undefined): string {
+  const dark = Array.isArray(irradiance) && irradiance.every((x) => x === 0);
+  return (dark ? WITHOUT_SUN[view] : undefined) ?? VIEW_TEXTS[view][1];
+}

@@ -1,6 +1,6 @@
-// Views of how a picture is made: the room of their legends.
+// Views of how a picture is made: the room of their legends, and what is said of them.
 import { describe, expect, test } from 'vitest';
-import { legendPart } from '../src/views';
+import { legendPart, viewText } from '../src/views';
 
 describe('a legend', () => {
   test('takes more of a small picture', () => {
@@ -15,5 +15,17 @@ describe('a legend', () => {
 
   test('is no larger than the picture', () => {
     expect(legendPart({ width: 64, height: 36 })).toBe(1);
+  });
+});
+
+describe('what a view shows', () => {
+  test('is of the sun where one shines', () => {
+    expect(viewText('light', [1, 0, 0])).toMatch(/sun’s light that arrives/);
+    expect(viewText('shadow', undefined)).toMatch(/sun’s shadow map/);
+  });
+
+  test('is not of a sun where none shines', () => {
+    for (const view of ['light', 'shadow'] as const) expect(viewText(view, [0, 0, 0])).toMatch(/^No sun shines here/);
+    expect(viewText('depth', [0, 0, 0])).toBe(viewText('depth', [1, 1, 1]));
   });
 });
