@@ -49,14 +49,14 @@ describe('one server', () => {
     await connected(page);
     assert.deepEqual(await cameraOf(page), camera);
     await page.keyboard.press('r');
-    assert.deepEqual(await cameraOf(page), home, 'the first view is still the scene’s');
+    assert.deepEqual(await cameraOf(page), home, 'the first camera is still the scene’s');
     await page.goto(`${server.url}/?eyes=one`);
     await connected(page);
     assert.deepEqual(await cameraOf(page), home);
     await page.leave();
   });
 
-  test('a link opens at the same view, with the viewer’s own settings', async (t) => {
+  test('a link opens with the same camera, and with the viewer’s own settings', async (t) => {
     const page = await openPage(t, browser, server.url, { permissions: ['clipboard-read', 'clipboard-write'] });
     await connected(page);
     await page.keyboard.press('p');
@@ -68,7 +68,7 @@ describe('one server', () => {
     await connected(page);
     await rested(page);
     await page.locator('#tool-link').click();
-    await page.getByText('A link to this view was copied.').waitFor();
+    await page.getByText('A link with this camera was copied.').waitFor();
     const link = await page.evaluate(() => navigator.clipboard.readText());
     assert.equal(page.url(), link);
     assert.match(link, /\?position=[-\d.,]+&target=[-\d.,]+&fov=0\.8&quality=90$/);
@@ -79,7 +79,7 @@ describe('one server', () => {
     for (const key of ['yaw', 'pitch', 'distance']) assert.ok(Math.abs(one[key] - two[key]) < 1e-3, key);
     const off = difference(await pixels(page), await pixels(other));
     assert.ok(off < 0.5, `the pictures differ by ${off}`);
-    // Its first view is the link's.
+    // Its first camera is the link's.
     await drag(other, [0.5, 0.5], [0.3, 0.5]);
     await other.keyboard.press('r');
     assert.deepEqual(await cameraOf(other), two);
@@ -97,7 +97,7 @@ describe('one server', () => {
     await page.leave();
   });
 
-  test('an address that cannot be used is one notice, and the scene’s own view', async (t) => {
+  test('an address that cannot be used is one notice, and the scene’s own camera', async (t) => {
     const page = await openPage(t, browser, server.url);
     await connected(page);
     const home = await cameraOf(page);

@@ -33,6 +33,7 @@ test('a fog is added, changed and removed, and everyone sees it', async (t) => {
   const others = other.group.getByRole('slider', { name: 'Extinction' });
   assert.equal(await extinction.count(), 0, 'there is none yet');
   assert.ok(await group.getByRole('button', { name: 'Remove' }).isDisabled());
+  assert.equal(await group.getByRole('button', { name: 'Add' }).getAttribute('title'), 'Another fog, for everyone');
   await rested(page);
   const bare = await shown(page);
 
@@ -142,6 +143,17 @@ test('a light is dragged in the picture, and the server moves it', async (t) => 
   const stepped = await movedFrom(behind);
   assert.ok(stepped[0] > behind[0], `to the right: ${behind} to ${stepped}`);
   assert.deepEqual(await page.evaluate(() => window.brume.camera), camera, 'the camera stays');
+
+  // Neither the cursor nor keys bring it under the tools, where nobody could take hold of it.
+  const bar = await page.locator('#bar').boundingBox();
+  const onTop = ([x, y]) => page.evaluate((at) => document.elementFromPoint(...at)?.className, [x, y]);
+  const [x, y] = await middle();
+  await dragBy(bar.x + bar.width / 2 - x, bar.y + bar.height / 2 - y);
+  assert.match(await onTop(await middle()), /\bhandle\b/, 'after a drag');
+  for (let i = 0; i < 12; ++i) await handle.press('ArrowDown');
+  assert.match(await onTop(await middle()), /\bhandle\b/, 'after keys');
+  assert.ok((await middle())[1] > y + 20, 'it has come near them');
+  await movedFrom(stepped);
 
   // The others are dots, which choose.
   await page.getByRole('button', { name: `Choose light ${count}` }).click();

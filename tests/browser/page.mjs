@@ -138,7 +138,7 @@ describe('one server', () => {
     await rested(page);
     assert.deepEqual(await page.evaluate(() => window.brume.camera), home);
     const back = difference(start, await pixels(page));
-    assert.ok(back < VISIBLE / 4, `the first view again differs by ${back}`);
+    assert.ok(back < VISIBLE / 4, `the first picture again differs by ${back}`);
     await pause(page, false);
     await page.leave();
   });
@@ -241,6 +241,8 @@ describe('one server', () => {
     await method.selectOption('auto');
     await shows(new RegExp(`^auto: ${way.source}`));
     assert.ok(await plan.isVisible());
+    assert.ok(await page.locator('input[type=range]').first().isVisible());
+    assert.equal(await page.getByRole('slider', { name: /^Union/ }).count(), 0, 'this medium is no union of balls');
     await method.selectOption('sphere');
     await shows(/^sphere, error not predicted/); // it has no law of its error
     await method.selectOption(asked);
@@ -283,6 +285,20 @@ describe('one server', () => {
     });
     assert.deepEqual(cut, { now: false, longest: false, box: false }, 'the line is cut off');
     await page.locator('#measured', { hasText: /^measured [\d.]+ % \([\d.]+–[\d.]+\), promised 0\.5 %$/ }).waitFor();
+    await page.leave();
+  });
+
+  test('a notice does not cover the status line', async (t) => {
+    const page = await openPage(t, browser, server.url, { viewport: { width: 900, height: 506 } });
+    await connected(page);
+    await page.locator('#tool-link').click();
+    await page.locator('#toasts .note').waitFor();
+    const apart = await page.evaluate(() => {
+      document.getElementById('status-text').textContent = 'Accuracy reduced: the server is busy';
+      const [brand, notes] = ['brand', 'notes'].map((id) => document.getElementById(id).getBoundingClientRect());
+      return notes.top - brand.bottom;
+    });
+    assert.ok(apart >= 0, `${apart} pixels between them`);
     await page.leave();
   });
 

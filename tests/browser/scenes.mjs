@@ -137,7 +137,7 @@ describe('what was tuned', () => {
     return before;
   };
 
-  test('is saved as a scene that begins so, from this view', async (t) => {
+  test('is saved as a scene that begins so, with this camera', async (t) => {
     const server = await start(t);
     const page = await openPanel(t, server);
     await tune(page, 'Extinction', extinction);

@@ -50,6 +50,7 @@ describe('how a picture is made', () => {
 
     await page.locator('#tool-panel').click();
     const choice = page.getByRole('combobox', { name: 'View' });
+    assert.doesNotMatch(await page.locator('#bar').innerHTML(), /\bview\b/i, 'the tools name the camera so');
     const seen = {};
     for (const view of ['overdraw', 'depth', 'light']) {
       await choice.selectOption(view);
@@ -74,8 +75,49 @@ describe('how a picture is made', () => {
     await Promise.all([page.leave(), other.leave()]);
   });
 
+  test('the page’s own leaves the legend free, on a phone too', async (t) => {
+    const phone = {
+      viewport: { width: 390, height: 844 },
+      hasTouch: true,
+      isMobile: true,
+    };
+    for (const options of [{ viewport: { width: 1280, height: 720 } }, phone]) {
+      const page = await openPage(t, browser, `${server.url}/?view=depth&box=1&size=480x270`, options);
+      await connected(page);
+      await page.locator('#tool-stats').click();
+      await page.locator('#tool-panel').click();
+      await another(page);
+      const found = await page.evaluate(() => {
+        const { canvas } = document.getElementById('view');
+        const { width, height } = canvas;
+        const copy = new OffscreenCanvas(width, height).getContext('2d');
+        copy.drawImage(canvas, 0, 0);
+        const from = Math.floor(height / 2);
+        const { data } = copy.getImageData(0, from, Math.floor(width / 2), height - from);
+        let first = 0; // white pixel from above: of the title's letters
+        while (first < data.length && Math.min(data[first], data[first + 1], data[first + 2]) < 200) first += 4;
+        const row = from + Math.floor(first / 4 / Math.floor(width / 2));
+        const own = [...document.querySelectorAll('#bar, #hint, #panel, #overlay')].filter((one) => one.offsetHeight);
+        const lowest = Math.max(...own.map((one) => one.getBoundingClientRect().bottom));
+        const drawing = document.getElementById('view').shadowRoot.querySelector('.drawing');
+        const scale = Number.parseFloat(getComputedStyle(drawing).getPropertyValue('--brume-scale-above'));
+        const bar = document.getElementById('bar').getBoundingClientRect();
+        return {
+          legend: (row / height) * innerHeight,
+          lowest,
+          aboveBar: innerHeight - scale - 18 < bar.top,
+        };
+      });
+      assert.ok(found.legend < 840 && found.lowest <= found.legend, JSON.stringify(found));
+      assert.ok(found.aboveBar, 'the scale is above the tools');
+      await page.leave();
+    }
+  });
+
   test('a view in the address is shown, one that is not there is a notice', async (t) => {
-    const page = await openPage(t, browser, `${server.url}/?view=wasted`, { viewport: { width: 640, height: 360 } });
+    const page = await openPage(t, browser, `${server.url}/?view=wasted`, {
+      viewport: { width: 640, height: 360 },
+    });
     await connected(page);
     assert.ok((await ink(page)) > 200, 'its legend is there');
     await page.leave();
@@ -86,7 +128,9 @@ describe('how a picture is made', () => {
   });
 
   test('errors of single pixels collect while the camera rests', async (t) => {
-    const page = await openPage(t, browser, `${server.url}/?view=error`, { viewport: { width: 640, height: 360 } });
+    const page = await openPage(t, browser, `${server.url}/?view=error`, {
+      viewport: { width: 640, height: 360 },
+    });
     await connected(page);
     // A legend with a bar comes with the first pixel.
     await page.waitForFunction(

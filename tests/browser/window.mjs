@@ -149,6 +149,26 @@ describe('the keyboard’s focus', () => {
     await page.leave();
   });
 
+  test('upright as a phone shows tools, settings and statistics side by side, and nothing through them', async (t) => {
+    const page = await openPage(t, browser, server.url, { viewport: { width: 390, height: 844 }, isMobile: true });
+    await connected(page);
+    await page.locator('#tool-stats').click();
+    await page.locator('#tool-panel').click();
+    const seen = await page.evaluate(() => {
+      const parts = ['#brand', '#overlay', '#panel', '#bar'].map((id) => document.querySelector(id));
+      const edges = parts.flatMap((part) => {
+        const { top, bottom } = part.getBoundingClientRect();
+        return [top, bottom];
+      });
+      return { edges, grounds: parts.map((part) => getComputedStyle(part).backgroundColor) };
+    });
+    const down = [...seen.edges].sort((a, b) => a - b);
+    assert.deepEqual(seen.edges, down, 'one below the other');
+    assert.ok(seen.edges[3] - seen.edges[2] > 100, 'the statistics are still to be read');
+    for (const ground of seen.grounds) assert.match(ground, /^rgb\(/, 'opaque');
+    await page.leave();
+  });
+
   test('leaves a field of the panel when the picture is pressed: keys move the camera again', async (t) => {
     const page = await openPage(t, browser, server.url);
     await connected(page);

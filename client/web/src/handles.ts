@@ -10,6 +10,7 @@ export interface HandlesHost {
   handles(): readonly Choosable[]; // that there are now
   eye(): Eye | undefined; // that the picture is of; undefined: it is not one picture of one eye
   lens(): Lens;
+  free(at: Point): boolean; // true: nothing else lies upon the picture there, and it can be taken hold of
   move(path: string, to: Vec3): void; // at most some 20 times a second
 }
 
@@ -28,7 +29,8 @@ class Grip {
   readonly element = el('button', { type: 'button', class: 'handle' });
   private readonly label = el('span', { 'aria-hidden': 'true' });
   private readonly send: (to: Vec3) => void;
-  private last: Point | undefined; // where the cursor that drags it was
+  private last: Point | undefined; // where the cursor that drags it was, when it last moved the handle
+  private seen: Point | undefined; // where it was drawn
   private touchedAt = -Infinity;
   private at: Vec3;
 
@@ -49,8 +51,8 @@ class Grip {
     this.element.addEventListener('pointermove', (event) => {
       const { last } = this;
       if (!last) return;
-      this.last = { x: event.clientX, y: event.clientY };
-      this.step({ x: this.last.x - last.x, y: this.last.y - last.y }, event.shiftKey);
+      const now = { x: event.clientX, y: event.clientY };
+      if (this.step({ x: now.x - last.x, y: now.y - last.y }, event.shiftKey)) this.last = now;
     });
     this.element.addEventListener('lostpointercapture', () => {
       this.last = undefined;
@@ -80,15 +82,22 @@ class Grip {
   // To be called once per animation frame.
   draw(eye: Eye | undefined, width: number, height: number): void {
     const seen = eye && handleAt(this.at, eye, width, height);
+    this.seen = seen;
     if (seen) this.element.style.transform = `translate(${seen.x.toFixed(1)}px, ${seen.y.toFixed(1)}px)`;
     this.element.hidden = !seen && !this.last; // a hidden one would lose the cursor
     setText(this.label, text(this.at));
   }
 
-  private step(step: Point, along: boolean): void {
-    this.at = within(dragged(this.at, this.host.lens(), step, along), this.handle);
+  // False: it stays where it is, since nobody could take hold of it there. One that is lost already may move.
+  private step(step: Point, along: boolean): boolean {
+    const { host, seen } = this;
+    const to = seen && { x: seen.x + step.x, y: seen.y + step.y };
+    if (to && !along && host.free(seen) && !host.free(to)) return false;
+    if (to && !along) this.seen = to; // until it is drawn
+    this.at = within(dragged(this.at, host.lens(), step, along), this.handle);
     this.touchedAt = performance.now();
     this.send(this.at);
+    return true;
   }
 }
 

@@ -2,7 +2,7 @@
 import type { Camera } from './camera';
 import { placeText } from './place';
 
-// The page's address with this view; `more` are further parameters. It has no token.
+// The page's address with this camera; `more` are further parameters. It has no token.
 export function linkTo(page: string, camera: Camera, fov: number, more: readonly [string, string][]): string {
   const address = new URL(page);
   address.hash = '';
@@ -18,8 +18,8 @@ export async function copyLink(camera: Camera, fov: number, more: readonly [stri
   history.replaceState(history.state, '', link);
   try {
     await navigator.clipboard.writeText(link);
-    return 'A link to this view was copied. It is in the address bar, too.';
+    return 'A link with this camera was copied. It is in the address bar, too.';
   } catch {
-    return 'A link to this view is in the address bar: copy it from there.';
+    return 'A link with this camera is in the address bar: copy it from there.';
   }
 }

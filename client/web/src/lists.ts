@@ -29,7 +29,7 @@ const TYPE = 'type';
 const PLACES = ['position', 'centre'];
 // Elements of a list up to which each has a handle; of more, the chosen one alone has.
 const MOST_HANDLES = 128;
-// Radiance that a light adds at the middle of the view, and optical depth of a fog, when they are new.
+// Irradiance that a light adds where the camera looks, and optical depth of a fog, when they are new.
 const NEW_IRRADIANCE = 10; // W/m²
 const NEW_DEPTH = 1.5;
 
@@ -53,7 +53,8 @@ export function elementsOf(list: List, values: readonly number[]): Values[] {
   });
 }
 
-// What a new element begins with, so that it is seen: in the middle of the view, as large as suits its distance.
+// What a new element begins with, so that it is seen: where the camera looks, a light above that, and as large as suits
+// the distance.
 export function beginnings(list: List, camera: Camera): Change[] {
   const [x, y, z] = pivot(camera);
   const size = camera.distance / 4;
@@ -138,7 +139,7 @@ export function listGroup(
   let rows: Row[] = [];
   let rowsAre = ''; // of which element of how many
   const place = el('div', { class: 'setting' });
-  const add = button('Add', `Another ${name}, in the middle of your view`, () => {
+  const add = button('Add', `Another ${name}, for everyone`, () => {
     awaited = true;
     command({ kind: 'add', list: name, changes: beginnings(list, camera()) });
   });

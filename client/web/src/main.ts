@@ -25,6 +25,7 @@ import { PAUSED, changesBack, valuesOf } from './shared-settings';
 import type { Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
 import type { Viewer } from './viewer';
+import { legendPart } from './views';
 
 const REFRESH_MS = 250;
 const SETTLED_MS = 3000; // after which the rate of pictures is known
@@ -49,7 +50,8 @@ view.addEventListener('statechange', ({ detail: state }) => {
 });
 view.addEventListener('note', ({ detail: { text, kind } }) => notices.note(text, kind));
 view.addEventListener('touched', () => document.body.classList.add('touched'));
-view.addEventListener('picture', ({ detail: { latency } }) => {
+view.addEventListener('picture', ({ detail: { frame, latency } }) => {
+  document.body.style.setProperty('--legend-part', String(legendPart(frame)));
   if (latency) overlay.sample(latency);
   notices.picture();
 });
@@ -245,6 +247,7 @@ const handles = new Handles(find('handles'), {
     return viewing.shown && viewing.views === 1 && !headset ? { ...viewing.shown, fovY } : undefined;
   },
   lens: () => ({ camera: viewer().camera, fovY: viewer().fovY, height: view.clientHeight }),
+  free: ({ x, y }) => document.elementFromPoint(x, y)?.matches('#view, #handles *') ?? false,
   move: (path, value) => viewer().command({ kind: 'set', changes: [{ path, value }] }),
 });
 const overlay = new Overlay(find('overlay'));

@@ -85,7 +85,6 @@ export class Notices {
   standstill(why: string | undefined): void {
     const text = why === undefined ? '' : standstillText(why);
     if (text === this.standing.textContent) return;
-    document.body.classList.toggle('standing', text !== '');
     this.standing.replaceChildren(...(text === '' ? [] : [el('p', { class: 'note' }, text)]));
   }
 

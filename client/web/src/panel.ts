@@ -13,10 +13,11 @@ import type { Settings } from './settings';
 import { settingGroups, valuesOf } from './shared-settings';
 import type { SettingGroup, Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
-import { VIEWS, VIEW_TEXTS, viewOf } from './views';
+import { VIEWS, VIEW_TEXTS, viewOf, viewText } from './views';
 import type { View } from './views';
 
 const AUTOMATIC = 'auto'; // of the sizes
+const IRRADIANCE = 'light.irradiance'; // path of the sun's
 
 export interface PanelHost {
   command(command: Command): void;
@@ -54,10 +55,10 @@ const KEYS = [
   ['Arrows', 'orbit or look'],
   ['C', 'orbit or fly'],
   ['X, Ctrl, Alt', 'push while dragging'],
-  ['R', 'first view'],
+  ['R', 'first camera'],
   ['B', 'box and scale'],
   ['P', 'pause for everyone'],
-  ['L', 'copy a link to this view'],
+  ['L', 'copy a link with this camera'],
   ['I · O', 'statistics · settings'],
 ] as const;
 
@@ -131,13 +132,16 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const view = select('View', (value) => host.setView(viewOf(value)));
   view.options(VIEWS.map((value) => ({ value, text: VIEW_TEXTS[value][0] })));
   const viewSays = el('small', { role: 'status' });
+  let irradiance: SettingValue | undefined; // of the sun
+  let viewed: View = chosen.view;
+  const sayView = (): void => setText(viewSays, viewText(viewed, irradiance));
   const box = toggle('Box, scale', (on) => host.setBox(on), 'The medium’s box and a scale in metres (B)');
 
   const scene = select('Scene', (name) => host.showScene(name), 'What everybody sees');
   const open = button('Open PLY…', 'Show a point cloud of yours to everyone; or drop the file here', () =>
     host.openCloud(),
   );
-  const save = button('Save TOML', 'The scene as it is set now, from this view, as a file', () => host.saveScene());
+  const save = button('Save TOML', 'The scene as it is set now, with this camera, as a file', () => host.saveScene());
   const reset = button('Reset all', 'All settings back to what the scene began with', () => host.resetAll());
   reset.disabled = true;
   const doing = el('small', { role: 'status' });
@@ -189,7 +193,9 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     },
     follow: (values, inUse, error, changed) => {
       reset.disabled = !changed;
-      for (const one of shared) one.follow(values);
+      for (const one of shared) one.follow(values, inUse);
+      irradiance = values.get(IRRADIANCE);
+      sayView();
       setText(plan, planText(values.get('render.method') as string | undefined, inUse));
       const line = error && errorLine(error, inUse);
       setText(measured, line ? `measured ${line.text}` : '');
@@ -198,7 +204,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     follows: (own) => {
       box.follow(own.box);
       view.follow(own.view);
-      setText(viewSays, VIEW_TEXTS[own.view][1]);
+      viewed = own.view;
+      sayView();
     },
     lists: (elements) => lists.forEach((list, i) => list.follow(elements[i] ?? [])),
     handles: (age) => (root.hidden ? [] : lists.flatMap((list) => list.handles(age))),

@@ -52,7 +52,7 @@ export function placed(place: Place, own: { position: Vec3; target: Vec3 }): Cam
 const short = (value: number, digits: number): string => String(Number(value.toFixed(digits)));
 const pointText = (point: Vec3): string => point.map((one) => short(one, 4)).join();
 
-// The same view as parameters of an address.
+// The same camera as parameters of an address.
 export const placeText = (camera: Camera, fov: number): [name: string, value: string][] => [
   ['position', pointText(camera.position)],
   ['target', pointText(pivot(camera))],

@@ -3,7 +3,8 @@
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex } from './colour';
 import { el } from './dom';
 import { button, colour, group, select, slider, toggle } from './fields';
-import type { Change, Setting, SettingValue, Vec3 } from './protocol';
+import { mayBeUnion } from './plan';
+import type { Change, Plan, Setting, SettingValue, Vec3 } from './protocol';
 import { atLeast } from './role';
 import type { Role } from './role';
 
@@ -18,10 +19,12 @@ export interface Controls {
 
 export interface SettingGroup {
   element: HTMLDetailsElement;
-  follow(values: Values): void;
+  follow(values: Values, inUse: Plan | undefined): void;
 }
 
 export const PAUSED = 'simulation.paused'; // path of the setting
+const METHOD = 'render.method';
+const OF_UNIONS = 'medium.union_'; // how paths of settings begin that a union of balls alone has
 
 // Ratio of a slider's ends above which it is logarithmic.
 const WIDE = 200;
@@ -187,8 +190,8 @@ export function changesBack(settings: readonly Setting[], values: Values, starts
 }
 
 // The groups of all settings, in the server's order. What `role` may not change is shown, but cannot be used. The
-// settings of one method (table render.NAME) are shown while that method is asked for. `starts`: what the scene began
-// with. `more`: what stands below the settings of a table.
+// settings of one method (table render.NAME) are shown while that method is asked for, those of a union of balls while
+// the medium may be one. `starts`: what the scene began with. `more`: what stands below the settings of a table.
 export function settingGroups(
   settings: readonly Setting[],
   starts: Values,
@@ -222,11 +225,13 @@ export function settingGroups(
     const method = /^render\.(.+)$/.exec(table)?.[1];
     return {
       element,
-      follow: (values) => {
-        if (method !== undefined) element.hidden = values.get('render.method') !== method;
-        for (const { path, follow, allowed, reset } of own) {
+      follow: (values, inUse) => {
+        const asked = values.get(METHOD) as string | undefined;
+        if (method !== undefined) element.hidden = asked !== method;
+        for (const { path, follow, allowed, row, reset } of own) {
           const value = values.get(path);
           if (value !== undefined) follow(value);
+          row.hidden = path.startsWith(OF_UNIONS) && !mayBeUnion(asked, inUse);
           reset.hidden = !allowed || !differs(value, starts.get(path));
         }
       },

@@ -32,7 +32,7 @@ export interface Wishes {
   quality: number; // JPEG, 0 = the server's
   predict: boolean;
   control: 'push' | 'look' | 'none'; // what the mouse, touch and keys may do
-  place: Place; // where the first view is; what it leaves out is the scene's
+  place: Place; // of the first camera; what it leaves out is the scene's
   view: View; // drawn in the picture's place
   box: boolean; // true: the medium's box and a scale are drawn over the picture
 }

@@ -183,7 +183,7 @@ export class Viewer {
     if (!this.link.sendInput(order)) this.events.note('Not connected: that change was not sent.', 'error');
   }
 
-  // The first view, for the shape that the window has now.
+  // The first camera, for the shape that the window has now.
   goHome(): void {
     this.camera = fitAspect(this.home, this.aspect());
   }

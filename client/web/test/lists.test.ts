@@ -36,7 +36,7 @@ describe('elements', () => {
     expect(elementsOf({ ...lights, settings: [] }, [1, 2])).toEqual([]);
   });
 
-  test('that are new stand in the middle of the view', () => {
+  test('that are new stand where the camera looks, lights above that', () => {
     const camera = lookAt([0, 0, 8], [0, 0, 0]);
     const [position, ...others] = beginnings(lights, camera);
     expect(position?.path).toBe('light.position');
