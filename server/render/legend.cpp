@@ -61,7 +61,7 @@ constexpr Legend kAll[kLegends]{
     {gpu::kShowShadow, "OPTICAL DEPTH TO THE SUN, BY PLANES", kDepths},
     {gpu::kShowLight, "SUNLIGHT THAT ARRIVES AT PARTICLES", kParts},
     {gpu::kShowError, "ERROR OF MEASURED PIXELS", kErrors},
-    {gpu::kShowError, "NO PIXEL IS MEASURED: SNAPSHOTS HAVE NONE", {}},
+    {gpu::kShowError, "NO PIXEL IS MEASURED YET", {}},
 };
 
 uint32_t widthOf(std::string_view text) { return text.empty() ? 0 : uint32_t(text.size()) * kAdvance - 1; }
