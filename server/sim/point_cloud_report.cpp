@@ -99,12 +99,25 @@ bool seesAny(const Cloud& cloud) {
     });
 }
 
+// The cloud fills the picture: from the middle of its box in the direction of the scene's camera, as close as every
+// particle's visible part is within nine tenths of the sides of a picture of 4:3.
 SceneCamera cameraOn(const Cloud& cloud) {
     SceneCamera camera = cloud.scene.camera;
     const glm::vec3 direction = glm::normalize(camera.position - camera.target);
-    const float radius = 0.5f * glm::distance(cloud.bounds.lo, cloud.bounds.hi) + cloud.reach();
-    const float distance = radius / std::sin(0.5f * std::min(camera.fov_y, 2.0f));
     camera.target = 0.5f * (cloud.bounds.lo + cloud.bounds.hi);
+    const Pose pose = lookAt(camera.target + direction, camera.target, std::min(camera.fov_y, 2.0f));
+    const Frustum frustum = frustumOf(pose, 4, 3);
+    const glm::mat3 view_from_world = glm::mat3_cast(glm::conjugate(pose.orientation));
+    const float right = 0.9f * frustum.right, up = 0.9f * frustum.up;
+    float distance = 0;
+    for (const gpu::Particle& p : cloud.particles) {
+        const glm::vec3 at = view_from_world * (p.centre - camera.target); // z towards the camera
+        const float reach = kVisibleDeviations * cloud.deviation(p);
+        const auto fits = [&](float across, float tangent) { // from so far its side is within that plane
+            return at.z + (std::abs(across) + reach * std::sqrt(1 + tangent * tangent)) / tangent;
+        };
+        distance = std::max({distance, fits(at.x, right), fits(at.y, up)});
+    }
     camera.position = camera.target + distance * direction;
     for (int i = 0; i < 3; ++i) camera.position[i] = limits::kPlace.clamp(camera.position[i]);
     return camera;

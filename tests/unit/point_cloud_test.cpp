@@ -8,8 +8,10 @@
 #include <numbers>
 #include <string>
 
+#include <glm/gtc/quaternion.hpp>
 #include <gtest/gtest.h>
 
+#include "common/camera.h"
 #include "common/tetrahedra.h"
 #include "tests/unit/simulation_scenes.h"
 
@@ -157,12 +159,26 @@ TEST(PointClouds, AnExtinctionThatTheSceneGivesIsTaken) {
 TEST(PointClouds, ASceneWithoutACameraHasOneThatSeesAll) {
     for (const char* size : {"0.01", "1", "300"}) {
         const std::string far = std::string("-") + size;
-        Scene scene = loadScene(cloudScene("", far + " 0 0\n" + size + " 0 0\n0 " + size + " 0\n", ""));
+        const std::string scale = std::to_string(0.1f * std::stof(size));
+        Scene scene = loadScene(cloudScene("", far + " 0 0\n" + size + " 0 0\n0 " + size + " 0\n",
+                                           "scale = [" + scale + ", " + scale + "]\n"));
         placeCamera(scene);
         const float distance = glm::distance(scene.camera.position, scene.camera.target);
-        EXPECT_GT(distance, 2 * std::stof(size)) << size;
+        EXPECT_GT(distance, std::stof(size)) << size;
         const Simulation simulation(scene);
         EXPECT_TRUE(pointCloudWarnings(scene, simulation).empty()) << size;
+        // The points take nearly all of a picture's width.
+        const Pose pose = lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y);
+        const Frustum frustum = frustumOf(pose, 4, 3);
+        float part = 0;
+        std::vector<gpu::Particle> particles(simulation.liveCount());
+        simulation.write(particles);
+        for (const gpu::Particle& p : particles) {
+            const glm::vec3 at = glm::mat3_cast(glm::conjugate(pose.orientation)) * (p.centre - scene.camera.position);
+            part = std::max({part, std::abs(at.x / at.z) / frustum.right, std::abs(at.y / at.z) / frustum.up});
+        }
+        EXPECT_GT(part, 0.75) << size;
+        EXPECT_LT(part, 0.9) << size;
     }
     Scene own = loadScene(cloudScene("", "0 0 0\n1 0 0\n", "[camera]\nposition = [0, 3, 9]\n"));
     placeCamera(own);
