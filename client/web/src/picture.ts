@@ -29,6 +29,7 @@ export class Picture {
   private waiting: Arrived | undefined;
   private ready: Decoded | undefined;
   private drawn: Decoded | undefined;
+  private last: Frame | undefined; // that was drawn
   private decoding = false;
   private generation = 0;
 
@@ -47,11 +48,16 @@ export class Picture {
     if (!this.decoding) void this.decode();
   }
 
+  // Draws the last frame once more, if no newer one is on its way: what it was drawn on has lost it.
+  again(): void {
+    if (this.last && !this.ready && !this.decoding) this.show(this.last);
+  }
+
   // To be called for a new connection, which numbers its frames from 1. Frames of the old one that were not drawn are
   // forgotten, and no event tells of the others any more.
   clear(): void {
     this.generation += 1;
-    this.waiting = this.drawn = undefined;
+    this.waiting = this.drawn = this.last = undefined;
     close(this.ready);
     this.ready = undefined;
   }
@@ -68,6 +74,7 @@ export class Picture {
     if (!ready) return;
     this.surface.show(ready.bitmaps, ready.frame);
     this.drawn = ready;
+    this.last = ready.frame;
   }
 
   private async decode(): Promise<void> {

@@ -76,7 +76,7 @@ export class Viewer {
     private readonly events: ViewerEvents,
   ) {
     const { canvas, warped, surface } = stage;
-    this.viewing = new Viewing(canvas, warped, this);
+    this.viewing = new Viewing(canvas, warped, this, this.ending.signal);
     this.size = this.viewing.size();
     this.picture = new Picture(this.viewing, {
       presented: (frame, at) => {
@@ -199,6 +199,11 @@ export class Viewer {
   resize(): void {
     const next = this.viewing.size();
     if (next.width !== this.size.width || next.height !== this.size.height) this.size = next;
+  }
+
+  again(): void {
+    this.resize();
+    this.picture.again();
   }
 
   setQuality(quality: number): void {
