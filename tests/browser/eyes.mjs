@@ -40,6 +40,19 @@ const headset = (lean = 0) => `${EMULATOR};
     },
   });
   window.device = device;
+  // A headset that nobody wears has no frames. window.wear(false) takes it off, window.wear(true) puts it on again.
+  const { requestAnimationFrame } = XRSession.prototype;
+  const held = [];
+  XRSession.prototype.requestAnimationFrame = function (step) {
+    if (this.visibilityState === 'hidden') return held.push(step);
+    return requestAnimationFrame.call(this, step);
+  };
+  window.wear = (on) => {
+    const session = device.activeSession;
+    const told = new Promise((done) => session.addEventListener('visibilitychange', done, { once: true }));
+    device.updateVisibilityState(on ? 'visible' : 'hidden');
+    return told.then(() => on && held.splice(0).forEach((step) => session.requestAnimationFrame(step)));
+  };
   // The emulator itself cannot do without what a lost context does not answer.
   const { getParameter } = WebGL2RenderingContext.prototype;
   WebGL2RenderingContext.prototype.getParameter = function (name) {
@@ -324,5 +337,32 @@ test('a lost connection ends the headset’s session', async (t) => {
   server = await startServer('--port', server.port);
   const frames = await page.evaluate(() => window.brume.frames);
   await until(page, 'pictures come again', (b, old) => b.frames > old && b.lastFrame.views === 1, frames);
+  await page.leave();
+});
+
+test('a headset that is taken off, and put on after the connection was lost, goes on', async (t) => {
+  const browser = await startBrowser();
+  t.after(() => browser.close());
+  let server = await startServer();
+  t.after(() => server.stop());
+  const page = await openPage(t, browser, server.url, { script: headset() });
+  await connected(page);
+  await page.locator('#tool-vr').click();
+  await bothEyes(page);
+  const viewers = async () => (await (await fetch(`${server.url}/viewers`)).json()).viewers.length;
+  const session = await page.evaluateHandle(() => window.device.activeSession);
+  await page.evaluate(() => window.wear(false));
+  await server.stop('SIGKILL');
+  await until(page, 'it is reconnecting', (brume) => brume.state === 'reconnecting');
+  await page.waitForTimeout(12_000); // longer than a worn headset's session lasts
+  server = await startServer('--port', server.port);
+  await until(page, 'it is connected again', (brume) => brume.state === 'connected');
+  const viewer = await page.evaluate(() => window.brume.viewer);
+  await page.waitForTimeout(7000); // longer than the server waits for a first pose
+  assert.equal(await viewers(), 1);
+  assert.equal(await page.evaluate(() => window.brume.viewer), viewer, 'it was never disconnected');
+  await page.evaluate(() => window.wear(true));
+  await bothEyes(page);
+  assert.ok(await session.evaluate((old) => window.device.activeSession === old), 'in the same session');
   await page.leave();
 });

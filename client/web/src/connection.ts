@@ -300,8 +300,10 @@ export class Connection {
     }
   }
 
-  // Tries again at once after an interruption, but never cuts short a wait that the server asked for.
-  private hurry(): void {
+  // Tries again at once after an interruption, but never cuts short a wait that the server asked for. The timers of a
+  // page that nobody saw are late: a connection may have died unnoticed.
+  hurry(): void {
+    if (this.socket) this.tick(this.socket);
     if (this.state.name === 'reconnecting' && this.askedWait === 0) this.retryNow();
   }
 

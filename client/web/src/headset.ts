@@ -14,6 +14,7 @@ export interface HeadsetEvents {
   ask(wish: PoseWish): void;
   // Called before each frame of the display: hands the newest picture to show().
   beforeFrame(): void;
+  worn(): void; // it was put on or taken off: `hidden` may have changed
   ended(why: string): void;
 }
 
@@ -21,6 +22,9 @@ export async function headsetSupported(): Promise<boolean> {
   return (await navigator.xr?.isSessionSupported('immersive-vr').catch(() => false)) ?? false;
 }
 
+// A worn headset's session lasts so long without a connection: it cannot begin again by itself, and a headset that was
+// put on has to find its network first.
+const LOST_MS = 10_000;
 const LAYER = { antialias: false, alpha: false, depth: false };
 const reason = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 const vec = (p: DOMPointReadOnly): Vec3 => [p.x, p.y, p.z];
@@ -31,6 +35,7 @@ export class Headset implements Surface {
   drawn = 0;
   asked: PoseWish | undefined;
   private frame: Frame | undefined;
+  private lostAt: number | undefined; // ms, when the connection was lost or the headset put on since
   private why = 'The headset’s session has ended.';
 
   private constructor(
@@ -63,6 +68,11 @@ export class Headset implements Surface {
       const headset = new Headset(session, space, layer, gl, new Warp(gl), place, events, base);
       const ending = new AbortController();
       watchContext(canvas, ending.signal, headset.lose, headset.renew);
+      const worn = (): void => {
+        if (headset.lostAt !== undefined) headset.lostAt = performance.now();
+        events.worn();
+      };
+      session.addEventListener('visibilitychange', worn, { signal: ending.signal });
       session.addEventListener('end', () => {
         ending.abort();
         // Browsers keep some sixteen contexts, and take the page's own when more wait for the garbage collector.
@@ -75,6 +85,16 @@ export class Headset implements Surface {
       await session.end().catch(() => undefined);
       throw new Error(`The headset did not start: ${reason(error)}`);
     }
+  }
+
+  // True while nobody wears it: its display then has no frames.
+  get hidden(): boolean {
+    return this.session.visibilityState === 'hidden';
+  }
+
+  // To be called when the connection is there, and while it is not.
+  linked(connected: boolean): void {
+    this.lostAt = connected ? undefined : (this.lostAt ?? performance.now());
   }
 
   end(why?: string): void {
@@ -110,6 +130,8 @@ export class Headset implements Surface {
   private readonly step = (_: number, now: XRFrame): void => {
     this.session.requestAnimationFrame(this.step);
     this.events.beforeFrame();
+    if (this.lostAt !== undefined && performance.now() - this.lostAt > LOST_MS)
+      this.end('The connection was lost: the headset’s session has ended.');
     const { gl, layer, frame, warp: painter } = this;
     if (!painter) return;
     const pose = now.getViewerPose(this.space);
