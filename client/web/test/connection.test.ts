@@ -1,5 +1,9 @@
+import { Builder } from 'flatbuffers';
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { Connection } from '../src/connection';
+import { Body } from '../src/wire/brume/wire/body';
+import { Goodbye } from '../src/wire/brume/wire/goodbye';
+import { Message } from '../src/wire/brume/wire/message';
 
 let sockets: FakeSocket[] = [];
 
@@ -18,6 +22,13 @@ class FakeSocket {
   close(): void {
     this.closed = true;
   }
+}
+
+function goodbye(goTo: string): ArrayBuffer {
+  const b = new Builder(64);
+  const body = Goodbye.createGoodbye(b, b.createString('updated'), 0, b.createString(goTo));
+  Message.finishSizePrefixedMessageBuffer(b, Message.createMessage(b, Body.Goodbye, body));
+  return b.asUint8Array().slice().buffer as ArrayBuffer;
 }
 
 describe('a connection', () => {
@@ -78,5 +89,20 @@ describe('a connection', () => {
       for (const socket of sockets.slice(0, -1)) socket.closed = true;
     }
     expect(vi.getTimerCount()).toBe(1); // the clock of the newest
+  });
+
+  test('that looks for the next server asks again at every look, and is one connection after that', async () => {
+    vi.stubGlobal('fetch', () => new Promise((done) => setTimeout(() => done(new Response('ok')), 500)));
+    connect();
+    const [first] = sockets;
+    first?.onopen();
+    first?.onmessage({ data: goodbye('http://next.example/') });
+    first?.onclose();
+    await vi.advanceTimersByTimeAsync(150); // it asks there
+    document.dispatchEvent(new Event('visibilitychange'));
+    await vi.advanceTimersByTimeAsync(11_000); // nobody followed
+    expect(told.includes('http://next.example/')).toBe(true);
+    expect(open().length).toBe(1);
+    expect(vi.getTimerCount()).toBe(1);
   });
 });
