@@ -83,7 +83,7 @@ export class Picture {
       const arrived: Arrived = this.waiting;
       this.waiting = undefined;
       try {
-        const bitmaps = await Promise.all(arrived.frame.jpeg.map(toBitmap));
+        const bitmaps = await toBitmaps(arrived.frame);
         this.keep({ ...arrived, bitmaps, decoded: performance.now() });
       } catch (error) {
         console.error(`brume: frame ${arrived.frame.id} is not a picture:`, error);
@@ -112,6 +112,16 @@ const toBitmap = (bytes: Uint8Array<ArrayBuffer>): Promise<ImageBitmap> =>
     colorSpaceConversion: 'none',
     premultiplyAlpha: 'none',
   });
+
+// All or none: the browser itself frees a bitmap late.
+async function toBitmaps({ jpeg }: Frame): Promise<ImageBitmap[]> {
+  const tried = await Promise.allSettled(jpeg.map(toBitmap));
+  const bitmaps = tried.flatMap((one) => (one.status === 'fulfilled' ? [one.value] : []));
+  const failed = tried.find((one) => one.status === 'rejected');
+  if (!failed) return bitmaps;
+  for (const bitmap of bitmaps) bitmap.close();
+  throw failed.reason;
+}
 
 const close = (decoded: Decoded | undefined): void => decoded?.bitmaps.forEach((bitmap) => bitmap.close());
 
