@@ -308,7 +308,7 @@ export class Viewer {
     }
     this.welcome = greeting;
     this.autoSize.begin(defaultCap(greeting.device));
-    this.sent = undefined;
+    this.sent = this.movedAt = undefined;
     this.statistics.reset();
     this.predictor.reset();
     this.picture.clear();
