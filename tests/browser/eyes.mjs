@@ -4,7 +4,20 @@ import { readFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { startDelay } from './delay.mjs';
-import { cameraStill, connected, openPage, pausedIs, rested, screenshotOf, startBrowser, until } from './pages.mjs';
+import {
+  another,
+  cameraStill,
+  connected,
+  deviation,
+  faded,
+  openPage,
+  pausedIs,
+  rested,
+  screenshotOf,
+  shown,
+  startBrowser,
+  until,
+} from './pages.mjs';
 import { startServer } from './server.mjs';
 
 const EMULATOR = readFileSync(fileURLToPath(new URL('node_modules/iwer/build/iwer.min.js', import.meta.url)), 'utf8');
@@ -27,6 +40,24 @@ const headset = (lean = 0) => `${EMULATOR};
     },
   });
   window.device = device;
+  // A headset that nobody wears has no frames. window.wear(false) takes it off, window.wear(true) puts it on again.
+  const { requestAnimationFrame } = XRSession.prototype;
+  const held = [];
+  XRSession.prototype.requestAnimationFrame = function (step) {
+    if (this.visibilityState === 'hidden') return held.push(step);
+    return requestAnimationFrame.call(this, step);
+  };
+  window.wear = (on) => {
+    const session = device.activeSession;
+    const told = new Promise((done) => session.addEventListener('visibilitychange', done, { once: true }));
+    device.updateVisibilityState(on ? 'visible' : 'hidden');
+    return told.then(() => on && held.splice(0).forEach((step) => session.requestAnimationFrame(step)));
+  };
+  // The emulator itself cannot do without what a lost context does not answer.
+  const { getParameter } = WebGL2RenderingContext.prototype;
+  WebGL2RenderingContext.prototype.getParameter = function (name) {
+    return getParameter.call(this, name) ?? (this.isContextLost() ? [0, 0, 0, 0] : null);
+  };
 }`;
 
 // Grey values of the window's left and right half, in rows.
@@ -88,6 +119,24 @@ const bothEyes = (page, more = 5) =>
         drawn + more,
       ),
     );
+
+// Takes the WebGL context of a canvas away, as a browser does whose GPU process ends, and gives it back.
+async function takeContext(page, canvasOf) {
+  const canvas = await page.evaluateHandle(canvasOf);
+  const hears = (event, act) =>
+    page.evaluate(
+      async ([canvas, event, act]) => {
+        window.context ??= canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+        const heard = new Promise((done) => canvas.addEventListener(event, done, { once: true }));
+        window.context[act]();
+        await heard;
+        await new Promise((done) => setTimeout(done)); // an event's own listeners are not through yet
+      },
+      [canvas, event, act],
+    );
+  await hears('webglcontextlost', 'loseContext');
+  return () => hears('webglcontextrestored', 'restoreContext');
+}
 
 describe('two eyes', () => {
   let browser, server;
@@ -203,6 +252,52 @@ describe('two eyes', () => {
     await page.leave();
   });
 
+  for (const query of ['?reproject=plane', '?eyes=side'])
+    test(`a lost graphics context: the page with ${query} shows pictures as they are, then as before`, async (t) => {
+      const page = await openPage(t, browser, `${server.url}/${query}`);
+      await connected(page);
+      await setPaused(page, true); // no new picture would hide that the old one is gone
+      await rested(page);
+      await faded(page);
+      const seen = async (what) => {
+        await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+        await page.waitForTimeout(300); // the last picture is decoded again
+        const spread = deviation(await shown(page));
+        assert.ok(spread > 5, `${what} the picture is nearly uniform: ${spread}`);
+      };
+      const warped = () => page.evaluate(() => !document.getElementById('view').warped.hidden);
+      await seen('before,');
+      assert.ok(await warped());
+      const giveBack = await takeContext(page, () => document.getElementById('view').warped);
+      await seen('without the context,');
+      assert.ok(!(await warped()));
+      await setPaused(page, false);
+      await another(page, 3);
+      await setPaused(page, true);
+      await rested(page);
+      await giveBack();
+      await seen('with the context again,');
+      assert.ok(await warped());
+      await setPaused(page, false);
+      await another(page, 3);
+      await seen('later,');
+      await page.leave();
+    });
+
+  test('a lost graphics context: a headset waits, and draws both eyes again', async (t) => {
+    const page = await enter(t);
+    const canvas = () => document.querySelector('div[data-webxr_runtime] canvas');
+    const giveBack = await takeContext(page, canvas);
+    const { drawn } = await page.evaluate(() => window.brume.headset);
+    await another(page, 3);
+    assert.equal(await page.evaluate(() => window.brume.headset?.drawn), drawn, 'nothing is drawn meanwhile');
+    await giveBack();
+    await bothEyes(page);
+    for (const half of await halves(page, 'div[data-webxr_runtime]'))
+      assert.ok(contrast(half) > 4, `an eye is nearly black: ${contrast(half)}`);
+    await page.leave();
+  });
+
   test('leaving ends it: one picture again, and a line that says so', async (t) => {
     const page = await enter(t);
     await page.evaluate(() => window.device.activeSession.end());
@@ -242,5 +337,32 @@ test('a lost connection ends the headset’s session', async (t) => {
   server = await startServer('--port', server.port);
   const frames = await page.evaluate(() => window.brume.frames);
   await until(page, 'pictures come again', (b, old) => b.frames > old && b.lastFrame.views === 1, frames);
+  await page.leave();
+});
+
+test('a headset that is taken off, and put on after the connection was lost, goes on', async (t) => {
+  const browser = await startBrowser();
+  t.after(() => browser.close());
+  let server = await startServer();
+  t.after(() => server.stop());
+  const page = await openPage(t, browser, server.url, { script: headset() });
+  await connected(page);
+  await page.locator('#tool-vr').click();
+  await bothEyes(page);
+  const viewers = async () => (await (await fetch(`${server.url}/viewers`)).json()).viewers.length;
+  const session = await page.evaluateHandle(() => window.device.activeSession);
+  await page.evaluate(() => window.wear(false));
+  await server.stop('SIGKILL');
+  await until(page, 'it is reconnecting', (brume) => brume.state === 'reconnecting');
+  await page.waitForTimeout(12_000); // longer than a worn headset's session lasts
+  server = await startServer('--port', server.port);
+  await until(page, 'it is connected again', (brume) => brume.state === 'connected');
+  const viewer = await page.evaluate(() => window.brume.viewer);
+  await page.waitForTimeout(7000); // longer than the server waits for a first pose
+  assert.equal(await viewers(), 1);
+  assert.equal(await page.evaluate(() => window.brume.viewer), viewer, 'it was never disconnected');
+  await page.evaluate(() => window.wear(true));
+  await bothEyes(page);
+  assert.ok(await session.evaluate((old) => window.device.activeSession === old), 'in the same session');
   await page.leave();
 });

@@ -349,19 +349,25 @@ test('a page comes back by itself, where it was, when the server restarts', asyn
   await connected(page);
   await drag(page, [0.5, 0.5], [0.7, 0.6]);
   await settled(page);
-  const { camera, frames } = await page.evaluate(() => ({ camera: window.brume.camera, frames: window.brume.frames }));
+  const { frames } = await page.evaluate(() => window.brume);
   const picture = await pixels(page);
 
   assert.equal(await server.stop(), 0, 'the server’s exit');
   await until(page, 'it is reconnecting', (brume) => brume.state === 'reconnecting');
   await page.waitForSelector('[data-state=reconnecting]');
   assert.ok(difference(picture, await pixels(page)) < 20, 'the last picture stays');
+  await drag(page, [0.5, 0.5], [0.4, 0.5]);
+  const { camera } = await page.evaluate(() => window.brume);
+  await page.waitForTimeout(2000);
 
   server = await startServer('--port', server.port);
   await until(page, 'pictures come again', (b, old) => b.state === 'connected' && b.frames > old, frames);
   await page.waitForSelector('[data-state=live]');
   assert.deepEqual(await page.evaluate(() => window.brume.camera), camera);
   await settled(page);
+  await until(page, 'its latency is known', (brume) => brume.latency !== undefined);
+  const { input } = await page.evaluate(() => window.brume.latency[99]);
+  assert.ok(input < 1500, `${input} ms of input, most of which nobody was there to hear`);
   await page.leave();
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });

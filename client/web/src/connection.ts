@@ -98,10 +98,12 @@ export class Connection {
 
   // Moves to another server's page, or connects here again if nobody answers there.
   private async goOn(page: string): Promise<void> {
-    if (await answers(page)) {
-      this.events.moved(page);
-      this.timer = window.setTimeout(() => this.open(), MOVE_MS);
-    } else if (!this.socket && !this.ending.aborted) this.open();
+    const there = await answers(page);
+    if (this.socket || this.ending.aborted) return; // another try has begun meanwhile, or none is wanted
+    if (!there) return this.open();
+    window.clearTimeout(this.timer); // of another that was asked for meanwhile
+    this.timer = window.setTimeout(() => this.open(), MOVE_MS);
+    this.events.moved(page);
   }
 
   get connected(): boolean {
@@ -300,8 +302,10 @@ export class Connection {
     }
   }
 
-  // Tries again at once after an interruption, but never cuts short a wait that the server asked for.
-  private hurry(): void {
+  // Tries again at once after an interruption, but never cuts short a wait that the server asked for. The timers of a
+  // page that nobody saw are late: a connection may have died unnoticed.
+  hurry(): void {
+    if (this.socket) this.tick(this.socket);
     if (this.state.name === 'reconnecting' && this.askedWait === 0) this.retryNow();
   }
 

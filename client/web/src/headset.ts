@@ -8,12 +8,13 @@ import type { Frame, Quat, Vec3 } from './protocol';
 import { requestedSize } from './size';
 import { MARGIN, viewOf } from './viewing';
 import type { PoseWish, ViewingHost } from './viewing';
-import { Warp } from './warp';
+import { Warp, watchContext } from './warp';
 
 export interface HeadsetEvents {
   ask(wish: PoseWish): void;
   // Called before each frame of the display: hands the newest picture to show().
   beforeFrame(): void;
+  worn(): void; // it was put on or taken off: `hidden` may have changed
   ended(why: string): void;
 }
 
@@ -21,6 +22,11 @@ export async function headsetSupported(): Promise<boolean> {
   return (await navigator.xr?.isSessionSupported('immersive-vr').catch(() => false)) ?? false;
 }
 
+// A worn headset's session lasts so long without a connection: it cannot begin again by itself, and a headset that was
+// put on has to find its network first.
+const LOST_MS = 10_000;
+const LAYER = { antialias: false, alpha: false, depth: false };
+const reason = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 const vec = (p: DOMPointReadOnly): Vec3 => [p.x, p.y, p.z];
 const quat = (p: DOMPointReadOnly): Quat => [p.x, p.y, p.z, p.w];
 
@@ -29,14 +35,15 @@ export class Headset implements Surface {
   drawn = 0;
   asked: PoseWish | undefined;
   private frame: Frame | undefined;
+  private lostAt: number | undefined; // ms, when the connection was lost or the headset put on since
   private why = 'The headset’s session has ended.';
 
   private constructor(
     private readonly session: XRSession,
     private readonly space: XRReferenceSpace,
-    private readonly layer: XRWebGLLayer,
+    private layer: XRWebGLLayer,
     private readonly gl: WebGL2RenderingContext,
-    private readonly warp: Warp,
+    private warp: Warp | undefined, // undefined while the graphics context is lost
     private readonly place: ViewingHost,
     private readonly events: HeadsetEvents,
     private readonly base: { position: Vec3; orientation: Quat },
@@ -46,25 +53,48 @@ export class Headset implements Surface {
   // from nothing else. Throws an Error whose message says in one line why there is none.
   static async start(place: ViewingHost, events: HeadsetEvents): Promise<Headset> {
     const session = await navigator.xr?.requestSession('immersive-vr').catch((error: unknown) => {
-      throw new Error(`The headset did not start: ${error instanceof Error ? error.message : String(error)}`);
+      throw new Error(`The headset did not start: ${reason(error)}`);
     });
     if (!session) throw new Error('This browser knows no headsets.');
     try {
-      const gl = document.createElement('canvas').getContext('webgl2', { xrCompatible: true, antialias: false });
+      const canvas = document.createElement('canvas');
+      const gl = canvas.getContext('webgl2', { xrCompatible: true, antialias: false });
       if (!gl) throw new Error('this browser has no WebGL 2');
-      const layer = new XRWebGLLayer(session, gl, { antialias: false, alpha: false, depth: false });
+      const layer = new XRWebGLLayer(session, gl, LAYER);
       await session.updateRenderState({ baseLayer: layer });
       const space = await session.requestReferenceSpace('local');
       const { camera } = place;
       const base = { position: camera.position, orientation: orientation({ ...camera, pitch: 0 }) };
       const headset = new Headset(session, space, layer, gl, new Warp(gl), place, events, base);
-      session.addEventListener('end', () => events.ended(headset.why));
+      const ending = new AbortController();
+      watchContext(canvas, ending.signal, headset.lose, headset.renew);
+      const worn = (): void => {
+        if (headset.lostAt !== undefined) headset.lostAt = performance.now();
+        events.worn();
+      };
+      session.addEventListener('visibilitychange', worn, { signal: ending.signal });
+      session.addEventListener('end', () => {
+        ending.abort();
+        // Browsers keep some sixteen contexts, and take the page's own when more wait for the garbage collector.
+        gl.getExtension('WEBGL_lose_context')?.loseContext();
+        events.ended(headset.why);
+      });
       session.requestAnimationFrame(headset.step);
       return headset;
     } catch (error) {
       await session.end().catch(() => undefined);
-      throw new Error(`The headset did not start: ${error instanceof Error ? error.message : String(error)}`);
+      throw new Error(`The headset did not start: ${reason(error)}`);
     }
+  }
+
+  // True while nobody wears it: its display then has no frames.
+  get hidden(): boolean {
+    return this.session.visibilityState === 'hidden';
+  }
+
+  // To be called when the connection is there, and while it is not.
+  linked(connected: boolean): void {
+    this.lostAt = connected ? undefined : (this.lostAt ?? performance.now());
   }
 
   end(why?: string): void {
@@ -73,29 +103,49 @@ export class Headset implements Surface {
   }
 
   show(bitmaps: ImageBitmap[], frame: Frame): void {
-    if (bitmaps.length === 2) {
+    if (this.warp && bitmaps.length === 2) {
       this.warp.upload(bitmaps);
       this.frame = frame;
     }
     for (const bitmap of bitmaps) bitmap.close();
   }
 
+  private readonly lose = (): void => {
+    this.warp = this.frame = undefined;
+  };
+
+  // The graphics context is back, without what it held. The session's layer belonged to the lost one.
+  private readonly renew = async (): Promise<void> => {
+    try {
+      await this.gl.makeXRCompatible();
+      this.layer = new XRWebGLLayer(this.session, this.gl, LAYER);
+      await this.session.updateRenderState({ baseLayer: this.layer });
+      this.warp = new Warp(this.gl);
+      this.place.again();
+    } catch (error) {
+      this.end(`The headset’s pictures were lost: ${reason(error)}`);
+    }
+  };
+
   private readonly step = (_: number, now: XRFrame): void => {
     this.session.requestAnimationFrame(this.step);
     this.events.beforeFrame();
+    if (this.lostAt !== undefined && performance.now() - this.lostAt > LOST_MS)
+      this.end('The connection was lost: the headset’s session has ended.');
+    const { gl, layer, frame, warp: painter } = this;
+    if (!painter) return;
     const pose = now.getViewerPose(this.space);
     if (!pose) return; // the headset has lost its tracking: the last picture stays
     const eyes = pose.views.filter((view) => view.eye !== 'none').slice(0, 2);
     const shown = (eyes.length > 0 ? eyes : pose.views.slice(0, 1)).map((view) => ({ view, seen: this.inWorld(view) }));
     this.ask(quat(pose.transform.orientation), shown);
-    const { gl, layer, frame } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     gl.clearColor(0, 0, 0, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
     if (!frame) return;
     shown.forEach(({ view, seen }, eye) => {
       const at = layer.getViewport(view);
-      if (at) this.warp.draw(eye, warp(viewOf(frame, eye, 0), seen), at.x, at.y, at.width, at.height);
+      if (at) painter.draw(eye, warp(viewOf(frame, eye, 0), seen), at.x, at.y, at.width, at.height);
     });
     this.drawn += 1;
   };

@@ -29,6 +29,7 @@ export class Picture {
   private waiting: Arrived | undefined;
   private ready: Decoded | undefined;
   private drawn: Decoded | undefined;
+  private last: Frame | undefined; // that was drawn
   private decoding = false;
   private generation = 0;
 
@@ -47,11 +48,16 @@ export class Picture {
     if (!this.decoding) void this.decode();
   }
 
+  // Draws the last frame once more, if no newer one is on its way: what it was drawn on has lost it.
+  again(): void {
+    if (this.last && !this.ready && !this.decoding) this.show(this.last);
+  }
+
   // To be called for a new connection, which numbers its frames from 1. Frames of the old one that were not drawn are
   // forgotten, and no event tells of the others any more.
   clear(): void {
     this.generation += 1;
-    this.waiting = this.drawn = undefined;
+    this.waiting = this.drawn = this.last = undefined;
     close(this.ready);
     this.ready = undefined;
   }
@@ -68,6 +74,7 @@ export class Picture {
     if (!ready) return;
     this.surface.show(ready.bitmaps, ready.frame);
     this.drawn = ready;
+    this.last = ready.frame;
   }
 
   private async decode(): Promise<void> {
@@ -76,7 +83,7 @@ export class Picture {
       const arrived: Arrived = this.waiting;
       this.waiting = undefined;
       try {
-        const bitmaps = await Promise.all(arrived.frame.jpeg.map(toBitmap));
+        const bitmaps = await toBitmaps(arrived.frame);
         this.keep({ ...arrived, bitmaps, decoded: performance.now() });
       } catch (error) {
         console.error(`brume: frame ${arrived.frame.id} is not a picture:`, error);
@@ -105,6 +112,16 @@ const toBitmap = (bytes: Uint8Array<ArrayBuffer>): Promise<ImageBitmap> =>
     colorSpaceConversion: 'none',
     premultiplyAlpha: 'none',
   });
+
+// All or none: the browser itself frees a bitmap late.
+async function toBitmaps({ jpeg }: Frame): Promise<ImageBitmap[]> {
+  const tried = await Promise.allSettled(jpeg.map(toBitmap));
+  const bitmaps = tried.flatMap((one) => (one.status === 'fulfilled' ? [one.value] : []));
+  const failed = tried.find((one) => one.status === 'rejected');
+  if (!failed) return bitmaps;
+  for (const bitmap of bitmaps) bitmap.close();
+  throw failed.reason;
+}
 
 const close = (decoded: Decoded | undefined): void => decoded?.bitmaps.forEach((bitmap) => bitmap.close());
 

@@ -55,6 +55,7 @@ export class Viewer {
   limit = Infinity; // pixels of one eye that the server draws at most, as far as its welcome tells
   private home = this.camera; // the scene's own, or the place
   private push = false;
+  private inSight = true; // the view on the page
   private movedAt: number | undefined; // ms, of the first input since the last pose that was sent
   // The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
   // pose with the same numbers, since the server draws a still picture only once.
@@ -76,7 +77,7 @@ export class Viewer {
     private readonly events: ViewerEvents,
   ) {
     const { canvas, warped, surface } = stage;
-    this.viewing = new Viewing(canvas, warped, this);
+    this.viewing = new Viewing(canvas, warped, this, this.ending.signal);
     this.size = this.viewing.size();
     this.picture = new Picture(this.viewing, {
       presented: (frame, at) => {
@@ -100,8 +101,7 @@ export class Viewer {
         state: (state) => {
           const again = this.linkState === 'connected';
           this.linkState = state.name;
-          if (state.name !== 'connected')
-            this.headset?.end('The connection was lost: the headset’s session has ended.');
+          this.headset?.linked(state.name === 'connected');
           if (state.name === 'connected') this.enter(state.welcome, again);
           events.link(state);
         },
@@ -116,10 +116,10 @@ export class Viewer {
     this.controls = new Controls(surface, stage.keys, this.controlsHost(), pusher, this.ending.signal);
     // The server draws nothing for a page that is hidden, or a view that is scrolled away. Animation frames, which send
     // the other poses, stop in a hidden page, too.
-    this.visibility = new Visibility(() => !this.headset && this.link.connected && this.ask(performance.now()));
+    this.visibility = new Visibility(() => this.link.connected && this.ask(performance.now()));
     watchSight(surface, this.ending.signal, (seen) => {
-      this.statistics.answeredPose = this.link.lastPose; // frames of earlier poses were not presented when they came
-      this.visibility.update(!seen);
+      this.inSight = seen;
+      this.look();
     });
     let settle: number | undefined;
     this.resized = new ResizeObserver(() => {
@@ -201,6 +201,11 @@ export class Viewer {
     if (next.width !== this.size.width || next.height !== this.size.height) this.size = next;
   }
 
+  again(): void {
+    this.resize();
+    this.picture.again();
+  }
+
   setQuality(quality: number): void {
     this.wishes.quality = quality;
     if (this.link.connected) this.link.reopen(); // the quality is part of the hello
@@ -228,6 +233,7 @@ export class Viewer {
             this.statistics.sent(this.link.lastPose, 0);
         },
         beforeFrame: () => this.picture.draw(),
+        worn: () => this.look(),
         ended: (why) => this.useHeadset(undefined, why),
       });
     } catch (error) {
@@ -242,7 +248,15 @@ export class Viewer {
     this.picture.drawOn(headset ?? this.viewing);
     if (why) this.events.note(why, 'info');
     if (this.link.connected) this.link.reopen();
+    this.look();
     this.events.changed();
+  }
+
+  // To be called when somebody has begun or ceased to see the pictures, on the page or in a headset.
+  private look(): void {
+    this.statistics.answeredPose = this.link.lastPose; // frames of earlier poses were not presented when they came
+    this.visibility.update(this.headset?.hidden ?? !this.inSight);
+    this.link.hurry();
   }
 
   private aspect(): number {
@@ -294,7 +308,7 @@ export class Viewer {
     }
     this.welcome = greeting;
     this.autoSize.begin(defaultCap(greeting.device));
-    this.sent = undefined;
+    this.sent = this.movedAt = undefined;
     this.statistics.reset();
     this.predictor.reset();
     this.picture.clear();
@@ -373,8 +387,8 @@ export class Viewer {
     const { camera, size, link } = this;
     const lead = this.wishes.predict ? (this.statistics.average.get()?.total ?? 0) : 0;
     const foreseen = (lead > 0 && this.predictor.predict(lead)) || camera;
-    const wish = this.viewing.wish(foreseen, size);
-    if (!link.sendPose({ ...wish, hidden: this.visibility.hidden })) return;
+    const wish = this.headset?.asked ?? this.viewing.wish(foreseen, size);
+    if (!link.sendPose({ ...wish, view: this.wishes.view, hidden: this.visibility.hidden })) return;
     this.statistics.sent(link.lastPose, this.movedAt === undefined ? 0 : performance.now() - this.movedAt);
     this.movedAt = undefined;
     const numbers = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height];

@@ -10,7 +10,7 @@ import type { Frame, PoseMessage, Vec3 } from './protocol';
 import { requestedSize } from './size';
 import type { Size } from './size';
 import type { View as Made } from './views';
-import { Warp } from './warp';
+import { Warp, watchContext } from './warp';
 
 export type Eyes = 'one' | 'side';
 // off: frames are drawn as they are. rotation: they are turned as the camera has turned since. plane: they also
@@ -49,6 +49,7 @@ export interface ViewingHost {
   readonly fovY: number;
   readonly cap: Size;
   readonly wishes: { readonly view: Made }; // drawn in the picture's place
+  again(): void; // draws the newest picture once more: a graphics context was lost, or is back
 }
 
 export class Viewing implements Surface {
@@ -57,7 +58,7 @@ export class Viewing implements Surface {
   // The pose that the screen shows, and the frame that it was made of.
   shown: { position: Vec3; orientation: View['orientation']; made: Frame } | undefined;
   private readonly flat: Surface;
-  private warp: Warp | undefined;
+  private warp: Warp | undefined; // undefined also while the graphics context is lost
   private gl: WebGL2RenderingContext | undefined;
   private frame: Frame | undefined; // the frame whose pictures are in the textures
 
@@ -65,8 +66,16 @@ export class Viewing implements Surface {
     private readonly canvas: HTMLCanvasElement,
     private readonly warped: HTMLCanvasElement,
     private readonly host: ViewingHost,
+    ending: AbortSignal,
   ) {
     this.flat = flatSurface(canvas);
+    // Meanwhile pictures are drawn as they are.
+    watchContext(
+      warped,
+      ending,
+      () => this.renew(undefined),
+      () => this.renew(this.makeWarp()),
+    );
   }
 
   get views(): 1 | 2 {
@@ -79,7 +88,7 @@ export class Viewing implements Surface {
     if (!plain && !this.prepare()) return false;
     [this.eyes, this.reprojection] = [eyes, reprojection];
     this.frame = undefined;
-    this.warped.hidden = plain;
+    this.warped.hidden = plain || !this.warp;
     return true;
   }
 
@@ -149,24 +158,36 @@ export class Viewing implements Surface {
 
   // True: pictures have a margin that is seen when the camera turns. The legend of a view would lie in it.
   private get grows(): boolean {
-    return this.reprojection !== 'off' && this.host.wishes.view === 'picture';
+    return this.warp !== undefined && this.reprojection !== 'off' && this.host.wishes.view === 'picture';
   }
 
   private aspect(): number {
     return this.canvas.clientWidth / this.views / Math.max(1, this.canvas.clientHeight);
   }
 
+  // Also true while the context is lost: it will be back.
   private prepare(): boolean {
     if (this.warp) return true;
-    const gl = this.warped.getContext('webgl2', { alpha: false, antialias: false, depth: false });
-    if (!gl) return false;
+    this.gl ??= this.warped.getContext('webgl2', { alpha: false, antialias: false, depth: false }) ?? undefined;
+    this.warp = this.makeWarp();
+    return this.warp !== undefined || (this.gl?.isContextLost() ?? false);
+  }
+
+  private makeWarp(): Warp | undefined {
+    if (!this.gl || this.gl.isContextLost()) return undefined;
     try {
-      this.warp = new Warp(gl);
+      return new Warp(this.gl);
     } catch (error) {
       console.error('brume: pictures cannot be warped:', error);
-      return false;
+      return undefined;
     }
-    this.gl = gl;
-    return true;
+  }
+
+  // The context was lost, and what was in it; or is back.
+  private renew(warp: Warp | undefined): void {
+    this.warp = warp;
+    this.frame = undefined;
+    this.warped.hidden = !warp || (this.eyes === 'one' && this.reprojection === 'off');
+    this.host.again();
   }
 }

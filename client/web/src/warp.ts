@@ -21,6 +21,22 @@ void main() {
   colour = vec4(at.z > 0.0 ? texture(picture, at.xy / at.z).rgb : vec3(0.0), 1.0);
 }`;
 
+// Tells of a WebGL context that the browser takes away, and of its return, empty.
+export function watchContext(
+  canvas: HTMLCanvasElement,
+  ending: AbortSignal,
+  lost: () => void,
+  restored: () => void,
+): void {
+  const until = { signal: ending };
+  const taken = (event: Event): void => {
+    event.preventDefault(); // else it would never return
+    lost();
+  };
+  canvas.addEventListener('webglcontextlost', taken, until);
+  canvas.addEventListener('webglcontextrestored', restored, until);
+}
+
 export class Warp {
   private readonly program: WebGLProgram;
   private readonly matrix: WebGLUniformLocation | null;

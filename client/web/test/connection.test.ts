@@ -1,0 +1,108 @@
+import { Builder } from 'flatbuffers';
+import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
+import { Connection } from '../src/connection';
+import { Body } from '../src/wire/brume/wire/body';
+import { Goodbye } from '../src/wire/brume/wire/goodbye';
+import { Message } from '../src/wire/brume/wire/message';
+
+let sockets: FakeSocket[] = [];
+
+class FakeSocket {
+  static readonly OPEN = 1;
+  readyState = 1;
+  bufferedAmount = 0;
+  closed = false;
+  onopen = (): void => undefined;
+  onclose = (): void => undefined;
+  onmessage = (_: unknown): void => undefined;
+  constructor() {
+    sockets.push(this);
+  }
+  send(): void {}
+  close(): void {
+    this.closed = true;
+  }
+}
+
+function goodbye(goTo: string): ArrayBuffer {
+  const b = new Builder(64);
+  const body = Goodbye.createGoodbye(b, b.createString('updated'), 0, b.createString(goTo));
+  Message.finishSizePrefixedMessageBuffer(b, Message.createMessage(b, Body.Goodbye, body));
+  return b.asUint8Array().slice().buffer as ArrayBuffer;
+}
+
+describe('a connection', () => {
+  const told: string[] = [];
+  let ending: AbortController;
+  const connect = (): Connection => {
+    const hello = () => ({ client: 'test', width: 64, height: 64, quality: 0 });
+    const connection = new Connection(
+      'ws://server.example/ws',
+      {
+        hello,
+        state: ({ name }) => told.push(name),
+        message: () => undefined,
+        roundTrip: () => undefined,
+        moved: (page) => told.push(page),
+      },
+      ending.signal,
+    );
+    connection.start();
+    return connection;
+  };
+  const open = (): FakeSocket[] => sockets.filter(({ closed }) => !closed);
+
+  beforeEach(() => {
+    sockets = [];
+    told.length = 0;
+    ending = new AbortController();
+    vi.useFakeTimers();
+    const { setTimeout, clearTimeout, setInterval, clearInterval } = globalThis;
+    vi.stubGlobal('window', Object.assign(new EventTarget(), { setTimeout, clearTimeout, setInterval, clearInterval }));
+    vi.stubGlobal('document', Object.assign(new EventTarget(), { hidden: false }));
+    vi.stubGlobal('WebSocket', FakeSocket);
+  });
+  afterEach(() => {
+    ending.abort();
+    vi.useRealTimers();
+    vi.restoreAllMocks();
+    vi.unstubAllGlobals();
+  });
+
+  test('that died while nobody looked and no timer ran is made anew at the first look', () => {
+    connect();
+    const night = performance.now() + 8 * 3600_000;
+    vi.spyOn(performance, 'now').mockReturnValue(night);
+    document.dispatchEvent(new Event('visibilitychange'));
+    expect(sockets.length).toBe(2);
+    expect(open()).toEqual([sockets[1]]);
+    expect(told).toEqual(['connecting', 'reconnecting', 'reconnecting']);
+  });
+
+  test('that nobody answers is tried all night, and once a second', async () => {
+    vi.stubGlobal('fetch', () => Promise.reject(new Error('nobody is there')));
+    connect();
+    for (let i = 0; i < 1000; ++i) {
+      sockets[i]?.onclose();
+      await vi.advanceTimersByTimeAsync(1000);
+      expect(sockets.length).toBe(i + 2);
+      for (const socket of sockets.slice(0, -1)) socket.closed = true;
+    }
+    expect(vi.getTimerCount()).toBe(1); // the clock of the newest
+  });
+
+  test('that looks for the next server asks again at every look, and is one connection after that', async () => {
+    vi.stubGlobal('fetch', () => new Promise((done) => setTimeout(() => done(new Response('ok')), 500)));
+    connect();
+    const [first] = sockets;
+    first?.onopen();
+    first?.onmessage({ data: goodbye('http://next.example/') });
+    first?.onclose();
+    await vi.advanceTimersByTimeAsync(150); // it asks there
+    document.dispatchEvent(new Event('visibilitychange'));
+    await vi.advanceTimersByTimeAsync(11_000); // nobody followed
+    expect(told.includes('http://next.example/')).toBe(true);
+    expect(open().length).toBe(1);
+    expect(vi.getTimerCount()).toBe(1);
+  });
+});

@@ -1,0 +1,106 @@
+import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
+import { lookAt } from '../src/camera';
+import { Controls } from '../src/controls';
+import type { ControlsHost } from '../src/controls';
+import { Pusher } from '../src/pusher';
+
+const FRAME_S = 1 / 60;
+const SETTLED = 120; // animation frames after which a camera without keys stands
+
+describe('keys', () => {
+  let keyboard: EventTarget;
+  let host: ControlsHost;
+  let controls: Controls;
+  let ending: AbortController;
+
+  beforeEach(() => {
+    ending = new AbortController();
+    keyboard = new EventTarget();
+    vi.stubGlobal('window', keyboard);
+    vi.stubGlobal('HTMLElement', class {});
+    host = {
+      camera: lookAt([0, 0, 10], [0, 0, 0]),
+      fovY: 0.8,
+      mode: 'orbit',
+      mayLook: true,
+      pushing: false,
+      mayPush: true,
+      touched: () => undefined,
+      pushed: () => undefined,
+    };
+    const surface = new EventTarget() as HTMLElement;
+    controls = new Controls(surface, keyboard as Window, host, new Pusher(() => undefined), ending.signal);
+  });
+  afterEach(() => {
+    ending.abort();
+    vi.unstubAllGlobals();
+  });
+
+  const key = (type: 'keydown' | 'keyup', code: string, held: { metaKey?: boolean } = {}): void => {
+    const name = code.replace(/^Key|Left$|Right$/, '');
+    const event = Object.assign(new Event(type, { cancelable: true }), { code, key: name, ...held });
+    keyboard.dispatchEvent(event);
+  };
+  // The camera's distance from where it was before so many animation frames.
+  const moved = (frames: number): number => {
+    const { position } = host.camera;
+    for (let i = 0; i < frames; ++i) controls.update(i * FRAME_S * 1000, FRAME_S);
+    return Math.hypot(...host.camera.position.map((x, k) => x - (position[k] ?? NaN)));
+  };
+
+  test('that are held move the camera, until they are let go', () => {
+    key('keydown', 'KeyS');
+    expect(moved(60)).toBeGreaterThan(1);
+    expect(moved(60)).toBeGreaterThan(1);
+    key('keyup', 'KeyS');
+    moved(SETTLED);
+    expect(moved(60)).toBe(0);
+  });
+
+  for (const command of ['MetaLeft', 'MetaRight'])
+    test(`are let go with ${command}, as macOS tells of none that is let go before it`, () => {
+      key('keydown', 'KeyS');
+      moved(10);
+      key('keydown', command, { metaKey: true });
+      key('keyup', command);
+      moved(SETTLED);
+      expect(moved(60)).toBe(0);
+      key('keydown', 'KeyS');
+      expect(moved(10)).toBeGreaterThan(0);
+    });
+
+  test('that are pressed with Command are the browser’s, and are let go with it', () => {
+    key('keydown', 'MetaLeft', { metaKey: true });
+    key('keydown', 'KeyS', { metaKey: true });
+    expect(moved(10)).toBe(0);
+    key('keyup', 'MetaLeft');
+    expect(moved(10)).toBe(0);
+  });
+
+  test('that are tapped for no time move the camera a step', () => {
+    key('keydown', 'KeyS');
+    key('keyup', 'KeyS');
+    expect(moved(1)).toBeGreaterThan(0);
+    moved(SETTLED);
+    expect(moved(60)).toBe(0);
+    const { yaw } = host.camera;
+    key('keydown', 'ArrowLeft');
+    key('keyup', 'ArrowLeft');
+    moved(1);
+    const turned = host.camera.yaw;
+    expect(turned).not.toBe(yaw);
+    moved(60);
+    expect(host.camera.yaw).toBe(turned);
+  });
+
+  test('are let go when the focus is lost', () => {
+    key('keydown', 'KeyS');
+    key('keydown', 'ArrowLeft');
+    moved(10);
+    keyboard.dispatchEvent(new Event('blur'));
+    moved(SETTLED);
+    const { yaw } = host.camera;
+    expect(moved(60)).toBe(0);
+    expect(host.camera.yaw).toBe(yaw);
+  });
+});
