@@ -39,8 +39,8 @@ HttpReply post(uint16_t port, const std::string& target, const std::string& body
 class Scenes : public testing::Test {
 protected:
     const fs::path folder_ = fs::path(testing::TempDir()) / ("brume-scenes-" + std::to_string(getpid()));
-    Scenes() { fs::create_directories(folder_); }
-    ~Scenes() override { fs::remove_all(folder_); }
+    void SetUp() override { fs::create_directories(folder_); }
+    void TearDown() override { fs::remove_all(folder_); }
 
     std::string clouds() const { return (folder_ / "clouds").string(); }
     fs::path write(const std::string& name, const std::string& text) const {

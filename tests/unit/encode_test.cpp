@@ -46,7 +46,7 @@ TEST(EncodeWorkers, ScratchMemoryIsCountedAndGivenBack) {
     };
     EXPECT_EQ(workers.bytes(), 0u);
     const auto before = encoded();
-    EXPECT_TRUE(becomes([&] { return workers.bytes() >= 2 * 3 * 1920 * 1080; })) << workers.bytes();
+    EXPECT_TRUE(becomes([&] { return workers.bytes() >= size_t{2} * 3 * 1920 * 1080; })) << workers.bytes();
     for (int i = 0; i < 3; ++i) workers.giveBack();
     EXPECT_TRUE(becomes([&] { return workers.bytes() == 0; })) << workers.bytes();
     EXPECT_EQ(encoded(), before);

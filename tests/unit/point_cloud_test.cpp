@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include <fmt/format.h>
 #include <glm/gtc/quaternion.hpp>
 #include <gtest/gtest.h>
 
@@ -159,9 +160,10 @@ TEST(PointClouds, AnExtinctionThatTheSceneGivesIsTaken) {
 TEST(PointClouds, ASceneWithoutACameraHasOneThatSeesAll) {
     for (const char* size : {"0.01", "1", "300"}) {
         const std::string far = std::string("-") + size;
-        const std::string scale = std::to_string(0.1f * std::stof(size));
-        Scene scene = loadScene(cloudScene("", far + " 0 0\n" + size + " 0 0\n0 " + size + " 0\n",
-                                           "scale = [" + scale + ", " + scale + "]\n"));
+        const float scale = 0.1f * std::stof(size);
+        std::string points = far + " 0 0\n";
+        points.append(size).append(" 0 0\n0 ").append(size).append(" 0\n");
+        Scene scene = loadScene(cloudScene("", points, fmt::format("scale = [{0}, {0}]\n", scale)));
         placeCamera(scene);
         const float distance = glm::distance(scene.camera.position, scene.camera.target);
         EXPECT_GT(distance, std::stof(size)) << size;
