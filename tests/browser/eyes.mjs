@@ -164,7 +164,9 @@ describe('two eyes', () => {
   });
 
   test('side by side, each with its own picture', async (t) => {
-    const page = await openPage(t, browser, server.url, { viewport: { width: 800, height: 450 } });
+    const page = await openPage(t, browser, server.url, {
+      viewport: { width: 800, height: 450 },
+    });
     await connected(page);
     await page.locator('#tool-panel').click();
     await page.getByRole('combobox', { name: 'Eyes' }).selectOption('side');
@@ -322,40 +324,46 @@ describe('two eyes', () => {
   });
 });
 
-test('a lost connection ends the headset’s session', async (t) => {
+// A page with a worn headset, and a server of its own.
+async function worn(t) {
   const browser = await startBrowser();
   t.after(() => browser.close());
-  let server = await startServer();
-  t.after(() => server.stop());
-  const page = await openPage(t, browser, server.url, { script: headset() });
-  await connected(page);
-  await page.locator('#tool-vr').click();
-  await bothEyes(page);
+  const world = { server: await startServer() };
+  t.after(() => world.server.stop());
+  world.page = await openPage(t, browser, world.server.url, {
+    script: headset(),
+  });
+  await connected(world.page);
+  await world.page.locator('#tool-vr').click();
+  await bothEyes(world.page);
+  return world;
+}
+
+test('a lost connection ends the headset’s session', async (t) => {
+  const world = await worn(t);
+  const { page, server } = world;
   await server.stop();
   await page.getByText('The connection was lost: the headset’s session has ended.').waitFor();
   assert.equal(await page.evaluate(() => window.brume.headset), undefined);
-  server = await startServer('--port', server.port);
+  world.server = await startServer('--port', server.port);
   const frames = await page.evaluate(() => window.brume.frames);
   await until(page, 'pictures come again', (b, old) => b.frames > old && b.lastFrame.views === 1, frames);
   await page.leave();
 });
 
-test('a headset that is taken off, and put on after the connection was lost, goes on', async (t) => {
-  const browser = await startBrowser();
-  t.after(() => browser.close());
-  let server = await startServer();
-  t.after(() => server.stop());
-  const page = await openPage(t, browser, server.url, { script: headset() });
-  await connected(page);
-  await page.locator('#tool-vr').click();
-  await bothEyes(page);
+const waits = {
+  skip: process.env.BRUME_TESTS !== 'whole' && 'it waits for twenty seconds: BRUME_TESTS=whole',
+};
+test('a headset that is taken off, and put on after the connection was lost, goes on', waits, async (t) => {
+  const world = await worn(t);
+  const { page, server } = world;
   const viewers = async () => (await (await fetch(`${server.url}/viewers`)).json()).viewers.length;
   const session = await page.evaluateHandle(() => window.device.activeSession);
   await page.evaluate(() => window.wear(false));
   await server.stop('SIGKILL');
   await until(page, 'it is reconnecting', (brume) => brume.state === 'reconnecting');
   await page.waitForTimeout(12_000); // longer than a worn headset's session lasts
-  server = await startServer('--port', server.port);
+  world.server = await startServer('--port', server.port);
   await until(page, 'it is connected again', (brume) => brume.state === 'connected');
   const viewer = await page.evaluate(() => window.brume.viewer);
   await page.waitForTimeout(7000); // longer than the server waits for a first pose
