@@ -38,21 +38,35 @@ for (const [scene, query] of [
   }
 }
 
-const server = await startServer('--scene', 'plume', ...FINE);
 const browser = await startBrowser();
+
+// Calls `use` with a page of a server whose column has risen.
+async function risen(settings, use) {
+  const server = await startServer('--scene', 'plume', ...settings);
+  try {
+    const page = await openPage(never, browser, server.url, { viewport: { width: 1200, height: 675 } });
+    await connected(page);
+    await until(page, 'the column has risen', (brume, ticks) => brume.lastFrame.tick >= ticks, PLUME_TICKS, 300_000);
+    await use(page, server);
+    await page.close();
+  } finally {
+    await server.stop();
+  }
+}
+
 try {
-  const page = await openPage(never, browser, server.url, { viewport: { width: 1200, height: 675 } });
-  await connected(page);
-  await until(page, 'the column has risen', (brume, ticks) => brume.lastFrame.tick >= ticks, PLUME_TICKS, 300_000);
-  await page.keyboard.press('p');
-  await until(page, 'paused', pausedIs, true);
-  await snapshot(server, 'plume', 'w=960&h=540');
-  await page.keyboard.press('i');
-  await page.waitForTimeout(4000); // rates of the overlay settle
-  await screenshot(page, 'page');
-  await page.close();
+  await risen(FINE, async (page, server) => {
+    await page.keyboard.press('p');
+    await until(page, 'paused', pausedIs, true);
+    await snapshot(server, 'plume', 'w=960&h=540');
+  });
+  // As people see it: the server's own settings, and the cloud moves.
+  await risen([], async (page) => {
+    await page.keyboard.press('i');
+    await page.waitForTimeout(8000); // rates of the overlay settle
+    await screenshot(page, 'page');
+  });
 } finally {
   for (const end of leave) await end();
   await browser.close();
-  await server.stop();
 }
