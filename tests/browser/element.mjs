@@ -158,6 +158,15 @@ describe('two on one page of another origin', () => {
   });
 });
 
+test('its script comes from the server itself, to a page of an allowed origin', async (t) => {
+  const body = `<script>window.brume = {};</script>
+    <brume-view src="${server.url}/"></brume-view>
+    <script type="module" src="${server.url}/brume-view.js"></script>`;
+  const page = await elsewhere(t, body);
+  await both(page);
+  await page.leave();
+});
+
 test('controls="none" leaves wheel, touch and keys to the page', async (t) => {
   const view = `<brume-view src="${server.url}/" controls="none" style="height: 225px"></brume-view>
     <script type="module" src="/brume-view.js"></script><script>window.brume = {}</script><p style="height: 2000px">`;
