@@ -274,6 +274,7 @@ TEST_F(HttpTest, PicturesThatCannotBeAreToldWhatMayBe) {
                               "target=a,b,c",
                               "position=0,0,0&target=0,0,0",
                               "views=2",
+                              "keep_size=2",
                               "w=100&w=200",
                               "format=gif",
                               "w=%4"})
