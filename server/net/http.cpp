@@ -149,8 +149,8 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
     const std::string_view path = pathOf(request), query = target.substr(std::min(path.size() + 1, target.size()));
 
     const Route* const route = routeOf(path);
-    const std::optional<Role> least = route ? route->least : std::nullopt;
-    if (auto stranger = foreign(request, least.has_value(), context_->options)) {
+    const Role* const least = route && route->least ? &*route->least : nullptr; // null: it shows nothing of the scene
+    if (auto stranger = foreign(request, least != nullptr, context_->options)) {
         context_->metrics.refused(stranger->reason);
         if (!stranger->line.empty())
             context_->log.write(spdlog::level::warn, slot_->network(),
