@@ -32,7 +32,7 @@ TEST_F(Promise, ARowHasTheErrorOfTheWholePictureAndItsSceneCanBeOpened) {
     Case again{.scene = asked.folder / "random-2.toml", .set = {std::begin(kMediumAlone), std::end(kMediumAlone)}};
     again.size = {row["width"].get<uint32_t>(), row["height"].get<uint32_t>()};
     Stage stage(device(), again);
-    EXPECT_EQ(wayText(stage.plan().chosen.settings), row["way"]);
+    EXPECT_EQ(wayText(stage.plan().chosen.settings), row["way"].get<std::string>());
     Truth truth(folder("promise-truth"));
     const MediumError error =
         mediumError(stage.picture(stage.pose(), again.size), truth.of(stage, stage.pose(), again.size), {});
