@@ -74,6 +74,7 @@ freshCommand() {
         mount -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
         ln -s pts/ptmx "$root/dev/ptmx"
         ln -s /proc/self/fd "$root/dev/fd"
+        for i in 0:stdin 1:stdout 2:stderr; do ln -s "/proc/self/fd/${i%:*}" "$root/dev/${i#*:}"; done
         cp /etc/resolv.conf /etc/hosts "$root/etc/" 2>/dev/null || true
         if [[ -n $kept ]]; then
             mount --bind "$kept/apt" "$root/var/cache/apt/archives"
