@@ -172,32 +172,5 @@ TEST_F(ClusterEngine, AnewTheLogBeginsAtTheScenesStart) {
     EXPECT_EQ(a.exposure, 1);
 }
 
-// Two servers that say so outvote one: it loads a snapshot, and ends when that does not help.
-TEST_F(ClusterEngine, AServerThatDiffersLoadsAnewAndThenEnds) {
-    RunningServer server(inCluster(nats, {"--cluster-snapshot", "1"}));
-    const HttpConnection forger(nats.port());
-    forger.send("CONNECT {\"verbose\":false}\r\n");
-    Watcher a(server.endpoint());
-    bool reloaded = false;
-    uint64_t forged = 0;
-    const bool ended = watch({&a}, [&] {
-        const uint64_t next = a.state_tick / 60 * 60 + 60;
-        for (uint64_t tick = next; tick > forged && tick <= next + 120; tick += 60)
-            for (const char* name : {"x", "y"}) {
-                const std::string vote = R"({"is":"here","node":")" + std::string(name) + R"(","tick":)" +
-                                         std::to_string(tick) + R"(,"hash":5,"url":"","load":0.0,"takes":false})";
-                forger.send("PUB brume.cloud.log " + std::to_string(vote.size()) + "\r\n" + vote + "\r\n");
-            }
-        forged = std::max(forged, next);
-        if (server.process().exitCode(milliseconds(0))) return true;
-        reloaded = reloaded || server.process().err().find("loading the shared state anew") != std::string::npos;
-        return false;
-    });
-    ASSERT_TRUE(ended);
-    EXPECT_TRUE(reloaded);
-    EXPECT_GT(*server.process().exitCode(), 0);
-    EXPECT_NE(server.process().err().find("for the second time"), std::string::npos) << server.process().err();
-}
-
 } // namespace
 } // namespace brume::test

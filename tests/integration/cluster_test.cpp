@@ -112,7 +112,7 @@ TEST_F(Cluster, AFullServerSendsViewersToAnother) {
     second.process().signal(SIGTERM); // its port is free, and it comes back with a URL
     ASSERT_TRUE(second.process().exitCode());
     RunningServer named(inCluster(nats, {"--port", std::to_string(second.port()), "--cluster-url", url}));
-    RunningServer full(inCluster(nats, {"--max-viewers", "1"}));
+    RunningServer full(inCluster(nats, {"--max-viewers", "1", "--cluster-hosts", "127.0.0.1"}));
     ASSERT_TRUE(waitFor(full, "nodes", 2));
     Watcher inside(full.endpoint());
     ASSERT_TRUE(watch({&inside}, [&] { return inside.state_tick > 120; })); // the other has said what it has
