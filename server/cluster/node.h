@@ -83,7 +83,7 @@ private:
     static constexpr const char* kRejoins = "this server loads the shared state anew";
 
     const ClusterOptions options_;
-    const Hosts hosts_;
+    const Hosts hosts_{options_.hosts, options_.url};
     Audience& audience_;
 
     mutable std::mutex mutex_; // guards the next five

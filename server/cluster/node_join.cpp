@@ -20,20 +20,20 @@ constexpr milliseconds kWhole{4000}; // for a whole snapshot, besides twice the 
 
 Node::Node(const ClusterOptions& options, const Scene& scene, const std::string& scene_text,
            const std::vector<std::string>& overrides, uint64_t memory, Audience& audience)
-    : options_(options), hosts_(options.hosts, options.url), audience_(audience),
-      engine_(options.engine, [this] { wake(); }), snapshots_(engine_), handover_(
-                                                                            [this](SavedState state) {
-                                                                                const std::scoped_lock lock(mutex_);
-                                                                                saved_ = std::move(state);
-                                                                                woken_.notify_all();
-                                                                            },
-                                                                            [this](uint64_t tick) {
-                                                                                if (tick % kTellEvery != 0) return;
-                                                                                const std::scoped_lock lock(mutex_);
-                                                                                passed_ = tick;
-                                                                                awake_ = true;
-                                                                                woken_.notify_all();
-                                                                            }) {
+    : options_(options), audience_(audience), engine_(options.engine, [this] { wake(); }), snapshots_(engine_),
+      handover_(
+          [this](SavedState state) {
+              const std::scoped_lock lock(mutex_);
+              saved_ = std::move(state);
+              woken_.notify_all();
+          },
+          [this](uint64_t tick) {
+              if (tick % kTellEvery != 0) return;
+              const std::scoped_lock lock(mutex_);
+              passed_ = tick;
+              awake_ = true;
+              woken_.notify_all();
+          }) {
     try {
         Simulation simulation(scene, memory);
         simulation.save(start_);

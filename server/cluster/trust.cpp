@@ -64,8 +64,10 @@ std::string openServer(const EngineOptions& options) {
 Hosts::Hosts(std::string_view listed, std::string_view own) : listed_(listOf(small(listed))), own_(hostOf(own)) {}
 
 bool Hosts::allow(std::string_view url) const {
+    // Browsers leave out control characters, and take a backslash for '/': they would read another host.
+    const bool plain = std::ranges::all_of(url, [](char c) { return c > ' ' && c < 0x7f && c != '@' && c != '\\'; });
     const std::string host = hostOf(url);
-    if (host.empty()) return false;
+    if (!plain || host.empty()) return false;
     if (host == own_ || (isHere(host) && isHere(own_))) return true;
     return std::ranges::any_of(listed_, [&](const std::string& one) {
         return one == host || (one.starts_with("*.") && host.ends_with(one.substr(1)));

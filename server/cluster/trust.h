@@ -24,9 +24,11 @@ std::string openServer(const EngineOptions& options);
 // Hosts that viewers of this server may be sent to.
 class Hosts {
 public:
-    // `listed`: names and addresses, and "*.DOMAIN" for all names below one, divided by commas. Besides these: the host
-    // of `own`, where viewers reach this server, and where `own` is on this machine all names of this machine.
+    // `listed`: names and addresses, and "*.DOMAIN" for all names below one, divided by commas. `own`: where viewers
+    // reach this server; its host is allowed, too. Where that is this machine, so are all names of this machine.
     Hosts(std::string_view listed, std::string_view own);
+    // False, too, for a URL that browsers might read otherwise: with a user, a backslash, or what is no plain
+    // character.
     bool allow(std::string_view url) const;
 
 private:

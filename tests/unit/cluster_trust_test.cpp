@@ -38,7 +38,9 @@ TEST(ClusterTrust, ViewersGoToListedHostsAndToTheOwn) {
         EXPECT_TRUE(hosts.allow(fine)) << fine;
     for (const char* not_fine :
          {"https://evil.example", "https://cloud.example", "https://notcloud.example", "", "http://10.0.0.70",
-          "https://a.example.evil.example", "https://a.example@evil.example", "http://127.0.0.1", "b.example"})
+          "https://a.example.evil.example", "https://a.example@evil.example", "http://127.0.0.1", "b.example",
+          R"(https://evil.example\@a.example)", R"(https://evil.example\.cloud.example)",
+          "https://evil.example/\t@a.example", "https://evil.example\n.cloud.example", "https://x@a.example"})
         EXPECT_FALSE(hosts.allow(not_fine)) << not_fine;
     EXPECT_TRUE(Hosts("", "http://127.0.0.1:8081").allow("http://localhost:8082")) << "several on one machine";
     EXPECT_FALSE(Hosts("", "").allow("http://localhost:8082"));
