@@ -7,6 +7,7 @@ cluster_pids=()
 cluster_folder= # logs and data
 cluster_stop=   # exit code, once a signal has come
 cluster_is_in=  # set once all nodes have been in
+cluster_port=   # of the cloud; the others follow from it
 cluster_node=() # the command of every node, but for its name and ports
 declare -A cluster_again # by name: in SECONDS, when a node that ends is started again
 

@@ -11,7 +11,8 @@ import unittest
 from support import PROGRAMS, ROOT, free_ports
 
 PAGES = [ROOT / 'README.md', *sorted(ROOT.glob('docs/*.md')), *sorted(ROOT.glob('client/*/README.md'))]
-COMMANDS = r'(?:\./dev|curl|ffmpeg|brume-\w+|build/release|docker|kubectl|apt|apt-get|openssl|python3|cut|flatc|xdg-open|vlc)(?=\s|$)'
+COMMANDS = (r'(?:\./dev|curl|ffmpeg|brume-\w+|build/release|docker|kubectl|apt|apt-get|openssl|python3|cut|flatc|'
+            r'xdg-open|vlc)(?=\s|$)')
 # Starts a server in place of the one before, and waits until it answers.
 PRELUDE = r'''
 set -euo pipefail

@@ -75,7 +75,7 @@ TEST_F(Cluster, WhenTheTickerIsKilledAnotherGoesOn) {
     RunningServer& other = &ticker == &second ? *first : second;
     Watcher& left = &ticker == &second ? a : b;
     ticker.process().signal(SIGKILL);
-    ASSERT_TRUE(waitFor(other, "ticker", 1)); // what its viewer has seen may be a second old
+    ASSERT_TRUE(waitFor(other, "ticker", 1)); // its viewer knows it up to a second later
     const uint64_t then = left.state_tick;
     ASSERT_TRUE(watch({&left}, [&] { return left.state_tick > then + 60; }));
     EXPECT_FALSE(firstDifference(a, b));

@@ -86,8 +86,8 @@ export function orbited(at: Vec3, values: Values, seconds: number): Vec3 {
   return [pivot[0] + c * x + s * z, at[1], pivot[2] - s * x + c * z];
 }
 
-// The handle of an element, for who may move it. Fog that is no ball has no place. `age`: the seconds since the elements
-// were told.
+// The handle of an element, for who may move it. Fog that is no ball has no place. `age`: the seconds since the
+// elements were told.
 export function handleOf(
   list: List,
   elements: readonly Values[],
