@@ -59,7 +59,9 @@ constexpr Legend kAll[kLegends]{
     {gpu::kShowDepth, "OF GAUSSIANS: THIS MEDIUM HAS NONE", {}},
     {gpu::kShowDepth, "OPTICAL DEPTH BEFORE SURFACES", kDepths},
     {gpu::kShowShadow, "OPTICAL DEPTH TO THE SUN, BY PLANES", kDepths},
+    {gpu::kShowShadow, "THERE IS NO SUN TO CAST A SHADOW", {}},
     {gpu::kShowLight, "SUNLIGHT THAT ARRIVES AT PARTICLES", kParts},
+    {gpu::kShowLight, "THERE IS NO SUN TO LIGHT PARTICLES", {}},
     {gpu::kShowError, "ERROR OF MEASURED PIXELS", kErrors},
     {gpu::kShowError, "NO PIXEL IS MEASURED YET", {}},
 };

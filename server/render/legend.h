@@ -34,7 +34,9 @@ enum class LegendOf : uint32_t {
     no_gaussians,
     depth,
     shadow,
+    no_sun_shadow,
     light,
+    no_sun_light,
     error,
     no_error
 };

@@ -124,6 +124,7 @@ const gpu::ComputeProgram& Show::programFor(uint32_t show, const SceneFeatures& 
 
 LegendOf Show::legendFor(const ViewGroup& group, const gpu::View& view, uint32_t discs) const {
     if (group.any->shared->features.tetrahedra && isOfGaussians(view.eye.show)) return LegendOf::no_gaussians;
+    const bool sun = group.any->shared->features.sun;
     switch (view.eye.show) {
     case gpu::kShowWasted:
         return LegendOf::wasted;
@@ -137,9 +138,9 @@ LegendOf Show::legendFor(const ViewGroup& group, const gpu::View& view, uint32_t
     case gpu::kShowDepth:
         return LegendOf::depth;
     case gpu::kShowShadow:
-        return LegendOf::shadow;
+        return sun ? LegendOf::shadow : LegendOf::no_sun_shadow;
     case gpu::kShowLight:
-        return LegendOf::light;
+        return sun ? LegendOf::light : LegendOf::no_sun_light;
     default:
         return discs > 0 ? LegendOf::error : LegendOf::no_error;
     }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/light/shadow_volume.h"
+#include "server/render/legend.h"
 #include "shaders/shared/support.h"
 #include "shaders/shared/transmittance.h"
 #include "tests/gpu/light_passes.h"
@@ -112,6 +113,30 @@ TEST_F(ShowTest, DepthIsTheClosedForm) {
             ASSERT_LE(apart(shown.at(x, y), colourOf(gpu::kShowDepth, depth)), kLevels) << x << ' ' << y << ' ' << box;
         });
         EXPECT_GT(deep, 1000u);
+    }
+}
+
+// Views of the sun's light say that there is none, where there is none.
+TEST_F(ShowTest, WithoutASunItsViewsSaySo) {
+    Scene scene = dense(randomPoints(20, 2, 0.5f, 2, 3));
+    for (const bool sun : {true, false}) {
+        scene.lights.front().irradiance = sun ? glm::vec3(3) : glm::vec3(0);
+        for (const auto& [show, legend] : {std::pair(gpu::kShowShadow, LegendOf::no_sun_shadow),
+                                           std::pair(gpu::kShowLight, LegendOf::no_sun_light)}) {
+            const Shown shown = see(scene, show);
+            const LegendPicture drawn = drawLegend(legendOf(legend));
+            size_t ink = 0, found = 0;
+            for (uint32_t y = 0; y < drawn.size.y; ++y)
+                for (uint32_t x = 0; x < drawn.size.x; ++x) {
+                    if (drawn.pixels[y * drawn.size.x + x] != 0xfff0f0f0) continue;
+                    ++ink;
+                    found += apart(shown.at(4 + x, kHeight - 4 - drawn.size.y + y), glm::dvec3(0xf0)) < 30;
+                }
+            if (sun)
+                EXPECT_LT(found, ink / 2) << show;
+            else
+                EXPECT_EQ(found, ink) << show;
+        }
     }
 }
 
