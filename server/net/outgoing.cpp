@@ -147,10 +147,11 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
         const auto starts = packValues(b, shown.starts);
         const auto scenes = packStrings(b, shown.others);
         const auto lists = packLists(b, facts);
+        const auto medium = packText(b, shown.scene.medium.model);
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
                                    float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera,
                                    methods, quadratures, resume, viewer.resumed(), role, settings, starts, scenes,
-                                   lists);
+                                   lists, medium);
     });
 }
 

@@ -243,6 +243,7 @@ describe('one server', () => {
     assert.ok(await plan.isVisible());
     assert.ok(await page.locator('input[type=range]').first().isVisible());
     assert.equal(await page.getByRole('slider', { name: /^Union/ }).count(), 0, 'this medium is no union of balls');
+    assert.ok((await page.getByRole('slider', { name: /^Falloff/ }).count()) > 0, 'but a sum of Gaussians');
     await method.selectOption('sphere');
     await shows(/^sphere, error not predicted/); // it has no law of its error
     await method.selectOption(asked);

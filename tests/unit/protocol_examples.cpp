@@ -163,6 +163,13 @@ std::vector<Example> makeExamples() {
         return CreateWelcomeDirect(b, 3, "brume 0.1.0", "cloud", "llvmpipe", 1280, 720, 1, 60, 2, camera, nullptr,
                                    nullptr, nullptr, false, Role::controller, nullptr, nullptr, nullptr, &lists);
     }));
+    all.push_back(example("welcome_medium", [&](Builder& b) {
+        const Vec3 position(0, 2, 26), target(0, 0.5f, 0);
+        const auto camera = CreateCamera(b, &position, &target, 0.75f);
+        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "cloud", "llvmpipe", 1280, 720, 1, 60, 2, camera, nullptr,
+                                   nullptr, nullptr, false, Role::controller, nullptr, nullptr, nullptr, nullptr,
+                                   "union");
+    }));
     all.push_back(example("scene_state_lists", [&](Builder& b) {
         // A spot and a point, each with its type, place and cone.
         const std::vector<float> lights{1, 1.5f, -2.25f, 26, 0.5f, 0, 0.5f, 0, -1, 0.25f};

@@ -192,6 +192,7 @@ Json of(const Welcome& m) {
     if (m.settings()) out["settings"] = settingsOf(m.settings()); // later than the first examples
     if (m.starts()) out["starts"] = values(*m.starts());
     if (m.scenes()) out["scenes"] = names(m.scenes());
+    if (m.medium()) out["medium"] = m.medium()->str();
     if (m.lists()) {
         out["lists"] = Json::array();
         for (const List* list : *m.lists())

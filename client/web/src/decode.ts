@@ -149,6 +149,7 @@ function decodeWelcome(w: WireWelcome): Welcome {
     starts: toList(w.startsLength(), MAX_SETTINGS, (i) => decodeValue(w.starts(i))),
     scenes: toList(w.scenesLength(), MAX_SCENES, (i) => w.scenes(i)),
     lists: toList(w.listsLength(), MAX_LISTS, (i) => decodeList(w.lists(i))),
+    medium: w.medium() ?? '',
   };
 }
 

@@ -183,7 +183,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       scene.follow(welcome.scene, true);
       scene.element.inert = open.disabled = !operates;
       const starts = valuesOf(welcome.settings, welcome.starts);
-      shared = settingGroups(welcome.settings, starts, welcome.role, send, {
+      shared = settingGroups(welcome.settings, welcome.medium, starts, welcome.role, send, {
         render: [plan, measured],
         simulation: [el('div', { class: 'actions' }, restart), nudges],
       });
@@ -193,7 +193,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     },
     follow: (values, inUse, error, changed) => {
       reset.disabled = !changed;
-      for (const one of shared) one.follow(values, inUse);
+      for (const one of shared) one.follow(values);
       irradiance = values.get(IRRADIANCE);
       sayView();
       setText(plan, planText(values.get('render.method') as string | undefined, inUse));

@@ -15,11 +15,6 @@ export function planText(asked: string | undefined, plan: Plan | undefined): str
   return (asked === 'auto' ? 'auto: ' : '') + words.join(', ');
 }
 
-// True: the medium may be a union of balls. The server does not say so, but what draws one: `sprites`, which draws
-// nothing else, and `tiles` where it is asked for.
-export const mayBeUnion = (asked: string | undefined, plan: Plan | undefined): boolean =>
-  !plan || plan.method === 'sprites' || (plan.method === 'tiles' && asked === 'tiles');
-
 // `broken`: true if the error is larger than promised, by its lower bound.
 export interface ErrorLine {
   text: string;

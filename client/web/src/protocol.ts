@@ -92,6 +92,7 @@ export interface Welcome {
   starts: SettingValue[]; // the scene began with, in the order of settings; empty from older servers
   scenes: string[]; // names of the scenes that an operator can switch to
   lists: List[]; // empty from older servers
+  medium: string; // the scene's medium.model; empty from older servers
 }
 
 // Corners of a box along the axes, m.

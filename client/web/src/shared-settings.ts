@@ -3,8 +3,7 @@
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex } from './colour';
 import { el } from './dom';
 import { button, colour, group, select, slider, toggle } from './fields';
-import { mayBeUnion } from './plan';
-import type { Change, Plan, Setting, SettingValue, Vec3 } from './protocol';
+import type { Change, Setting, SettingValue, Vec3 } from './protocol';
 import { atLeast } from './role';
 import type { Role } from './role';
 
@@ -19,12 +18,18 @@ export interface Controls {
 
 export interface SettingGroup {
   element: HTMLDetailsElement;
-  follow(values: Values, inUse: Plan | undefined): void;
+  follow(values: Values): void;
 }
 
 export const PAUSED = 'simulation.paused'; // path of the setting
 const METHOD = 'render.method';
-const OF_UNIONS = 'medium.union_'; // how paths of settings begin that a union of balls alone has
+// Settings of the medium that mean nothing in a medium of a model. An unknown model has none.
+const IDLE: Readonly<Record<string, readonly string[]>> = {
+  sum: ['medium.union_radius', 'medium.union_extinction'],
+  union: ['medium.extinction', 'medium.falloff'],
+  tetrahedra: ['medium.union_radius', 'medium.union_extinction', 'medium.falloff'],
+};
+export const isIdle = (path: string, medium: string): boolean => IDLE[medium]?.includes(path) ?? false;
 
 // Ratio of a slider's ends above which it is logarithmic.
 const WIDE = 200;
@@ -190,10 +195,12 @@ export function changesBack(settings: readonly Setting[], values: Values, starts
 }
 
 // The groups of all settings, in the server's order. What `role` may not change is shown, but cannot be used. The
-// settings of one method (table render.NAME) are shown while that method is asked for, those of a union of balls while
-// the medium may be one. `starts`: what the scene began with. `more`: what stands below the settings of a table.
+// settings of one method (table render.NAME) are shown while that method is asked for. Those that mean nothing in
+// `medium`, the model of the scene's medium, are not there. `starts`: what the scene began with. `more`: what stands
+// below the settings of a table.
 export function settingGroups(
   settings: readonly Setting[],
+  medium: string,
   starts: Values,
   role: Role,
   send: (path: string, value: SettingValue) => void,
@@ -201,7 +208,7 @@ export function settingGroups(
 ): SettingGroup[] {
   return [...new Set(settings.map(({ path }) => tableOf(path)))].map((table) => {
     const own = settings
-      .filter(({ path }) => tableOf(path) === table)
+      .filter(({ path }) => tableOf(path) === table && !isIdle(path, medium))
       .flatMap((setting) => {
         const controls = controlsOf(setting, (value) => send(setting.path, value));
         if (!controls) return [];
@@ -225,13 +232,12 @@ export function settingGroups(
     const method = /^render\.(.+)$/.exec(table)?.[1];
     return {
       element,
-      follow: (values, inUse) => {
+      follow: (values) => {
         const asked = values.get(METHOD) as string | undefined;
         if (method !== undefined) element.hidden = asked !== method;
         for (const { path, follow, allowed, row, reset } of own) {
           const value = values.get(path);
           if (value !== undefined) follow(value);
-          row.hidden = path.startsWith(OF_UNIONS) && !mayBeUnion(asked, inUse);
           reset.hidden = !allowed || !differs(value, starts.get(path));
         }
       },

@@ -3,7 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { Backoff } from '../src/backoff';
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex, toLinear, toSrgb } from '../src/colour';
 import { LatencyAverage, LatencyWindow, Rate, STAGES, splitLatency } from '../src/latency';
-import { errorLine, mayBeUnion, planText } from '../src/plan';
+import { errorLine, planText } from '../src/plan';
 import type { Command, Vec3 } from '../src/protocol';
 import { Pusher } from '../src/pusher';
 import { SIZE_CAPS, defaultCap, requestedSize } from '../src/size';
@@ -45,14 +45,6 @@ describe('the plan in words', () => {
     expect(planText('auto', { ...plan, relaxed: 2 })).toMatch(/, relaxed 2$/);
     expect(planText('sphere', { ...plan, method: 'sphere', text: '', error: 0.1234 })).toBe('sphere, 12 %');
     expect(planText('sphere', { ...plan, text: 'sphere', error: 1 })).toBe('sphere, error not predicted');
-  });
-
-  test('tells whether the medium may be a union of balls', () => {
-    expect(mayBeUnion('auto', plan)).toBe(false);
-    expect(mayBeUnion('auto', { ...plan, method: 'sprites' })).toBe(true);
-    expect(mayBeUnion('tiles', { ...plan, method: 'tiles' })).toBe(true);
-    expect(mayBeUnion('auto', { ...plan, method: 'tiles' })).toBe(false); // auto's choice for other media alone
-    expect(mayBeUnion('auto', undefined)).toBe(true);
   });
 
   test('is silent where the server is', () => {

@@ -32,11 +32,16 @@ describe('decode', () => {
       settings: [],
       starts: [],
       scenes: [],
+      medium: '',
       lists: [],
       resume: '',
       role: 'operator', // as before there were roles
       camera: present(camera, { position: 'position', target: 'target', fovY: 'fov_y' }),
     });
+  });
+
+  test('the model of the medium', () => {
+    expect(decode(bytesOf('welcome_medium'))).toMatchObject({ medium: 'union' });
   });
 
   test('scene state', () => {

@@ -2,7 +2,7 @@ import { describe, expect, test } from 'vitest';
 import type { Setting } from '../src/protocol';
 import { cloudName } from '../src/scenes';
 import { sentence } from '../src/sentence';
-import { changesBack, valuesOf } from '../src/shared-settings';
+import { changesBack, isIdle, valuesOf } from '../src/shared-settings';
 
 test('a line of the server is a sentence, and names keep their letters', () => {
   expect(sentence('every place is taken')).toBe('Every place is taken.');
@@ -44,4 +44,13 @@ describe('back to what the scene began with', () => {
     expect(changesBack(settings, starts, starts, 'operator')).toEqual([]);
     expect(changesBack(settings, now, new Map(), 'operator')).toEqual([]);
   });
+});
+
+test('settings are shown for the media that they mean something in', () => {
+  const paths = ['medium.extinction', 'medium.falloff', 'medium.union_radius', 'medium.union_extinction'];
+  const shown = (medium: string) => paths.filter((path) => !isIdle(path, medium));
+  expect(shown('sum')).toEqual(['medium.extinction', 'medium.falloff']);
+  expect(shown('union')).toEqual(['medium.union_radius', 'medium.union_extinction']);
+  expect(shown('tetrahedra')).toEqual(['medium.extinction']);
+  expect(shown('')).toEqual(paths); // servers that do not tell it
 });
