@@ -65,7 +65,8 @@ wholePart() { # wholePart PART
     esac
 }
 
-# The table of all parts: verdicts for these sources, and where there is none what the page has said so far.
+# The table of all parts: verdicts for these sources, and where there is none what the page has said so far. What
+# people have written below the table stays.
 wholeTable() { # wholeTable SOURCES BEFORE
     local part verdict seconds day commit row
     printf '# Everything, once\n\n`./dev test whole` on %s. Each part has the commit that it was run for.\n\n' \
@@ -79,6 +80,7 @@ wholeTable() { # wholeTable SOURCES BEFORE
         fi
         printf '%s\n' "${row:-| $part | not run | | | |}"
     done
+    awk '/^\|/ { said = ""; next } { said = said $0 "\n" } END { printf "%s", said }' <<<"$2" # below the table
 }
 
 commandWhole() { # [PART...]
