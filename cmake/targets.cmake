@@ -6,12 +6,14 @@ target_include_directories(brume_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-missing-field-initializers
                                              -ffp-contract=off)
 target_compile_definitions(brume_flags INTERFACE BRUME_VERSION="${PROJECT_VERSION}")
-# GCC warns without cause about instrumented code, and its manual advises against -Werror there. Warnings are errors in
-# the other builds.
+# Clang compiles instrumented code in less than half the time that GCC takes. Clang 14 cannot check the types of called
+# functions (-fsanitize=function) where there are coroutines. A test's own operator new comes before the sanitizer's
+# (-z muldefs). Warnings are errors in the other builds.
 if(BRUME_SANITIZE)
-  target_compile_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all
-                                               -fno-omit-frame-pointer -Wno-error)
-  target_link_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE})
+  target_compile_options(brume_flags INTERFACE -O1 -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all
+                                               -fno-omit-frame-pointer -Wno-error
+                                               $<$<CXX_COMPILER_ID:Clang>:-fno-sanitize=function>)
+  target_link_options(brume_flags INTERFACE -fsanitize=${BRUME_SANITIZE} -Wl,-z,muldefs)
 endif()
 
 # Several sources of a target as one: what they include is read once, and templates are made once. That takes a third of
