@@ -8,8 +8,9 @@ target_compile_options(brume_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -
 target_compile_definitions(brume_flags INTERFACE BRUME_VERSION="${PROJECT_VERSION}")
 # Clang compiles instrumented code in less than half the time that GCC takes. Clang 14 cannot check the types of called
 # functions (-fsanitize=function) where there are coroutines. A test's own operator new comes before the sanitizer's
-# (-z muldefs). Warnings are errors in the other builds.
+# (-z muldefs). Warnings are errors in the other builds. BRUME_SANITIZED tells sources, whichever compiler it is.
 if(BRUME_SANITIZE)
+  target_compile_definitions(brume_flags INTERFACE BRUME_SANITIZED)
   target_compile_options(brume_flags INTERFACE -O1 -fsanitize=${BRUME_SANITIZE} -fno-sanitize-recover=all
                                                -fno-omit-frame-pointer -Wno-error
                                                $<$<CXX_COMPILER_ID:Clang>:-fno-sanitize=function>)

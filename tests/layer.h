@@ -11,7 +11,7 @@
 namespace brume::test {
 
 // True: the tests, and the programs that they start, were built with a sanitizer and are many times slower.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(BRUME_SANITIZED)
 inline constexpr bool kSanitized = true;
 #else
 inline constexpr bool kSanitized = false;

@@ -9,13 +9,7 @@
 
 // One copy of a loop for AVX2 and one for any x86-64, chosen at start. Neither contracts nor reorders, so both give the
 // same bits. Not under sanitizers: the choice is made before their run-time is up.
-#if defined(__has_feature)
-#define BRUME_HAS_FEATURE(x) __has_feature(x)
-#else
-#define BRUME_HAS_FEATURE(x) 0
-#endif
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) &&            \
-    !defined(__SANITIZE_THREAD__) && !BRUME_HAS_FEATURE(address_sanitizer) && !BRUME_HAS_FEATURE(thread_sanitizer)
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__OPTIMIZE__) && !defined(BRUME_SANITIZED)
 #define BRUME_CLONES __attribute__((target_clones("avx2", "default")))
 #else
 #define BRUME_CLONES
